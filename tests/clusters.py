@@ -10,7 +10,7 @@ _ATTEMPTS = 3
 
 
 def local_cluster(**options):
-    """Start a cluster, again where the machine was too busy for Dask's own ten seconds."""
+    """Start a cluster; try again if the machine is too busy for Dask's limit of ten seconds."""
     distributed = pytest.importorskip("distributed")
     options = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", **options}
     for _ in range(_ATTEMPTS - 1):

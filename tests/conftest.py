@@ -13,17 +13,17 @@ from pathlib import Path
 import hypothesis
 import pytest
 
-# Blender reads these once, while bpy is being imported; no test module may have done that before.
+# Blender reads these while bpy is imported, so no test module may have imported it before.
 for variable in [name for name in os.environ if name.startswith(("BLENDER_USER_", "BLENDER_SYSTEM_"))]:
     del os.environ[variable]
 _USER_RESOURCES = tempfile.mkdtemp(prefix="convwass-tests-")
 os.environ["BLENDER_USER_RESOURCES"] = _USER_RESOURCES
 
 if "PYTEST_XDIST_WORKER" in os.environ:
-    # Several processes share the machine; NumPy's BLAS reads this while it is being imported.
+    # Several processes share the machine; NumPy's BLAS reads this at import.
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-# Tests run on loaded machines too: no test fails for being slow.
+# Tests also run on loaded machines: no test fails for being slow.
 hypothesis.settings.register_profile("convwass", deadline=None)
 hypothesis.settings.load_profile("convwass")
 
@@ -68,9 +68,9 @@ def registered_addon():
 
 @pytest.fixture
 def empty_scene(registered_addon):
-    """Blender with factory settings, the add-on registered and nothing in the scene; returns that scene.
+    """Blender with factory settings, the add-on registered and an empty scene; returns the scene.
 
-    Only the file is new: loading the preferences too would register Blender's own add-ons again, for every test.
+    Only the file is new: loading the preferences would also register Blender's own add-ons, once per test.
     """
     import bpy
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Long work in tests: controls that stop it where a test wants it, and all that it reports."""
+"""Controls that stop long work at a given point, and recorders of its reports."""
 
 from __future__ import annotations
 
@@ -15,12 +15,12 @@ Result = TypeVar("Result")
 
 
 class CountingControl(Control):
-    """Counts its checks, of all threads together.
+    """Counts its checks, over all threads.
 
     Parameters
     ----------
     last : int, optional
-        The number of the check that ends the work.
+        Number of the check that ends the work.
     """
 
     def __init__(self, last: int | None = None) -> None:
@@ -36,7 +36,7 @@ class CountingControl(Control):
 
 
 class ConditionalControl(Control):
-    """Ends the work at the first check at which a condition holds."""
+    """Ends the work at the first check where a condition holds."""
 
     def __init__(self, ends: Callable[[], object]) -> None:
         super().__init__()
@@ -57,14 +57,14 @@ def cancelled_control() -> Control:
 
 @dataclass(frozen=True)
 class Recorded(Generic[Result]):
-    """What long work has reported, and its result."""
+    """The reports of long work, and its result."""
 
     reports: list[Progress[Any]]
     result: Result
 
 
 def recorded(work: Work[Result]) -> Recorded[Result]:
-    """Do the work and return all of its reports with its result."""
+    """Do the work; return all its reports and its result."""
     reports = []
     while True:
         try:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat sheets, symmetric figures and bars of triangles, of any fineness."""
+"""Flat sheets, symmetric figures and bars of triangles, with any resolution."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 
 def sheet(columns, rows, size=(1.0, 1.0)):
-    """A flat rectangle of right-angled triangles, with so many vertices along either side."""
+    """A flat rectangle of right-angled triangles, with the given numbers of vertices along its sides."""
     x, y = np.meshgrid(np.linspace(0, size[0], columns), np.linspace(0, size[1], rows), indexing="ij")
     corner = np.arange(columns * rows).reshape(columns, rows)
     a, b, c, d = (part.ravel() for part in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]))
@@ -20,9 +20,9 @@ def sheet(columns, rows, size=(1.0, 1.0)):
 
 
 def figure(cells=6):
-    """A body with a head, two arms, two legs and a tail, and the vertex that mirrors each of its vertices.
+    """A body with a head, two arms, two legs and a tail; and the index of every vertex's mirror image.
 
-    It is exactly symmetric in x; back and front, above and below differ.
+    It is exactly symmetric in x, but not in the other directions.
     """
     directions, faces = _cube_sphere(cells)
     bumps = [((0.0, 0.15, 1.0), 0.7, 9.0), ((0.9, 0.1, 0.35), 1.0, 14.0), ((0.45, -0.1, -0.9), 0.9, 14.0)]
@@ -37,7 +37,7 @@ def figure(cells=6):
 
 
 def _cube_sphere(cells):
-    """Directions to the vertices of a cube's squares and to their middles, and triangles around the latter."""
+    """Directions to the vertices and centers of a subdivided cube's squares, and triangles around the centers."""
     ticks = np.tan(np.linspace(-np.pi / 4, np.pi / 4, cells + 1))
     middles = np.tan((np.arange(cells) + 0.5) / cells * np.pi / 2 - np.pi / 4)
     points, faces = [], []

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Matrix products and factorizations that NumPy does itself: slow where it has no BLAS, as in builds of Blender.
+"""Matrix products and factorizations computed by NumPy: slow where it has no BLAS, as in Blender's builds.
 
-Imports nothing of the project or of pytest: sessions of an installed extension use it too.
+Imports neither the project nor pytest, because sessions of an installed extension use it, too.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ from unittest.mock import patch
 
 import numpy as np
 
-# Multiplications from which on a product is large, and the side from which on BLAS knows better than a loop: products
-# with a matrix of three columns are as quick without it.
+# Products with more multiplications are large, unless one side is short: with a matrix of three columns, for example,
+# BLAS is no faster than a loop.
 _MULTIPLICATIONS = 100_000
 _SIDE = 8
-# Sides from which on a factorization is large.
+# Factorizations of larger matrices are large.
 _FACTORIZED = 40
 
-# Where CPython keeps what the operator @ does: PyTypeObject.tp_as_number, PyNumberMethods.nb_matrix_multiply.
+# Slot of the operator @ in CPython's types: PyTypeObject.tp_as_number, PyNumberMethods.nb_matrix_multiply.
 _AS_NUMBER, _MATRIX_MULTIPLY = 12, 34
 _BINARY = ctypes.PYFUNCTYPE(ctypes.py_object, ctypes.py_object, ctypes.py_object)
 
@@ -32,12 +32,12 @@ _FACTORIZATIONS = ("cholesky", "det", "eig", "eigh", "eigvals", "eigvalsh", "inv
 
 @contextmanager
 def noted_products() -> Iterator[list[str]]:
-    """Note every large product that NumPy is asked for, and where.
+    """Record every large product that NumPy computes, and where.
 
     Yields
     ------
     list of str
-        Grows meanwhile: what was asked for, and the line of the package that did.
+        Grows during the work: the operation and the line of the package that called it.
     """
     noted: list[str] = []
 
@@ -62,7 +62,7 @@ def noted_products() -> Iterator[list[str]]:
 
 
 def is_large_product(left: tuple[int, ...], right: tuple[int, ...]) -> bool:
-    """Tell whether a product of arrays of these shapes is one for BLAS."""
+    """Tell whether a product of arrays with these shapes should use BLAS."""
     if len(left) < 2 or len(right) < 2:
         return False
     rows, inner, columns = left[-2], left[-1], right[-1]
@@ -80,7 +80,7 @@ def _before(function: Callable, note: Callable) -> Callable:
 
 def _folding(note: Callable, name: str) -> Callable:
     def noting(*arguments: object, optimize: object = False, **_options: object) -> None:
-        # Without optimization einsum is a loop of its own anywhere.
+        # Without optimization, einsum never uses BLAS.
         shapes = [np.shape(one) for one in arguments if isinstance(one, np.ndarray)]
         is_product = name == "tensordot" or bool(optimize)
         if is_product and len(shapes) == 2 and all(min(shape, default=0) >= _SIDE for shape in shapes):
@@ -100,7 +100,7 @@ def _factorizing(note: Callable, name: str) -> Callable:
 
 @contextmanager
 def _operator_noted(note: Callable[[object, object], None]) -> Iterator[None]:
-    """Have a note taken before every ``array @ array``, which no Python function of NumPy's sees."""
+    """Record every ``array @ array``, which calls no Python function of NumPy."""
     slots = ctypes.cast(id(np.ndarray), ctypes.POINTER(ctypes.c_void_p))[_AS_NUMBER]
     numbers = ctypes.cast(slots, ctypes.POINTER(ctypes.c_void_p))
     address = numbers[_MATRIX_MULTIPLY]

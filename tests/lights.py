@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials, worlds and skies for the tests of light."""
+"""Materials, worlds and skies for the tests of materials and skies."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from convwass_addon.transport.sphere import directions, solid_angles
 
 
 def principled(name, roughness, **values):
-    """Make a metal; values are inputs of the Principled BSDF with low lines for spaces."""
+    """Make a metal; `values` are inputs of the Principled BSDF with underscores for spaces."""
     material = bpy.data.materials.new(name)
     if material.node_tree is None:
         material.use_nodes = True
@@ -45,7 +45,7 @@ def only(material, kind):
 
 
 def sky(sun, rows=64, color=(1.0, 0.8, 0.5)):
-    """Return an even blue sky with a glow and a sun of one pixel, (rows, 2 rows, 3)."""
+    """Return a uniform blue sky with a glow and a sun of one pixel, (rows, 2 rows, 3)."""
     vectors = directions(rows, 2 * rows)
     sun = np.asarray(sun) / np.linalg.norm(sun)
     image = np.full((rows, 2 * rows, 3), (0.2, 0.3, 0.5)) + 2.0 * np.exp(8 * (vectors @ sun - 1))[..., None]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked paths of balls, whose every moment is known."""
+"""Baked paths of balls with known positions at all times."""
 
 from __future__ import annotations
 
@@ -12,11 +12,11 @@ from tests.shapes import ball
 
 CELLS, FRAMES, FIRST = 24, 5, 10
 TRAVEL = 4.0
-"""How far apart the first ball and the second one are, in radii."""
+"""Distance between the first and the last ball, in radii."""
 
 
 def bake(scene, make_object, meshes, blends, solved):
-    """Bake shapes, and blends that `solved` makes of weights."""
+    """Bake shapes, and the blends that `solved` makes from weights."""
     shapes = [make_object(name) for name in "ABCD"[: len(meshes)]]
     for shape, mesh in zip(shapes, meshes, strict=True):
         write_mesh(shape.data, mesh)
@@ -27,7 +27,7 @@ def bake(scene, make_object, meshes, blends, solved):
 
 
 def moving_ball(scene, make_object):
-    """Bake a ball of radius 1 that moves along X by `TRAVEL` in `FRAMES` frames, from `FIRST` on."""
+    """Bake a ball of radius 1 that moves along X by `TRAVEL` in `FRAMES` frames, starting at `FIRST`."""
 
     def solved(weights):
         return ball(center=(TRAVEL * weights[1], 0.0, 0.0), points=2500)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images in Blender whose colors are known."""
+"""Images in Blender with known colors."""
 
 from __future__ import annotations
 

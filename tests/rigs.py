@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Armatures, bodies for them, and a fit that is known without solving anything."""
+"""Armatures, bodies for them, and a fit known without solving."""
 
 from __future__ import annotations
 
@@ -92,7 +92,7 @@ def world_ends(obj):
 
 
 def select_joints(obj, *ends):
-    """Select these ends of bones alone, in Edit Mode."""
+    """Select only these ends of bones, in Edit Mode."""
     for bone in obj.data.edit_bones:
         bone.select = False
         for side in ("head", "tail"):
@@ -100,7 +100,7 @@ def select_joints(obj, *ends):
 
 
 def harmonic_steps(mesh, graph, settings, control=UNINTERRUPTED):
-    """Lay out free joints as the means of their neighbors, weighted by one over the lengths of bones."""
+    """Place free joints at the means of their neighbors, weighted by the inverse bone lengths."""
     yield Progress(0.0, Sentence("Starting"))
     control.check()
     yield Progress(1.0, Sentence("Writing"))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes with known answers, made of nothing but NumPy."""
+"""Meshes with known properties, made with NumPy only."""
 
 from __future__ import annotations
 
@@ -17,13 +17,13 @@ _CUBE += [(1, 3, 7), (1, 7, 5)]
 
 
 def box(size=(1.0, 1.0, 1.0), center=(0.0, 0.0, 0.0), angles=(0.0, 0.0, 0.0)):
-    """A cuboid of 12 triangles, turned about its center."""
+    """A cuboid of 12 triangles, rotated about its center."""
     corners = np.array([(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)]) * size
     return TriangleMesh.from_arrays(Rotation.from_euler("xyz", angles).apply(corners) + center, _CUBE)
 
 
 def ball(radius=1.0, center=(0.0, 0.0, 0.0), points=1500):
-    """The convex hull of evenly spread points on a sphere; its volume is a little less than the sphere's."""
+    """The convex hull of evenly spread points on a sphere; its volume is slightly less than the sphere's."""
     k = np.arange(points) + 0.5
     z, angle = 1 - 2 * k / points, np.pi * (1 + 5**0.5) * k
     flat = np.sqrt(1 - z**2)
@@ -62,7 +62,7 @@ def tube_with_caps(radius=0.7, height=4.0, sides=64):
 
 
 def bent_tube(turn, sides=12, rings=60):
-    """A tube with capped ends, bent about the z axis by an angle: a ring beyond a full turn, but of genus 0."""
+    """A tube with capped ends, bent about the z axis by an angle; beyond a full turn, a ring with genus 0."""
     u = np.linspace(0.0, turn, rings)[:, None]
     v = np.arange(sides) * 2 * np.pi / sides
     radius = 1.0 + 0.3 * np.cos(v)
@@ -93,7 +93,7 @@ _LIMBS = (
 
 
 def body(cell=0.03):
-    """A man of capsules, 1.8 tall along z, cut out of a lattice: its mesh has slivers."""
+    """A man made of capsules, 1.8 tall along z, extracted from a grid; the mesh has slivers."""
     low, high = np.array([-1.0, -0.3, -0.1]), np.array([1.0, 0.3, 1.95])
     axes = [np.arange(first, last, cell) for first, last in zip(low, high, strict=True)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
@@ -108,23 +108,23 @@ def body(cell=0.03):
 
 
 def square(size=1.0, center=(0.0, 0.0, 0.0)):
-    """A flat square, which encloses nothing."""
+    """A flat square without volume."""
     corners = np.array([(-0.5, -0.5, 0), (0.5, -0.5, 0), (0.5, 0.5, 0), (-0.5, 0.5, 0)]) * size + center
     return TriangleMesh.from_arrays(corners, [(0, 1, 2), (0, 2, 3)])
 
 
 def joined(*meshes):
-    """Several meshes as one."""
+    """Several meshes combined into one."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])
     faces = [mesh.faces + start for mesh, start in zip(meshes, starts, strict=True)]
     return TriangleMesh.from_arrays(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
 
 
 def piece_count(mesh):
-    """Pieces that share no vertex."""
+    """Number of components that share no vertex."""
     return len(np.unique(face_components(mesh.faces)))
 
 
 def with_faces(mesh, keep):
-    """The mesh with some of its faces only."""
+    """The mesh with only some of its faces."""
     return TriangleMesh.from_arrays(mesh.vertices, mesh.faces[keep])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps between meshes that are known without solving anything: to the closest points."""
+"""Maps between meshes known without solving: to the closest points."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from convwass_addon.sentence import Sentence
 
 
 def closest_map(source, target):
-    """Map both ways to the closest points of meshes that lie on each other; every vertex is its own coarse one."""
+    """Map both directions to the closest points of coinciding meshes; every vertex is its own coarse vertex."""
     return SurfaceMap(
         closest_points(source, target),
         closest_points(target, source),
@@ -23,7 +23,7 @@ def closest_map(source, target):
 
 
 def closest_points(mesh, other):
-    """A point of the other mesh for every vertex of one; all are sure but for vertices that no triangle uses."""
+    """A point of the other mesh for every vertex; all are confident except for vertices without triangles."""
     found = ClosestPointFinder(other.corners).find(mesh.vertices)
     used = np.zeros(len(mesh.vertices), bool)
     used[mesh.faces] = True
@@ -37,7 +37,7 @@ def closest_points(mesh, other):
 
 
 def single_rows(source, target):
-    """Every source vertex goes to the nearest target vertex, with mass 1."""
+    """Map every source vertex to the nearest target vertex, with mass 1."""
     nearest = [np.linalg.norm(target.vertices - point, axis=1).argmin() for point in source.vertices]
     areas = np.zeros(len(target.vertices))
     doubled = np.linalg.norm(np.cross(*(target.corners[:, k] - target.corners[:, 0] for k in (1, 2))), axis=1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of arrays come back as they were, NumPy opens them, and damaged ones are refused with the reason."""
+"""Array files can be written and read, NumPy opens them, and damaged ones are refused with the reason."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def reader_of(content: bytes, most_bytes: int = 1 << 20, **options: bool) -> Arr
 
 
 def zipped(members: dict[str, bytes], method: int = zipfile.ZIP_STORED) -> bytes:
-    """A sealed archive of any members."""
+    """A sealed archive with any members."""
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w", method) as archive:
         archive.comment = bytes(64)
@@ -46,7 +46,7 @@ def member(array: np.ndarray) -> bytes:
 
 
 def promising(shape: str, content: bytes = bytes(24)) -> bytes:
-    """An array that says of itself that it has a shape."""
+    """An array whose header claims the given shape."""
     header = f"{{'descr': '<f8', 'fortran_order': False, 'shape': {shape}, }}\n".encode()
     return b"\x93NUMPY\x01\x00" + struct.pack("<H", len(header)) + header + content
 
@@ -89,7 +89,7 @@ GOOD = array_bytes(ARRAYS, HEADER)
 
 @settings(max_examples=200)
 @given(st.data())
-def test_any_changed_byte_and_any_missing_end_is_noticed(data):
+def test_any_changed_byte_and_any_truncation_is_detected(data):
     content = bytearray(GOOD)
     place = data.draw(st.integers(0, len(content) - 1))
     if data.draw(st.booleans()):
@@ -132,13 +132,13 @@ def test_files_without_a_seal_are_read_or_refused(data):
         (bytes(2000), "too large"),
     ],
 )
-def test_arrays_that_lie_are_refused(array, reason):
+def test_arrays_with_wrong_headers_are_refused(array, reason):
     reader = reader_of(zipped({"x.npy": array}), 1999)
     with pytest.raises(DamagedArraysError, match=reason):
         reader.take("x", ("<f8",), (1,))
 
 
-def test_bools_are_true_or_false():
+def test_bools_must_be_true_or_false():
     bools = member(np.array([True, False]))
     reader = reader_of(zipped({"x.npy": bools[:-1] + b"\x07"}))
     with pytest.raises(DamagedArraysError, match="neither true nor false"):
@@ -151,7 +151,7 @@ def test_objects_are_not_unpickled():
         reader.take("x", ("<f8",), (1,))
 
 
-def test_all_arrays_together_are_bounded():
+def test_the_total_size_of_arrays_is_limited():
     each = len(member(np.zeros(100)))
     reader = reader_of(array_bytes({"a": np.zeros(100), "b": np.zeros(100)}), 2 * each - 1)
     reader.take("a", ("<f8",), (1,))
@@ -168,7 +168,7 @@ def test_all_arrays_together_are_bounded():
         (b" " * (1 << 22) + b"{}", "header.json is too large"),
     ],
 )
-def test_headers_that_are_no_tables_are_refused(text, reason):
+def test_headers_that_are_not_tables_are_refused(text, reason):
     with pytest.raises(DamagedArraysError, match=reason):
         reader_of(zipped({"header.json": text}))
 
@@ -182,13 +182,13 @@ def test_other_files_are_refused():
             reader_of(content[:40], is_sealed=False)
 
 
-def test_methods_that_pack_more_than_zlib_does_are_refused():
+def test_other_compression_methods_are_refused():
     reader = reader_of(zipped({"x.npy": member(np.zeros(1000))}, zipfile.ZIP_BZIP2))
     with pytest.raises(DamagedArraysError, match="unknown way"):
         reader.take("x", ("<f8",), (1,))
 
 
-def test_two_arrays_of_one_name_are_refused():
+def test_duplicate_names_are_refused():
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w") as archive, pytest.warns(UserWarning, match="Duplicate"):
         for _ in range(2):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drafts: a file is there as a whole, or as it was before."""
+"""Drafts: a file is written completely, or it is unchanged."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from convwass_addon.drafts import DraftFiles, draft_of, new_draft, written_whole
 from convwass_addon.errors import ConvwassError
 
 
-def test_a_draft_takes_the_place_of_its_file(tmp_path):
+def test_a_draft_replaces_its_file(tmp_path):
     file = tmp_path / "a.TXT"
     file.write_text("old")
     with draft_of(file) as draft:
@@ -28,7 +28,7 @@ def test_a_draft_takes_the_place_of_its_file(tmp_path):
 
 
 @pytest.mark.parametrize("error", [RuntimeError("no pixels"), OSError("disk full")])
-def test_what_goes_wrong_is_told(tmp_path, error):
+def test_failures_are_reported(tmp_path, error):
     file = tmp_path / "a.txt"
     file.write_text("old")
     with pytest.raises(ConvwassError, match=f"a.txt could not be written: {error}"), written_whole(file) as draft:
@@ -53,7 +53,7 @@ def test_a_draft_has_no_draft_of_its_own(tmp_path):
     assert file.read_text() == "new"
 
 
-def test_a_draft_that_is_not_finished_goes_with_the_others(tmp_path):
+def test_an_unfinished_draft_is_removed_with_the_others(tmp_path):
     drafts = DraftFiles()
     given = drafts.draft_of(tmp_path / "a.txt")
     with pytest.raises(ConvwassError, match="disk full"), written_whole(given) as draft:
@@ -63,7 +63,7 @@ def test_a_draft_that_is_not_finished_goes_with_the_others(tmp_path):
     assert not list(tmp_path.iterdir())
 
 
-def test_other_errors_go_on(tmp_path):
+def test_other_errors_are_passed_on(tmp_path):
     with pytest.raises(ZeroDivisionError), written_whole(tmp_path / "a.txt") as draft:
         draft.write_text("half")
         raise ZeroDivisionError
@@ -74,7 +74,7 @@ def test_other_errors_go_on(tmp_path):
         pass
 
 
-def test_drafts_that_nobody_finished_are_dropped_after_a_day(tmp_path):
+def test_abandoned_drafts_are_removed_after_a_day(tmp_path):
     old, young = (new_draft(tmp_path / name) for name in ("a.txt", "b.txt"))
     folder = new_draft(tmp_path / "c.obj", "")
     others = [tmp_path / name for name in (".convwass-notes", ".hidden.txt", "convwass-0123456789abcdef.txt")]
@@ -90,12 +90,12 @@ def test_drafts_that_nobody_finished_are_dropped_after_a_day(tmp_path):
     link = new_draft(tmp_path / "d", "")
     link.symlink_to(aside)
     os.utime(link, (0, 0), follow_symlinks=False)
-    # A folder is looked through once; this one has not been, under its new name.
+    # Each folder is searched once; under its new name, this one has not been searched yet.
     later = tmp_path.rename(tmp_path.with_name("later"))
     new_draft(later / "e.txt")
     assert sorted(path.name for path in later.iterdir()) == sorted([young.name, "aside", *(p.name for p in others)])
     assert (later / "aside" / "kept").read_text() == "whole"
 
 
-def test_a_folder_that_cannot_be_read_is_no_hindrance(tmp_path):
+def test_an_unreadable_folder_is_tolerated(tmp_path):
     assert new_draft(tmp_path / "none" / "a.txt").parent == tmp_path / "none"

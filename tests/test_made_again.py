@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the command line writes can be made again in the window, as it is."""
+"""The output of the command line can be baked again in the window with the same settings."""
 
 from __future__ import annotations
 
@@ -29,13 +29,13 @@ pytestmark = [
 
 QUICK = ["--resolution", "24", "--frames", "2"]
 FLAT = ["text:A", "text:B", "--resolution", "256", "--frames", "2"]
-# What a morph begins with changes by being told, so that it stays where it is.
+# The start of a morph is stored explicitly by rebaking, so that it stays in place.
 TOLD = {"start", "frame_start"}
 
 
 @pytest.fixture
 def solids(tmp_path):
-    """Four shapes in one file, as words of the command line."""
+    """Four shapes in one file, as arguments of the command line."""
     names = []
     for place, make in enumerate(("cube", "ico_sphere", "cone", "cylinder")):
         getattr(bpy.ops.mesh, f"primitive_{make}_add")(location=(3 * place, 0, 0))
@@ -46,7 +46,7 @@ def solids(tmp_path):
 
 
 def baked(words, tmp_path):
-    """Bake by the command line, open what it wrote, and return the morph with an object of it being active."""
+    """Bake on the command line, open the result, and return the morph with one of its objects active."""
     target = tmp_path / "morph.blend"
     assert cli.main(["morph", "--motion", "transport", *words, "--out", str(target)]) == 0
     bpy.ops.wm.open_mainfile(filepath=str(target))
@@ -59,7 +59,7 @@ def the_morph():
 
 
 def seen(morph):
-    """Return what a morph shows: types and weights of its frames, or the kinds of files that it reads."""
+    """Return what a morph shows: types and weights of its frames, or the kinds of its files."""
     frames = [(obj.type, [round(w, 6) for w in obj["convwass_weights"]]) for obj in frame_objects(morph)]
     return frames, sorted(obj["convwass_output"] for obj in morph.objects if "convwass_output" in obj)
 
@@ -100,13 +100,13 @@ def compare(morph):
 
 
 @pytest.mark.parametrize("kind", SOLID)
-def test_a_morph_of_solids_is_baked_again_as_it_was(solids, tmp_path, kind):
+def test_a_morph_of_solids_is_rebaked_with_its_settings(solids, tmp_path, kind):
     count, options = SOLID[kind]
     compare(baked([*solids[:count], *options], tmp_path))
 
 
 @pytest.mark.parametrize("kind", LETTERS)
-def test_a_morph_of_letters_is_baked_again_as_it_was(tmp_path, kind):
+def test_a_morph_of_letters_is_rebaked_with_its_settings(tmp_path, kind):
     compare(baked([*FLAT, *LETTERS[kind]], tmp_path))
 
 
@@ -122,7 +122,7 @@ def test_inputs_and_settings_are_taken_over(solids, tmp_path, words):
     assert [item.weight for item in own.inputs] == ([1.0, 3.0] if "--weights" in words else [])
 
 
-def test_frames_between_others_are_refused_in_words(solids, tmp_path):
+def test_frames_between_others_are_refused_with_a_message(solids, tmp_path):
     morph = baked([*solids[:2], *QUICK, "--cache", str(tmp_path / "cache"), "--at", "0.5,1.5"], tmp_path)
     before = seen(morph)
     with pytest.raises(RuntimeError, match="made with --at"):
@@ -132,7 +132,7 @@ def test_frames_between_others_are_refused_in_words(solids, tmp_path):
     assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
 
 
-def test_all_that_a_bake_is_asked_for_is_stored_and_taken_over():
+def test_all_settings_of_a_bake_are_stored_and_taken_over():
     arguments = bpy.ops.convwass.bake_morph.get_rna_type().properties
     usual = MorphRequest()
     for name, value in usual.as_dict().items():
@@ -180,7 +180,7 @@ def animated(ball, *words):
         ["--from", "Up", "--to", "East", "--steps", "2", "--entropy-limit", "-1.5", "--blur", "0.35", "--match-pieces"],
     ],
 )
-def test_a_density_is_interpolated_again_as_it_was(ball, words):
+def test_a_density_is_interpolated_again_with_its_settings(ball, words):
     obj = animated(ball, *words)
     before, frames = stored_density(obj, "Density"), stored_frames(obj)
     assert changed_inputs(obj, before) == []
@@ -189,7 +189,7 @@ def test_a_density_is_interpolated_again_as_it_was(ball, words):
     after = stored_density(obj, "Density")
     assert after.inputs == before.inputs and after.settings.keys() == before.settings.keys()
     for name, value in before.settings.items():
-        # Blender's numbers are of single precision.
+        # Blender stores single precision.
         assert after.settings[name] == (pytest.approx(value, rel=1e-6) if _is_numeric(value) else value), name
     np.testing.assert_allclose(after.times, before.times, atol=1e-6)
     np.testing.assert_allclose(stored_frames(obj), frames, atol=2e-3)
@@ -200,7 +200,7 @@ def _is_numeric(value):
     return all(isinstance(item, (int, float)) and not isinstance(item, bool) for item in items)
 
 
-def test_a_density_of_vertices_says_that_it_has_no_groups(ball):
+def test_a_density_without_groups_is_refused(ball):
     animated(ball, "--from", "vertex:1", "--to", "vertex:9", "--steps", "2")
     with pytest.raises(RuntimeError, match="no vertex group vertex:1"):
         bpy.ops.convwass.rebake_density()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a prompt shows of records and domains fits on a line; errors about arguments are also what Python calls them."""
+"""Representations of records and domains fit on one line; argument errors are also ValueErrors."""
 
 from __future__ import annotations
 
@@ -49,7 +49,7 @@ SHOWN = [
 
 
 @pytest.mark.parametrize("record", SHOWN, ids=lambda record: type(record).__name__)
-def test_a_record_fits_on_a_line(record):
+def test_the_representation_of_a_record_fits_on_a_line(record):
     shown = repr(record)
     assert shown.startswith(f"{type(record).__name__}(")
     assert shown.endswith(")")
@@ -57,14 +57,14 @@ def test_a_record_fits_on_a_line(record):
     assert len(shown) <= 160
 
 
-def test_a_line_says_what_matters():
+def test_representations_show_the_essentials():
     assert repr(GRID) == "Grid(shape=(6, 7), sigma=1, boundary='open')"
     assert repr(box()) == "TriangleMesh(vertices=<float64 (8, 3)>, faces=<int64 (12, 3)>)"
     assert repr(SHOWN[5]).startswith("Barycenter(density=<float64 (6, 7)>, weights=[0.25, 0.75], iterations=(")
     assert repr(SHOWN[5]).endswith("converged=True)")
 
 
-def test_bad_arguments_are_value_errors():
+def test_argument_errors_are_value_errors():
     with pytest.raises(ValueError, match="do not exist"):
         Surface(np.zeros((3, 3)), [[0, 1, 5]])
     error = pickle.loads(pickle.dumps(InputError("{name} has no faces.", name="A")))
@@ -73,7 +73,7 @@ def test_bad_arguments_are_value_errors():
     assert str(error) == "A has no faces."
 
 
-def test_records_within_records_are_named_only():
+def test_nested_records_show_only_their_type():
     frame = MorphFrame(Blend((0.5, 0.5)), box(), {}, origins=np.zeros((2, 8, 3), np.float32))
     assert repr(frame) == (
         "MorphFrame(blend=Blend(weights=(0.5, 0.5), frame=None, place=(0.0, 0.0)), mesh=<TriangleMesh>, "

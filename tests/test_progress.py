@@ -67,7 +67,7 @@ def test_within_can_replace_messages():
     assert [str(report.message) for report in reports] == ["Preparing", "Preparing"]
 
 
-def test_payloads_are_told_apart_by_their_kind():
+def test_payloads_are_distinguished_by_type():
     def mixed() -> Work[None]:
         for payload in (1, "a", None, 2):
             yield Progress(0.0, Sentence("Mixing"), payload)
@@ -86,7 +86,7 @@ def test_watched_work_reports_and_returns_the_same():
     assert results == ["done"]
 
 
-def test_what_nobody_controls_cannot_be_cancelled():
+def test_uninterrupted_work_cannot_be_cancelled():
     UNINTERRUPTED.check()
     assert not UNINTERRUPTED.cancelled
     with pytest.raises(RuntimeError, match="cannot be cancelled"):
@@ -105,12 +105,12 @@ def test_a_request_is_answered_by_the_caller():
     assert drained(watched(doubled(), lambda report: report.payload.answer(21))) == 42
 
 
-def test_a_request_that_nobody_answers_is_an_error():
+def test_an_unanswered_request_is_an_error():
     with pytest.raises(RuntimeError, match="has not been answered"):
         drained(doubled())
 
 
-def test_nobody_waits_for_an_answer_after_cancelling():
+def test_cancelling_ends_waiting_for_an_answer():
     control = Control()
     control.cancel()
     with pytest.raises(Cancelled):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Settings that are declared once are seen in every layer."""
+"""Settings declared once appear in every layer."""
 
 from __future__ import annotations
 
@@ -108,7 +108,7 @@ class RichSettings(Settings):
 
 @pytest.fixture
 def group():
-    """Register a property group of settings on scenes, and return the scene's."""
+    """Register a property group of settings on scenes; return the group of the current scene."""
     made = []
 
     def registered(kind):
@@ -160,14 +160,14 @@ def test_a_setting_of_one_line_is_in_every_layer(group):
 
 
 def nearly(asked):
-    """The values of settings in the single precision of Blender."""
+    """The values of settings in Blender's single precision."""
     return {
         name: pytest.approx(value, rel=1e-6) if isinstance(value, float) else value
         for name, value in asked.as_dict().items()
     }
 
 
-def test_properties_hold_what_the_settings_say(group):
+def test_properties_have_the_values_of_the_settings(group):
     own = group(RichSettings)
     assert RichSettings(**values_of(own, RichSettings)).as_dict() == nearly(RichSettings())
     asked = RichSettings(
@@ -186,7 +186,7 @@ def test_properties_hold_what_the_settings_say(group):
     assert own.bl_rna.properties["blur"].default == 1.5
 
 
-def test_ends_of_a_range_are_in_it_though_blender_rounds_them(group):
+def test_rounded_ends_of_a_range_are_valid(group):
     own = group(RichSettings)
     own.angle, own.share = 10.0, 0.0
     assert own.bl_rna.properties["share"].hard_min < 1e-5
@@ -197,7 +197,7 @@ def test_ends_of_a_range_are_in_it_though_blender_rounds_them(group):
     assert RichSettings(**values_of(own, RichSettings)).share == 0.99
 
 
-def test_what_is_stored_without_a_setting_leaves_the_property(group):
+def test_settings_missing_from_storage_leave_the_property_unchanged(group):
     own = group(RichSettings)
     own.count = 5
     for name, value in arguments_of({"mend": False, "limit": "max", "unheard": 1}, RichSettings).items():
@@ -223,18 +223,18 @@ def test_what_is_stored_without_a_setting_leaves_the_property(group):
         (["--limit", "-2.5"], {"limit": -2.5}),
     ],
 )
-def test_options_give_what_they_say_and_nothing_else(words, given):
+def test_options_give_only_the_values_passed(words, given):
     assert parsed(RichSettings, *words) == given
 
 
 @pytest.mark.parametrize("words", [["--kind", "else"], ["--limit", "NUMBER"], ["--count", "1.5"], ["--hidden", "1"]])
-def test_options_that_make_no_sense_are_refused(words, capsys):
+def test_invalid_options_are_refused(words, capsys):
     with pytest.raises(SystemExit):
         parsed(RichSettings, *words)
     assert "error:" in capsys.readouterr().err
 
 
-def test_help_says_what_holds_without_an_option():
+def test_help_states_the_defaults():
     text = help_of(RichSettings)
     assert "--mend, --no-mend close gaps (on)" in text
     assert "--blur X how blurred (what suits)" in text
@@ -267,7 +267,7 @@ def test_values_out_of_range_are_refused_with_the_label(wrong, message):
     assert str(caught.value) == message
 
 
-def test_the_docstring_lists_what_the_class_declares():
+def test_the_docstring_lists_the_declared_settings():
     @dataclass(frozen=True)
     class Finer(RichSettings):
         """As the others, with more strokes."""
@@ -325,7 +325,7 @@ def option_help(command, option):
     return next(line for line in parser.format_help().splitlines() if line.lstrip().startswith(option))
 
 
-def test_the_tolerance_that_is_told_is_the_one_that_is_used():
+def test_the_documented_tolerance_is_the_one_used():
     usual, crisp = MorphSettings().stopping_error, MorphSettings(sharpness=1.0).stopping_error
     told = f"{usual:g}, falling to {crisp:g} where"
     assert told in MorphSettings.__doc__

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sentences are filled in late, and errors bring theirs along wherever they go."""
+"""Sentences are filled in late, and errors keep their sentence across processes."""
 
 from __future__ import annotations
 
@@ -21,22 +21,22 @@ def test_a_sentence_without_values_is_its_template():
 
 
 @given(VALUES)
-def test_values_are_never_taken_for_templates(value):
+def test_values_are_never_interpreted_as_templates(value):
     assert str(Sentence("{a}: {b}", {"a": value, "b": "{a}"})) == f"{value}: {{a}}"
 
 
 @pytest.mark.parametrize("template", ["{b}", "{}", "{a:d}", "{a", "{a!x}"])
-def test_a_template_that_asks_for_something_else_leaves_the_english(template):
+def test_a_mismatched_translation_falls_back_to_english(template):
     assert Sentence("{a} left", {"a": "nothing"}).filled(template) == "nothing left"
 
 
-def test_a_sentence_may_hold_another():
+def test_sentences_can_be_nested():
     assert str(Sentence("{a}!", {"a": Sentence("{b} and {c}", {"b": 1, "c": 2})})) == "1 and 2!"
 
 
 @pytest.mark.parametrize("kind", [ConvwassError, InputError, ResourceError, Cancelled])
 @given(values=st.dictionaries(st.sampled_from(["name", "count", "kind", "template", "self"]), VALUES))
-def test_errors_come_back_from_other_processes_whole(kind, values):
+def test_errors_survive_pickling(kind, values):
     template = " ".join(f"{{{name}}}" for name in values) + " or so."
     error = kind(template, **values)
     back = pickle.loads(pickle.dumps(error))
@@ -45,7 +45,7 @@ def test_errors_come_back_from_other_processes_whole(kind, values):
     assert back.sentence == error.sentence == Sentence(template, values)
 
 
-def test_an_error_about_an_error_comes_back_too():
+def test_nested_errors_survive_pickling():
     inner = InputError("{count} vertices are nowhere.", count=3)
     error = InputError("{name}: {reason}", name="A", reason=inner.sentence)
     back = pickle.loads(pickle.dumps(error))
@@ -53,7 +53,7 @@ def test_an_error_about_an_error_comes_back_too():
     assert back.sentence.values["reason"] == inner.sentence
 
 
-def test_steps_come_back_with_their_messages():
+def test_progress_survives_pickling():
     step = Progress(0.5, Sentence("Blend {done} of {total}", {"done": 1, "total": 2}))
     assert pickle.loads(pickle.dumps(step)) == step
     assert str(step.message) == "Blend 1 of 2"

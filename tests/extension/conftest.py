@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Profiles of users, and sessions in them."""
+"""User profiles, and Blender sessions in them."""
 
 from __future__ import annotations
 
@@ -36,14 +36,14 @@ def pytest_addoption(parser: pytest.Parser) -> None:
 
 @dataclass(frozen=True)
 class Profile:
-    """A user's Blender settings, and sessions that use them.
+    """A user's Blender settings, and the sessions that use them.
 
     Attributes
     ----------
     folder : Path
-        Where they are.
+        Folder of the profile.
     site : Path or None
-        The packages that sessions have; None for those of this Python.
+        The packages available to sessions; None for those of this Python.
     """
 
     folder: Path
@@ -51,11 +51,11 @@ class Profile:
 
     @property
     def extension(self) -> Path:
-        """Where the extension gets installed."""
+        """Where the extension is installed."""
         return self.folder / "extensions" / "user_default" / "convwass"
 
     def run(self, *steps: Step) -> dict:
-        """Take the steps in a new process, and return what they returned."""
+        """Run the steps in a new process, and return their results."""
         report = self.folder / "report.json"
         site = [] if self.site is None else ["-S"]
         session = subprocess.run(
@@ -68,7 +68,7 @@ class Profile:
             errors="replace",
             timeout=1200,
         )
-        # Blender 4.5 may not come to its end the ordinary way; the report is what counts.
+        # Blender 4.5 may not end normally; only the report counts.
         assert report.exists(), session.stdout
         told = json.loads(report.read_text(encoding="utf-8"))
         report.unlink()
@@ -77,7 +77,7 @@ class Profile:
 
 @pytest.fixture(scope="session")
 def site(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path | None:
-    """A folder with nothing but Blender and what it needs itself; None where the zip brings no wheels."""
+    """A folder with only Blender and its own dependencies; None if the zip includes no wheels."""
     if request.config.getoption("--zip", None) is None:
         return None
     folder = tmp_path_factory.mktemp("site")
@@ -92,13 +92,13 @@ def site(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
 
 
 def needed_by(name: str) -> set[str]:
-    """Return the names of a package and of all that it needs, as they are installed."""
+    """Return the installed names of a package and of all its dependencies."""
     found, open_names = set(), {name}
     while open_names:
         current = open_names.pop()
         try:
             requirements = distribution(current).requires or []
-        except PackageNotFoundError:  # for another Python, or an extra
+        except PackageNotFoundError:  # for another Python version, or an extra
             continue
         found.add(current)
         names = {re.match(r"[\w.-]+", text)[0].lower() for text in requirements if "extra ==" not in text}
@@ -108,7 +108,7 @@ def needed_by(name: str) -> set[str]:
 
 @pytest.fixture(scope="session")
 def zip_file(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """The extension as it is installed."""
+    """The zip to install."""
     given = request.config.getoption("--zip", None)
     if given is not None:
         return given.resolve()
@@ -118,7 +118,7 @@ def zip_file(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
 @pytest.fixture(scope="module")
 def profile(tmp_path_factory: pytest.TempPathFactory, site: Path | None):
-    """The profile of a user whose name is not made for computers."""
+    """The profile of a user whose name has spaces and non-ASCII letters."""
     made = new_profile(tmp_path_factory, site)
     yield made
     unlock(made.folder)
@@ -126,7 +126,7 @@ def profile(tmp_path_factory: pytest.TempPathFactory, site: Path | None):
 
 @pytest.fixture(scope="module")
 def stranger(tmp_path_factory: pytest.TempPathFactory, site: Path | None) -> Profile:
-    """The profile of somebody who has never had the extension."""
+    """The profile of a user who never had the extension."""
     return new_profile(tmp_path_factory, site)
 
 
@@ -137,7 +137,7 @@ def new_profile(tmp_path_factory: pytest.TempPathFactory, site: Path | None) -> 
 
 
 def unlock(folder: Path) -> None:
-    """Let what a session has locked be removed."""
+    """Make what a session has locked removable."""
     for path in [folder, *folder.rglob("*")]:
         if not path.is_symlink():
             path.chmod(0o755 if path.is_dir() else 0o644)

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One of everything that the extension makes, by its operators alone, small and coarse.
+"""Create one of everything that the extension makes, using only its operators, small and coarse.
 
-Imports nothing of the project: it runs in sessions that know the extension only as Blender has installed it.
+Imports nothing from the project: it runs in sessions where Blender has only the installed extension.
 """
 
 from __future__ import annotations
@@ -17,22 +17,22 @@ QUICK = {"frames": 3, "resolution": 24}
 
 
 def make_everything(folder: Path, only: str = "") -> dict[str, list[str]]:
-    """Make one of everything in the file that is open.
+    """Create one of everything in the open file.
 
     Parameters
     ----------
     folder : Path
-        For what is written to files.
+        Folder for written files.
     only : str
-        The one kind of things to make, such as "morphs"; all of them by default.
+        The kind of things to make, such as "morphs"; by default all.
 
     Returns
     -------
     dict
-        What every operator returned, by its name and what it was called for.
+        The result of every operator, by its name and purpose.
     """
     bpy.context.scene.frame_end = 24
-    # Each application at a place of its own, since densities and maps look at the selection.
+    # Each application at its own place, because densities and maps use the selection.
     answers: dict[str, list[str]] = {}
     makers = (_morphs, _outputs, _flat, _densities, _soft_map, _armature, _recolors, _skies, _materials)
     for make in makers:
@@ -53,7 +53,7 @@ def _outputs(folder: Path) -> dict[str, set[str]]:
     egg = _ball("pad egg", (6, 8, 0), 0.5)
     answers = {"bake_morph pad": _baked("pad", 2, egg, layout="TRIANGLE")}
     answers["make_blend_pad"] = bpy.ops.convwass.make_blend_pad()
-    # Guiding takes most of the time; once is enough.
+    # Guiding takes most of the time, so it is used only once.
     answers["bake_morph volume"] = _baked("volume", 3, is_guided=True)
     answers["make_volume"] = bpy.ops.convwass.make_volume(folder=str(folder / "volumes"))
     answers["bake_morph cache"] = _baked("cache", 4)
@@ -64,9 +64,9 @@ def _outputs(folder: Path) -> dict[str, set[str]]:
 
 
 def _baked(output: str, place: int, *others: bpy.types.Object, is_guided: bool = False, **options: object) -> set[str]:
-    """Bake a morph from a ball to a box, and to others."""
+    """Bake a morph from a ball to a box and to further shapes."""
     _select(_ball(f"{output} ball", (0, 4 * place, 0)), _box(f"{output} box", (3, 4 * place, 0)), *others)
-    # Earlier versions had no choice of how shapes move.
+    # Earlier versions had no choice of motion.
     has_motions = "motion" in bpy.ops.convwass.bake_morph.get_rna_type().properties
     motion = {"motion": "TRANSPORT"} if has_motions and not is_guided else {}
     return bpy.ops.convwass.bake_morph(**QUICK, **motion, **options)
@@ -136,7 +136,7 @@ def _armature(_folder: Path) -> dict[str, set[str]]:
     parent = None
     for place in range(4):
         bone = rig.data.edit_bones.new("ABCD"[place])
-        # Bent out of the tube but for its ends.
+        # Displaced from the tube except at its ends.
         bone.head = (1.5 * math.sin(math.pi * place / 4), 0, 0.9 * place - 1.8)
         bone.tail = (1.5 * math.sin(math.pi * (place + 1) / 4), 0, 0.9 * (place + 1) - 1.8)
         bone.parent, bone.use_connect = parent, parent is not None
@@ -203,7 +203,7 @@ def _materials(_folder: Path) -> dict[str, set[str]]:
     answer = bpy.ops.convwass.blend_materials(
         materials="Rough, Smooth", detail=12, blends=3, frame_start=1, frame_end=4
     )
-    # What nothing uses is not saved.
+    # Unused data-blocks are not saved.
     for place, material in enumerate(m for m in bpy.data.materials if m.name.startswith("Blend")):
         _box(f"Sample {place}", (-20, 4 * place, 0)).data.materials.append(material)
     return {"blend_materials": answer}

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a file shows at its frames, in numbers: the same with the extension, without it and with the next version of it.
+"""What a file shows at its frames, as numbers: equal with the extension, without it and with its next version.
 
-Imports nothing of the project: it runs in sessions of a Blender that has never had the extension.
+Imports nothing from the project: it runs in Blender sessions that never had the extension.
 """
 
 from __future__ import annotations
@@ -16,14 +16,14 @@ FRAMES = (1, 2, 3, 4)
 
 
 def figures() -> dict[str, dict[str, list[float]]]:
-    """Return what every object, material and world evaluates to at every frame, rounded.
+    """Return the evaluated state of every object, material and world at every frame, rounded.
 
     Returns
     -------
     dict
-        Frame, then name, then numbers: of objects whether they are hidden in the viewport and in renders, and of what
-        they evaluate to the counts and sums of positions and attributes; of node trees the numbers of their sockets;
-        of drivers whether they work.
+        Numbers by frame and name: for objects their visibility in viewport and renders, and the counts and sums of
+        evaluated positions and attributes; for node trees the values of their sockets; for drivers whether they are
+        valid.
     """
     scene = bpy.context.scene
     found: dict[str, dict[str, list[float]]] = {}
@@ -33,7 +33,7 @@ def figures() -> dict[str, dict[str, list[float]]]:
         seen = {obj.name: _of_object(obj, depsgraph) for obj in sorted(scene.objects, key=lambda obj: obj.name)}
         for kind in ("materials", "worlds"):
             for block in getattr(bpy.data, kind):
-                # What nothing uses is not saved.
+                # Unused data-blocks are not saved.
                 if block.node_tree is not None and block.users:
                     seen[f"{kind} {block.name}"] = _of_tree(block.node_tree)
         found[str(frame)] = seen
@@ -41,12 +41,12 @@ def figures() -> dict[str, dict[str, list[float]]]:
 
 
 def leftovers() -> dict[str, list[str]]:
-    """Return what in a file would not work without the extension.
+    """Return everything in the file that would fail without the extension.
 
     Returns
     -------
     dict
-        Scripts that the file has, data that it misses, drivers that fail or run Python, images without pixels.
+        Scripts in the file, missing data, drivers that fail or run Python, images without pixels.
     """
     drivers = [
         driver
@@ -81,7 +81,7 @@ def _handlers() -> list:
 
 
 def _has_pixels(image: bpy.types.Image) -> bool:
-    if image.source in ("SEQUENCE", "MOVIE"):  # which have some only where they are shown
+    if image.source in ("SEQUENCE", "MOVIE"):  # which have pixels only while shown
         return Path(bpy.path.abspath(image.filepath)).is_file()
     return image.source == "VIEWER" or len(image.pixels) > 0
 
@@ -134,5 +134,5 @@ def _of_tree(tree: bpy.types.NodeTree) -> list[float]:
 
 
 def _rounded(values) -> list[float]:
-    # Sums of float32 that graphics and processors may add up in another order.
+    # Sums of float32 may depend on the order of summation, which graphics cards and processors choose differently.
     return [float(f"{float(value):.4g}") for value in values]

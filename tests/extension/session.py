@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One session of a user: ``session.py REPORT SITE STEPS``, in a process of its own, with the profile that it is given.
+"""One user session: ``session.py REPORT SITE STEPS``, in its own process, with the given profile.
 
-STEPS is a list of [name of a function here, its arguments] in JSON; what they return goes to REPORT under their names,
-of the second call as "name 2".
-Nothing of the project can be imported; SITE is a folder of packages to use instead of this Python's own, or empty.
+STEPS is a JSON list of [name of a function in this file, its arguments]. Results go to REPORT by name; those of a
+second call as "name 2". Nothing of the project can be imported. SITE is a folder of packages to use instead of this
+Python's own, or empty.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ import addon_utils
 MODULE = "bl_ext.user_default.convwass"
 HERE = Path(__file__).resolve().parent
 
-# What would leave the machine, or look for the way out of it.
+# Audit events of network access.
 _NETWORK = {"socket.connect", "socket.getaddrinfo", "socket.gethostbyname", "socket.bind", "socket.sendto"}
 _CHANGES = {"os.mkdir", "os.remove", "os.rename", "os.rmdir", "os.chmod", "os.truncate", "os.link", "os.symlink"}
 
@@ -36,7 +36,7 @@ _large_products: list[str] = []
 
 
 def refuse(event: str, arguments: tuple) -> None:
-    """Audit hook: no network at all, and no changes where the extension is installed, not even for an administrator."""
+    """Audit hook: allow no network access, and no changes where the extension is installed, not even for root."""
     if event in _NETWORK:
         _refused.append(f"{event} {arguments[-1]}")
         raise PermissionError("this session is offline")
@@ -55,33 +55,33 @@ def refuse(event: str, arguments: tuple) -> None:
 
 
 def install(zip_file: str) -> list[bool]:
-    """Install and enable, as from the menu of the preferences; whether it is enabled, in general and now."""
+    """Install and enable, as from the preferences; return whether it is enabled by default and now."""
     bpy.ops.extensions.package_install_files(filepath=zip_file, repo="user_default", enable_on_install=True)
     bpy.ops.wm.save_userpref()
     return list(addon_utils.check(MODULE))
 
 
 def lock(folder: str) -> None:
-    """Let nothing be written to where the extension is installed from here on."""
+    """From now on, allow no writing to the folder of the installed extension."""
     for path in [Path(folder), *Path(folder).rglob("*")]:
         path.chmod(0o555 if path.is_dir() else 0o444)
     _read_only.append(folder)
 
 
 def module_files() -> list[str]:
-    """Files of all modules of the extension that are loaded, and of the packages that it needs."""
+    """Return the files of all loaded modules of the extension and of its dependencies."""
     names = ("scipy", "skimage", "lazy_loader", "robust_laplacian", "cholespy", "threadpoolctl", "convwass_addon")
     found = [name for name in sys.modules if name.startswith(MODULE + ".") or name in names]
     return sorted(str(getattr(sys.modules[name], "__file__", "")) for name in found)
 
 
 def version() -> str:
-    """Return the version that Blender says is installed."""
+    """Return the installed version according to Blender."""
     return next(".".join(map(str, m.bl_info["version"])) for m in addon_utils.modules() if m.__name__ == MODULE)
 
 
 def prefer(values: dict[str, object]) -> None:
-    """Set preferences of the extension, and save them."""
+    """Set preferences of the extension and save them."""
     own = bpy.context.preferences.addons[MODULE].preferences
     for name, value in values.items():
         setattr(own, name, value)
@@ -95,13 +95,13 @@ def preferred() -> dict[str, object]:
 
 
 def add_preset(name: str, resolution: int) -> None:
-    """Save the settings of the solver under a name."""
+    """Save the solver settings as a preset."""
     bpy.context.scene.convwass_morph.resolution = resolution
     bpy.ops.convwass.add_solver_preset(name=name)
 
 
 def presets() -> dict[str, int]:
-    """Return for every preset the resolution that it sets."""
+    """Return the resolution of every preset."""
     own = sys.modules[f"{MODULE}.convwass_addon.solver_presets"]
     found = {}
     for name in own.preset_names():
@@ -111,17 +111,17 @@ def presets() -> dict[str, int]:
 
 
 def languages() -> list[str]:
-    """Return the languages that the extension has translations into; the bpy module itself is built without any."""
+    """Return the languages of the extension's translations; the bpy module itself is built without any."""
     return sys.modules[f"{MODULE}.convwass_addon.translations"].languages()
 
 
 def clear() -> None:
-    """Begin an empty file."""
+    """Open an empty file."""
     bpy.ops.wm.read_homefile(use_empty=True)
 
 
 def make(folder: str, only: str = "") -> dict[str, list[str]]:
-    """Make one of everything, or of one kind of things, and save the file in the folder."""
+    """Create one of everything, or of one kind, and save the file in the folder."""
     Path(folder).mkdir(parents=True, exist_ok=True)
     with beside("../large_products").noted_products() as noted:
         answers = beside("everything").make_everything(Path(folder), only)
@@ -131,12 +131,12 @@ def make(folder: str, only: str = "") -> dict[str, list[str]]:
 
 
 def large_products() -> list[str]:
-    """Return the large matrix products that NumPy was asked for while everything was made."""
+    """Return the large matrix products that NumPy computed while everything was created."""
     return _large_products
 
 
 def open_file(folder: str) -> None:
-    """Open what `make` has saved."""
+    """Open the file saved by `make`."""
     bpy.ops.wm.open_mainfile(filepath=str(Path(folder) / "everything.blend"))
 
 
@@ -146,7 +146,7 @@ def figures() -> dict:
 
 
 def leftovers() -> dict:
-    """Return what in the file would not work without the extension."""
+    """Return everything in the file that would fail without the extension."""
     return beside("figures").leftovers()
 
 
@@ -156,13 +156,13 @@ def bake_again(name: str) -> list[str]:
 
 
 def own_files() -> dict[str, int]:
-    """Return what the extension keeps in its own folder of the profile, with sizes."""
+    """Return the files in the extension's own folder of the profile, with sizes."""
     folder = Path(bpy.utils.extension_path_user(MODULE))
     return {str(path.relative_to(folder)): path.stat().st_size for path in folder.rglob("*") if path.is_file()}
 
 
 def polls() -> dict[str, int]:
-    """Ask every operator in every situation whether it can be called; how often it can."""
+    """Poll every operator in every situation; return how often each can be called."""
     names = [name.removeprefix("CONVWASS_OT_") for name in dir(bpy.types) if name.startswith("CONVWASS_OT_")]
     found = dict.fromkeys(names, 0)
     for _ in _situations():
@@ -172,7 +172,7 @@ def polls() -> dict[str, int]:
 
 
 def panels() -> dict[str, int]:
-    """Draw every panel in every situation; how often it was shown."""
+    """Draw every panel in every situation; return how often each was shown."""
     sys.modules["fake_layout"] = beside("../panels/fake_layout")
     names = [name for name in dir(bpy.types) if name.startswith("CONVWASS_PT_") and "preset" not in name]
     found = dict.fromkeys([*names, "preferences"], 0)
@@ -204,7 +204,7 @@ def remove() -> None:
 
 
 def offered() -> list[str]:
-    """Return what of the extension Blender knows: operators, panels, properties, commands."""
+    """Return what Blender has registered of the extension: operators, panels, properties, commands."""
     owners = (bpy.types.Scene, bpy.types.Object, bpy.types.Collection, bpy.types.Mesh, bpy.types.WindowManager)
     kinds = [name for name in dir(bpy.types) if name.lower().startswith("convwass")]
     return kinds + [
@@ -213,7 +213,7 @@ def offered() -> list[str]:
 
 
 def refused() -> list[str]:
-    """Return what was tried that a user offline, with a folder that is read-only, could not do."""
+    """Return the attempted actions that fail for an offline user with a read-only folder."""
     return _refused
 
 
@@ -227,7 +227,7 @@ def beside(name: str) -> ModuleType:
 
 
 class _Shown:
-    """A panel while it is drawn: its own methods, and a layout."""
+    """A panel while it is drawn: its own methods and a layout."""
 
     def __init__(self, own: object, layout: object) -> None:
         self._own, self.layout = own, layout
@@ -239,7 +239,7 @@ class _Shown:
 
 
 def _draw(panel: type) -> bool:
-    """Draw a panel where it is shown; whether it is."""
+    """Draw a panel if it is shown; return whether it is."""
     if hasattr(panel, "poll") and not panel.poll(bpy.context):
         return False
     shown = _Shown(panel, sys.modules["fake_layout"].FakeLayout())
@@ -250,7 +250,7 @@ def _draw(panel: type) -> bool:
 
 
 def _situations() -> Iterator[None]:
-    """Go through every kind of object that is active, in every mode that it has."""
+    """Iterate over every kind of active object in each of its modes."""
     context, seen = bpy.context, set()
     for obj in list(context.view_layer.objects):
         own = tuple(sorted(key for key in obj.keys() if "convwass" in key))  # noqa: SIM118 (no dict)
@@ -272,7 +272,7 @@ def _situations() -> Iterator[None]:
 if __name__ == "__main__":
     sys.addaudithook(refuse)
     if (Path(os.environ["BLENDER_USER_RESOURCES"]) / "config" / "userpref.blend").exists():
-        bpy.ops.wm.read_userpref()  # which Blender itself does at its start, and the bpy module does not
+        bpy.ops.wm.read_userpref()  # Blender does this at startup, the bpy module does not
     report, _, steps = sys.argv[1:]
     told = {"blender": bpy.app.version_string}
     for step, arguments in json.loads(steps):

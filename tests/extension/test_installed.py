@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension as a user gets it: installed from the zip into a clean profile, and everything in it used.
+"""The extension as users get it: installed from the zip into a clean profile, and completely used.
 
-Offline, with a folder that cannot be written to, by a user whose name has spaces and letters of three scripts.
+Offline, in a read-only folder, by a user whose name has spaces and letters of three scripts.
 """
 
 from __future__ import annotations
@@ -15,13 +15,13 @@ import pytest
 
 @pytest.fixture(scope="module")
 def work(profile) -> Path:
-    """Where the user's files go."""
+    """Folder of the user's files."""
     return profile.folder.parent / "Eigene Dateien ✓"
 
 
 @pytest.fixture(scope="module")
 def seen(profile, zip_file, work) -> dict:
-    """What one session with the installed extension saw."""
+    """The report of a session with the installed extension."""
     return profile.run(
         ("offered", []),
         ("install", [str(zip_file)]),
@@ -44,7 +44,7 @@ def seen(profile, zip_file, work) -> dict:
 
 @pytest.fixture(scope="module")
 def removed(seen, profile, work) -> dict:
-    """What the next session saw, in which the extension was disabled, enabled and removed with its work open."""
+    """The report of the next session, which disabled, enabled and removed the extension with its work open."""
     return profile.run(
         ("offered", []),
         ("open_file", [str(work)]),
@@ -61,12 +61,12 @@ def removed(seen, profile, work) -> dict:
 
 @pytest.fixture(scope="module")
 def without(seen, stranger, work) -> dict:
-    """What somebody saw who opened the file and never had the extension."""
+    """The report of a user who opened the file and never had the extension."""
     return stranger.run(("open_file", [str(work)]), ("offered", []), ("figures", []), ("leftovers", []))
 
 
 def assert_same(one: dict, other: dict) -> None:
-    """Compare what two sessions saw in a file."""
+    """Compare the figures of a file in two sessions."""
     assert one.keys() == other.keys()
     for frame, own in one.items():
         assert own.keys() == other[frame].keys()
@@ -75,7 +75,7 @@ def assert_same(one: dict, other: dict) -> None:
 
 
 def changing(figures: dict) -> set[str]:
-    """Names of what is not the same at all frames."""
+    """Names of everything that is not the same at all frames."""
     first, *others = figures.values()
     return {name for name, numbers in first.items() if any(other[name] != numbers for other in others)}
 
@@ -101,12 +101,12 @@ def test_everything_can_be_made(seen):
     assert len(seen["make"]) >= 20
 
 
-def test_nothing_asks_numpy_for_a_large_product(seen):
-    """The speed does not rest on NumPy's BLAS: Blender's own builds of NumPy may be without one."""
+def test_no_large_product_is_computed_by_numpy(seen):
+    """The speed does not depend on NumPy's BLAS, because Blender's own builds of NumPy may lack one."""
     assert seen["large_products"] == []
 
 
-def test_nothing_reaches_out_or_writes_where_it_is_installed(seen):
+def test_nothing_uses_the_network_or_writes_to_the_installation(seen):
     assert seen["refused"] == []
 
 
@@ -117,28 +117,28 @@ def test_everything_plays(seen):
     assert {"Morph 0002", "Morph 0002.003"} <= names
 
 
-def test_every_operator_can_be_asked_and_most_can_be_called(seen):
-    """None may fail to answer."""
+def test_every_operator_can_be_polled_and_most_can_be_called(seen):
+    """No poll may fail."""
     assert seen["polls"].keys() == seen["polls 2"].keys()
     assert len(seen["polls"]) >= 55
     never = {name for name, count in seen["polls 2"].items() if not count}
-    # A map to the own mirror image wants one object twice.
+    # A map to the mirror image needs one object twice.
     assert sorted(never - {"stop", "mirror_map"}) == []
 
 
 def test_every_panel_is_drawn(seen):
     assert len(seen["panels"]) >= 20
-    # Progress is shown while there is some.
+    # Progress is shown only during work.
     idle = ["CONVWASS_PT_image_progress", "CONVWASS_PT_progress"]
     assert sorted(name for name, count in seen["panels"].items() if not count) == idle
 
 
-def test_presets_and_languages_come_along(seen):
+def test_presets_and_languages_are_included(seen):
     assert set(seen["presets"]) == {"Draft", "Standard", "Fine"}
     assert seen["languages"] == ["de", "fr"]
 
 
-def test_disabling_and_removing_take_everything_away_but_the_work(seen, removed, profile):
+def test_disabling_and_removing_leave_only_the_work(seen, removed, profile):
     assert_same(seen["figures"], removed["figures"])
     assert removed["offered"] == seen["offered 2"]
     assert removed["offered 2"] == removed["offered 3"] == []
@@ -152,6 +152,6 @@ def test_the_work_plays_without_the_extension(seen, without):
     assert_same(seen["figures"], without["figures"])
 
 
-def test_nothing_in_the_work_asks_for_the_extension(seen, without):
+def test_nothing_in_the_work_needs_the_extension(seen, without):
     for found in (seen["leftovers"], without["leftovers"]):
         assert {name: own for name, own in found.items() if own} == {}

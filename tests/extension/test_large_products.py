@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Large products that NumPy is asked for are noted; test_installed.py finds none in all that the extension does."""
+"""Large products computed by NumPy are recorded; test_installed.py finds none in the whole extension."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from tests.large_products import is_large_product, noted_products
         lambda a: np.linalg.eigh(a),
     ],
 )
-def test_they_would_be_noticed(multiply):
+def test_large_products_are_recorded(multiply):
     square = np.eye(64)
     with noted_products() as noted:
         before = multiply(square)
@@ -31,7 +31,7 @@ def test_they_would_be_noticed(multiply):
     assert len(noted) == 1
 
 
-def test_small_and_narrow_ones_pass():
+def test_small_and_narrow_products_are_ignored():
     points, turn = np.ones((100_000, 3)), np.eye(3)
     with noted_products() as noted:
         assert (points @ turn).shape == points.shape

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the reviewers of Blender's extension platform look for, in the manifest and in all that is shipped.
+"""Rules of Blender's extension platform, checked in the manifest and in everything shipped.
 
-https://developer.blender.org/docs/features/extensions/moderation/guidelines/ and the chapter on extensions of
+See https://developer.blender.org/docs/features/extensions/moderation/guidelines/ and the chapter on extensions in
 Blender's manual.
 """
 
@@ -32,7 +32,7 @@ LISTING = PROJECT / "assets" / "listing"
 NOT_SHIPPED = {"cluster.py"}
 SHIPPED = sorted({path.relative_to(PACKAGE).as_posix() for path in PACKAGE.rglob("*.py")} - NOT_SHIPPED)
 
-# Only these may look at where they lie, and only to read: presets, translations, samples of a checkout, their own code.
+# Only these may use their own path, and only to read: presets, translations, samples of a checkout, source files.
 MAY_LOOK_AROUND = {
     "solver_presets.py",
     "translations/__init__.py",
@@ -55,7 +55,7 @@ def tree(name: str) -> ast.Module:
 
 
 def imported(name: str) -> set[str]:
-    """Return the modules from elsewhere that a file imports."""
+    """Return the external modules that a file imports."""
     found = set()
     for node in ast.walk(tree(name)):
         if isinstance(node, ast.Import):
@@ -66,14 +66,14 @@ def imported(name: str) -> set[str]:
 
 
 def used(name: str) -> set[str]:
-    """Return the names that a file uses, and those with one dot, as they stand there."""
+    """Return the names that a file uses, including those with one dot."""
     nodes = list(ast.walk(tree(name)))
     dotted = (node for node in nodes if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name))
     return {node.id for node in nodes if isinstance(node, ast.Name)} | {f"{n.value.id}.{n.attr}" for n in dotted}
 
 
 def complaints(name: str) -> list[str]:
-    """Return what reviewers would ask about in a file."""
+    """Return what a reviewer would question in a file."""
     known = {
         "__file__": name in MAY_LOOK_AROUND,
         "print": name == "console.py" or name.startswith("cli/"),
@@ -83,7 +83,7 @@ def complaints(name: str) -> list[str]:
     return [f"{name}: {what}" for what in sorted(asked)]
 
 
-def test_the_manifest_says_what_is_wanted_and_no_more(manifest):
+def test_the_manifest_has_exactly_the_required_entries(manifest):
     texts = [manifest["tagline"], *manifest["permissions"].values()]
     assert all(len(text) <= 64 and text[-1].isalnum() for text in texts)
     # No network, no clipboard, no camera.
@@ -96,18 +96,18 @@ def test_the_manifest_says_what_is_wanted_and_no_more(manifest):
 @pytest.mark.parametrize(
     ("name", "size", "most", "color"), [("icon.png", (256, 256), 120e3, 6), ("featured.png", (1920, 1080), 3e6, 2)]
 )
-def test_pictures_of_the_listing_have_the_sizes_that_the_platform_asks_for(name, size, most, color):
-    """The icon stands on any background, so its own is transparent."""
+def test_pictures_of_the_listing_have_the_required_sizes(name, size, most, color):
+    """The icon has a transparent background, because it appears on any color."""
     data = (LISTING / name).read_bytes()
     assert data.startswith(b"\x89PNG\r\n\x1a\n") and data[12:16] == b"IHDR"
     *found, depth, kind = struct.unpack(">IIBB", data[16:26])
     assert (tuple(found), depth, kind) == (size, 8, color)
     assert len(data) < most
-    # Unless it is told not to, Blender writes from which file and when.
+    # By default, Blender writes file name and date into pictures.
     assert not re.search(rb"tEXt(File|Date|Hostname)\0", data)
 
 
-def test_the_listing_names_all_that_comes_along_and_every_permission(manifest):
+def test_the_listing_names_all_contents_and_permissions(manifest):
     text = (LISTING / "description.md").read_text(encoding="utf-8")
     wheels = re.findall(r"(?m)^([a-z-]+)==", (PROJECT / "tools" / "wheels.txt").read_text(encoding="utf-8"))
     assert len(wheels) >= 6
@@ -117,37 +117,37 @@ def test_the_listing_names_all_that_comes_along_and_every_permission(manifest):
     assert sorted(map(str.lower, permissions)) == sorted(manifest["permissions"])
 
 
-def test_the_listing_leads_nowhere():
-    """Addresses would be read as those of the project, which has none of its own."""
+def test_the_listing_has_no_links():
+    """Links would be taken for those of the project, which has no website."""
     assert not re.search(r"https?:|www\.", (LISTING / "description.md").read_text(encoding="utf-8"))
 
 
-def test_nothing_of_the_listing_is_shipped(manifest):
+def test_the_listing_is_not_shipped(manifest):
     assert "/assets/" in manifest["build"]["paths_exclude_pattern"]
 
 
-def test_who_has_too_old_a_blender_is_told_what_it_says(manifest):
+def test_the_message_of_a_blender_that_is_too_old_is_documented(manifest):
     page = (PROJECT / "docs" / "walkthrough.md").read_text(encoding="utf-8")
     assert f"doesn't meet the minimum supported version ({manifest['blender_version_min']})" in page
 
 
 def test_tags_are_known_to_blender(manifest):
-    pytest.importorskip("bpy")  # which makes its own modules known
+    pytest.importorskip("bpy")  # makes Blender's own modules importable
     from _bpy_internal.extensions.tags import addons
 
     assert set(manifest["tags"]) <= addons
 
 
-def test_no_file_does_what_reviewers_refuse():
+def test_no_file_breaks_the_rules_of_reviewers():
     assert [complaint for name in SHIPPED for complaint in complaints(name)] == []
     assert len(SHIPPED) > 300
 
 
-def test_importing_a_file_defines_and_does_nothing():
-    """But for tables that are put together from constants."""
+def test_importing_a_file_has_no_side_effects():
+    """Except for tables built from constants."""
     kinds = (ast.Import, ast.ImportFrom, ast.FunctionDef, ast.ClassDef, ast.Assign, ast.AnnAssign)
     found = []
-    # The first is a program, the others are run when they are chosen.
+    # The first is a program, presets are run when chosen.
     for name in (name for name in SHIPPED if name != "__main__.py" and not name.startswith("presets/")):
         for node in tree(name).body:
             is_text = isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant)
@@ -160,7 +160,7 @@ def test_importing_a_file_defines_and_does_nothing():
 @pytest.mark.parametrize("is_there", [True, False])
 @pytest.mark.parametrize("name", ["bl_ext.user_default.convwass", "convwass_addon"])
 def test_the_installed_extension_stays_off_the_network(monkeypatch, name, is_there):
-    """Under its name in Blender, and wherever the file is missing that its zip leaves out."""
+    """Under its name in Blender, and if the file excluded from the zip is missing."""
     asked = []
     monkeypatch.setattr(cluster, "cluster_workers", lambda address: asked.append(address) or nullcontext())
     if not is_there:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Registering adds everything, unregistering takes it all away, as often as one likes."""
+"""Registering adds everything and unregistering removes it, any number of times."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def convwass_types() -> set[str]:
 
 
 def convwass_pointers() -> set[str]:
-    """Names of the properties that the add-on put on Blender's own types."""
+    """Names of the properties that the add-on added to Blender's own types."""
     import bpy
 
     owners = (bpy.types.Scene, bpy.types.Object, bpy.types.Collection, bpy.types.Mesh, bpy.types.WindowManager)
@@ -27,7 +27,7 @@ def convwass_pointers() -> set[str]:
 
 
 def handlers() -> dict[str, list]:
-    """All callbacks that wait for Blender's events."""
+    """All registered application handlers."""
     import bpy
 
     lists = {name: getattr(bpy.app.handlers, name) for name in dir(bpy.app.handlers)}
@@ -62,7 +62,7 @@ def test_failing_to_register_leaves_nothing(empty_scene, registered_addon, monke
 
 
 @pytest.mark.parametrize("package", ["scipy", "skimage"])
-def test_blender_without_the_packages_is_pointed_to_the_zip_that_has_them(project, package):
+def test_without_the_packages_the_error_names_the_zip_that_includes_them(project, package):
     script = f"import sys; sys.modules[{package!r}] = None; import bpy, convwass_addon; convwass_addon.register()"
     answer = subprocess.run([sys.executable, "-c", script], cwd=project, capture_output=True, text=True, timeout=600)
     assert answer.returncode == 1
@@ -70,15 +70,15 @@ def test_blender_without_the_packages_is_pointed_to_the_zip_that_has_them(projec
     assert "linux_x64" in answer.stderr
 
 
-def test_blender_without_the_packages_that_only_speed_things_up_can_do_without_them(project):
-    """The small zip brings no packages along, and those of a Linux distribution lack these two."""
+def test_optional_packages_may_be_missing(project):
+    """The small zip includes no packages, and Linux distributions lack these two."""
     script = (
         "import sys; sys.modules.update(robust_laplacian=None, cholespy=None);"
         "import bpy, convwass_addon; convwass_addon.register(); convwass_addon.unregister();"
-        # What bakes, and what solves on surfaces.
+        # Baking, and solving on surfaces.
         "import convwass_addon.bridge.morphs.job, convwass_addon.transport;"
         "import convwass_addon.applications.densities.surface_densities;"
-        # Commands are for the command line, and the window does not wait for them.
+        # Commands are imported only for the command line.
         "sys.exit('convwass_addon.cli.program' in sys.modules)"
     )
     subprocess.run([sys.executable, "-c", script], cwd=project, check=True, timeout=600)
@@ -92,7 +92,7 @@ def test_extension_id_is_what_blender_calls_it(project, registered_addon, monkey
 
 
 def imported_as(name: str, project, monkeypatch) -> ModuleType:
-    """Import the package's top module under another name, as Blender does with an installed extension."""
+    """Import the package's top module under another name, as Blender does for an installed extension."""
     spec = importlib.util.spec_from_file_location(name, project / "convwass_addon" / "__init__.py")
     module = importlib.util.module_from_spec(spec)
     monkeypatch.setitem(sys.modules, name, module)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A later version installed over an earlier one: settings, presets, caches and work stay.
+"""A later version installed over an earlier one: settings, presets, caches and work are kept.
 
-The earlier version is this one under a smaller number, or any other zip that is given by ``--from-zip``. A third one
-differs from this one by a single byte of the solver.
+The earlier version is this one with a smaller number, or the zip given by ``--from-zip``. A third version differs from
+this one by a single byte of the solver.
 """
 
 from __future__ import annotations
@@ -32,13 +32,13 @@ def earlier_zip(request, zip_file, tmp_path_factory) -> Path:
 
 @pytest.fixture(scope="module")
 def changed_zip(zip_file, tmp_path_factory) -> Path:
-    """A later version whose solver differs by one byte."""
+    """A later version with one changed byte in the solver."""
     target = tmp_path_factory.mktemp("changed") / "convwass-changed.zip"
     return with_version(zip_file, target, LATER, changed=f"convwass_addon/{SOLVER}")
 
 
 def with_version(zip_file: Path, target: Path, version: str, changed: str | None = None) -> Path:
-    """Copy a zip under another version, and add a line break to the file `changed`."""
+    """Copy a zip with another version number, and add a line break to the file `changed`."""
     touched = 0
     with zipfile.ZipFile(zip_file) as source, zipfile.ZipFile(target, "w") as copy:
         for entry in source.infolist():
@@ -61,7 +61,7 @@ def work(profile) -> Path:
 
 @pytest.fixture(scope="module")
 def before(profile, earlier_zip, work, is_same_code) -> dict:
-    """What a session with the earlier version saw; of the same code the morphs will do."""
+    """The report of a session with the earlier version; only morphs if it has the same code."""
     return profile.run(
         ("install", [str(earlier_zip)]),
         ("clear", []),
@@ -77,7 +77,7 @@ def before(profile, earlier_zip, work, is_same_code) -> dict:
 
 @pytest.fixture(scope="module")
 def after(before, profile, zip_file, work) -> dict:
-    """What the first session with this version saw."""
+    """The report of the first session with this version."""
     stray = profile.extension / "convwass_addon" / "of_the_earlier_version.py"
     stray.write_text("raise RuntimeError('nobody imports this any more')\n", encoding="utf-8")
     profile.run(("install", [str(zip_file)]))
@@ -99,7 +99,7 @@ def after(before, profile, zip_file, work) -> dict:
 
 @pytest.fixture(scope="module")
 def changed(after, profile, changed_zip, work) -> dict:
-    """What a session saw after the solver had changed."""
+    """The report of a session after the solver has changed."""
     return profile.run(
         ("install", [str(changed_zip)]),
         ("open_file", [str(work)]),
@@ -123,22 +123,22 @@ def assert_same(one: dict, other: dict) -> None:
             np.testing.assert_allclose(other[frame][name], numbers, rtol=2e-3, atol=0.01, err_msg=f"{frame}: {name}")
 
 
-def test_the_later_version_takes_the_place_of_the_earlier(before, after, profile):
+def test_the_later_version_replaces_the_earlier(before, after, profile):
     assert before["install"] == [True, True]
     assert before["version"] != after["version"]
     assert not (profile.extension / "convwass_addon" / "of_the_earlier_version.py").exists()
 
 
-def test_preferences_stay(after):
+def test_preferences_are_kept(after):
     assert {name: after["preferred"][name] for name in PREFERRED} == PREFERRED
 
 
-def test_presets_stay(after):
+def test_presets_are_kept(after):
     assert after["presets"]["Mine ä"] == 41
     assert set(after["presets"]) == {"Draft", "Standard", "Fine", "Mine ä"}
 
 
-def test_frames_that_were_kept_stay(before, after):
+def test_cached_frames_are_kept(before, after):
     assert before["own_files"]
     assert before["own_files"].items() <= after["own_files"].items()
 
@@ -155,13 +155,13 @@ def test_work_is_known_and_can_be_baked_again(after, is_same_code):
         assert_same({frame: {PLAYER: own[PLAYER]} for frame, own in after["figures"].items()}, after["figures 2"])
 
 
-def test_frames_of_the_same_code_are_used_again(before, after, is_same_code):
+def test_frames_of_the_same_code_are_reused(before, after, is_same_code):
     if not is_same_code:
         pytest.skip("another version may compute other frames")
     assert before["own_files"] == after["own_files 2"]
 
 
-def test_frames_of_another_solver_are_not(after, changed):
+def test_frames_of_another_solver_are_not_reused(after, changed):
     assert changed["bake_again"] == ["FINISHED"]
     assert after["own_files 2"].items() < changed["own_files"].items()
 
@@ -174,7 +174,7 @@ def test_a_file_that_the_earlier_version_saved_needs_no_extension(before, strang
     assert {name: own for name, own in found["leftovers"].items() if own} == {}
 
 
-def test_an_earlier_version_can_be_put_back(after, profile, earlier_zip):
+def test_an_earlier_version_can_be_restored(after, profile, earlier_zip):
     found = profile.run(("install", [str(earlier_zip)]), ("version", []), ("preferred", []), ("presets", []))
     assert found["version"] != after["version"]
     assert found["preferred"] == after["preferred"]

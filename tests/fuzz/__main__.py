@@ -1,18 +1,17 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Try to break the add-on, for as long as one likes.
+"""Try to break the add-on, for any length of time.
 
     python3 run.py fuzz --minutes 10 --seed monday
 
-Operators are called in odd scenes, modes and editors with odd arguments, in child processes whose crashes are seen.
-What has been tried is counted by kind at the end; everything that should not happen is printed with the session that
-shows it again:
+Operators are called in odd scenes, modes and editors with odd arguments, in child processes whose crashes are detected.
+At the end, calls are counted by kind, and every failure is printed with the session that reproduces it:
 
     python3 run.py fuzz --seed monday --session 17
 
-The first tenth of the time goes to files that were cut off, changed or made to lie, and the second one to broken
-meshes, curves and images without Blender. `python3 run.py python -m tests.fuzz.many_bakes 200` bakes very often in one
-Blender and prints what that leaves.
+The first tenth of the time is for truncated, changed and forged files, the second for broken meshes, curves and images
+without Blender. `python3 run.py python -m tests.fuzz.many_bakes 200` bakes very often in one Blender and prints what
+remains afterwards.
 """
 
 from __future__ import annotations
@@ -37,11 +36,11 @@ _PATIENCE = 120.0
 
 
 def main() -> int:
-    """Run until the time is over; return 1 where something was found."""
+    """Run until the time is over; return 1 if any failure was found."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--seed", default=str(int(time.time())))
-    parser.add_argument("--session", type=int, help="run this one alone, and print all that it does")
+    parser.add_argument("--session", type=int, help="run only this session and print everything it does")
     options = parser.parse_args()
     print(f"seed {options.seed}", flush=True)
     if options.session is not None:
@@ -59,7 +58,7 @@ def main() -> int:
 
 
 def batch(seed: str, first: int, count: int, until: float = float("inf")) -> list[dict[str, object]]:
-    """Run a child to its end, or to its crash, and return what it wrote down."""
+    """Run a child process to its end or crash, and return its log entries."""
     with tempfile.TemporaryDirectory(prefix="convwass-fuzz-") as folder:
         results = Path(folder) / "results"
         results.touch()
@@ -81,7 +80,7 @@ def batch(seed: str, first: int, count: int, until: float = float("inf")) -> lis
 
 
 def _watched(child: subprocess.Popen, results: Path, until: float) -> str:
-    """Wait for a child; return how it failed, if it did."""
+    """Wait for a child process; return how it failed, if it did."""
     size, heard = 0, time.monotonic()
     while child.poll() is None:
         time.sleep(0.5)
@@ -112,7 +111,7 @@ def _summary(entries: list[dict[str, object]], sessions: int) -> int:
 
 
 def _place(entry: dict[str, object]) -> str:
-    """Name where something went wrong: the last line of the project's in a traceback, and the error."""
+    """Describe the place of a failure: the project's last line in a traceback, and the error."""
     text = str(entry["text"])
     places = re.findall(r'File "[^"]*(convwass_addon/[^"]*)", line (\d+)', text)
     errors = re.findall(r"^(\w*(?:Error|Warning|Exception)\b.{0,80})", text, re.MULTILINE)

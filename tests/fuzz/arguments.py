@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Values that nobody would choose: for the properties of operators and for those that the scene keeps."""
+"""Unusual values for the properties of operators and scenes."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from random import Random
 
 import bpy
 
-# What work grows with is kept small, or nothing else would be tried.
+# Properties that determine the amount of work are kept small, to have time for everything else.
 CHEAP = {
     "resolution": (16, 24),
     "flat_resolution": (256, 256),
@@ -79,7 +79,7 @@ PATH_NAMES = {"folder", "filepath", "table"}
 
 
 def arguments(properties: object, random: Random) -> dict[str, object]:
-    """Return some of the arguments of an operator, most of them not as they should be."""
+    """Return some of the arguments of an operator, most of them invalid."""
     found = {}
     for prop in properties:
         if prop.identifier == "rna_type" or prop.is_readonly:
@@ -91,7 +91,7 @@ def arguments(properties: object, random: Random) -> dict[str, object]:
 
 
 def value(prop: object, random: Random) -> object:
-    """Return a value of the type of a property."""
+    """Return a value of a property's type."""
     if prop.type in ("INT", "FLOAT", "BOOLEAN") and prop.is_array:
         return tuple(_single(prop, random) for _ in range(prop.array_length))
     return _single(prop, random)
@@ -115,7 +115,7 @@ def _single(prop: object, random: Random) -> object:
 
 
 def text(random: Random) -> str:
-    """Return names of what is in the file, numbers, or nonsense."""
+    """Return names from the file, numbers, or nonsense."""
     kind = random.random()
     if kind < 0.25:
         return ""
@@ -131,7 +131,7 @@ def text(random: Random) -> str:
 
 
 def stir(group: object, random: Random) -> None:
-    """Give properties that the scene or an object keeps other values."""
+    """Change properties stored in the scene or an object."""
     for prop in group.bl_rna.properties:
         if prop.identifier in ("rna_type", "name") or prop.is_readonly:
             continue

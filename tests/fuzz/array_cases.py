@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Broken inputs through every application, without Blender: what comes out is sound, or the input is refused."""
+"""Broken input for every application, without Blender: the result is valid, or the input is refused."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ _FLAT = FlatSettings(resolution=32, blur=1.0, motion="transport")
 
 
 def outcome(run: Callable[[], object]) -> str:
-    """Run something; return "refused" where it is, "done" otherwise; errors of any other kind are raised."""
+    """Run a function; return "refused" or "done"; raise errors of any other kind."""
     try:
         run()
     except ConvwassError as error:
@@ -109,7 +109,7 @@ def gray_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
 
 
 def palette_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
-    """Give an image the colors of another, and the other way around."""
+    """Give an image the colors of another, and vice versa."""
     good = np.random.default_rng(6).random((8, 8, 4)).astype(np.float32)
     for encoding, turn in (("srgb", 1), ("linear", -1)):
         form = PixelFormat(encoding, highest=1.0 if encoding == "srgb" else np.inf)

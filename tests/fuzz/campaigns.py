@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Campaigns without Blender: spoiled files, and broken inputs that are varied at random."""
+"""Campaigns without Blender: damaged files, and broken input with random variations."""
 
 from __future__ import annotations
 
@@ -21,12 +21,12 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from tests.fuzz import array_cases, file_cases
 from tests.fuzz.corpus import broken_images, broken_meshes, broken_rings
 
-# A case that takes longer is told of.
+# Slower cases are reported.
 _SECONDS = 60.0
 
 
 def files(seed: str, seconds: float) -> list[str]:
-    """Read spoiled files for so long; print the counts and return what went wrong."""
+    """Read damaged files for this time; print the counts and return the failures."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         good = {kind: file_cases.good_content(kind, folder) for kind in file_cases.READERS}
@@ -44,7 +44,7 @@ def files(seed: str, seconds: float) -> list[str]:
 
 
 def arrays(seed: str, seconds: float) -> list[str]:
-    """Give broken meshes, rings and pixels to every application, as they are and then varied; the same."""
+    """Pass broken meshes, rings and pixels to every application, unchanged and then varied; return the failures."""
 
     def cases() -> Iterator[tuple[str, Callable[[], str]]]:
         for number in count():
@@ -76,7 +76,7 @@ def _on_mesh(run: Callable[[TriangleMesh], None], vertices: np.ndarray, faces: n
 
 
 def _varied(vertices: np.ndarray, faces: np.ndarray, random: np.random.Generator) -> tuple[np.ndarray, np.ndarray]:
-    """Turn and stretch a mesh, and spoil a little of it."""
+    """Rotate and stretch a mesh, and damage a little of it."""
     with np.errstate(all="ignore"):
         vertices = vertices @ Rotation.random(rng=random).as_matrix() * random.lognormal(size=3)
     if len(faces) > 4 and random.random() < 0.5:

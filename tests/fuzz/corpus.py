@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes and flat shapes that are broken in every way that modellers and importers know."""
+"""Meshes and flat shapes with all known kinds of defects from modeling and importing."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from tests.shapes import ball, box, joined, square, torus, with_faces
 
 
 def broken_meshes() -> dict[str, Callable[[], tuple[np.ndarray, np.ndarray]]]:
-    """Return what makes each of them: vertices and triangles, which may be refused."""
+    """Return functions that make vertices and triangles of broken meshes, which may be refused."""
     return {**_SIZES, **_SURFACES}
 
 
@@ -79,7 +79,7 @@ def _scrambled() -> tuple[np.ndarray, np.ndarray]:
 
 
 def _split() -> tuple[np.ndarray, np.ndarray]:
-    """Every triangle has vertices of its own."""
+    """Every triangle has its own vertices."""
     mesh = ball(points=100)
     return mesh.corners.reshape(-1, 3), np.arange(3 * len(mesh.faces)).reshape(-1, 3)
 
@@ -158,7 +158,7 @@ _SURFACES = {
 
 
 def broken_rings() -> Iterator[tuple[str, list[np.ndarray]]]:
-    """Yield names and rings of flat shapes, which may be refused."""
+    """Yield names and rings of broken flat shapes, which may be refused."""
     good = ellipse(corners=16)
     yield "none", []
     yield "star", [star()]

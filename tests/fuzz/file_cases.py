@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that were cut off, changed or made to lie, for every reader of the add-on that needs no Blender."""
+"""Truncated, changed and forged files for every reader of the add-on that works without Blender."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from tests.shapes import box
 
 KEY = "0" * 64
 _HUGE = (2**60, 2**31, 2**63, 2**64 - 1, 10**400, -1, 0, 1e308, None, True, "x", [], {}, [2**60] * 3)
-# What a reader may need besides several times the size of the file.
+# Memory that a reader may need: a constant, and a multiple of the file's size.
 _ROOM, _TIMES = 6 << 20, 60
 
 
@@ -60,11 +60,11 @@ READERS: dict[str, tuple[Callable[[Path], None], Callable[[Path], object], tuple
     "table.npz": (_table_file, read_table, (InputError,)),
     "grade.cube": (_cube_file, read_cube, (InputError,)),
 }
-"""What writes a good file, what reads it, and the errors that are answers."""
+"""Writer of a valid file, its reader, and the errors that count as refusals."""
 
 
 def outcome(name: str, content: bytes, folder: Path) -> str:
-    """Read a file; return "read" or "refused". Other errors are raised, and so is too much memory."""
+    """Read a file; return "read" or "refused". Other errors and too much memory are raised."""
     _, read, refused = READERS[name]
     path = folder / name
     path.write_bytes(content)
@@ -83,14 +83,14 @@ def outcome(name: str, content: bytes, folder: Path) -> str:
 
 
 def good_content(name: str, folder: Path) -> bytes:
-    """Return what a good file holds."""
+    """Return the content of a valid file."""
     path = folder / f"good {name}"
     READERS[name][0](path)
     return path.read_bytes()
 
 
 def spoiled(content: bytes, seed: int) -> bytes:
-    """Return a file with something done to it."""
+    """Return a damaged copy of a file."""
     chance = random.Random(seed)
     data = bytearray(content)
     for _ in range(chance.choice((1, 1, 2, 8))):
@@ -112,7 +112,7 @@ def spoiled(content: bytes, seed: int) -> bytes:
 
 
 def lying_file(content: bytes, seed: int, notices: Sequence[object] = ()) -> bytes:
-    """Return a file of arrays whose hash is right and whose header is not; some notices may be put into it."""
+    """Return a file of arrays with a correct hash and a wrong header, optionally with notices."""
     chance = random.Random(seed)
     with zipfile.ZipFile(io.BytesIO(content)) as archive:
         members = {name: archive.read(name) for name in archive.namelist()}
@@ -126,11 +126,11 @@ def lying_file(content: bytes, seed: int, notices: Sequence[object] = ()) -> byt
 
 
 NOTICES = (["{a}", {"a": 1}], ["{a.real}", {"a": 1}], ["{a:99999999}", {"a": 1}], 3)
-"""Notices of a soft map, most of which want something else than a value."""
+"""Notices of a soft map, most of which expect something other than a value."""
 
 
 def pickled_table() -> bytes:
-    """Return a file of NumPy's with an array of objects, which would be unpickled by a reader that trusts it."""
+    """Return a NumPy file with an array of objects, which a naive reader would unpickle."""
     file = io.BytesIO()
     objects = np.array([Ggx, 1], dtype=object)
     np.savez(file, theta_in=objects, phi_in=objects, lobes=objects, albedo=objects)
@@ -138,11 +138,11 @@ def pickled_table() -> bytes:
 
 
 def bomb(size: int = 1 << 26) -> bytes:
-    """Return a few bytes that unpack to very many."""
+    """Return a few bytes that decompress to very many."""
     return zlib.compress(bytes(size), 9)
 
 
 def _places(value: object) -> list[tuple[object, object]]:
-    """Return all places in lists and tables where something could be put."""
+    """Return all places in nested lists and tables where a value could be inserted."""
     keys = list(value) if isinstance(value, dict) else list(range(len(value))) if isinstance(value, list) else []
     return [(value, key) for key in keys] + [place for key in keys for place in _places(value[key])]

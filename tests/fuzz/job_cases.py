@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A small one of every kind of work that goes on in the background, and ways to step into it."""
+"""A small example of every kind of background work, and ways to interrupt it."""
 
 from __future__ import annotations
 
@@ -69,7 +69,7 @@ def two_images(folder: Path) -> None:
 
 
 def shot(folder: Path) -> None:
-    """A clip of three frames, whose files lie in a folder of their own, and a palette."""
+    """A clip of three frames, whose files have their own folder, and a palette."""
     two_images(folder)
     (folder / "in").mkdir(exist_ok=True)
     for number in range(1, 4):
@@ -94,7 +94,7 @@ def two_skies(folder: Path) -> None:
         if not (folder / "in" / f"{name}.exr").exists():
             write_sky(folder / "in" / f"{name}.exr", sky(sun, rows=16))
         world = sequence_world(name, [folder / "in" / f"{name}.exr"], 1)
-        # A single picture, which is read as it is.
+        # A single picture, which is read directly.
         world.node_tree.animation_data_clear()
         next(node for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT").image.source = "FILE"
 
@@ -122,11 +122,11 @@ CASES: dict[str, tuple[Callable[[Path], None], dict[str, object]]] = {
         {"worlds": "Dawn, Noon", "folder": "OUT", "frame_start": 1, "frame_end": 3, "width": 64},
     ),
 }
-"""By name, which begins with that of the operator: what makes a scene, given a folder for its files, and arguments."""
+"""By name, which begins with that of the operator: a function that makes a scene, given a folder, and arguments."""
 
 
 def prepare(name: str, folder: Path) -> Callable[[], set[str]]:
-    """Make the scene of a case and return what does its work; what the work writes goes to `out` in the folder."""
+    """Make the scene of a case and return a function that does its work; its files go to `out` in the folder."""
     make, arguments = CASES[name]
     make(folder)
     out = str(folder / "out")
@@ -140,14 +140,14 @@ def call(name: str, **arguments: object) -> set[str]:
 
 
 def kinds_of(kind: type) -> Iterator[type]:
-    """All classes below one."""
+    """Yield all subclasses of a class."""
     for own in kind.__subclasses__():
         yield own
         yield from kinds_of(own)
 
 
 def traces(folder: Path) -> tuple[object, ...]:
-    """Return all that a work could leave behind: data, files, handlers, timers and threads."""
+    """Return everything that work could leave behind: data, files, handlers, timers and threads."""
     files = {path: path.read_bytes() if path.is_file() else None for path in folder.rglob("*")}
     handlers = {
         name: list(own) for name in dir(bpy.app.handlers) if isinstance(own := getattr(bpy.app.handlers, name), list)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake into a cache, in a process of its own that may be killed: python -m tests.fuzz.killed_bake FOLDER."""
+"""A bake into a cache, in a separate process that may be killed: python -m tests.fuzz.killed_bake FOLDER."""
 
 from __future__ import annotations
 

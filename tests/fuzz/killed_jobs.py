@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work in a Blender that is killed at one of its steps: python -m tests.fuzz.killed_jobs NAME FOLDER STEP.
+"""Work in a Blender process that is killed at one of its steps: python -m tests.fuzz.killed_jobs NAME FOLDER STEP.
 
-With "placing: " before the name, as one of its files is about to take its place.
+With "placing: " before the name, it is killed when one of its files is about to be moved into place.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ Step = Callable[[], None]
 
 
 def run(name: str, folder: Path, step: Step = lambda: None) -> None:
-    """Do all of a work in an empty scene; before operators begin, the file is saved."""
+    """Do all of the work in an empty scene; before operators start, the file is saved."""
     if name in _WITH_FILES:
         _WITH_FILES[name](folder, step)
         return
@@ -85,7 +85,7 @@ _WITH_FILES = {"sky": _sky, "export": _export}
 
 
 def main(name: str, folder: Path, last: int) -> None:
-    """Run in a Blender of nobody's, up to a step."""
+    """Run in a fresh Blender, up to a step."""
     import convwass_addon
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -101,7 +101,7 @@ def main(name: str, folder: Path, last: int) -> None:
         place = os.replace
 
         def placed(draft: str | Path, target: str | Path) -> None:
-            # Drafts are themselves written beside, and moved.
+            # Drafts are also written to a temporary file and moved.
             if "out" in Path(target).parts and not any(part.startswith(".") for part in Path(target).parts):
                 step()
             place(draft, target)
@@ -115,5 +115,5 @@ def main(name: str, folder: Path, last: int) -> None:
 if __name__ == "__main__":
     main(sys.argv[1], Path(sys.argv[2]), int(sys.argv[3]))
     sys.stdout.flush()
-    # The module bpy crashes in some of its versions when Python cleans up.
+    # Some versions of the bpy module crash during Python's cleanup.
     os._exit(0)

@@ -15,7 +15,7 @@ _EVERY = 20
 
 
 def main(count: int) -> int:
-    """Bake and delete, and print memory and counts now and then; return 1 where data-blocks or threads are left."""
+    """Bake and delete, printing memory and counts regularly; return 1 if data-blocks or threads remain."""
     with tempfile.TemporaryDirectory() as folder:
         os.environ["BLENDER_USER_RESOURCES"] = folder
         import bpy
@@ -44,7 +44,7 @@ def main(count: int) -> int:
 
 
 def _resident() -> int:
-    """Bytes of memory that this process has; 0 where the system does not say."""
+    """Return the resident memory of this process in bytes; 0 if unknown."""
     try:
         return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except OSError:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A child process that calls operators in odd scenes, and writes down what it is about to do before it does it.
+"""A child process that calls operators in odd scenes, and logs every action before it starts.
 
 python -m tests.fuzz.operator_session SEED FIRST COUNT RESULTS
 """
@@ -19,12 +19,12 @@ from pathlib import Path
 from random import Random
 
 CALLS = 8
-# A call that takes the processor for longer is stopped, as a user would stop it.
+# A call that takes more CPU seconds is cancelled, as a user would do.
 SECONDS = 25
 
 
 class Log:
-    """What has been done, a line of JSON each, on disk at once."""
+    """The log, one JSON line per action, written to disk immediately."""
 
     def __init__(self, path: Path) -> None:
         self._file = open(path, "a", encoding="utf-8")  # noqa: SIM115
@@ -36,7 +36,7 @@ class Log:
 
 
 class Screen:
-    """Standard error as a file that can be looked at: Blender prints tracebacks of polls and callbacks there."""
+    """Standard error redirected to a file, because Blender prints tracebacks of polls and callbacks there."""
 
     def __init__(self, path: Path) -> None:
         self._file = open(path, "w+b")  # noqa: SIM115
@@ -44,7 +44,7 @@ class Screen:
         self._seen = 0
 
     def news(self) -> str:
-        """Return what has been printed since the last time."""
+        """Return what has been printed since the last call."""
         sys.stderr.flush()
         self._file.seek(self._seen)
         found = self._file.read()
@@ -53,7 +53,7 @@ class Screen:
 
 
 def main(seed: str, first: int, count: int, results: Path) -> None:
-    """Run so many sessions."""
+    """Run the given number of sessions."""
     with tempfile.TemporaryDirectory(prefix="convwass-fuzz-") as folder:
         os.environ["BLENDER_USER_RESOURCES"] = folder
         import bpy
@@ -132,7 +132,7 @@ def _step(random: Random, operators: list[object], log: Log, screen: Screen, num
 
 
 def _chosen(operators: list[object], random: Random) -> object:
-    """Take any operator, or rather one that can be called now."""
+    """Choose any operator, preferring those that can be called now."""
     if random.random() < 0.25:
         return random.choice(operators)
     return next((own for own in random.sample(operators, len(operators)) if own.poll()), operators[0])
@@ -142,7 +142,7 @@ def _called(operator: object, given: dict[str, object], area: str | None, random
     how = random.choice(("EXEC_DEFAULT", "INVOKE_DEFAULT", "EXEC_REGION_WIN"))
     try:
         with _in_area(area), _limited():
-            # With an undo step Blender lays out its panel of the last action, which crashes it without a window.
+            # With an undo step, Blender lays out its panel of the last action and crashes without a window.
             found = operator(how, area is None, **given)
         return ("finished" if "FINISHED" in found else "cancelled"), ""
     except RuntimeError as error:
@@ -151,7 +151,7 @@ def _called(operator: object, given: dict[str, object], area: str | None, random
             return ("stopped" if "_Stopped" in text else "traceback"), text
         return ("poll" if "poll()" in text else "refused"), text
     except TypeError as error:
-        # Blender itself takes no such argument, such as an enum item that is not there.
+        # Blender rejects such an argument itself, for example an unknown enum item.
         return "no call", str(error)
 
 
@@ -191,7 +191,7 @@ def _in_area(kind: str | None) -> Iterator[None]:
 
 
 def _spoil_stored(random: Random) -> None:
-    """Write nonsense over what the add-on has stored on data-blocks."""
+    """Overwrite what the add-on has stored on data-blocks with nonsense."""
     import bpy
 
     values = (
@@ -214,12 +214,12 @@ def _spoil_stored(random: Random) -> None:
 
 
 def stored_keys(block: object) -> list[str]:
-    """Return the custom properties of the add-on's; until Blender 5 registered ones are among all of them."""
+    """Return the add-on's custom properties; before Blender 5, they include registered properties."""
     return [key for key in block.keys() if key.startswith("convwass") and key not in block.bl_rna.properties]  # noqa: SIM118
 
 
 def _unsound(before: set[int]) -> str:
-    """Say which new meshes are not sound."""
+    """Describe the first invalid new mesh."""
     import bpy
     import numpy as np
 
@@ -236,7 +236,7 @@ def _unsound(before: set[int]) -> str:
 
 
 def _drawn(screen: Screen) -> str:
-    """Draw all panels; return what went wrong."""
+    """Draw all panels; return the errors."""
     import traceback
 
     import bpy
@@ -257,7 +257,7 @@ def _drawn(screen: Screen) -> str:
 
 
 def _is_shown(panel: type) -> bool:
-    """Tell whether the panels that hold a panel are shown."""
+    """Tell whether the parent panels of a panel are shown."""
     import bpy
 
     name = getattr(panel, "bl_parent_id", "")

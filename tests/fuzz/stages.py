@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Scenes with all kinds of objects, whole and broken, in every mode that Blender has."""
+"""Scenes with all kinds of objects, valid and broken, in every mode of Blender."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ AREAS = ("VIEW_3D", "VIEW_3D", "IMAGE_EDITOR", "NODE_EDITOR", "OUTLINER", "CONSO
 
 
 def build(random: Random, library: Path) -> None:
-    """Make a scene of some of everything; nothing in it is selected in particular."""
+    """Make a scene with some of everything and an arbitrary selection."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if random.random() < 0.05:
         return
@@ -62,7 +62,7 @@ def leave_mode() -> None:
 
 
 def enter_some_mode(random: Random) -> None:
-    """Select at random, make something active, and go to some mode that it may have."""
+    """Make a random selection and an active object, and enter one of its modes."""
     leave_mode()
     objects = list(bpy.context.view_layer.objects)
     for obj in objects:
@@ -118,7 +118,7 @@ def solids(random: Random) -> None:
 
 
 def broken(random: Random) -> None:
-    """Meshes that no one would call shapes."""
+    """Meshes that are no valid shapes."""
     nan, tiny = float("nan"), 1e-30
     triangle = [(0, 1, 2)]
     cases = (
@@ -166,7 +166,7 @@ def rigs(random: Random) -> None:
 
 
 def flat(random: Random) -> None:
-    """Curves and texts, drawn and not."""
+    """Curves and texts, including empty ones."""
     if random.random() < 0.6:
         bpy.ops.curve.primitive_bezier_circle_add(location=(random.random(), 0, 0))
         bpy.context.object.data.dimensions = random.choice(("2D", "3D"))
@@ -188,7 +188,7 @@ def flat(random: Random) -> None:
 
 
 def others(random: Random) -> None:
-    """Objects of types that hold no shape."""
+    """Objects of types that are not shapes."""
     makers = {
         "Lattice": lambda: bpy.data.lattices.new("Lattice"),
         "Meta": lambda: bpy.data.metaballs.new("Meta"),
@@ -207,7 +207,7 @@ def others(random: Random) -> None:
 
 
 def pictures(random: Random) -> None:
-    """Images of all kinds, on objects and not, and worlds."""
+    """Images of all kinds, with and without objects, and worlds."""
     own = bpy.context.scene.convwass_recolor
     cases = {
         "Good": np.random.default_rng(1).random((8, 9, 4)),
@@ -234,7 +234,7 @@ def pictures(random: Random) -> None:
 
 
 def ready(random: Random) -> None:
-    """Everything chosen and baked, so that operators have something to work on."""
+    """Everything chosen and baked, so that operators have input."""
     scene, call = bpy.context.scene, bpy.ops.convwass
     for make in random.sample((baked_morph, solved_density, stored_map, pinned_rig, palettes, materials_and_skies), 2):
         leave_mode()
@@ -299,7 +299,7 @@ def materials_and_skies(random: Random, scene: bpy.types.Scene, call: object) ->
 
 
 def painted_cubes() -> None:
-    """Two cubes that are called In 0 and In 1, with the groups A and B."""
+    """Two cubes named In 0 and In 1, with the groups A and B."""
     for place in range(2):
         bpy.ops.mesh.primitive_cube_add(location=(3 * place, 0, 0))
         obj = bpy.context.object
@@ -309,7 +309,7 @@ def painted_cubes() -> None:
 
 
 def crowd(random: Random) -> None:
-    """Very many parts, and very many objects."""
+    """Very many components, and very many objects."""
     bpy.ops.mesh.primitive_cube_add(size=0.5)
     array = bpy.context.object.modifiers.new("Array", "ARRAY")
     array.count = random.choice((1, 50, 400))
@@ -318,7 +318,7 @@ def crowd(random: Random) -> None:
 
 
 def odd_names(random: Random) -> None:
-    """Names that are awkward to write down, or to look up."""
+    """Names that are awkward to quote or look up."""
     for name in random.sample(("a,b", "a\nb", " ", "{x}", "ä" * 60, "../x", "Morph", "%s", "0"), 3):
         bpy.ops.mesh.primitive_cube_add()
         bpy.context.object.name = name
@@ -338,7 +338,7 @@ def linked(random: Random, library: Path) -> None:
 
 
 def write_library(path: Path) -> None:
-    """Write the file that :func:`linked` links from."""
+    """Write the file for :func:`linked`."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     random = Random(1)
     balls(random)

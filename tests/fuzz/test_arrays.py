@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Broken meshes, curves and images through every application: what comes out is finite, or there is a message."""
+"""Broken meshes, curves and images in every application: the result is finite, or there is a message."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ from tests.fuzz.array_cases import (
 from tests.fuzz.corpus import broken_images, broken_meshes, broken_rings
 from tests.shapes import ball
 
-# What every application must refuse; others may do with a shape what they can.
+# Shapes that every application must refuse; others may use what is valid.
 NEVER = {"nothing", "points", "one point thrice", "one vertex thrice", "NaN", "infinite", "beyond"}
-# The campaign of `python3 run.py fuzz` tries all; those that take long are tried on some here.
+# The campaign of `python3 run.py fuzz` tries all combinations; slow applications are tried only on these here.
 _SOME = ("needle", "tiny", "flat", "moebius", "loose")
 TRIED = {kind: (*sorted(NEVER), *_SOME) for kind in ("armature", "soft map")}
-# Rings that enclose something of a size that can be told; all others must be refused.
+# Rings with a well-defined area; all others must be refused.
 SOUND_RINGS = {"star", "doubled", "bow", "repeated corners", "scribble", "many", "far"}
 _SOME_PIXELS = ("one pixel", "nothing", "clear", "one color", "all NaN", "all infinite", "one NaN", "alpha infinite")
 
@@ -61,14 +61,14 @@ def test_broken_images(kind):
 
 @pytest.mark.parametrize("kind", ["morph", "soft map", "armature"])
 @pytest.mark.parametrize("name", ["huge", "largest", "beyond"])
-def test_coordinates_whose_squares_are_no_numbers_are_refused(kind, name):
+def test_coordinates_whose_squares_overflow_are_refused(kind, name):
     mesh = TriangleMesh.from_arrays(*broken_meshes()[name]())
     with pytest.raises(InputError, match=r"farther away than 1e\+18"):
         ON_MESHES[kind](mesh)
 
 
-def test_a_thicket_is_made_of_larger_cells(monkeypatch):
-    """A mesh of 120 random triangles encloses what has hundreds of handles, which no reduction takes away."""
+def test_very_complex_meshes_use_larger_cells(monkeypatch):
+    """A mesh of 120 random triangles has hundreds of handles, which no reduction removes."""
     mesh = TriangleMesh.from_arrays(*broken_meshes()["scrambled"]())
     monkeypatch.setattr(skeleton_bodies, "RESOLUTION", 64)
     sizes = []
@@ -96,11 +96,11 @@ JOBS = {
 
 
 @pytest.mark.parametrize("name", JOBS)
-def test_jobs_end_at_every_check(name):
-    """Every check that a job makes ends it where the user has pressed Esc, and nothing swallows that."""
+def test_jobs_can_be_cancelled_at_every_check(name):
+    """Every check ends the job after Esc was pressed, and nothing swallows the exception."""
     whole = CountingControl()
     JOBS[name](whole)
-    assert whole.count, "it never looks whether it should stop"
+    assert whole.count, "it never checks for cancellation"
     for last in sorted({1, 2, whole.count // 3 + 1, whole.count} & set(range(1, whole.count + 1))):
         with pytest.raises(Cancelled):
             JOBS[name](CountingControl(last))

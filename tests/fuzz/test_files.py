@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that are not what they should be are refused, with no more memory than their size justifies."""
+"""Damaged files are refused, using no more memory than their size justifies."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ SEEDS = 80
 
 
 @pytest.mark.parametrize("name", READERS)
-def test_spoiled_files_are_read_or_refused(name, tmp_path):
+def test_damaged_files_are_read_or_refused(name, tmp_path):
     good = good_content(name, tmp_path)
     assert outcome(name, good, tmp_path) == "read"
     found = [outcome(name, spoiled(good, seed), tmp_path) for seed in range(SEEDS)]
@@ -50,12 +50,12 @@ def test_spoiled_files_are_read_or_refused(name, tmp_path):
 
 
 def test_measured_materials_are_read_or_refused(tmp_path):
-    """Their files are large, so only some places of one are changed."""
+    """Because the files are large, only some bytes are changed."""
     header, count = struct.pack("<3i", 90, 90, 180), 3 * 90 * 90 * 180
     good = header + np.full(count, 0.1).tobytes()
     path, file = tmp_path / "own.binary", bytearray(good)
     found = []
-    # The header; a sign; exponents, whose highest bit makes a number too large.
+    # The header; a sign; exponents, whose highest bit makes numbers too large.
     for place, bit in ((0, 0), (3, 7), (11, 7), (12 + 8 * 9 + 7, 7), (12 + 8 * 9 + 7, 6), (12 + 8 * count - 1, 6)):
         file[place] ^= 1 << bit
         path.write_bytes(file)
@@ -81,8 +81,8 @@ LOBES = {
 
 
 @pytest.mark.parametrize("name", LOBES)
-def test_lobes_in_spoiled_pictures_are_read_or_refused(name, tmp_path, empty_scene):
-    """In bytes, and in what the header says of sizes: of the window that counts and of the one that does not."""
+def test_lobes_in_damaged_pictures_are_read_or_refused(name, tmp_path, empty_scene):
+    """In bytes, and in the sizes in the header, for both the data and the display window."""
     write, read = LOBES[name]
     path = tmp_path / name
     write(path)
@@ -104,7 +104,7 @@ def test_lobes_in_spoiled_pictures_are_read_or_refused(name, tmp_path, empty_sce
     assert bpy.context.scene == empty_scene
 
 
-def test_numbers_in_pictures_that_do_not_survive_a_cast_are_refused():
+def test_pictures_with_signaling_nans_are_refused():
     picture = table_picture(tabulated(Ggx(0.4, 0.2), incoming_directions(3, 2), 8)).astype(np.float32)
     # A signaling NaN.
     picture.view(np.uint32)[-1, 0, 0] = 0x7F800001
@@ -112,13 +112,13 @@ def test_numbers_in_pictures_that_do_not_survive_a_cast_are_refused():
         table_of_picture(picture, "x.exr")
 
 
-def test_frames_that_lie_are_refused(tmp_path):
+def test_forged_frames_are_refused(tmp_path):
     good = good_content("frame", tmp_path)
     found = [outcome("frame", lying_file(good, seed), tmp_path) for seed in range(SEEDS)]
     assert found.count("refused") > SEEDS // 2
 
 
-def test_maps_that_lie_are_refused(empty_scene):
+def test_forged_maps_are_refused(empty_scene):
     good = packed(stored_between(ball("Source"), ball("Target", segments=12)))
     refused = 0
     for seed in range(SEEDS):
@@ -145,12 +145,12 @@ def test_maps_that_lie_are_refused(empty_scene):
         ("{a:{b}}", False),
     ],
 )
-def test_templates_from_files_take_values_as_they_are(template, is_plain):
+def test_only_templates_with_simple_fields_are_plain(template, is_plain):
     assert Sentence(template, {"a": 1, "b": 2}).is_plain == is_plain
 
 
 @pytest.mark.parametrize("header", [b"{'descr", b"\x02\x00\x01", b"(((", b"1 +"])
-def test_headers_that_are_no_python_are_refused(header, tmp_path):
+def test_headers_that_are_not_python_are_refused(header, tmp_path):
     path = tmp_path / "odd.npz"
     with zipfile.ZipFile(path, "w") as archive:
         for name in ("theta_in", "phi_in", "lobes", "albedo"):
@@ -162,7 +162,7 @@ def test_objects_are_not_unpickled(tmp_path):
     assert outcome("table.npz", pickled_table(), tmp_path) == "refused"
 
 
-def test_tables_packed_so_that_a_few_bytes_stand_for_any_number_are_refused(tmp_path):
+def test_decompression_bombs_are_refused(tmp_path):
     path = tmp_path / "bomb.npz"
     header = np.lib.format.header_data_from_array_1_0(np.zeros(3, "<f4"))
     assert header["shape"] == (3,)

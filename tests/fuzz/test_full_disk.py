@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Full disks, folders that are gone and paths that no system takes: a message, and nothing is lost."""
+"""Full disks, missing folders and invalid paths: there is a message, and nothing is lost."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ _Usage = namedtuple("_Usage", "total used free")
 
 @pytest.fixture
 def small_disk(tmp_path):
-    """A disk of 4 MB, and a function that fills it but for some bytes; only where one may mount disks."""
+    """A disk of 4 MB, and a function that fills it up to some bytes; requires permission to mount disks."""
     if not sys.platform.startswith("linux") or os.geteuid() or not shutil.which("mount"):
         pytest.skip("disks are mounted by root on Linux only")
     disk = tmp_path / "disk"
@@ -61,7 +61,7 @@ def morph(empty_scene):
     return next(own for own in bpy.data.collections if own.name.startswith("Morph"))
 
 
-def test_a_cache_on_a_full_disk_says_so_and_goes_on_once_there_is_room(small_disk):
+def test_a_full_disk_is_reported_and_the_cache_continues_once_there_is_space(small_disk):
     disk = small_disk(left=40_000)
     with pytest.raises(ConvwassError, match="No space left"):
         bake(FrameCache(disk))
@@ -76,8 +76,8 @@ def test_a_cache_on_a_full_disk_says_so_and_goes_on_once_there_is_room(small_dis
 @pytest.mark.usefixtures("empty_scene")
 @pytest.mark.parametrize("name", ["x.png", "x.jpg", "x.tif", "x.blend"])
 @pytest.mark.parametrize("left", [0, 4096])
-def test_old_files_stay_where_new_ones_do_not_fit(name, left, small_disk):
-    """Blender writes half a PNG and says nothing."""
+def test_old_files_are_kept_if_new_ones_do_not_fit(name, left, small_disk):
+    """Blender would write an incomplete PNG without an error."""
     path = small_disk() / name
     path.with_name("fill").unlink()
     path.write_bytes(b"old")
@@ -92,8 +92,8 @@ def test_old_files_stay_where_new_ones_do_not_fit(name, left, small_disk):
 
 
 @pytest.mark.parametrize("output", ["make_volume", "make_cache", "make_cache usd"])
-def test_a_morph_stays_where_its_files_do_not_fit(output, morph, small_disk):
-    """Its meshes go once the files are there; Alembic's writer would end Blender."""
+def test_a_morph_is_kept_if_its_files_do_not_fit(output, morph, small_disk):
+    """Its meshes are removed only after the files exist; Alembic's writer would crash Blender."""
     frames = frame_objects(morph)
     name, *kind = output.split()
     arguments = {"kind": kind[0]} if kind else {}
@@ -102,7 +102,7 @@ def test_a_morph_stays_where_its_files_do_not_fit(output, morph, small_disk):
     assert frame_objects(morph) == frames
 
 
-def test_a_picture_from_elsewhere_is_there_whole_or_not_at_all(tmp_path, small_disk):
+def test_a_result_is_moved_completely_or_not_at_all(tmp_path, small_disk):
     picture = tmp_path / "made.mp4"
     picture.write_bytes(bytes(100_000))
     target = small_disk() / "x.mp4"
@@ -115,7 +115,7 @@ def test_a_picture_from_elsewhere_is_there_whole_or_not_at_all(tmp_path, small_d
     assert sorted(own.name for own in target.parent.iterdir()) == ["fill", "x.mp4"]
 
 
-def test_room_is_asked_for_before(tmp_path, monkeypatch):
+def test_free_space_is_checked_in_advance(tmp_path, monkeypatch):
     require_space(tmp_path, 1)
     monkeypatch.setattr(disk_space.shutil, "disk_usage", lambda _: _Usage(9, 9, 5_000_000))
     with pytest.raises(ConvwassError, match=r"has 5\.0 MB of free space, but up to 6\.0 MB are needed"):
@@ -128,7 +128,7 @@ def test_room_is_asked_for_before(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("content", [b"", b"\x89PNG half", None])
-def test_half_files_are_noticed(content, tmp_path):
+def test_incomplete_files_are_detected(content, tmp_path):
     draft = tmp_path / "draft.png"
     if content is not None:
         draft.write_bytes(content)
@@ -137,12 +137,12 @@ def test_half_files_are_noticed(content, tmp_path):
 
 
 ODD_PATHS = ("x" * 300, "d/" * 3000, "~nobody_at_all/x", "\0")
-on_posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows takes other paths")
+on_posix = pytest.mark.skipif(sys.platform == "win32", reason="Windows has other paths")
 
 
 @on_posix
 @pytest.mark.parametrize("path", ODD_PATHS)
-def test_paths_that_no_system_takes_are_refused(path, tmp_path):
+def test_invalid_paths_are_refused(path, tmp_path):
     for use in (whole_path, FrameCache, checked_target):
         with pytest.raises(InputError, match="is no path of a file"):
             use(path)
@@ -150,14 +150,14 @@ def test_paths_that_no_system_takes_are_refused(path, tmp_path):
 
 
 @pytest.mark.parametrize("path", [".", "/", ""])
-def test_folders_are_no_files(path):
+def test_folders_are_refused_as_files(path):
     with pytest.raises(InputError, match="is a folder"):
         path_with_suffix(path, ".blend")
 
 
 @on_posix
 @pytest.mark.usefixtures("empty_scene")
-def test_operators_and_commands_say_what_is_wrong_with_a_path(morph, capsys):
+def test_operators_and_commands_report_invalid_paths(morph, capsys):
     for path in (*ODD_PATHS[:3], "/dev/null/x", "/proc/none/x", "//x"):
         for name in ("make_volume", "make_cache"):
             with pytest.raises(RuntimeError, match=r"Error: (?!Python)"):
@@ -166,7 +166,7 @@ def test_operators_and_commands_say_what_is_wrong_with_a_path(morph, capsys):
         assert "Traceback" not in capsys.readouterr().err, path
 
 
-def test_errors_of_the_system_are_told():
+def test_system_errors_become_messages():
     told = error_to_tell(FileNotFoundError(2, "No such file or directory", "/a/b"))
     assert str(told) == "/a/b cannot be read or written: No such file or directory."
     assert str(error_to_tell(OSError(28, "No space left"))) == "The system refused to read or write: No space left."
@@ -177,7 +177,7 @@ def test_errors_of_the_system_are_told():
     assert error_to_tell(KeyboardInterrupt()) is None
 
 
-def test_commands_tell_of_what_the_system_refuses(monkeypatch, capsys):
+def test_commands_report_system_errors(monkeypatch, capsys):
     def fail(_):
         raise OSError(28, "No space left on device", "/full/x")
 

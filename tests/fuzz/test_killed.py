@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bakes that are killed go on from what they have left, and bakes that share a cache do each other no harm."""
+"""Killed bakes continue from their cached frames, and bakes that share a cache do not interfere."""
 
 from __future__ import annotations
 
@@ -32,21 +32,21 @@ def started(project, folder):
 
 
 def wait_for_frames(folder, count, child):
-    """Wait until so many are there, or the child has ended."""
+    """Wait until this many frames exist or the child has ended."""
     while child.poll() is None and len(list(folder.glob("*.frame"))) < count:
         time.sleep(0.005)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
 @pytest.mark.parametrize("count", [1, 6])
-def test_a_bake_that_is_killed_goes_on_from_its_cache(count, project, tmp_path, uninterrupted):
+def test_a_killed_bake_continues_from_its_cache(count, project, tmp_path, uninterrupted):
     child = started(project, tmp_path)
     wait_for_frames(tmp_path, count, child)
     child.kill()
     child.wait()
     cache = FrameCache(tmp_path)
     assert_same(bake(cache), uninterrupted)
-    # Frames are read where all of a run are there.
+    # Frames are reused only if their run is complete.
     assert count // RUN_LENGTH * RUN_LENGTH <= cache.reused <= FRAMES + 1
     assert not cache.notices
 
@@ -60,7 +60,7 @@ def test_two_processes_fill_one_cache(project, tmp_path, uninterrupted):
 
 
 def killed(project, name, folder, step):
-    """Run a work in a Blender that is killed at a step."""
+    """Run work in a Blender process that is killed at a step."""
     command = [sys.executable, "-m", "tests.fuzz.killed_jobs", name, str(folder), str(step)]
     done = subprocess.run(command, cwd=project, capture_output=True)
     assert done.returncode == -signal.SIGKILL, done.stderr.decode()
@@ -79,11 +79,11 @@ def drafts(folder):
         ("export", 1, [f"rise_{number:04d}.{kind}" for number in (1, 2, 3) for kind in ("mtl", "obj")], 2),
     ],
 )
-def test_files_outlive_a_blender_that_is_killed_and_the_next_one_cleans_up(name, step, files, kept, project, tmp_path):
+def test_files_survive_a_killed_blender_and_the_next_one_cleans_up(name, step, files, kept, project, tmp_path):
     for file in files:
         (tmp_path / file).write_text("older")
     killed(project, name, tmp_path, step)
-    # Each is what it was, or a new one as a whole.
+    # Each is either unchanged or completely new.
     assert [file for file in files if (tmp_path / file).read_text(errors="replace") == "older"] == files[kept:]
     left = drafts(tmp_path)
     assert left
@@ -125,7 +125,7 @@ def test_of_work_that_is_killed_no_half_file_is_left_and_the_next_one_makes_all_
 
 
 def written(folder):
-    """Return what is in the files of a work, drafts left out."""
+    """Return the contents of all written files except drafts."""
     return {
         str(path.relative_to(folder)): path.read_bytes()
         for path in (folder / "out").rglob("*")
@@ -135,8 +135,8 @@ def written(folder):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="kills as only POSIX does")
 @pytest.mark.usefixtures("empty_scene")
-def test_the_file_on_disk_is_as_it_was_and_the_work_comes_out_the_same(project, tmp_path):
-    """What was killed is done again from the saved scene, to the same result as without."""
+def test_the_file_on_disk_is_unchanged_and_the_work_can_be_repeated(project, tmp_path):
+    """Repeating the killed work from the saved scene gives the same result as without the interruption."""
     name = "bake_morph"
     (tmp_path / "whole").mkdir()
     run(name, tmp_path / "whole")

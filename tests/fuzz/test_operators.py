@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators in contexts, with data and with arguments that nobody thought of: a message, never a traceback."""
+"""Operators in unexpected contexts, with unexpected data and arguments: a message, never a traceback."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def operators():
     return [getattr(bpy.ops.convwass, name) for name in dir(bpy.ops.convwass)]
 
 
-def test_some_sessions_of_the_campaign_find_nothing():
+def test_a_few_sessions_of_the_campaign_pass():
     found = batch("tests", 0, SESSIONS)
     assert found[-1]["session"] == SESSIONS - 1, "the process ended early"
     assert [entry for entry in found if entry.get("outcome") in BAD] == []
@@ -33,7 +33,7 @@ def test_some_sessions_of_the_campaign_find_nothing():
 
 @pytest.mark.usefixtures("empty_scene")
 def test_without_a_window_operators_are_refused_quietly(capfd):
-    """In a timer a context has neither an active object nor a selection."""
+    """In a timer, the context has neither an active object nor a selection."""
     ball()
     with bpy.context.temp_override(window=None, area=None, region=None):
         assert not hasattr(bpy.context, "object")
@@ -44,7 +44,7 @@ def test_without_a_window_operators_are_refused_quietly(capfd):
 
 @pytest.mark.usefixtures("empty_scene")
 @pytest.mark.parametrize("value", NONSENSE, ids=lambda value: str(value)[:12])
-def test_nonsense_in_what_is_stored_is_no_traceback(value, capfd):
+def test_invalid_stored_data_gives_no_traceback(value, capfd):
     for make in (baked_morph, solved_density, stored_map):
         make(Random(0), bpy.context.scene, bpy.ops.convwass)
     for block in (*bpy.data.objects, *bpy.data.collections):
@@ -61,7 +61,7 @@ def test_nonsense_in_what_is_stored_is_no_traceback(value, capfd):
 
 
 @pytest.mark.usefixtures("empty_scene")
-def test_scripts_may_choose_objects_that_panels_do_not_offer(capfd):
+def test_scripts_may_choose_objects_not_offered_by_panels(capfd):
     rig = chain(2)
     scene = bpy.context.scene
     own = scene.convwass_soft_map
@@ -76,7 +76,7 @@ def test_scripts_may_choose_objects_that_panels_do_not_offer(capfd):
 
 @pytest.mark.usefixtures("empty_scene")
 @pytest.mark.parametrize("thickness", [1e3, 1e30, float("inf"), float("nan")])
-def test_a_thickness_beyond_all_measure_is_refused(thickness):
+def test_an_extreme_thickness_is_refused(thickness):
     for place in (0, 3):
         bpy.ops.mesh.primitive_plane_add(location=(place, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
@@ -94,13 +94,13 @@ def test_an_odd_number_of_rows_is_made_even():
 
 
 def _linked_and_overridden(obj):
-    """Yield a linked object, and the library override that then takes its place."""
+    """Yield a linked object, and then the library override that replaces it."""
     yield obj
     yield obj.override_create(remap_local_usages=True)
 
 
 @pytest.mark.usefixtures("empty_scene")
-def test_lists_of_linked_objects_stay_as_they_are(tmp_path, capfd):
+def test_lists_of_linked_objects_are_unchanged(tmp_path, capfd):
     obj = ball()
     bpy.ops.convwass.add_density_stop(group="A")
     name = obj.name

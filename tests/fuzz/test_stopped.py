@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that are stopped, or fail, at every one of their steps leave the file as it was."""
+"""Operators that are cancelled or fail at any of their steps leave the file unchanged."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ pytestmark = pytest.mark.usefixtures("empty_scene")
 
 @pytest.fixture(autouse=True)
 def coarse_maps(monkeypatch):
-    """Guide shapes by coarse maps: what is stopped here need not be good."""
+    """Use coarse maps for guiding, since quality does not matter here."""
     monkeypatch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=100))
 
 
 def stopped_after(monkeypatch, count, error):
-    """Let jobs fail after so many steps; return a list that has an entry where one had no so many."""
+    """Let jobs fail after this many steps; return a list with an entry for each job that ended before."""
     ended = []
 
     own = BackgroundOperator.work
@@ -55,11 +55,11 @@ def stopped_after(monkeypatch, count, error):
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_nothing_is_left_of_what_was_stopped_at_any_step(name, monkeypatch, tmp_path):
+def test_nothing_is_left_after_stopping_at_any_step(name, monkeypatch, tmp_path):
     work = prepare(name, tmp_path)
     before = traces(tmp_path)
     errors = cycle((Cancelled("Cancelled."), MemoryError(), OSError(errno.ENOSPC, "No space left on device")))
-    # The first steps differ from each other; later ones repeat.
+    # The first steps differ from each other, later ones are repetitions.
     for count, error in zip((0, 1, 3, 9, 27, 81, 243), errors, strict=False):
         with monkeypatch.context() as patch:
             ended = stopped_after(patch, count, error)
@@ -75,7 +75,7 @@ def test_nothing_is_left_of_what_was_stopped_at_any_step(name, monkeypatch, tmp_
 
 
 def checked_by(monkeypatch, control):
-    """Let all jobs check `control`, and the steps end at it as those of a thread do."""
+    """Let all jobs check `control`, and end their steps at it like those of a thread."""
 
     own = BackgroundOperator.work
 
@@ -86,7 +86,7 @@ def checked_by(monkeypatch, control):
             for step in make(control):
                 yield step
                 control.check()
-            # Threads ask more or less often from run to run: what comes to its end is stopped there.
+            # The number of checks in threads varies between runs; jobs that reach their end are cancelled there.
             raise Cancelled("Cancelled.")
 
         return asking
@@ -94,10 +94,10 @@ def checked_by(monkeypatch, control):
     monkeypatch.setattr(BackgroundOperator, "work", work)
 
 
-# What guides shapes is stopped inside by tests/applications/motions/test_guided_motion.py.
+# Cancelling inside a guided motion is covered by tests/applications/motions/test_guided_motion.py.
 @pytest.mark.parametrize("name", sorted(CASES.keys() - {"bake_morph guided"}))
-def test_nothing_is_left_of_what_was_cancelled_at_any_check(name, monkeypatch, tmp_path):
-    """Inside of solves too; at three checks, from the first to the last. What comes after works as if nothing was."""
+def test_nothing_is_left_after_cancelling_at_any_check(name, monkeypatch, tmp_path):
+    """Also inside solves; at three checks from the first to the last. Later work is unaffected."""
     work = prepare(name, tmp_path)
     before = traces(tmp_path)
     whole = CountingControl()
@@ -117,8 +117,8 @@ def test_nothing_is_left_of_what_was_cancelled_at_any_check(name, monkeypatch, t
 
 
 @pytest.mark.parametrize("where", ["write", "finish"])
-def test_a_defect_while_the_window_waits_stops_the_job_and_is_not_hidden(where, monkeypatch):
-    """Otherwise nothing could be baked until Blender was started anew."""
+def test_a_bug_in_the_modal_operator_stops_the_job_and_is_shown(where, monkeypatch):
+    """Otherwise nothing could be baked until Blender was restarted."""
     from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph as Bake
 
     two_cubes(None)
@@ -154,7 +154,7 @@ def test_two_bakes_at_once_do_not_mix():
     assert all(len(own.objects) <= 3 for own in morphs)
 
 
-def test_bakes_in_a_row_leave_no_more_than_one():
+def test_repeated_bakes_leave_no_more_than_one():
     two_cubes(None)
     given = CASES["bake_morph"][1]
     counts = []

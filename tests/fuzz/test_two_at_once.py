@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two pieces of work at once: in two processes that write the same files, and in one Blender, where one has to wait."""
+"""Two jobs at once: in two processes that write the same files, and in one Blender, where one is refused."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.usefixtures("empty_scene")
 NEVER = "1000000"
 
 
-def test_two_processes_that_write_the_same_files_leave_whole_ones(project, tmp_path):
+def test_two_processes_that_write_the_same_files_leave_complete_ones(project, tmp_path):
     name = "blend_skies"
     run(name, tmp_path)
     wanted = written(tmp_path)
@@ -66,13 +66,13 @@ def operators():
     return sorted({kind.bl_idname for kind in kinds_of(BackgroundOperator) if hasattr(kind, "bl_idname")})
 
 
-def test_every_kind_of_work_is_known_here():
+def test_every_kind_of_job_is_covered():
     assert {name.split()[0] for name in CASES} <= {name.split(".")[1] for name in operators()}
 
 
 @pytest.mark.parametrize("name", CASES)
-def test_nothing_else_can_be_begun_while_something_is_computed(name, tmp_path):
-    """Whatever runs first, whatever comes second: it can be pressed before and after, and not meanwhile."""
+def test_no_second_job_can_start_during_a_job(name, tmp_path):
+    """For any pair of jobs: the second is available before and after the first, and disabled meanwhile."""
     work = prepare(name, tmp_path)
     operator = getattr(bpy.ops.convwass, name.split()[0])
     progress = bpy.context.window_manager.convwass_progress

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pages about the API: up to date, whole, and made rightly from docstrings."""
+"""The API pages are up to date, complete, and correctly generated from docstrings."""
 
 from __future__ import annotations
 
@@ -27,11 +27,11 @@ def test_pages_are_up_to_date(pages, project):
     assert not stale, f"{stale}: run python3 run.py api"
 
 
-def test_nothing_public_is_left_out(pages):
+def test_everything_public_is_included(pages):
     headings = set(re.findall(r"^## (?:class )?(.+)$", pages["docs/api/transport.md"], re.MULTILINE))
     assert headings == set(transport.__all__)
     made = set(re.findall(r"^## bpy\.ops\.convwass\.(\w+)$", pages["docs/api/operators.md"], re.MULTILINE))
-    # Blender's own menu of presets calls that one.
+    # Called only by Blender's own preset menu.
     assert made == set(dir(bpy.ops.convwass)) - {"add_solver_preset"}
     commands = re.findall(r"^## (\w+)$", pages["docs/api/command_line.md"], re.MULTILINE)
     assert commands == [command.name for command in program.COMMANDS]
@@ -42,20 +42,20 @@ def test_every_application_has_its_entries(project):
     assert packages == set(APPLICATIONS)
 
 
-def test_every_entry_says_what_it_is(pages):
+def test_every_entry_has_a_summary(pages):
     for name, text in pages.items():
         empty = re.findall(r"^#+ (.+)\n+(?:`from [^`]+`\n+)?(?:```text\n[^`]*```\n+)?(?=#|\Z)", text, re.MULTILINE)
         assert not empty, f"{name}: {empty}"
 
 
-def test_imports_that_the_pages_name_work(pages):
+def test_imports_on_the_pages_work(pages):
     found = re.findall(r"^`from (\S+) import (\w+)`$", pages["docs/api/applications.md"], re.MULTILINE)
     assert len(found) > 40
     for module, name in found:
         assert hasattr(importlib.import_module(module), name)
 
 
-def test_a_docstring_is_taken_apart():
+def test_docstrings_are_parsed():
     found = parsed("""Do it.
 
     More.

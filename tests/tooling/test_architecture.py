@@ -166,7 +166,7 @@ def complaint(package: str, name: str) -> str | None:
     return f"{package} must not import Blender" if library in BLENDER and package in WITHOUT_BLENDER else None
 
 
-def test_rooms_are_known():
+def test_all_packages_are_covered():
     assert {package_of(module) for module in modules()} <= MAY_IMPORT.keys()
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Benchmarks can be started, and measure known shapes rightly; how fast anything is, is not tested."""
+"""Benchmarks can be started and measure known shapes correctly; speed is not tested."""
 
 from __future__ import annotations
 
@@ -34,12 +34,12 @@ def test_every_benchmark_has_a_command(name, capsys):
 
 
 @pytest.mark.parametrize("varied", constants.VARIED, ids=lambda varied: varied.name)
-def test_constants_that_are_varied_exist(varied):
+def test_varied_constants_exist(varied):
     assert hasattr(varied.module, varied.name)
     assert varied.values
 
 
-def test_pieces_bubbles_and_handles_are_counted():
+def test_components_bubbles_and_handles_are_counted():
     def counted(mesh):
         found = measures.topology(mesh)
         return found.pieces, found.crumbs, found.cavities, found.euler, found.handles
@@ -59,11 +59,11 @@ def test_edge_width_of_a_known_ramp(dimensions, width):
     cells, radius = 64, 20.0
     distance = np.linalg.norm(np.moveaxis(np.indices((cells,) * dimensions), 0, -1) + 0.5 - cells / 2, axis=-1)
     density = np.clip(0.5 - (distance - radius) / width, 0.0, 1.0)
-    # A linear ramp passes from 90 to 10 % on four fifths of its width.
+    # A linear ramp falls from 90 to 10 % over four fifths of its width.
     assert measures.edge_width(3.7 * density, float(density.sum())) == pytest.approx(0.8 * width, rel=0.08)
 
 
-def test_overlap_of_two_balls_is_that_of_the_closed_form():
+def test_overlap_of_two_balls_matches_the_closed_form():
     shift, radius = 0.4, 0.9
     assert measures.overlap_with_ball(ball(points=8000)) == pytest.approx(1.0, abs=2e-3)
     assert measures.overlap_with_ball(ball(radius, points=8000)) == pytest.approx(radius**3, abs=2e-3)
@@ -74,12 +74,12 @@ def test_overlap_of_two_balls_is_that_of_the_closed_form():
     assert apart == pytest.approx(radius**3 / (1 + 0.2**3), abs=3e-3)
 
 
-def test_surfaces_of_two_balls_are_as_far_apart_as_their_radii():
+def test_distance_of_concentric_balls_is_the_difference_of_their_radii():
     found = measures.mean_surface_distance(ball(1.0, points=8000), ball(1.25, points=8000))
     assert found == pytest.approx(0.25, abs=2e-3)
 
 
-def test_inside_is_what_a_mesh_encloses():
+def test_points_inside_a_mesh_are_recognized():
     points = np.random.default_rng(0).uniform(-2, 2, (500, 3))
     radii = np.linalg.norm(points, axis=1)
     clear = (abs(radii - 1) > 0.01) & (abs(radii - 0.5) > 0.01)
@@ -87,14 +87,14 @@ def test_inside_is_what_a_mesh_encloses():
     np.testing.assert_array_equal(found[clear], ((radii < 1) & (radii > 0.5))[clear])
 
 
-def test_second_differences_see_bends_only():
+def test_second_differences_ignore_straight_lines():
     assert measures.largest_second_difference(np.arange(9.0) * 3 - 1)[0] == 0
     assert measures.largest_second_difference([0, 1, 2, 5, 8]) == (2, 2)
     size, where = measures.largest_second_difference([[0, 0], [1, 1], [5, 4], [9, 7]])
     assert (size, where) == (pytest.approx(13**0.5), 1)
 
 
-def test_thin_is_what_a_ball_cannot_enter():
+def test_thin_parts_are_those_that_a_ball_cannot_enter():
     filled = np.zeros((40, 40, 40), bool)
     filled[5:25, 5:25, 5:25] = True
     assert measures.thin_volume(filled, 1.0) <= 12 * 20 * 3, "only the edges of a cube are thin"
@@ -106,14 +106,14 @@ def test_thin_is_what_a_ball_cannot_enter():
     assert measures.thin_volume(rod, 3.0) == rod.sum()
 
 
-def test_legs_are_where_their_points_are():
+def test_points_of_legs_lie_in_the_legs():
     first = Legged.at([32, 32, 32])
     second = Legged.at([30, 33, 32], [1.6, 1.0, 0.6])
     half = first.barycenter(second, 0.5)
     np.testing.assert_allclose(half.thin_points(), (first.thin_points() + second.thin_points()) / 2)
     for shape in (first, half, second):
         filled = shape.occupancy(64, 3)
-        # Cells of which the surface cuts off but a corner may have been missed by all samples.
+        # Samples may miss cells of which the surface cuts off only a corner.
         assert (filled[tuple(shape.thin_points().astype(int).T)] > 0).mean() > 0.99
         ratio = filled.sum() / first.occupancy(64, 3).sum()
         assert ratio == pytest.approx(np.prod(shape.stretch), rel=0.01)

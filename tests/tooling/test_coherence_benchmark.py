@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The coherence benchmark bakes by way of the application, and measures what it gets."""
+"""The coherence benchmark bakes with the application and measures the result."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from convwass_addon.geometry.closest_points import ClosestPointFinder
 from tests.shapes import ball
 
 
-def test_a_pair_is_baked_measured_and_kept(tmp_path):
+def test_a_pair_is_baked_measured_and_stored(tmp_path):
     found = passage("star to cross", "transport", cells=24, frames=4, keep=str(tmp_path / "frames"))
     assert found["pieces"] == 1
     assert found["volume"] < 0.1
@@ -31,7 +31,7 @@ def test_a_pair_is_baked_measured_and_kept(tmp_path):
     assert coherence_cases.Along.of(meshes, np.linspace(0, 1, 5)).area.min() == pytest.approx(found["area"][0])
 
 
-def test_frames_torn_are_those_in_more_pieces_than_the_shapes_before_mending():
+def test_torn_frames_have_more_components_than_the_shapes_before_mending():
     shape = ball(radius=1.0)
     records = [{"found": {"pieces": pieces}} for pieces in (1, 2, 3)]
     bake = Bake([shape] * 5, np.linspace(0, 1, 5), records, 0.1, {"cpu": 1.0, "wall": 1.0})
@@ -41,7 +41,7 @@ def test_frames_torn_are_those_in_more_pieces_than_the_shapes_before_mending():
 
 
 class _Led:
-    """A motion between one mesh and itself whose map shifts the numbers of the vertices."""
+    """A motion between a mesh and itself whose map shifts the vertex indices."""
 
     def __init__(self, mesh, shift):
         order = np.roll(np.arange(len(mesh.vertices)), shift)
@@ -50,7 +50,7 @@ class _Led:
         self.deformations = {key: SimpleNamespace(images=images) for key in ((0, 1), (1, 0))}
 
 
-def test_tips_that_a_map_leads_to_another_one_are_astray():
+def test_tips_mapped_to_another_tip_are_astray():
     mesh = ball(points=40)
     tips = np.stack([mesh.vertices[[3, 20, 33]]] * 2)
     assert not coherence_maps.astray(_Led(mesh, 0), tips).any()

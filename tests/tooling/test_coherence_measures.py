@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The coherence benchmark's measures, each on shapes whose answer is known."""
+"""The coherence benchmark's measures, on shapes with known results."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from tests.shapes import ball, joined, torus
 TIMES = np.linspace(0.0, 1.0, 5)
 
 
-def test_a_ball_reaches_as_far_as_95_percent_of_its_volume():
+def test_the_reach_of_a_ball_holds_95_percent_of_its_volume():
     assert reach(ball(radius=2.0)) == pytest.approx(2.0 * 0.95 ** (1 / 3), rel=0.01)
     assert reach(ball(radius=2.0).moved([5.0, -3.0, 1.0])) == pytest.approx(reach(ball(radius=2.0)))
 
@@ -40,7 +40,7 @@ def test_steps_are_in_cells():
     assert step.largest == pytest.approx(2.0, rel=0.05)
 
 
-def test_one_point_that_jumps_is_a_jump_and_not_a_mean_step():
+def test_a_single_jumping_point_counts_as_a_jump():
     spiked = ball(radius=1.0)
     vertices = spiked.vertices.copy()
     vertices[0] *= 2.0
@@ -49,7 +49,7 @@ def test_one_point_that_jumps_is_a_jump_and_not_a_mean_step():
     assert step.mean < 1.0
 
 
-def test_even_steps_have_no_jump_and_arrive_evenly():
+def test_even_steps_have_no_jumps():
     even = Evenness.of([Step(0.5, 1.0)] * 6)
     assert (even.jumps, even.largest, even.at_ends) == (0, 1.0, 1.0)
     uneven = Evenness.of([Step(0.9, 1.0), Step(0.3, 1.0), Step(0.3, 6.0), Step(0.3, 1.0), Step(0.3, 1.0)])
@@ -59,18 +59,18 @@ def test_even_steps_have_no_jump_and_arrive_evenly():
 
 
 @pytest.mark.parametrize(("values", "more"), [([1, 1, 1], 0), ([0, 0, 1, 2], 0), ([0, 1, 0, 1], 2), ([0, 2, 0], 4)])
-def test_changes_are_counted_beyond_those_that_must_be(values, more):
+def test_only_unnecessary_changes_are_counted(values, more):
     assert least_needed(values) == more
 
 
-def test_a_handle_and_a_piece_that_flicker_are_counted():
+def test_flickering_handles_and_components_are_counted():
     plain, ring = ball(radius=1.0), torus()
     pieces = joined(ball(radius=1.0), ball(radius=0.5).moved([4.0, 0.0, 0.0]))
     assert changes_of_topology([plain, ring, ring]) == 0
     assert changes_of_topology([plain, ring, plain, pieces, plain]) == 4
 
 
-def test_worst_angle_is_that_of_slivers():
+def test_the_worst_angle_is_that_of_slivers():
     corners = np.array([[0, 0, 0], [1, 0, 0], [0.5, np.sqrt(0.75), 0], [0.5, np.tan(np.radians(5.0)) / 2, 0]])
     assert worst_angle(TriangleMesh.from_arrays(corners, [[0, 1, 2]])) == pytest.approx(60.0)
     assert worst_angle(TriangleMesh.from_arrays(corners, [[0, 1, 3]])) == pytest.approx(5.0)
@@ -83,7 +83,7 @@ def test_crossing_triangles_are_found():
     assert 0.02 < crossing_share(both) < 0.5
 
 
-def test_frames_are_compared_with_the_shapes_interpolated():
+def test_frames_are_compared_with_the_interpolated_shapes():
     small, large = ball(radius=1.0), ball(radius=2.0)
     middle = ball(radius=1.5)
     along = Along.of([small, middle, large], [0.0, 0.5, 1.0])
@@ -92,7 +92,7 @@ def test_frames_are_compared_with_the_shapes_interpolated():
     assert along.reach == pytest.approx([1.0], rel=1e-6)
 
 
-def test_a_vector_turns_evenly_and_keeps_its_length():
+def test_a_vector_rotates_evenly_and_keeps_its_length():
     quarter = turned([2.0, 0.0, 0.0], [0.0, 2.0, 0.0], 1 / 3)
     np.testing.assert_allclose(quarter, [2 * np.cos(np.pi / 6), 2 * np.sin(np.pi / 6), 0.0], atol=1e-12)
     np.testing.assert_allclose(turned([1.0, 0, 0], [3.0, 0, 0], 0.25), [1.5, 0, 0], atol=1e-12)
@@ -114,7 +114,7 @@ def _limb(low: float, high: float) -> LimbPath:
     return LimbPath(*(np.stack([start, start + 1.2 * _toward(angle)]) for angle in (low, high)))
 
 
-def test_an_arm_that_swings_is_right_and_one_that_shortens_is_not():
+def test_a_swinging_arm_has_no_error_and_a_shortening_one_has():
     low, high = np.radians(50.0), np.radians(150.0)
     angles = low + TIMES * (high - low)
     swung = [_body_with_arm(angle, 1.2, seed) for seed, angle in enumerate(angles)]
@@ -126,11 +126,11 @@ def test_an_arm_that_swings_is_right_and_one_that_shortens_is_not():
         _body_with_arm(angle, length, seed) for seed, (angle, length) in enumerate(zip(angles, lengths, strict=True))
     ]
     wrong = limb_errors(short, TIMES, _limb(low, high))
-    # The round end of radius 0.1 stays.
+    # The round end with radius 0.1 does not shrink.
     assert wrong.length == pytest.approx(0.25 * 1.2 / 1.3, abs=0.03)
 
 
-def test_an_arm_that_grows_elsewhere_while_the_first_withers_is_not_taken_for_it():
+def test_an_arm_growing_elsewhere_is_not_mistaken_for_the_limb():
     low, high = np.radians(50.0), np.radians(150.0)
     grown = [_body_with_arm(low, 1.2, 1), *[_body_with_arm(low, 0.2, 2)] * 3, _body_with_arm(high, 1.2, 3)]
     found = limb_errors(grown, TIMES, _limb(low, high))

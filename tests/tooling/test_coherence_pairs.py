@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shapes of the coherence benchmark are closed, and two poses of a body share its measures but no triangles."""
+"""The shapes of the coherence benchmark are closed, and two poses of a body share its proportions but no triangles."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from benchmarks.rival_measures import Connectivity
 from convwass_addon.geometry.edges import topology
 
 
-def test_there_are_pairs_of_both_kinds_in_both_halves_and_none_in_both():
+def test_both_halves_have_pairs_of_both_kinds_without_overlap():
     for half in (TUNED, HELD_BACK):
         assert len(half) >= 12
         assert {pair.build for pair in half} == {ONE_BUILD, OTHER_BUILD}
@@ -21,7 +21,7 @@ def test_there_are_pairs_of_both_kinds_in_both_halves_and_none_in_both():
     assert len(set(names)) == len(names)
 
 
-def test_two_poses_of_a_body_are_closed_and_meshed_anew():
+def test_two_poses_of_a_body_are_closed_and_meshed_separately():
     ends = TUNED[0].ends()
     for mesh in (ends.first, ends.second):
         connectivity = Connectivity.of(mesh)
@@ -67,7 +67,7 @@ def test_the_arm_swings_by_120_degrees_and_keeps_its_length_on_the_way():
     assert np.degrees(np.arccos(cosine)) == pytest.approx(120.0)
 
 
-def test_pairs_of_a_folder_are_added_where_both_files_are_there(tmp_path):
+def test_pairs_of_a_folder_are_added_if_both_files_exist(tmp_path):
     assert further_pairs(tmp_path, tuned=True) == ()
     for name in ("spot_triangulated.obj", "bob_tri.obj"):
         (tmp_path / name).touch()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scripts in docs/ run, and what they print and write is right."""
+"""The scripts in docs/ run, and their output is correct."""
 
 from __future__ import annotations
 
@@ -26,9 +26,9 @@ pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
 
 @pytest.fixture
 def run_script(project, tmp_path, monkeypatch, capfd):
-    """Run a script of docs/scripts in a scratch folder; returns what it printed."""
+    """Run a script of docs/scripts in a temporary folder; return its output."""
     monkeypatch.chdir(tmp_path)
-    # The tests have registered the add-on already.
+    # The tests have already registered the add-on.
     for name in ("register", "unregister"):
         monkeypatch.setattr(convwass_addon, name, lambda: None)
 
@@ -46,7 +46,7 @@ def numbers_of(line: str) -> list[float]:
     return [float(number) for number in re.findall(r"-?\d+\.\d+", line)]
 
 
-def test_every_script_is_told_of_and_tested(project):
+def test_every_script_is_listed_and_tested(project):
     scripts = {path.name for path in (project / "docs" / "scripts").glob("*.py")}
     told = set(re.findall(r"\((\w+\.py)\)", (project / "docs/scripts/README.md").read_text(encoding="utf-8")))
     tested = set(re.findall(r'run_script\("(\w+\.py)"', Path(__file__).read_text(encoding="utf-8")))
@@ -54,7 +54,7 @@ def test_every_script_is_told_of_and_tested(project):
 
 
 def test_barycenters_of_arrays_are_those_of_gaussians(run_script, tmp_path):
-    """Between Gaussians of widths s and t there are Gaussians, whose middles and widths move evenly."""
+    """Between Gaussians of widths s and t are Gaussians whose centers and widths change linearly."""
     first, *lines = run_script("barycenter_arrays.py", "--out", "blends.npz").splitlines()
     assert numbers_of(first)[0] == pytest.approx(np.sqrt(0.4**2 + 0.3**2 + 2 * 0.03**2), rel=1e-3)
     for line in lines:
@@ -66,8 +66,8 @@ def test_barycenters_of_arrays_are_those_of_gaussians(run_script, tmp_path):
     assert np.load(tmp_path / "blends.npz")["blends"].shape == (5, 64, 64)
 
 
-def test_the_ring_goes_round(run_script):
-    """Between eleven at night and three in the morning lies one in the morning, not one in the afternoon."""
+def test_the_ring_is_periodic(run_script):
+    """Between eleven at night and three in the morning is one in the morning, not one in the afternoon."""
     first, *lines = run_script("ring_domain.py").splitlines()
     assert numbers_of(first)[0] == pytest.approx(4.0, rel=1e-3)
     found = [numbers_of(line)[1] for line in lines]
@@ -77,7 +77,7 @@ def test_the_ring_goes_round(run_script):
 
 @pytest.mark.usefixtures("empty_scene")
 def test_meshes_are_morphed_into_files(run_script, tmp_path):
-    # Without limbs, which would have to be guided.
+    # Without limbs, which would be guided.
     shapes = [tmp_path / "ball.ply", tmp_path / "egg.ply"]
     for shape, height in zip(shapes, (1.0, 1.5), strict=True):
         bpy.ops.mesh.primitive_uv_sphere_add(scale=(1.0, 1.0, height))
@@ -89,7 +89,7 @@ def test_meshes_are_morphed_into_files(run_script, tmp_path):
     for path in written:
         bpy.ops.wm.ply_import(filepath=str(path), forward_axis="Y", up_axis="Z")
         volumes.append(triangle_mesh(bpy.context.object, bpy.context.evaluated_depsgraph_get()).volume)
-    # The second shape is given the volume of the first, and what is between has it too.
+    # The second shape is scaled to the volume of the first, and the frames between have it, too.
     assert volumes == pytest.approx([volumes[0]] * 4, rel=0.02)
     assert volumes[0] > 0
 
@@ -113,7 +113,7 @@ def test_a_density_flows_from_vertex_to_vertex(run_script, tmp_path):
 
 
 def blob(name: str, subdivisions: int) -> bpy.types.Object:
-    """Add a long ball that no turn takes to itself."""
+    """Add a long ball without symmetries."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions)
     obj = bpy.context.object
     obj.name = name
@@ -164,7 +164,7 @@ def test_a_folder_is_graded(run_script, tmp_path):
         for name in ("blue.png", "graded/red.png", "photos/red.png")
     )
     assert np.linalg.norm(found - wanted) < 1.5 < np.linalg.norm(before - wanted)
-    # The table takes the old mean to the new one.
+    # The table maps the old mean to the new one.
     table = read_cube(tmp_path / "graded" / "red.cube")
     moved = lab_of_linear(linear_of_srgb(table.applied(srgb_of_linear(linear_of_lab(before[:, None])))))[:, 0]
     assert np.linalg.norm(moved - wanted) < 3.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the documentation says is there: links, pictures, files, commands, options, operators and their arguments."""
+"""Everything that the documentation names exists: links, pictures, files, commands, options, operators, arguments."""
 
 from __future__ import annotations
 
@@ -23,9 +23,9 @@ PAGES = sorted(
     path for folder in (".", "docs", "docs/api", "docs/scripts", "assets") for path in (PROJECT / folder).glob("*.md")
 )
 NAMES = [command.name for command in program.COMMANDS]
-# What stands for something else in examples.
+# Placeholders in examples.
 _PLACEHOLDERS = ("COMMAND", "…")
-# Pages that name options of other programs, or options that have gone.
+# Pages that name options of other programs or removed options.
 _TELLS_OF_OTHERS = ("CHANGELOG.md", "performance.md")
 
 _LINK = re.compile(r"\]\(([^()\s]+)\)")
@@ -33,7 +33,7 @@ _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 _INLINE = re.compile(r"`([^`\n]+)`")
 _CALL = re.compile(r"bpy\.ops\.convwass\.(\w+)(\([^`\n]*\))?")
 
-# Files that a page tells its reader to write.
+# Files that a page tells the reader to create.
 _TO_BE_WRITTEN = ("transport/ring.py", "tests/transport/test_ring.py")
 
 # Largest picture of the walk-through, in bytes.
@@ -49,18 +49,18 @@ def text_of(page: Path) -> str:
 
 
 def prose_of(page: Path) -> str:
-    """Return a page without its blocks of code; inline code that was broken is whole again."""
+    """Return a page without code blocks; inline code broken across lines is joined."""
     return re.sub(r"(?<!\n)\n(?!\n)", " ", _BLOCK.sub("", text_of(page)))
 
 
 def headings_of(page: Path) -> set[str]:
-    """Return the addresses that GitHub gives to the headings of a page."""
+    """Return the anchors that GitHub gives to the headings of a page."""
     found = re.findall(r"^#+ (.+)$", _BLOCK.sub("", text_of(page)), re.MULTILINE)
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in found}
 
 
 def commands_of(text: str) -> list[str]:
-    """Return the command lines in blocks of code and in inline code that call this project."""
+    """Return the command lines in code blocks and inline code that call this project."""
     lines = [line for _, block in _BLOCK.findall(text) for line in re.sub(r"\\\n\s*", "", block).splitlines()]
     lines += _INLINE.findall(re.sub(r"(?<!\n)\n(?!\n)", " ", _BLOCK.sub("", text)))
     return [line.strip() for line in lines if calls_us(line.split()) and not any(p in line for p in _PLACEHOLDERS)]
@@ -78,7 +78,7 @@ COMMANDS = sorted(
 
 
 @pytest.mark.parametrize("page", PAGES, ids=shown)
-def test_links_and_pictures_are_there(page):
+def test_links_and_pictures_exist(page):
     wrong = []
     for target in _LINK.findall(_BLOCK.sub("", text_of(page))):
         if target.startswith(("http://", "https://")):
@@ -106,7 +106,7 @@ def test_commands_are_understood(page, command):
 
 
 def understood_by_run(words: list[str]) -> None:
-    """Fail unless run.py knows a command and its arguments make sense, as far as they are ours."""
+    """Fail unless run.py accepts a command and those of its arguments that the project defines."""
     _, words = run.take_version(words)
     if words in (["help"], ["--help"]):
         return
@@ -126,7 +126,7 @@ def understood_by_convwass(words: list[str]) -> None:
         assert stop.code == 0, words
 
 
-def test_a_wrong_command_is_noticed():
+def test_a_wrong_command_is_detected():
     with pytest.raises(AssertionError):
         understood_by_convwass(["morph", "a.obj", "b.obj", "--no-such-option"])
     with pytest.raises(AssertionError):
@@ -136,7 +136,7 @@ def test_a_wrong_command_is_noticed():
 @pytest.mark.parametrize("page", [page for page in PAGES if page.name not in _TELLS_OF_OTHERS], ids=shown)
 def test_options_exist(page):
     known = {"--python", "--blender", "--check", "--help", "--command", "--only", "--out"}
-    # Of the tests that install the extension.
+    # Options of the tests that install the extension.
     known |= {"--zip", "--from-zip"}
     for command in program.COMMANDS:
         parser = ArgumentParser()
@@ -159,7 +159,7 @@ def test_operators_and_their_arguments_exist(page):
 
 
 @pytest.mark.parametrize("page", PAGES, ids=shown)
-def test_python_compiles_and_what_it_imports_is_there(page):
+def test_python_compiles_and_its_imports_exist(page):
     blocks = [textwrap.dedent(block) for kind, block in _BLOCK.findall(text_of(page)) if kind == "python"]
     imports = []
     for block in blocks:
@@ -175,7 +175,7 @@ def named_files(page: Path) -> list[str]:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.name != "CHANGELOG.md"], ids=shown)
-def test_files_that_are_named_are_there(page):
+def test_named_files_exist(page):
     places = (
         PROJECT,
         PROJECT / "convwass_addon",
@@ -187,7 +187,7 @@ def test_files_that_are_named_are_there(page):
     assert [name for name in named if not any((place / name).is_file() for place in places)] == []
 
 
-def test_pictures_of_the_walk_through_are_light_and_all_used():
+def test_pictures_of_the_walk_through_are_small_and_all_used():
     pictures = {path.name: path.stat().st_size for path in (PROJECT / "docs/pictures/walkthrough").glob("*.jpg")}
     heavy = [name for name, size in pictures.items() if size > _LIGHT]
     assert not heavy, heavy
@@ -195,7 +195,7 @@ def test_pictures_of_the_walk_through_are_light_and_all_used():
     assert used == set(pictures) != set()
 
 
-def test_run_py_tells_of_its_commands_in_contributing():
+def test_the_commands_of_run_py_are_documented_in_contributing():
     text = text_of(PROJECT / "CONTRIBUTING.md") + text_of(PROJECT / "docs/extending.md")
     assert [command for command in ("test", "lint", "api", "bench", "window") if f"run.py {command}" not in text] == []
 

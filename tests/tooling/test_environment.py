@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""When the environment counts as ready, what is done where it does not, and what it says."""
+"""When the environment is ready, how it is set up if not, and the messages."""
 
 from __future__ import annotations
 
@@ -35,14 +35,14 @@ THIS_PYTHON = pythons.Interpreter(sys.executable, "3.13.0", has_venv=True, has_h
 
 @pytest.fixture
 def environment(tmp_path: Path) -> Environment:
-    """An environment that is not made yet, for a project in a folder of its own."""
+    """An environment that does not exist yet, for a project in its own folder."""
     (tmp_path / "pyproject.toml").write_text(PYPROJECT, encoding="utf-8")
     return Environment(tmp_path, tmp_path / ".venv")
 
 
 @pytest.fixture
 def steps(environment: Environment, monkeypatch: pytest.MonkeyPatch) -> list[str]:
-    """The steps that setting up takes, as they are taken; the slow ones are stood in for."""
+    """The setup steps, recorded as they run; slow ones are replaced by fakes."""
     taken = []
 
     def run(command: list[str], **options: object) -> subprocess.CompletedProcess:
@@ -68,7 +68,7 @@ def steps(environment: Environment, monkeypatch: pytest.MonkeyPatch) -> list[str
 
 
 def interrupt(monkeypatch: pytest.MonkeyPatch, step: str, with_what: Callable[[], object]) -> None:
-    """Let something happen before a step of setting up, which may raise, or give the answer of the step."""
+    """Run a function before a setup step; it may raise, or return the result of the step."""
     run = environments.subprocess.run
 
     def interrupted(command: list[str], **options: object) -> object:
@@ -80,7 +80,7 @@ def interrupt(monkeypatch: pytest.MonkeyPatch, step: str, with_what: Callable[[]
 
 @pytest.fixture
 def made(environment: Environment, steps: list[str]) -> Environment:
-    """An environment that was set up, with the record of the steps empty again."""
+    """An environment that was set up, with an empty record of steps."""
     environment.prepare()
     steps.clear()
     return environment
@@ -98,7 +98,7 @@ def test_first_start_sets_up_and_the_second_does_nothing(environment, steps, cap
     assert capsys.readouterr().out == ""
 
 
-def test_changed_dependencies_are_installed_anew(made, steps):
+def test_changed_dependencies_are_reinstalled(made, steps):
     pyproject = made.project / "pyproject.toml"
     pyproject.write_text(PYPROJECT.replace("numpy>=1.26", "numpy>=2"), encoding="utf-8")
     made.prepare()
@@ -114,7 +114,7 @@ def test_other_settings_in_pyproject_change_nothing(made, steps):
     assert steps == []
 
 
-def test_moved_project_is_set_up_anew(made, steps):
+def test_a_moved_project_is_set_up_again(made, steps):
     there = made.project.with_name("there")
     shutil.copytree(made.project, there, symlinks=True)
     Environment(there, there / ".venv").prepare()
@@ -142,7 +142,7 @@ def test_damaged_environment_is_rebuilt(made, steps, damage):
 
 
 @pytest.mark.parametrize("interrupted_at", ["venv", "pip"])
-def test_interrupted_setting_up_starts_over(environment, steps, monkeypatch, interrupted_at):
+def test_interrupted_setup_starts_over(environment, steps, monkeypatch, interrupted_at):
     def stop():
         raise KeyboardInterrupt
 
@@ -156,7 +156,7 @@ def test_interrupted_setting_up_starts_over(environment, steps, monkeypatch, int
     assert environment.is_installed()
 
 
-def test_what_is_no_environment_is_left_alone(environment, steps):
+def test_other_folders_are_never_removed(environment, steps):
     environment.folder.mkdir()
     precious = environment.folder / "thesis.txt"
     precious.write_text("years", encoding="utf-8")
@@ -165,7 +165,7 @@ def test_what_is_no_environment_is_left_alone(environment, steps):
     assert precious.read_text(encoding="utf-8") == "years"
 
 
-def test_missing_library_is_named_and_only_looked_for_again(environment, steps, monkeypatch):
+def test_a_missing_library_is_named_and_only_the_check_is_repeated(environment, steps, monkeypatch):
     missing = "ImportError: libX11.so.6: cannot open shared object file: No such file or directory"
     for tool, line in (("apt-get", "apt-get install -y libx11-6"), ("dnf", "dnf install -y libX11")):
         with monkeypatch.context() as patch:
@@ -179,20 +179,20 @@ def test_missing_library_is_named_and_only_looked_for_again(environment, steps, 
     assert steps == ["venv", "pip"]
 
 
-def test_both_lines_are_shown_where_the_system_is_unknown(monkeypatch):
+def test_both_commands_are_shown_on_an_unknown_system(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
     lines = system.install_lines("libx11-6", "libX11").splitlines()
     assert ["apt-get" in lines[0], "dnf" in lines[1]] == [True, True]
 
 
-def test_blender_that_fails_otherwise_says_why(environment, steps, monkeypatch):
+def test_other_failures_of_blender_are_explained(environment, steps, monkeypatch):
     interrupt(monkeypatch, "-c", lambda: subprocess.CompletedProcess([], 1, stderr="ImportError: GLIBC_2.28 not found"))
     with pytest.raises(SetupError, match=r"does not load here:\s+ImportError: GLIBC_2\.28 not found"):
         environment.prepare()
 
 
-def test_one_start_at_a_time_sets_up(environment, steps, monkeypatch, capsys):
-    """Another one begins while the first makes the environment, and finds it made."""
+def test_only_one_process_sets_up_at_a_time(environment, steps, monkeypatch, capsys):
+    """A second process starts during the setup by the first, and then finds it complete."""
     second, said = threading.Thread(target=environment.prepare), []
 
     def begin_again():
@@ -210,7 +210,7 @@ def test_one_start_at_a_time_sets_up(environment, steps, monkeypatch, capsys):
     assert steps == ["venv", "pip"]
 
 
-def test_the_users_own_settings_stay_out(environment):
+def test_the_users_own_settings_are_excluded(environment):
     base = {
         "PATH": "/usr/bin",
         "PYTHONPATH": "/opt/ros",
@@ -226,7 +226,7 @@ def test_the_users_own_settings_stay_out(environment):
     }
 
 
-def test_cholmod_is_tried_only_with_all_that_it_needs(tmp_path, monkeypatch):
+def test_cholmod_is_tried_only_with_all_its_prerequisites(tmp_path, monkeypatch):
     monkeypatch.setenv("SUITESPARSE_INCLUDE_DIR", str(tmp_path))
     monkeypatch.setattr(shutil, "which", lambda name: "/usr/bin/cc")
     assert "Python's headers" in system.missing_for_cholmod(has_python_headers=False)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The job type for the render farm Flamenco: the tasks that it makes, and that their command lines work."""
+"""The job type for the render farm Flamenco: its tasks, and their command lines."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from convwass_addon.applications.morphs.runs import RUN_LENGTH
 
 quickjs = pytest.importorskip("quickjs", reason="no JavaScript engine: pip install quickjs-ng")
 
-# What Flamenco's Manager offers to scripts, as far as this one uses it.
+# The part of the Flamenco Manager's scripting interface that this script uses.
 MANAGER = """"use strict";
 const author = {
     Task: (name, type) => ({
@@ -72,7 +72,7 @@ def ranges(script, **settings):
     return [tuple(map(int, words_of(task)[-1].split("-"))) for task in bakes]
 
 
-def test_chunks_and_one_task_that_waits_for_all(script):
+def test_chunks_and_a_final_task(script):
     *bakes, assemble = tasks(script)
     assert [task["name"] for task in bakes] == ["bake-0-7", "bake-8-15", "bake-16-23", "bake-24-24"]
     assert {task["type"] for task in [*bakes, assemble]} == {"blender"}
@@ -89,14 +89,14 @@ def test_chunks_and_one_task_that_waits_for_all(script):
 
 @pytest.mark.parametrize("frames", [2, 3, 4, 7, 8, 24])
 @pytest.mark.parametrize("chunk_size", [1, 4, 5, 8, 1000])
-def test_chunks_cover_every_frame_once_and_cut_no_run(script, frames, chunk_size):
+def test_chunks_cover_every_frame_once_without_splitting_runs(script, frames, chunk_size):
     found = ranges(script, shapes="/a.obj;/b.obj", frames=frames, chunk_size=chunk_size)
     assert [frame for first, last in found for frame in range(first, last + 1)] == list(range(frames + 1))
     assert all(first % RUN_LENGTH == 0 for first, _ in found)
     assert len(found) == 1 or found[0][1] + 1 in range(chunk_size, chunk_size + RUN_LENGTH)
 
 
-def test_other_options_are_split_as_a_shell_does(script):
+def test_other_options_are_split_like_in_a_shell(script):
     words = words_of(tasks(script, options="--sharpness 1 --export '/out/my mesh.ply'")[-1])
     at = words.index("--sharpness")
     assert words[at : at + 4] == ["--sharpness", "1", "--export", "/out/my mesh.ply"]
@@ -116,12 +116,12 @@ def test_other_options_are_split_as_a_shell_does(script):
         ({"cache": None}, "cache: this setting is missing"),
     ],
 )
-def test_settings_that_cannot_work_are_refused(script, settings, message):
+def test_invalid_settings_are_refused(script, settings, message):
     with pytest.raises(quickjs.JSException, match=message):
         tasks(script, **settings)
 
 
-def test_settings_are_described_as_flamenco_wants_them(script):
+def test_settings_are_described_as_flamenco_requires(script):
     job_type = json.loads(script.eval("JSON.stringify(JOB_TYPE)"))
     assert job_type["label"]
     assert {setting["key"] for setting in job_type["settings"]} == GIVEN.keys()
@@ -155,7 +155,7 @@ def test_the_command_lines_work(script, empty_scene, tmp_path, capfd):
     settings = {"blendfile": str(scene), "output": str(out), "cache": str(cache), "options": "--sharpness 0.5"}
     *bakes, assemble = tasks(script, shapes="Cube;Ball", frames=6, chunk_size=4, resolution=16, **settings)
     assert len(bakes) == 2
-    # In any order, as farms do.
+    # In any order, as on a farm.
     for task in reversed(bakes):
         assert cli.main(words_of(task)) == 0
         assert not out.exists()

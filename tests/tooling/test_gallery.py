@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The gallery shows what is there, and its lines do what they say."""
+"""The gallery's pictures exist, and its code lines work."""
 
 from __future__ import annotations
 
@@ -41,17 +41,17 @@ def drawn_here(project, gallery):
     return [figure for figure in gallery.FIGURES if (project / "docs" / figure.script[0]).is_file()]
 
 
-def test_all_figures_are_there_once_and_in_order(project, gallery):
+def test_all_figures_exist_once_and_in_order(project, gallery):
     assert [figure.number for figure in gallery.FIGURES] == list(range(1, 15))
     assert len(drawn_here(project, gallery)) >= 13
 
 
-def test_the_page_is_what_the_script_writes(project, gallery):
+def test_the_page_is_up_to_date(project, gallery):
     page = (project / "docs" / "gallery.md").read_text(encoding="utf-8")
     assert page == gallery.page(gallery.FIGURES), "python3 run.py gallery --page writes it anew"
 
 
-def test_pictures_are_there(project, gallery):
+def test_pictures_exist(project, gallery):
     for figure in drawn_here(project, gallery):
         assert (project / "docs" / "pictures" / figure.picture).is_file(), figure.picture
 
@@ -62,7 +62,7 @@ def test_the_readme_shows_four_of_them(project, gallery):
     assert len(shown) == 4 and all(f"![{number}" in readme for number in shown)
 
 
-def test_new_pictures_are_light(project):
+def test_new_pictures_are_small(project):
     for name in ("solids_path.jpg", "solids_triangle.jpg", "solids_grid.jpg", "two_maps.png", "side_by_side.jpg"):
         assert (project / "docs" / "pictures" / name).stat().st_size < LARGEST, name
 
@@ -80,7 +80,7 @@ def test_commands_are_understood(project, gallery):
 
 
 @pytest.mark.parametrize("number", [2, 3, 4, 5, 6, 9, 10])
-def test_lines_of_python_run(number, gallery):
+def test_python_lines_run(number, gallery):
     (figure,) = (figure for figure in gallery.FIGURES if figure.number == number)
     names = known(number)
     exec(figure.line, names)
@@ -88,7 +88,7 @@ def test_lines_of_python_run(number, gallery):
 
 
 def check(number, names):
-    """See that a line has computed what its figure shows."""
+    """Check that a line computed what its figure shows."""
     if number == 2:
         marginal = names["plan"].sum(axis=1)
         np.testing.assert_allclose(marginal / marginal.sum(), names["mu_0"] / names["mu_0"].sum(), atol=1e-4)
@@ -109,7 +109,7 @@ def check(number, names):
 
 
 def known(number):
-    """Return small things under the names that the lines of a figure go on from."""
+    """Return small inputs with the names that the lines of a figure use."""
     shape = ball(1.0, points=120)
     if number == 2:
         line = np.linspace(0.0, 1.0, 32)

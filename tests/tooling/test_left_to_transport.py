@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a motion leaves to transport, on pairs of balls between which the distance is known."""
+"""How much a motion leaves to transport, on pairs of balls with known distance."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from tests.shapes import ball, joined
 
 
 def two_balls(apart: float) -> TriangleMesh:
-    """Two balls, each so far from the middle."""
+    """Two balls at this distance from the center."""
     return joined(ball(radius=0.5, center=(-apart, 0, 0)), ball(radius=0.5, center=(apart, 0, 0)))
 
 
 @dataclass(frozen=True)
 class Closing:
-    """Moves balls at 1 and at 2 towards each other and leaves a share of their distance."""
+    """Moves balls at 1 and at 2 towards each other, leaving a fraction of their distance."""
 
     left: float
 
@@ -37,7 +37,7 @@ class Closing:
 
 
 @pytest.mark.parametrize("left", [1.0, 0.4])
-def test_what_is_left_is_the_share_of_the_way_that_a_motion_does_not_go(left):
+def test_the_remaining_fraction_of_the_distance_is_left_to_transport(left):
     assert 0.5 in TIMES
     found = left_to_transport(Closing(left), [two_balls(1.0), two_balls(2.0)])
     assert found == pytest.approx(left, rel=0.05)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The transport library works in a plain Python that has NumPy and SciPy, and nothing else."""
+"""The transport library works in plain Python with only NumPy and SciPy."""
 
 from __future__ import annotations
 
@@ -51,7 +51,7 @@ assert found[0, 1] > 0.0
 
 
 @pytest.mark.parametrize("work", [GRID, SURFACE], ids=["grid", "surface"])
-def test_transport_needs_numpy_and_scipy_only(project, work):
+def test_transport_needs_only_numpy_and_scipy(project, work):
     command = [sys.executable, "-I", "-c", ONLY_NUMPY_AND_SCIPY + work, str(project)]
     answer = subprocess.run(command, capture_output=True, text=True, timeout=600)
     assert answer.returncode == 0, answer.stderr

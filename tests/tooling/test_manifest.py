@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What Blender and pip are told about the project is true, and the same."""
+"""Metadata for Blender and pip is correct and consistent."""
 
 from __future__ import annotations
 
@@ -28,12 +28,12 @@ def test_versions_agree(manifest, declared):
     assert manifest["id"] == declared["name"]
 
 
-def test_license_agrees_and_is_there(manifest, declared, project):
+def test_licenses_agree_and_exist(manifest, declared, project):
     assert manifest["license"] == ["SPDX:" + declared["license"]]
     assert "GNU GENERAL PUBLIC LICENSE" in (project / "LICENSE").read_text(encoding="utf-8")
 
 
-def test_manifest_is_what_blender_wants(project):
+def test_blender_accepts_the_manifest(project):
     builder.validate(project)
 
 
@@ -45,7 +45,7 @@ def test_a_bad_manifest_is_refused_with_the_reason(project, tmp_path):
         builder.validate(tmp_path)
 
 
-def test_every_python_gets_the_blender_that_runs_on_it(declared):
+def test_every_python_gets_a_compatible_blender(declared):
     blenders = [Requirement(text) for text in declared["optional-dependencies"]["blender"]]
     for version in pythons.WANTED:
         assert sum(blender.marker.evaluate({"python_version": version}) for blender in blenders) == 1
@@ -62,15 +62,15 @@ def test_every_python_gets_the_blender_that_runs_on_it(declared):
         ("win32", "ARM64", False),
     ],
 )
-def test_cholespy_is_asked_for_only_where_it_has_wheels(declared, system, machine, has_wheels):
+def test_cholespy_is_required_only_where_it_has_wheels(declared, system, machine, has_wheels):
     (cholespy,) = (Requirement(text) for text in declared["dependencies"] if text.startswith("cholespy"))
     assert cholespy.marker.evaluate({"sys_platform": system, "platform_machine": machine}) == has_wheels
 
 
-def test_wheels_in_the_zip_satisfy_what_is_declared(declared, project):
+def test_wheels_in_the_zip_satisfy_the_requirements(declared, project):
     listed = (project / "tools" / "wheels.txt").read_text(encoding="utf-8")
     bundled = dict(re.findall(r"^([\w-]+)==([\w.]+)", listed, flags=re.MULTILINE))
     requirements = {requirement.name: requirement for requirement in map(Requirement, declared["dependencies"])}
-    for name in bundled.keys() - {"lazy-loader"}:  # which scikit-image needs
+    for name in bundled.keys() - {"lazy-loader"}:  # needed by scikit-image
         assert requirements[name].specifier.contains(bundled[name])
-    assert requirements.keys() - bundled.keys() == {"numpy"}  # which Blender has
+    assert requirements.keys() - bundled.keys() == {"numpy"}  # included in Blender

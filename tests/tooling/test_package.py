@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension's zip files hold what is needed, nothing else, and the same bytes each time."""
+"""The extension's zip files contain exactly what is needed, with the same bytes each time."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ WHEELS = (
     "threadpoolctl-3.8.0-py3-none-any.whl",
 )
 
-# The client of Dask's clusters: the manifest asks for no network.
+# The client of Dask clusters; the manifest requests no network permission.
 NOT_SHIPPED = {"convwass_addon/cluster.py"}
 
 
@@ -58,28 +58,28 @@ def manifest_in(path: Path) -> dict:
 
 
 def shipped_files(project: Path) -> list[str]:
-    """All that the extension needs: two files for Blender, the licence, the own modules and their translations."""
+    """Everything that the extension needs: two files for Blender, the license, its own modules and translations."""
     found = (path for kind in ("*.py", "*.po") for path in (project / "convwass_addon").rglob(kind))
     package_files = {path.relative_to(project).as_posix() for path in found}
     assert package_files >= NOT_SHIPPED
     return sorted(["LICENSE", "__init__.py", "blender_manifest.toml", *package_files - NOT_SHIPPED])
 
 
-def test_small_zip_holds_what_is_needed_and_nothing_else(project, tmp_path):
+def test_the_small_zip_contains_exactly_what_is_needed(project, tmp_path):
     path = package.build_small(tmp_path / "work", tmp_path / "dist")
     assert names_in(path) == shipped_files(project)
     assert "wheels" not in manifest_in(path)
 
 
 def test_blenders_own_command_builds_the_same_files(project, tmp_path):
-    """``blender --command extension build`` in the project; a name too many belongs into paths_exclude_pattern."""
+    """``blender --command extension build`` in the project; extra files belong in paths_exclude_pattern."""
     builder.build(project, output=tmp_path)
     (path,) = tmp_path.glob("*.zip")
     assert sorted(names_in(path)) == shipped_files(project)
 
 
 def test_same_source_gives_the_same_bytes(tmp_path, monkeypatch):
-    """At another time, in another folder, where new files are nobody else's business."""
+    """At another time, in another folder, and independent of the permissions for new files."""
     wheels = tmp_path / "wheels"
     wheels.mkdir()
     for name in WHEELS:
@@ -122,14 +122,14 @@ def test_each_platform_gets_its_own_wheels_for_both_pythons(project, tmp_path):
         assert sorted(Path(name).name for name in generated["wheels"]) == bundled
 
 
-def test_blender_takes_the_wheels_of_each_platform_on_both_pythons():
-    """It refuses an extension on a Python that none of its wheels names; those for 3.12 and later name none."""
+def test_blender_accepts_the_wheels_of_each_platform_on_both_pythons():
+    """Blender rejects an extension for a Python that none of its wheels names; abi3 wheels name none."""
     taken_on = runpy.run_path(str(builder.program()), run_name="blender_ext")["python_versions_from_wheels"]
     for tag in ("manylinux", "macosx", "win"):
         assert taken_on([name for name in WHEELS if tag in name]) == {(3, 11), (3, 13)}
 
 
-def test_every_platform_and_python_has_its_wheel_of_each_package(project):
+def test_every_platform_and_python_has_a_wheel_of_each_package(project):
     listed = (project / "tools" / "wheels.txt").read_text(encoding="utf-8")
     pins = re.findall(r"^([\w-]+)==(\S+)((?: \\\n +--hash=sha256:\w{64})+)$", listed, flags=re.MULTILINE)
     assert {(name.replace("-", "_"), version) for name, version, _ in pins} == {tuple(w.split("-")[:2]) for w in WHEELS}

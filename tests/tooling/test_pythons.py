@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finding a Python to make the environment from."""
+"""Finding a Python to create the environment with."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ posix_only = pytest.mark.skipif(os.name == "nt", reason="stands in for Pythons w
 
 
 def write_program(path: Path, answer: str) -> Path:
-    """Write a program that answers whatever it is asked."""
+    """Write a program that prints a fixed answer."""
     path.parent.mkdir(parents=True, exist_ok=True)
     path.write_text(f"#!/bin/sh\ncat <<'END'\n{answer}\nEND\n", encoding="utf-8")
     path.chmod(0o755)
@@ -26,7 +26,7 @@ def write_program(path: Path, answer: str) -> Path:
 
 
 def write_python(path: Path, version: str, **differing: object) -> str:
-    """Write a program that says it is a Python of that version."""
+    """Write a program that identifies itself as Python of this version."""
     told = {
         "version": [int(number) for number in version.split(".")],
         "program": str(path),
@@ -44,12 +44,12 @@ def test_running_python_describes_itself():
     assert found.minor == ".".join(map(str, sys.version_info[:2]))
 
 
-def test_an_environment_stands_for_the_python_it_was_made_from():
+def test_an_environment_is_replaced_by_its_base_python():
     assert Path(pythons.probe(sys.executable).path).resolve() == Path(sys._base_executable).resolve()
 
 
 @posix_only
-def test_what_is_not_a_python_is_passed_over(tmp_path):
+def test_other_programs_are_skipped(tmp_path):
     assert pythons.probe(str(tmp_path / "missing")) is None
     assert pythons.probe(str(write_program(tmp_path / "chatty", "pyenv: python3.13: command not found"))) is None
     silent = write_program(tmp_path / "failing", "")
@@ -59,7 +59,7 @@ def test_what_is_not_a_python_is_passed_over(tmp_path):
 
 
 @posix_only
-def test_better_version_wins_wherever_it_is(tmp_path):
+def test_the_preferred_version_wins_wherever_it_is(tmp_path):
     older = write_python(tmp_path / "older", "3.11.7")
     better = write_python(tmp_path / "better", "3.13.1")
     assert pythons.find(("3.13", "3.11"), [older, better]).path == better
@@ -67,14 +67,14 @@ def test_better_version_wins_wherever_it_is(tmp_path):
 
 
 @posix_only
-def test_python_without_venv_gives_way_to_one_with_it(tmp_path):
+def test_a_python_with_venv_is_preferred(tmp_path):
     bare = write_python(tmp_path / "bare", "3.13.0", has_venv=False)
     complete = write_python(tmp_path / "complete", "3.11.2")
     assert pythons.find(("3.13", "3.11"), [bare, complete]).path == complete
 
 
 @posix_only
-def test_missing_venv_is_explained(tmp_path):
+def test_a_missing_venv_is_explained(tmp_path):
     bare = write_python(tmp_path / "bare", "3.11.2", has_venv=False)
     with pytest.raises(pythons.NoPythonError, match=r"apt-get install python3\.11-venv"):
         pythons.find(("3.13", "3.11"), [bare])
@@ -100,7 +100,7 @@ def test_usual_folders_are_searched_newest_first(tmp_path):
 
 
 @posix_only
-def test_stated_pyenv_and_uv_folders_are_searched(tmp_path):
+def test_configured_pyenv_and_uv_folders_are_searched(tmp_path):
     pyenv = write_python(tmp_path / "elsewhere/versions/3.11.9/bin/python", "3.11.9")
     uv = write_python(tmp_path / "pythons/cpython-3.11.9-linux-x86_64-gnu/bin/python3", "3.11.9")
     environ = {"PYENV_ROOT": str(tmp_path / "elsewhere"), "UV_PYTHON_INSTALL_DIR": str(tmp_path / "pythons")}
@@ -110,5 +110,5 @@ def test_stated_pyenv_and_uv_folders_are_searched(tmp_path):
 @pytest.mark.parametrize(
     ("file", "oldest"), [("run.py", (3, 7)), ("tools/__init__.py", (3, 7)), ("tools/pythons.py", (3, 9))]
 )
-def test_older_pythons_can_read_what_speaks_to_them(project, file, oldest):
+def test_modules_for_older_pythons_compile_there(project, file, oldest):
     ast.parse((project / file).read_text(encoding="utf-8"), feature_version=oldest)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The figures by which rivals are compared mean what they say."""
+"""The measures for comparing alternatives have the documented meaning."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def passage(middle):
     return Passage.of((ends[0], middle, ends[1]), ends, (0.0, 0.5, 1.0), lattice)
 
 
-def test_what_travels_is_under_way_and_goes_straight():
+def test_moving_material_is_outside_and_goes_straight():
     found = passage(ball(0.3))
     assert found.outside == 1.0
     assert found.detour == pytest.approx(1.0, abs=0.01)
@@ -27,19 +27,19 @@ def test_what_travels_is_under_way_and_goes_straight():
     assert (found.pieces, found.handles, found.smallest, found.arrival) == (1, 0, 1.0, 1.0)
 
 
-def test_what_fades_stays_and_makes_a_detour():
-    # Half of the mass here and half there: the half that is nearer has gone all the way.
+def test_fading_material_stays_and_makes_a_detour():
+    # Half of the mass is at each end; the half on the near side has already arrived.
     size = 0.3 * 0.5 ** (1.0 / 3.0)
     found = passage(joined(ball(size, (-1.0, 0.0, 0.0)), ball(size, (1.0, 0.0, 0.0))))
     assert found.outside == 0.0
-    # The middle of half a ball is three eighths of the radius away from its center.
+    # The center of half a ball is three eighths of the radius away from the ball's center.
     near, far = 3.0 / 8.0 * 0.3, 2.0 - 3.0 / 8.0 * 0.3
     assert found.detour == pytest.approx(np.sqrt(0.5 * (near**2 + far**2)), abs=0.01)
     assert found.pieces == 2
     assert found.smallest == pytest.approx(0.5, abs=0.01)
 
 
-def test_the_way_through_an_end_is_no_detour():
+def test_a_path_through_an_end_is_no_detour():
     filled = np.zeros((2, 24, 24, 24))
     filled[0, 4:8, 8:16, 8:16] = filled[1, 14:18, 8:16, 8:16] = 1.0
     assert detour(filled[0], filled) == pytest.approx(1.0, abs=1e-3)

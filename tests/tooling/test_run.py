@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line of run.py: what it starts, how it ends, what it says."""
+"""The command line of run.py: started programs, exit codes and messages."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from tools.environment import Environment
 
 @pytest.fixture
 def started(monkeypatch: pytest.MonkeyPatch) -> list[tuple]:
-    """What run.py starts, recorded instead of started; every program ends with code 0."""
+    """The programs that run.py starts, recorded instead of started; each ends with code 0."""
     starts = []
     monkeypatch.setattr(Environment, "prepare", lambda self, wanted: starts.append((self.folder.name, *wanted)))
     monkeypatch.setattr(
@@ -46,7 +46,7 @@ def test_unknown_command_is_refused_before_anything_is_set_up(capsys, started):
     assert started == []
 
 
-def test_arguments_go_through_unchanged(started, project):
+def test_arguments_are_passed_on_unchanged(started, project):
     assert run.main(["test", "-k", "grid and not slow", "--help"]) == 0
     assert started == [
         (".venv", "3.13", "3.11"),
@@ -54,8 +54,8 @@ def test_arguments_go_through_unchanged(started, project):
     ]
 
 
-def test_lint_takes_paths_for_both_of_its_programs_and_no_options(capsys, started, project):
-    """An option of the one is none of the other."""
+def test_lint_accepts_paths_and_no_options(capsys, started, project):
+    """Options of one program are invalid for the other."""
     assert run.main(["lint", "tests", "run.py"]) == 0
     assert started[1:] == [([*start, "tests", "run.py"], project) for start in run.COMMANDS["lint"]]
     started.clear()
@@ -64,12 +64,12 @@ def test_lint_takes_paths_for_both_of_its_programs_and_no_options(capsys, starte
     assert started == []
 
 
-def test_python_starts_where_the_user_is(started):
+def test_python_starts_in_the_users_folder(started):
     run.main(["python", "-c", "1"])
     assert started[-1] == (["-c", "1"], None)
 
 
-def test_stated_version_has_an_environment_of_its_own(started):
+def test_a_requested_version_has_its_own_environment(started):
     run.main(["--python", "3.11", "lint"])
     assert started[0] == (".venv-3.11", "3.11")
 
@@ -81,20 +81,20 @@ def test_version_without_blender_is_refused(arguments, started):
 
 
 @pytest.mark.parametrize(("blender", "python"), [("4.5", "3.11"), ("5.0", "3.11"), ("5.2", "3.13")])
-def test_stated_blender_has_an_environment_of_its_own(started, blender, python):
+def test_a_requested_blender_has_its_own_environment(started, blender, python):
     run.main(["test", "--blender", blender, "-k", "grid"])
     assert started[0] == (f".venv-blender-{blender}", python)
     assert started[1][0] == [*run.COMMANDS["test"][0], "-k", "grid"]
 
 
 @pytest.mark.parametrize("arguments", [["test", "--blender"], ["test", "--blender", "3.6"]])
-def test_blender_that_is_not_tried_is_refused(arguments, started):
+def test_an_unsupported_blender_is_refused(arguments, started):
     with pytest.raises(pythons.NoPythonError, match=r"one of: 5\.2, 5\.0, 4\.5"):
         run.main(arguments)
     assert started == []
 
 
-def test_a_window_is_told_which_blender_to_open(started):
+def test_the_window_test_receives_the_blender_to_open(started):
     run.main(["window", "--blender", "/opt/blender"])
     assert started[-1][0] == ["-m", "tests.window", "--blender", "/opt/blender"]
 
@@ -106,22 +106,22 @@ def test_first_failure_ends_the_command(monkeypatch, started):
 
 
 @pytest.mark.parametrize("code", [0, 1, 5, 77])
-def test_exit_codes_pass_through(code):
+def test_exit_codes_are_passed_on(code):
     assert run.run_child([sys.executable, "-c", f"raise SystemExit({code})"]) == code
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are POSIX")
-def test_killed_program_has_the_shells_code_for_it():
+def test_a_killed_program_gives_the_shells_exit_code():
     program = "import os, signal; os.kill(os.getpid(), signal.SIGKILL)"
     assert run.run_child([sys.executable, "-c", program]) == 128 + signal.SIGKILL
 
 
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
-def test_signals_are_heeded_as_before_once_the_program_has_ended(number):
+def test_signal_handlers_are_restored_once_the_program_has_ended(number):
     before = signal.getsignal(number)
 
     def own(*_):
-        """Stand for what the caller does."""
+        """The caller's own handler."""
 
     signal.signal(number, own)
     try:
@@ -132,7 +132,7 @@ def test_signals_are_heeded_as_before_once_the_program_has_ended(number):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals are POSIX")
-def test_interrupt_ends_with_130_and_lets_the_program_tidy_up(project, tmp_path):
+def test_an_interrupt_gives_130_and_lets_the_program_clean_up(project, tmp_path):
     tidy = tmp_path / "tidied"
     program = f"""
 import sys, time
@@ -144,7 +144,7 @@ except KeyboardInterrupt:
     open({str(tidy)!r}, "w").close()
     sys.exit(2)
 """
-    # A shell that starts the tests in the background has them ignore the signal, and so would these two.
+    # A shell that starts the tests in the background makes them ignore the signal, and so would these two.
     heed = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     caller = f"{heed}; import sys, run; sys.exit(run.run_child([sys.executable, '-c', {program!r}]))"
     pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.PIPE}
@@ -159,7 +159,7 @@ except KeyboardInterrupt:
     assert tidy.exists()
 
 
-def test_the_ci_installs_what_run_py_would_ask_for(project):
+def test_the_ci_installs_the_system_packages_of_run_py(project):
     script = (project / ".ci" / "run").read_text(encoding="utf-8")
     installed = script.partition("packages=(")[2].partition(")")[0].split()
     assert installed == ["python3-venv", *system.BLENDER_APT.split(), *system.CHOLMOD_APT.split()]

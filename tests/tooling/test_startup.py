@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Enabling the extension, and looking at its panels, imports nothing that only work needs.
+"""Enabling the extension and drawing its panels imports nothing that only work needs.
 
-Where one of these fails, the last line of the traceback in this package is the import that belongs into the function
-which begins the work; see CONTRIBUTING.md.
+If one of these tests fails, the last line of the traceback in this package is an import that belongs in the function
+that starts the work; see CONTRIBUTING.md.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ builtins.__import__ = import_unless_for_work
 
 REGISTERED = "import convwass_addon; convwass_addon.register()\n"
 
-# Transport is the solver, and whatever leads to it leads to SciPy.
+# Transport is the solver; everything that imports it imports SciPy.
 CHECKED = "found = {*sys.modules} & {*WORK, 'convwass_addon.transport'}; assert not found, found\n"
 
 LOOKED_AT = """
@@ -46,7 +46,7 @@ for name in operators:
 """
 
 
-# Blender 4.5 may crash when a process ends the ordinary way.
+# Blender 4.5 may crash if a process ends normally.
 END = "import os; sys.stderr.flush(); os._exit(0)\n"
 
 
@@ -55,13 +55,13 @@ def run(project, script: str) -> None:
         [sys.executable, "-c", script + END], cwd=project, capture_output=True, text=True, timeout=600
     )
     assert answer.returncode == 0, answer.stderr
-    # Blender prints what it does not like of a class, and goes on.
+    # Blender prints errors in classes and continues.
     assert answer.stderr == ""
 
 
-def test_registering_imports_nothing_for_work(project):
+def test_registering_imports_no_work_modules(project):
     run(project, REFUSING + REGISTERED + CHECKED)
 
 
-def test_looking_at_panels_and_buttons_imports_nothing_for_work(project):
+def test_drawing_panels_and_polling_imports_no_work_modules(project):
     run(project, REFUSING + REGISTERED + LOOKED_AT + CHECKED)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``.po`` files are read as Blender's own tool reads them, and a broken one is refused with the place."""
+"""``.po`` files are read like by Blender's own tool, and invalid ones are refused with the line."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ HEADER = 'msgid ""\nmsgstr ""\n"Language: de\\n"\n\n'
 
 @pytest.fixture
 def read(tmp_path):
-    """Return what is read of a text."""
+    """Return the entries read from a text."""
 
     def read(text: str) -> dict[tuple[str, str], str]:
         path = tmp_path / "de.po"
@@ -48,7 +48,7 @@ def read(tmp_path):
         ('msgid "é"\nmsgstr "ü „Text“"\n', {("*", "é"): "ü „Text“"}),
     ],
 )
-def test_what_an_entry_may_look_like(read, text, expected):
+def test_valid_entries(read, text, expected):
     assert read(text) == expected
 
 
@@ -63,13 +63,13 @@ def test_what_an_entry_may_look_like(read, text, expected):
         ("a\n", "line 1"),
     ],
 )
-def test_what_is_no_entry_is_refused(read, text, message):
+def test_invalid_entries_are_refused(read, text, message):
     with pytest.raises(PoError, match=message):
         read(text)
 
 
 @pytest.mark.parametrize("language", languages())
-def test_blenders_own_tool_reads_the_same(language):
+def test_agrees_with_blenders_own_tool(language):
     names = [name for name in ("_bl_i18n_utils", "bl_i18n_utils") if importlib.util.find_spec(name)]
     own_tool = importlib.import_module(f"{names[0]}.utils")
     messages = own_tool.I18nMessages(uid=language, kind="PO", src=str(FOLDER / f"{language}.po"))

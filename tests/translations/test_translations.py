@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Translations take the values of their English texts, and all texts of users are found in the source."""
+"""Translations use the values of their English texts, and all user-visible texts are found in the source."""
 
 from __future__ import annotations
 
@@ -26,19 +26,19 @@ LANGUAGES = languages()
 
 @pytest.fixture
 def in_german(monkeypatch):
-    """Blender in German: the bpy module is built without languages."""
+    """Blender in German, simulated because the bpy module is built without languages."""
     german = catalog("de")
     monkeypatch.setattr(translations, "rpt_", lambda text: german.get(("*", text), text))
 
 
 def fields(text: str) -> list[tuple[str, str, str]]:
-    """Return the names in braces with how their values are written."""
+    """Return the names in braces with their format specifications."""
     found = Formatter().parse(text)
     return sorted((name, conversion or "", spec or "") for _, name, spec, conversion in found if name is not None)
 
 
 def complaint(message: Message) -> str | None:
-    """Say why a sentence cannot be translated before it is filled in; None where it can."""
+    """Explain why a sentence cannot be translated before it is filled in; None if it can."""
     if not message.is_literal:
         return "its template is not written out"
     given = given_values(message.call)
@@ -47,20 +47,20 @@ def complaint(message: Message) -> str | None:
 
 
 def given_values(call: ast.Call) -> set[str] | None:
-    """Return the names that a template is given values for; None where that does not stand there."""
+    """Return the names of the values passed to a template; None if they are not literal."""
     names = {keyword.arg for keyword in call.keywords}
     for table in call.args[1:]:
         names |= {getattr(key, "value", None) for key in table.keys} if isinstance(table, ast.Dict) else {None}
     return None if None in names else names
 
 
-def test_there_are_languages():
+def test_languages_exist():
     assert LANGUAGES == ["de", "fr"]
     assert all(len(catalog(language)) > 2000 for language in LANGUAGES)
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_translations_take_the_same_values_in_the_same_form(language):
+def test_translations_use_the_same_values_in_the_same_format(language):
     for (_, english), own in catalog(language).items():
         assert own.strip() == own, english
         assert fields(own) == fields(english), english
@@ -68,14 +68,14 @@ def test_translations_take_the_same_values_in_the_same_form(language):
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_unnamed_values_stand_in_the_same_order(language):
+def test_unnamed_values_have_the_same_order(language):
     for (_, english), own in catalog(language).items():
         kinds = [[spec for _, name, spec, _ in Formatter().parse(text) if name == ""] for text in (english, own)]
         assert kinds[0] == kinds[1], english
 
 
-def test_the_source_is_read_for_texts():
-    """One of each kind is found, so that `run.py translations` names it where it is missing."""
+def test_texts_in_the_source_are_found():
+    """One text of each kind is found, so that `run.py translations` lists it if it is missing."""
     source = (
         "rpt_('a'); cls.poll_message_set('b'); layout.label(text='c'); layout.operator(name, text='d');"
         "self.report({'INFO'}, 'e'); layout.row(heading='f');"
@@ -88,8 +88,8 @@ def test_the_source_is_read_for_texts():
         assert known in texts
 
 
-def test_blender_gets_them_for_labels_of_operators_too_and_takes_them_back(monkeypatch):
-    """The bpy module is built without languages, so what it is given is caught on the way."""
+def test_translations_are_registered_also_for_operator_labels_and_unregistered(monkeypatch):
+    """The bpy module is built without languages, so the registered translations are intercepted."""
     given = {}
     fake = SimpleNamespace(register=given.__setitem__, unregister=given.__delitem__)
     monkeypatch.setattr(translations, "bpy", SimpleNamespace(app=SimpleNamespace(translations=fake)))
@@ -145,13 +145,13 @@ def test_templates_are_found(source, templates):
         ("InputError('one' if one else '{n} ones', n=n)", "'one' is given"),
     ],
 )
-def test_what_cannot_be_translated_is_found(source, wrong):
+def test_untranslatable_sentences_are_found(source, wrong):
     ((_, message),) = messages_of(source)
     assert wrong in complaint(message)
 
 
 @pytest.mark.usefixtures("in_german")
-def test_a_sentence_is_translated_with_what_it_holds():
+def test_nested_sentences_are_translated():
     inner = Sentence("{names} and {more} more", {"names": "A, B", "more": 3})
     sentence = Sentence(
         "{file} has no object {name!r}; it contains {listed}.", {"file": "a", "name": "b", "listed": inner}
@@ -162,7 +162,7 @@ def test_a_sentence_is_translated_with_what_it_holds():
     assert translated(Sentence("Unheard of {so}", {"so": "{far}"})) == "Unheard of {far}"
 
 
-def test_a_translation_that_cannot_be_filled_leaves_the_english(monkeypatch):
+def test_an_invalid_translation_falls_back_to_english(monkeypatch):
     monkeypatch.setattr(translations, "rpt_", lambda text: "{nonsense}")
     assert translated(Sentence("Preview {done} of {total}", {"done": 1, "total": 2})) == "Preview 1 of 2"
 
@@ -189,8 +189,8 @@ def test_operators_refuse_in_the_language_of_the_user(arguments, message):
 
 
 @pytest.mark.usefixtures("in_german", "two_shapes")
-def test_what_a_check_finds_is_told_in_the_language_of_the_user():
-    """An error inside of an error: the mesh says what is wrong with it, and the object which mesh it is."""
+def test_findings_of_a_check_are_in_the_language_of_the_user():
+    """Nested errors: the mesh describes the defect, and the object names the mesh."""
     bpy.data.objects["A"].data.vertices[0].co = (np.nan, 0.0, 0.0)
     bpy.data.objects["A"].select_set(True)
     bpy.ops.convwass.add_morph_inputs()

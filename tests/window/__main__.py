@@ -4,10 +4,9 @@
 
 python3 run.py window --blender PATH [--zip ZIP] [--out FOLDER] [--only SCENARIO...]
 
-Installs the extension into a fresh profile, opens Blender's window on a display of its own and lets the scenarios
-click, type and take pictures, which are left in the folder. A scenario is a file beside this one, and the function in
-it that has its name. Needs Linux with Xvfb, xdotool and ImageMagick; with
-``--zip`` any Python from 3.11 runs it.
+Installs the extension into a fresh profile, opens Blender's window on a virtual display and runs scenarios that click,
+type and take pictures, which are saved in the folder. A scenario is a file next to this one with a function of the same
+name. Needs Linux with Xvfb, xdotool and ImageMagick; with ``--zip``, any Python from 3.11 on can run it.
 """
 
 from __future__ import annotations
@@ -25,7 +24,7 @@ from pathlib import Path
 HERE = Path(__file__).resolve().parent
 PROJECT = HERE.parents[1]
 
-# Program, and the Debian package that has it.
+# Programs and their Debian packages.
 NEEDED = {"Xvfb": "xvfb", "xdotool": "xdotool", "import": "imagemagick"}
 
 SCENARIOS = (
@@ -41,7 +40,7 @@ SCENARIOS = (
     "guides",
     "disabling",
 )
-# Taken when they are asked for: they test little.
+# Run only on request, because they test little.
 PICTURES = ("walkthrough",)
 
 _SETTINGS = """
@@ -55,7 +54,7 @@ bpy.ops.wm.save_userpref()
 
 
 def main() -> int:
-    """Run the scenarios and return 0 if all of it went as it should."""
+    """Run the scenarios; return 0 if all succeeded."""
     options = _options()
     missing = [package for program, package in NEEDED.items() if not shutil.which(program)]
     if missing:
@@ -94,7 +93,7 @@ def _options() -> argparse.Namespace:
 
 
 def _built_zip(folder: Path, blender: str) -> Path:
-    """Build the small zip where this Blender has SciPy, and otherwise the one for this platform."""
+    """Build the small zip if this Blender has SciPy, otherwise the one for this platform."""
     has_scipy = subprocess.run(
         [blender, "--background", "--python-exit-code", "1", "--python-expr", "import scipy, skimage"],
         capture_output=True,
@@ -117,7 +116,7 @@ def _install(blender: str, zip_file: Path, environment: dict[str, str]) -> None:
 
 @contextmanager
 def _display(size: str) -> Iterator[str]:
-    """Start a virtual screen and give its name."""
+    """Start a virtual screen and yield its name."""
     reading, writing = os.pipe()
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{size}x24", "-nolisten", "tcp"],
@@ -134,7 +133,7 @@ def _display(size: str) -> Iterator[str]:
 
 
 def _use(options: argparse.Namespace, environment: dict[str, str]) -> int:
-    """Run the scenarios in the window and print what they say."""
+    """Run the scenarios in the window and print their messages."""
     width, height = options.size.split("x")
     command = [options.blender, "--gpu-backend", "opengl", "-p", "0", "0", width, height]
     command += ["--python", str(HERE / "inside.py"), "--", str(options.out.resolve()), *options.only]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first day with armatures: click where the arms of an octopus end, and fit bones into it."""
+"""First steps with armatures: click the ends of an octopus' arms, and fit bones into it."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from mathutils import Vector
 if TYPE_CHECKING:
     from inside import Window
 
-# Bones of an arm, and how many arms are rigged.
+# Number of bones per arm, and of rigged arms.
 _BONES, _ARMS = 3, 5
 
 
 def armatures(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from window.empty_scene()
     body = window.import_shape("octopus")
     with window.override():
@@ -72,7 +72,7 @@ def _fits(window: Window, body: bpy.types.Object, rig: bpy.types.Object) -> Iter
 
 
 def _tips(body: bpy.types.Object) -> list[Vector]:
-    """Return the ends of arms that can be clicked on from above."""
+    """Return the ends of arms that can be clicked from above."""
     points = [vertex.co.copy() for vertex in body.data.vertices]
     middle = sum(points, Vector()) / len(points)
     left, found = points, []

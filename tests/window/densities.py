@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first day with densities: paint two vertex groups with the mouse, let one travel to the other, and play."""
+"""First steps with densities: paint two vertex groups with the mouse, move one density to the other, and play."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _ATTRIBUTE = "Density"
 
 
 def densities(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _begins(window)
     yield from _paints(window)
     yield from _travels(window)
@@ -98,7 +98,7 @@ def _played(obj: bpy.types.Object) -> list[str]:
 
 
 def _center(obj: bpy.types.Object) -> float:
-    """Return where the density is, from left to right."""
+    """Return the position of the density from left to right."""
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
     values = [item.value for item in mesh.attributes[_ATTRIBUTE].data]
     total = sum(values)

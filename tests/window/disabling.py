@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The extension is switched off in the middle of its work, and on again."""
+"""The extension is disabled during its work, and enabled again."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _EXTENSION = "bl_ext.user_default.convwass"
 
 
 def disabling(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _while_it_bakes(window)
     yield from _while_it_waits_for_clicks(window)
     yield from _bakes_afterwards(window)
@@ -30,7 +30,7 @@ def _while_it_bakes(window: Window) -> Iterator[float]:
     yield from _new_scene(window)
     before = _contents()
     own = bpy.context.scene.convwass_morph
-    # Not what another scenario has in the cache: then no thread would have anything to do.
+    # Must not be in the cache from another scenario, or no thread would have work.
     own.resolution, own.frames = 101, 24
     yield from window.press("convwass.bake_morph")
     progress = bpy.context.window_manager.convwass_progress
@@ -59,7 +59,7 @@ def _while_it_waits_for_clicks(window: Window) -> Iterator[float]:
     assert waiting, "nothing waits for clicks"
     bpy.ops.preferences.addon_disable(module=_EXTENSION)
     assert not waiting, "something waits for clicks after the extension was switched off"
-    # Whoever waited would take the click.
+    # A remaining modal operator would consume the click.
     yield from window.click(*window.at)
     yield from _nothing_is_left(window, before)
     window.say("switched off while it waited for clicks, it waits no more")
@@ -81,7 +81,7 @@ def _bakes_afterwards(window: Window) -> Iterator[float]:
 
 
 def _nothing_is_left(window: Window, before: dict[str, list[str]]) -> Iterator[float]:
-    """Look for what the extension may have left behind, at once and after Blender has gone on."""
+    """Check that nothing of the extension remains, immediately and after Blender has continued."""
     for pause in (0.0, 1.5):
         yield pause
         assert not _threads(), f"threads go on: {_threads()}"
@@ -128,7 +128,7 @@ def _handlers() -> list[str]:
 
 
 def _contents() -> dict[str, list[str]]:
-    """Return the names of all that a bake makes, and which objects are shown."""
+    """Return the names of everything that a bake makes, and which objects are shown."""
     return {
         "objects": sorted(obj.name for obj in bpy.data.objects),
         "meshes": sorted(mesh.name for mesh in bpy.data.meshes),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Go to another workspace or scene while a bake runs: no text stays behind, and the result comes where it began."""
+"""Switch to another workspace or scene during a bake: no text remains, and the result appears where it was started."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 
 def elsewhere(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _goes_to_another_workspace(window)
     yield from _goes_to_another_scene(window)
 
@@ -53,7 +53,7 @@ def _goes_to_another_scene(window: Window) -> Iterator[float]:
 
 
 def _begins(window: Window, output: str) -> Iterator[float]:
-    """Bake two shapes by the button, long enough to look elsewhere."""
+    """Bake two shapes with the button, long enough to switch meanwhile."""
     yield from window.empty_scene()
     with window.override():
         bpy.ops.mesh.primitive_cube_add()
@@ -76,6 +76,6 @@ def _progress() -> bpy.types.PropertyGroup:
 
 
 def _written() -> set[int]:
-    """Return the workspaces whose status bar has a text, as the extension knows it: Blender does not tell."""
+    """Return the workspaces whose status bar has a text, according to the extension; Blender cannot tell."""
     name = next(name for name in sys.modules if name.endswith(".operators.windows"))
     return {handle.uid for handle in importlib.import_module(name)._WRITTEN}

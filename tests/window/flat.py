@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first hour with flat shapes: type two words, morph them letter by letter, draw them, and do some things wrong."""
+"""First steps with flat shapes: type two words, morph them letter by letter, draw them, and make some mistakes."""
 
 from __future__ import annotations
 
@@ -12,13 +12,13 @@ import bpy
 if TYPE_CHECKING:
     from inside import Window
 
-# What is typed, and the color of every letter.
+# The typed words, and the color of every letter.
 _WORDS = {"SUN": ("d8a020", "d86020", "c03028"), "ICE": ("2050b0", "3090c8", "207070")}
 _FRAMES = 8
 
 
 def flat(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _types(window)
     yield from _bakes(window)
     yield from _draws(window)
@@ -62,7 +62,7 @@ def _choose(window: Window) -> Iterator[float]:
     """Select everything with a key."""
     for word in _WORDS:
         bpy.data.objects[word].hide_set(False)
-    # Away from what a message covers.
+    # Outside the area that a message covers.
     yield from window.into_view(0.3, 0.95)
     yield 1.0
     yield from window.into_view(0.3, 0.9)
@@ -75,7 +75,7 @@ def _morphs() -> list[bpy.types.Collection]:
 
 
 def _baked(window: Window, count: int) -> Iterator[float]:
-    """Press the button, and wait until there are so many morphs."""
+    """Press the button, and wait until there are this many morphs."""
     yield from window.press("convwass.bake_morph")
     progress = bpy.context.window_manager.convwass_progress
     yield from window.wait(lambda: len(_morphs()) == count and not progress.running, 120, "the words are baked")
@@ -99,7 +99,7 @@ def _bakes(window: Window) -> Iterator[float]:
     bpy.context.scene.frame_set(1 + _FRAMES // 2)
     with window.override():
         bpy.ops.object.select_all(action="DESELECT")
-    # Shaders are compiled at the first look.
+    # The first view compiles shaders.
     yield 30.0
     yield from window.picture("51 letters halfway")
     window.say(f"the words become each other letter by letter, in {len(kinds)} frames, each letter in its color")
@@ -139,7 +139,7 @@ def _goes_wrong(window: Window) -> Iterator[float]:
     text.data.body = "ICE"
     with window.override():
         bpy.ops.mesh.primitive_cube_add(size=1.0, location=(-2.0, 0.0, 0.0))
-    # The message takes the first key and the mouse.
+    # The message consumes the first key and the mouse.
     yield from window.key("Escape")
     yield from _choose(window)
     yield from window.press("convwass.bake_morph")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Guides of a morph: an arm and a bent one, Motion set to Guided, two guides by clicks on both, a bake, and a look."""
+"""Guides of a morph between a straight and a bent arm: set Motion to Guided, click two guides, bake, and look."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 
 _NAMES = ("Arm", "Bent Arm")
 _AROUND, _ALONG, _RADIUS = 16, 40, 0.3
-# Length of the arm along its middle, and of the elbow.
+# Length of the arm along its center line, and of the elbow.
 _LENGTH, _ELBOW = 4.0, 1.2
 
 
 def guides(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _begins(window)
     yield from _sets_the_motion(window)
     yield from _clicks(window)
@@ -54,7 +54,7 @@ def _sets_the_motion(window: Window) -> Iterator[float]:
 
 
 def _clicks(window: Window) -> Iterator[float]:
-    # By what the button calls: it is in a panel inside another one, whose headers open_panel does not find.
+    # Called directly: the button is in a nested panel, whose header open_panel does not find.
     with window.override():
         bpy.ops.convwass.add_morph_guide("INVOKE_DEFAULT")
     shapes = [bpy.data.objects[name] for name in _NAMES]
@@ -91,7 +91,7 @@ def _bakes(window: Window) -> Iterator[float]:
     straight = _reach(bpy.data.objects[_NAMES[0]])
     share = _reach(middle) / straight
     yield from window.picture("32 swung halfway")
-    # Bent by 45 degrees an arm reaches .95 as far as a straight one; carried along straight lines .85.
+    # Bent by 45 degrees, an arm reaches 0.95 times as far as a straight one; along straight lines, 0.85 times.
     assert share > 0.91, f"halfway the arm reaches {share:.2f} of its length"
     window.say(f"the bake keeps the guides, and halfway the arm reaches {share:.2f} of its length")
 
@@ -104,7 +104,7 @@ def _takes_them_back(window: Window) -> Iterator[float]:
 
 
 def _arm(name: str, angle: float) -> bpy.types.Mesh:
-    """Return a closed tube along X whose second half is turned upwards by an angle."""
+    """Return a closed tube along X whose second half is bent upwards by an angle."""
     place, points, heading = Vector(), [], 0.0
     step = _LENGTH / (_ALONG - 1)
     for ring in range(_ALONG):
@@ -127,7 +127,7 @@ def _arm(name: str, angle: float) -> bpy.types.Mesh:
 
 
 def _seen(obj: bpy.types.Object, ring: int) -> Vector:
-    """Return the point of a ring of an arm that is in the middle of what the front view shows of it."""
+    """Return a point of an arm's ring, central in the front view."""
     return obj.matrix_world @ obj.data.vertices[ring * _AROUND + 3 * _AROUND // 4].co
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Runs inside Blender's window: real mouse and keys for the scenario, which goes on between redraws."""
+"""Runs inside Blender's window: real mouse and keys for a scenario, which continues between redraws."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ import bpy
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 _ASSETS = Path(__file__).resolve().parents[2] / "assets" / "shapes"
-# Seconds that Blender gets to take in a mouse or a key, and to draw what follows from it.
+# Seconds for Blender to process mouse or keys, and to redraw.
 _REACTION = 0.25
-# Pixels between the places where a button is looked for.
+# Step in pixels when searching for a button.
 _SEARCH_STEP = 11
-# Pixels between the places where the header of a panel is looked for.
+# Step in pixels when searching for the header of a panel.
 _HEADER_STEP = 19
-# Screens of the sidebar in which it is looked for.
+# Number of screens of the sidebar to search.
 _PAGES = 2
 
 
 class Window:
-    """The window as its user has it: eyes, mouse and keyboard.
+    """The window as a user has it: screen, mouse and keyboard.
 
     Methods that take time are generators of pauses: ``yield from window.click(x, y)``.
     """
@@ -41,7 +41,7 @@ class Window:
 
     @property
     def area(self) -> bpy.types.Area:
-        """The largest editor of the kind that is used, at first the 3D viewport."""
+        """The largest editor of the current kind, initially the 3D viewport."""
         areas = bpy.context.window_manager.windows[0].screen.areas
         return max((a for a in areas if a.type == self.editor), key=lambda a: a.width * a.height)
 
@@ -55,16 +55,16 @@ class Window:
         return bpy.context.temp_override(window=window, screen=window.screen, area=self.area, region=self.region(kind))
 
     def say(self, text: str) -> None:
-        """Write a line for the one who started the test."""
+        """Print a line in the log of the test."""
         print(f"* {text}", flush=True)
 
     def picture(self, name: str) -> Iterator[float]:
-        """Keep what the screen shows."""
+        """Save a picture of the screen."""
         yield 2 * _REACTION
         subprocess.run(["import", "-window", "root", str(self.pictures / f"{name}.png")], check=True)
 
     def open_tab(self, name: str) -> Iterator[float]:
-        """Open the sidebar on a tab."""
+        """Open a tab of the sidebar."""
         self.area.spaces.active.show_region_ui = True
         self.area.tag_redraw()
         yield 4 * _REACTION
@@ -76,13 +76,13 @@ class Window:
         """Find the header of a closed panel in the sidebar and open it with Ctrl, which closes all others."""
         kinds = [getattr(bpy.types, other) for other in dir(bpy.types) if other.startswith("CONVWASS_PT_")]
         drawn, drawing = [], {kind: kind.__dict__["draw"] for kind in kinds if "draw" in kind.__dict__}
-        # Where nothing else is drawn there is no other button to hit, and every header is on the screen.
+        # With all other panels removed there is no other button to hit, and every header is on the screen.
         for kind in drawing:
             kind.draw = (lambda *_: drawn.append(True)) if kind.__name__ == name else (lambda *_: None)
         region = self.region("UI")
         region.tag_redraw()
         yield 4 * _REACTION
-        # From below: what opens on the way, and closes all others, moves nothing above it.
+        # From below, because opening a panel, which closes all others, moves nothing above it.
         for below in [*range(region.height - 12, 12, -_HEADER_STEP)] * 2:
             if drawn:
                 break
@@ -96,7 +96,7 @@ class Window:
         assert drawn, f"the sidebar has no panel {name}"
 
     def empty_scene(self) -> Iterator[float]:
-        """Open a new file, and leave nothing in it."""
+        """Open a new, empty file."""
         bpy.ops.wm.read_homefile(use_empty=False, app_template="")
         yield 1.5
         for obj in list(bpy.data.objects):
@@ -109,7 +109,7 @@ class Window:
         return bpy.context.object
 
     def move(self, x: float, y: float) -> Iterator[float]:
-        """Move the mouse; y counts from the top, as on the screen."""
+        """Move the mouse; y is measured from the top, as on the screen."""
         self.at = x, y
         yield from self._input("mousemove", round(x), round(y))
 
@@ -119,7 +119,7 @@ class Window:
         yield from self._input("click", button)
 
     def drag(self, places: list[tuple[float, float]]) -> Iterator[float]:
-        """Press the mouse at the first place, go through all, and let go."""
+        """Press the mouse at the first place, move through all others, and release it."""
         yield from self.move(*places[0])
         yield from self._input("mousedown", 1)
         for place in places[1:]:
@@ -127,7 +127,7 @@ class Window:
         yield from self._input("mouseup", 1)
 
     def key(self, *names: str) -> Iterator[float]:
-        """Press keys, such as "Escape" or "ctrl+z"; where the mouse is matters."""
+        """Press keys, such as "Escape" or "ctrl+z"; they apply at the position of the mouse."""
         yield from self._input("key", *names)
 
     def into_view(self, right: float = 0.4, down: float = 0.5) -> Iterator[float]:
@@ -136,7 +136,7 @@ class Window:
         yield from self.move(region.x + right * region.width, self._height - region.y - (1 - down) * region.height)
 
     def on_screen(self, point: tuple[float, float, float]) -> tuple[float, float]:
-        """Return where a point of the scene is seen, from the top left."""
+        """Return the screen position of a point in the scene, from the top left."""
         from bpy_extras.view3d_utils import location_3d_to_region_2d
 
         region = self.region("WINDOW")
@@ -144,9 +144,9 @@ class Window:
         return region.x + seen.x, self._height - region.y - seen.y
 
     def press(self, operator: str) -> Iterator[float]:
-        """Find the sidebar's button for an operator, as one who looks for it, and click it; further down if need be.
+        """Find the sidebar's button for an operator by searching, scroll down if needed, and click it.
 
-        Blender does not tell where its buttons are. It can copy the call of the button under the mouse.
+        Blender does not tell where its buttons are, but it can copy the call of the button under the mouse.
         """
         region = self.region("UI")
         for _ in range(_PAGES):
@@ -160,13 +160,13 @@ class Window:
                 if bpy.context.window_manager.clipboard.startswith(f"bpy.ops.{operator}("):
                     yield from self._input("click", 1)
                     return
-            # Over a header: the wheel turns the values of what it is over.
+            # Over a header, because the wheel changes values under the mouse.
             yield from self.move(region.x + 30, self._height - region.y - region.height + 20)
             yield from self._input("click", "--repeat", 15, 5)
         raise AssertionError(f"the sidebar shows no button for {operator}")
 
     def click_field(self, path: str, across: float = 1 / 3) -> Iterator[float]:
-        """Find the sidebar's field of a property, as one who looks for it, and click it; labels are to the left."""
+        """Find the sidebar's field of a property by searching, and click it; labels are on its left."""
         region = self.region("UI")
         for below in range(30, region.height, _SEARCH_STEP):
             yield from self.move(region.x + across * region.width, self._height - region.y - region.height + below)
@@ -190,7 +190,7 @@ class Window:
         raise AssertionError(f"the sidebar has no tab {name}")
 
     def wait(self, until: Callable[[], bool], seconds: float, what: str) -> Iterator[float]:
-        """Let Blender go on until something is so; an error if it takes too long."""
+        """Let Blender continue until a condition holds; fail if it takes too long."""
         end = time.monotonic() + seconds
         while not until():
             if time.monotonic() > end:
@@ -202,7 +202,7 @@ class Window:
         return bpy.context.window_manager.windows[0].height
 
     def _input(self, *words: object) -> Iterator[float]:
-        # Sent while Blender's own event loop runs: it waits for the answer to some of them.
+        # Sent while Blender's own event loop runs, because some of them wait for its answer.
         sender = subprocess.Popen(["xdotool", *map(str, words)])
         while sender.poll() is None:
             yield 0.02
@@ -228,7 +228,7 @@ def _tick() -> float:
         subprocess.run(["import", "-window", "root", str(_WINDOW.pictures / "wrong.png")], check=False)
         code = 1
     sys.stdout.flush()
-    # No questions about unsaved files.
+    # Exit without asking about unsaved files.
     os._exit(code)
 
 

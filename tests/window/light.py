@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blend materials and skies: make them by buttons, look at them rendered, stop once, and do some things wrong."""
+"""Blend materials and skies: create them with buttons, render them, cancel once, and make some mistakes."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _COLORS = {"Chrome": (0.9, 0.9, 0.9, 1), "Brass": (0.9, 0.5, 0.15, 1), "Satin": 
 
 
 def light(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _begins(window)
     yield from _blends_two(window)
     yield from _looks(window)
@@ -57,7 +57,7 @@ def _blends_two(window: Window) -> Iterator[float]:
 
 
 def _looks(window: Window) -> Iterator[float]:
-    """Put both beside the first one and look at them in Cycles, and in the other engine."""
+    """Put both next to the first one and render them in Cycles and in the other engine."""
     names = ("Chrome", "Blend Chrome-Satin", "Blend Chrome-Satin fitted", "Satin")
     for place, name in enumerate(names):
         with window.override():
@@ -72,7 +72,7 @@ def _looks(window: Window) -> Iterator[float]:
         bpy.ops.object.select_all(action="DESELECT")
     scene = bpy.context.scene
     scene.frame_set(30)
-    # Without a graphics card the other engine takes its time for its shaders.
+    # Without a graphics card, the other engine compiles its shaders slowly.
     for engine, picture, seconds in (("CYCLES", "61 cycles", 20.0), ("BLENDER_EEVEE", "62 eevee", 75.0)):
         scene.render.engine = engine
         scene.cycles.preview_samples = 16
@@ -115,7 +115,7 @@ def _drags_on_a_pad(window: Window) -> Iterator[float]:
 
 
 def _goes_wrong(window: Window) -> Iterator[float]:
-    """Blend what cannot be blended: it is told, and nothing changes."""
+    """Blend incompatible materials: there is a message, and nothing changes."""
     own = bpy.context.scene.convwass_reflectance
     own.blend = "KEYED"
     before = len(bpy.data.materials)
@@ -154,7 +154,7 @@ def _bakes_skies(window: Window) -> Iterator[float]:
 
 
 def _stops(window: Window) -> Iterator[float]:
-    """Stop the next ones: those that are there stay as they are."""
+    """Cancel the next bake: the existing skies are unchanged."""
     own = bpy.context.scene.convwass_sky
     before = {path.name: path.stat().st_mtime_ns for path in _folder(window).iterdir()}
     own.frame_end, own.width = 400, 1024
@@ -172,7 +172,7 @@ def _stops(window: Window) -> Iterator[float]:
 
 
 def _runs(window: Window, seconds: float, what: str) -> Iterator[float]:
-    """Wait until a job has begun, shown how far it is, and ended."""
+    """Wait until a job has started, shown its progress, and ended."""
     progress = bpy.context.window_manager.convwass_progress
     seen = set()
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a user does on the first day: bake, stop one, undo, play, drag the blend pad, save and come back."""
+"""First steps with morphs: bake, cancel, undo, play, drag the blend pad, save and reopen."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _MORPH = "convwass_morph"
 
 
 def morphs(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _opens_the_tab(window)
     yield from _bakes_to_the_end(window)
     yield from _stops_with_escape(window)
@@ -185,7 +185,7 @@ def _saves_and_comes_back(window: Window) -> Iterator[float]:
 
 
 def _new_scene(window: Window, count: int = 2) -> Iterator[float]:
-    """Begin with some shapes side by side, all selected."""
+    """Start with some selected shapes side by side."""
     yield from window.empty_scene()
     makers = (bpy.ops.mesh.primitive_monkey_add, bpy.ops.mesh.primitive_torus_add, bpy.ops.mesh.primitive_cone_add)
     with window.override():
@@ -212,7 +212,7 @@ def _progress() -> bpy.types.PropertyGroup:
 
 
 def _kept_frames() -> list[Path]:
-    """Return the frames that the extension keeps in case a bake is interrupted."""
+    """Return the frames that the extension stores in case a bake is interrupted."""
     return list(Path(bpy.utils.extension_path_user("bl_ext.user_default.convwass", path="frames")).glob("*.frame"))
 
 
@@ -229,7 +229,7 @@ def _frames(morph: bpy.types.Collection) -> list[bpy.types.Object]:
 
 
 def _evaluated_sizes() -> list[int]:
-    """Return how many vertices every visible mesh has, geometry nodes included."""
+    """Return the number of vertices of every visible mesh, including geometry nodes."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     depsgraph.update()
     shown = [obj.evaluated_get(depsgraph) for obj in _meshes() if obj.visible_get()]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first day with palettes: recolor a picture in the Image Editor, make a grade of it, and grade a clip."""
+"""First steps with palettes: recolor a picture in the Image Editor, make a grade from it, and grade a clip."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ _FRAMES = 4
 
 
 def recolor(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     with tempfile.TemporaryDirectory(prefix="convwass-window-") as folder:
         yield from _begins(window, Path(folder))
         yield from _goes_wrong(window)
@@ -34,7 +34,7 @@ def recolor(window: Window) -> Iterator[float]:
 def _begins(window: Window, folder: Path) -> Iterator[float]:
     bpy.ops.wm.read_homefile(use_empty=False, app_template="")
     yield 1.5
-    # In a window of its own nobody could say where the keys go: there is no window manager.
+    # A separate window might not get the keys, because there is no window manager.
     bpy.context.preferences.view.filebrowser_display_type = "SCREEN"
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "recolor.blend"))
     _saved(_landscape((0.9, 0.5, 0.25), (0.35, 0.2, 0.12), 1.0), folder / "dusk.png")
@@ -60,7 +60,7 @@ def _begins(window: Window, folder: Path) -> Iterator[float]:
 
 
 def _goes_wrong(window: Window) -> Iterator[float]:
-    """Press the button before there is a palette: it is gray, and says why to the mouse."""
+    """Press the button without a palette: it is disabled, and its tooltip says why."""
     before = len(bpy.data.images)
     yield from window.press("convwass.recolor_image")
     yield 0.5
@@ -92,7 +92,7 @@ def _recolors(window: Window) -> Iterator[float]:
 
 
 def _other_size(window: Window) -> Iterator[float]:
-    """A mask of another size: a message, and nothing else."""
+    """A mask of another size: there is a message, and nothing else happens."""
     own = bpy.context.scene.convwass_recolor
     own.mask = bpy.data.images["noon.png"]
     before = _mean(bpy.data.images["dusk.png recolored"])
@@ -151,7 +151,7 @@ def _clips(window: Window, folder: Path) -> Iterator[float]:
 
 
 def _landscape(sky: tuple[float, ...], ground: tuple[float, ...], gain: float) -> np.ndarray:
-    """Return pixels: a sky that grows paler towards hills, with a sun and some grain."""
+    """Return pixels: a sky that brightens towards hills, with a sun and some grain."""
     width, height = _SIZE
     up, right = np.mgrid[0.0 : 1.0 : height * 1j, 0.0 : 1.5 : width * 1j]
     hills = 0.35 + 0.08 * np.sin(5.0 * right) + 0.03 * np.sin(17.0 * right + 1.0)

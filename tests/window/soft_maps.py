@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A first day with soft maps: click pairs on two animals, compute a map, carry weights along it, and look at it."""
+"""First steps with soft maps: click pairs on two animals, compute a map, transfer weights along it, and look at it."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from mathutils import Matrix, Vector
 if TYPE_CHECKING:
     from inside import Window
 
-# Places on the horse that both animals are clicked at, seen from its left.
+# Places to click on both animals, as seen from the left.
 _PLACES = ("nose", "tail", "front hoof", "hind hoof")
 
 
 def soft_maps(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _begins(window)
     yield from _pairs(window)
     yield from _computes(window)
@@ -104,7 +104,7 @@ def _looks(window: Window) -> Iterator[float]:
 
 
 def _seen(obj: bpy.types.Object, place: str) -> tuple[float, float, float]:
-    """Return a point of the near side of an animal that looks along +X, in the middle of what is named."""
+    """Return the center of a named part of an animal that faces +X, on the near side."""
     turned: Matrix = obj.matrix_world
     points = [turned @ vertex.co for vertex in obj.data.vertices]
     low, high = (Vector(tuple(pick(axis) for axis in zip(*points, strict=True))) for pick in (min, max))

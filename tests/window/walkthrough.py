@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Take the pictures of docs/walkthrough.md: the same steps, in the same order, cropped to what the text is about.
+"""Take the pictures of docs/walkthrough.md: the same steps in the same order, cropped to the subject of the text.
 
 python3 run.py window --blender PATH --only walkthrough
 
-They go to a folder ``walkthrough`` beside the other pictures; from there they are copied to docs/pictures.
+They are saved in a folder ``walkthrough`` next to the other pictures; copy them from there to docs/pictures.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ if TYPE_CHECKING:
     from inside import Window
 
 _PROJECT = Path(__file__).resolve().parents[2]
-# Letters are read at the size at which pages show the pictures.
+# Letters are readable at the size at which pages show the pictures.
 _UI_SCALE = 1.25
 _WIDTH, _QUALITY = 1000, 80
-# Seconds in which materials are made ready for the viewport without a graphics card.
+# Seconds for compiling materials for the viewport without a graphics card.
 _SHADERS = 15.0
 _COLORS = {
     "horse": (0.75, 0.22, 0.1),
@@ -37,10 +37,10 @@ _COLORS = {
 
 
 def walkthrough(window: Window) -> Iterator[float]:
-    """Take all pictures in turn; an AssertionError says what went wrong."""
+    """Take all pictures in order; failures raise AssertionError."""
     view, system = bpy.context.preferences.view, bpy.context.preferences.system
     before, view.ui_scale, view.smooth_view = view.ui_scale, _UI_SCALE, 0
-    # Nothing is to lie below the sidebar.
+    # Nothing should be hidden by the sidebar.
     system.use_region_overlap = False
     (window.pictures / "walkthrough").mkdir(exist_ok=True)
     yield 1.0
@@ -71,7 +71,7 @@ def _morph(window: Window) -> Iterator[float]:
     settings.scaling, settings.reverse = "EQUAL_VOLUME", True
     yield from window.open_tab("Convwass")
     yield from _shot(window, "select")
-    # In the middle, where previews are unlike both.
+    # In the middle, where previews differ from both shapes.
     bpy.context.scene.frame_set(13)
     yield from window.press("convwass.bake_morph")
     progress = bpy.context.window_manager.convwass_progress
@@ -178,7 +178,7 @@ def _soft_map(window: Window) -> Iterator[float]:
 
 
 def _nearest(obj: bpy.types.Object, place: tuple[float, float, float]) -> int:
-    """Return the number of the vertex that is nearest to a place in the scene."""
+    """Return the index of the vertex nearest to a point in the scene."""
     away = [(obj.matrix_world @ vertex.co - Vector(place)).length for vertex in obj.data.vertices]
     return away.index(min(away))
 
@@ -218,7 +218,7 @@ def _armature(window: Window) -> Iterator[float]:
 def _recolor(window: Window) -> Iterator[float]:
     yield from _begin(window)
     area = window.area
-    # Two photographs out of the picture that shows what becomes of them.
+    # Two photographs cropped from the picture that shows the result.
     with TemporaryDirectory() as folder:
         images = {}
         for name, corner in (("coffee", "+0+0"), ("rocket", "+1728+292")):
@@ -285,7 +285,7 @@ def _metal(name: str, roughness: float, color: tuple[float, float, float]) -> bp
 
 
 def _begin(window: Window) -> Iterator[float]:
-    """Open an empty scene without what distracts."""
+    """Open an empty scene without distractions."""
     bpy.ops.wm.read_homefile(use_empty=False, app_template="")
     yield 1.5
     for obj in list(bpy.data.objects):
@@ -306,7 +306,7 @@ def _shape(window: Window, name: str, x: float) -> bpy.types.Object:
 
 
 def _look_at(window: Window, objects: list[bpy.types.Object]) -> Iterator[float]:
-    """Select objects and look at them from the front, a little from above and from the side."""
+    """Select objects and view them from the front, slightly from above and from the side."""
     _select(*objects)
     view = window.area.spaces.active.region_3d
     view.view_perspective = "PERSP"
@@ -337,7 +337,7 @@ def _shot(
     share: float = 1.0,
     has_timeline: bool = False,
 ) -> Iterator[float]:
-    """Keep what an area shows, by default the viewport: a share of its height, or all that is below it as well."""
+    """Save a picture of an area, by default the viewport: the top fraction of its height, or also everything below."""
     area = area or window.area
     yield 1.0
     yield from window.picture(name)
