@@ -203,7 +203,7 @@ def test_every_setting_is_somewhere(shapes, layout):
     from convwass_addon.properties.morphs import MorphProperties
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
-    only |= dict.fromkeys(("frame_step", "start", "frame_start", "fit_range"), ("PATH",))
+    only |= dict.fromkeys(("frame_step", "start", "frame_start", "fit_range", "follow"), ("PATH",))
     flat = {"flat_resolution", "words", "flat_output", "grays"}
     every = {name for base in MorphProperties.__mro__ for name in vars(base).get("__annotations__", {})}
     assert len(every) > 30
