@@ -20,7 +20,7 @@ from .normals import triangle_normals
 
 # Triangles with a smaller angle than this, in radians, are narrow, and a move must open it by so much.
 _NARROW, _GAIN = float(np.radians(25.0)), float(np.radians(0.1))
-_ROUNDS = 4
+_ROUNDS = 8
 # Directions that stand out of the triangles by this share of what the steepest one does lead off the surface.
 _OFF = 0.1
 # Shares of the way to the middle that are tried.
