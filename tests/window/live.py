@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
 # Seconds for which the frame rate is measured.
 _MEASURED = 6.0
+# It goes on until there are so many, or for so many seconds.
+_FEW, _PATIENCE = 5, 90.0
 
 
 def live(window: Window) -> Iterator[float]:
@@ -56,14 +58,15 @@ def _keeps_up(window: Window) -> Iterator[float]:
     """Move the value all the time and count how often Blender has another mesh to show."""
     seen, changes = None, 0
     begun, used = time.monotonic(), time.process_time()
-    while time.monotonic() - begun < _MEASURED:
+    # A busy machine draws few of them.
+    while (passed := time.monotonic() - begun) < _MEASURED or (changes < _FEW and passed < _PATIENCE):
         _value().morph = 0.5 + 0.45 * math.sin(3.0 * (time.monotonic() - begun))
         yield 0.01
         now = _signature()
         changes, seen = changes + (now != seen), now
-    passed, used = time.monotonic() - begun, time.process_time() - used
+    used = time.process_time() - used
     window.say(f"{changes / passed:.1f} blends a second, drawn by software; {used / passed:.1f} processors at work")
-    assert changes > 4, "the shape does not follow the value"
+    assert changes >= _FEW, "the shape does not follow the value"
 
 
 def _follows_a_transform(window: Window) -> Iterator[float]:

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Protocol
 
 import numpy as np
@@ -16,9 +16,10 @@ from ...geometry.isosurface import surface_enclosing
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from ..morphs.blend_solver import BlendSolver
-from ..morphs.extraction import LevelDensity, level_density
+from ..morphs.extraction import LevelDensity, estimated_level_density, level_density
 from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphProblem
+from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovingProblem
 from ..morphs.volumes import Lattice
 from .level_fields import OUTSIDE, FieldBox, LevelField
@@ -60,10 +61,19 @@ class TransportSource:
         Of the fields.
     control : Control
         Ends a solve when cancelled.
+    read : callable
+        Finds the level of a density: :func:`.extraction.level_density` or
+        :func:`.extraction.estimated_level_density`.
     """
 
-    def __init__(self, problem: MorphProblem, box: FieldBox, control: Control = UNINTERRUPTED) -> None:
-        self._problem, self._box = problem, box
+    def __init__(
+        self,
+        problem: MorphProblem,
+        box: FieldBox,
+        control: Control = UNINTERRUPTED,
+        read: Callable[[NDArray[np.floating], float, MorphSettings], LevelDensity] = level_density,
+    ) -> None:
+        self._problem, self._box, self._read = problem, box, read
         self._cold = BlendSolver(problem.transport, control)
         self._warm: deque[tuple[NDArray[np.float64], BlendSolver]] = deque(maxlen=_KEPT)
 
@@ -78,12 +88,12 @@ class TransportSource:
         transport, blend = self._problem.transport, Blend(tuple(float(weight) for weight in weights))
         if blend.source is not None:
             occupancy = transport.occupancy(blend.source)
-            return level_density(occupancy, float(occupancy.sum()), self._problem.settings)
+            return self._read(occupancy, float(occupancy.sum()), self._problem.settings)
         weights = np.array(blend.weights)
         solver = self._nearest(weights).branched()
         merged = solver.solve(blend, transport.blend_volumes(blend)).merged()
         self._warm.append((weights, solver))
-        return level_density(merged.density, merged.volume, self._problem.settings)
+        return self._read(merged.density, merged.volume, self._problem.settings)
 
     def _nearest(self, weights: NDArray[np.float64]) -> BlendSolver:
         """Return the solver whose last blend is the nearest, of those that gave weight to the same shapes."""
@@ -138,7 +148,7 @@ class StandInSource:
     """
 
     def __init__(self, problem: MorphProblem, lattice: Lattice, box: FieldBox) -> None:
-        self._coarse = TransportSource(problem, box)
+        self._coarse = TransportSource(problem, box, read=estimated_level_density)
         self._lattice, self._box, self._own = lattice, box, problem.lattice
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:

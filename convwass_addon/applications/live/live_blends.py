@@ -25,6 +25,7 @@ from ...sentence import Sentence
 from ..memory import available_memory
 from ..morphs.bake_plan import pairs_of
 from ..morphs.blending import solve_blends
+from ..morphs.extraction import estimated_level_density
 from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphFrame, MorphProblem
 from ..morphs.morph_settings import MorphSettings
@@ -323,7 +324,8 @@ class LiveBlends:
         self._problem = yield from self._voxelized(self._settings, control)
         if self._at_hand is None:
             quick = replace(self._problem.transport, settings=quick_settings(self._settings))
-            self._at_hand = TransportSource(replace(self._problem, transport=quick), self._box, control)
+            problem = replace(self._problem, transport=quick)
+            self._at_hand = TransportSource(problem, self._box, control, estimated_level_density)
         self._nodes = TransportSource(self._problem, self._box, control)
         levels = self._fitting(self._box)
         if not self._motion_is_known:
