@@ -10,6 +10,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..bridge.active import active_object
 from ..bridge.one_mesh.records import has_key_record, key_records
 from ..errors import ConvwassError
+from ..operators.attached_parts import CONVWASS_OT_attach_parts
 from ..operators.morph_export import CONVWASS_OT_export_morph
 from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped
@@ -41,7 +42,9 @@ class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
             if record.get("poor"):
                 text = iface_("{:s}: {:d} vertices are folded or do not arrive").format(record["name"], record["poor"])
                 draw_wrapped(layout, context, text, "ERROR")
-        layout.operator(CONVWASS_OT_export_morph.bl_idname, icon="EXPORT")
+        column = layout.column(align=True)
+        column.operator(CONVWASS_OT_attach_parts.bl_idname, icon="LINKED")
+        column.operator(CONVWASS_OT_export_morph.bl_idname, icon="EXPORT")
 
 
 classes = (CONVWASS_PT_one_mesh,)

@@ -49,7 +49,7 @@ def object_with_keys(
             keys.append(obj.shape_key_add(name=name, from_mix=False))
             keys[-1].data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
         for key, expression in zip(keys, key_expressions(path.times), strict=True):
-            _drive(obj, key, path.name, expression)
+            drive_key(obj, key, path.name, expression)
         _mark(mesh, POOR.format(name=path.name), path.poor)
     store_records(obj, [path.record() for path in paths])
     return obj
@@ -98,7 +98,8 @@ def _add_slider(obj: bpy.types.Object, name: str) -> None:
     obj.id_properties_ui(name).update(min=0.0, max=1.0, description="Progress towards this shape")
 
 
-def _drive(obj: bpy.types.Object, key: bpy.types.ShapeKey, slider: str, expression: str) -> None:
+def drive_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, slider: str, expression: str) -> None:
+    """Drive a shape key by an expression of v, a slider of an object."""
     driver = key.driver_add("value").driver
     variable = driver.variables.new()
     variable.name = "v"

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Points that follow a surface: clothes, hair cards, eyes.
+
+Every point hangs on the closest point of the surface: where that goes, the point goes, and its offset turns and scales
+with the surface there. Where the surface moves as a whole, turned and scaled, so do the points, exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.mesh import TriangleMesh
+from ...geometry.rotations import nearest_rotations
+from ...geometry.surface_rotations import surface_rotations
+from ...progress import UNINTERRUPTED, Control
+
+
+@dataclass(frozen=True)
+class Attachment:
+    """Points that hang on a surface.
+
+    Attributes
+    ----------
+    surface : TriangleMesh
+        As it is at first.
+    places : ClosestPoints
+        The closest points on it.
+    offsets : (n, 3) float64
+        From there to the points.
+    """
+
+    surface: TriangleMesh
+    places: ClosestPoints
+    offsets: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, points: NDArray[np.float64], surface: TriangleMesh, control: Control = UNINTERRUPTED) -> Attachment:
+        """Attach points, (n, 3), to a surface in the same space."""
+        places = ClosestPointFinder(surface.corners).find(points, control)
+        return cls(surface, places, points - places.interpolated(surface.corners))
+
+    def followed(self, vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the points, (n, 3), when the vertices of the surface have moved, (m, 3)."""
+        faces, moved = self.surface.faces, TriangleMesh(vertices, self.surface.faces)
+        turns = surface_rotations(self.surface.vertices, vertices, faces).reshape(-1, 9)
+        mixed = self.places.interpolated(turns[faces]).reshape(-1, 3, 3)
+        before, after = self.surface.vertex_areas, moved.vertex_areas
+        sizes = np.sqrt(np.maximum(after, 0.0) / np.maximum(before, 1e-12 * before.max()))
+        size = self.places.interpolated(sizes[faces][..., None])
+        offsets = np.einsum("nij,nj->ni", _nearest(mixed), self.offsets)
+        return self.places.interpolated(moved.corners) + size * offsets
+
+
+def rigidly_moved(
+    points: NDArray[np.float64], followed: NDArray[np.float64], parts: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Replace the motion of points by the similarity of each of their parts that is closest to it.
+
+    Parameters
+    ----------
+    points, followed : (n, 3) float64
+        Before and after.
+    parts : (n,) int64
+        The part of every point, counted from 0.
+
+    Returns
+    -------
+    (n, 3) float64
+        Least squares over turns, uniform scales and translations (S. Umeyama, "Least-squares estimation of
+        transformation parameters between two point patterns", 1991).
+    """
+    counts = np.maximum(np.bincount(parts), 1)[:, None]
+    centers = [np.stack([np.bincount(parts, axis) for axis in each.T], axis=1) / counts for each in (points, followed)]
+    before, after = points - centers[0][parts], followed - centers[1][parts]
+    products = np.zeros((len(counts), 3, 3))
+    np.add.at(products, parts, np.einsum("ni,nj->nij", after, before))
+    turns = _nearest(products)
+    spread = np.bincount(parts, np.einsum("ni,ni->n", before, before), len(counts))
+    scales = np.einsum("pij,pij->p", turns, products) / np.where(spread > 0.0, spread, 1.0)
+    scales = np.where(spread > 0.0, scales, 1.0)
+    return centers[1][parts] + scales[parts, None] * np.einsum("nij,nj->ni", turns[parts], before)
+
+
+def _nearest(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation nearest to each of some matrices, (n, 3, 3)."""
+    return np.moveaxis(nearest_rotations(np.ascontiguousarray(np.moveaxis(matrices, 0, -1))).rotations, -1, 0)

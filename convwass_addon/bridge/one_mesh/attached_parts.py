@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Clothes, hair and eyes that follow a body whose shape keys lead to other shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...applications.one_mesh.attachment import Attachment, rigidly_moved
+from ...errors import InputError
+from ...geometry.edges import vertex_components
+from ...geometry.mesh import TriangleMesh
+from ...sentence import Sentence
+from .records import key_names, key_records
+from .shape_keys import drive_key, key_expressions
+
+
+def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, rigid: bool) -> list[Sentence]:
+    """Give objects shape keys that follow those of a body, driven by the body's sliders.
+
+    Keys are made for the base mesh, before modifiers, as those of the body. Keys of the objects stay; those that follow
+    this body already are made anew.
+
+    Parameters
+    ----------
+    body : bpy.types.Object
+        With shape keys that lead to other shapes.
+    parts : iterable of bpy.types.Object
+        Meshes that stand where they belong when all sliders are at 0.
+    rigid : bool
+        Whether every connected component of a part is only moved, turned and scaled.
+
+    Returns
+    -------
+    list of Sentence
+        What a user should know.
+
+    Raises
+    ------
+    InputError
+        An object is no mesh, is linked from another file, or the body has no such keys. Nothing has been changed then.
+    """
+    records, parts = key_records(body), list(parts)
+    for part in parts:
+        if part.type != "MESH" or not len(part.data.vertices):
+            raise InputError("{name} is not a mesh with vertices; convert it first.", name=part.name)
+        if part.library is not None or part.data.library is not None:
+            raise InputError("{name} is linked from another file; make it local first.", name=part.name)
+    blocks = body.data.shape_keys.key_blocks
+    missing = [name for record in records for name in _names(record) if name not in blocks]
+    if missing:
+        raise InputError(
+            "The shape key {key} of {name} is missing; make the keys again.", key=missing[0], name=body.name
+        )
+    surface = TriangleMesh(_placed(_points(blocks[0].data), body.matrix_world), _triangles(body.data))
+    notices = []
+    for part in parts:
+        notices += _own_mesh(part)
+        _follow(part, body, surface, records, rigid=rigid)
+    return notices
+
+
+def _follow(
+    part: bpy.types.Object,
+    body: bpy.types.Object,
+    surface: TriangleMesh,
+    records: list[dict[str, object]],
+    *,
+    rigid: bool,
+) -> None:
+    """Add the keys of one part."""
+    if part.data.shape_keys is None:
+        part.shape_key_add(name="Basis", from_mix=False)
+    blocks = body.data.shape_keys.key_blocks
+    points = _placed(_points(part.data.shape_keys.key_blocks[0].data), part.matrix_world)
+    attached = Attachment.of(points, surface)
+    labels = _components(part.data, points) if rigid else None
+    inverse = part.matrix_world.inverted_safe()
+    for record in records:
+        for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
+            moved = attached.followed(_placed(_points(blocks[name].data), body.matrix_world))
+            if labels is not None:
+                moved = rigidly_moved(points, moved, labels)
+            key = _key(part, body, name)
+            local = np.ascontiguousarray(_placed(moved, inverse), dtype=np.float32)
+            key.data.foreach_set("co", local.ravel())
+            drive_key(body, key, record["name"], expression)
+    part.data.update()
+
+
+def _own_mesh(part: bpy.types.Object) -> list[Sentence]:
+    """Give an object a mesh of its own, and say what is special about it."""
+    notices = []
+    if part.data.users > 1:
+        part.data = part.data.copy()
+        notices.append(
+            Sentence("{name} shared its mesh with other objects and got one of its own", {"name": part.name})
+        )
+    if any(modifier.type == "MULTIRES" for modifier in part.modifiers):
+        notices.append(Sentence("{name} is multiresolution; the keys move its base mesh", {"name": part.name}))
+    return notices
+
+
+def _key(part: bpy.types.Object, body: bpy.types.Object, name: str) -> bpy.types.ShapeKey:
+    """Return the key of that name that follows the body already, without its driver, or a new one."""
+    key = part.data.shape_keys.key_blocks.get(name)
+    data = part.data.shape_keys.animation_data
+    curve = data.drivers.find(f'key_blocks["{bpy.utils.escape_identifier(name)}"].value') if key and data else None
+    if curve is not None and any(target.id == body for own in curve.driver.variables for target in own.targets):
+        key.driver_remove("value")
+        return key
+    return part.shape_key_add(name=name, from_mix=False)
+
+
+def _names(record: dict[str, object]) -> list[str]:
+    return key_names(record["name"], len(record["times"]))
+
+
+def _components(mesh: bpy.types.Mesh, points: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Label the vertices by connected component; those without faces are one more."""
+    labels = vertex_components(TriangleMesh(points, _triangles(mesh)))
+    return np.where(labels < 0, labels.max() + 1, labels)
+
+
+def _points(items: bpy.types.bpy_prop_collection) -> NDArray[np.float64]:
+    found = np.empty(3 * len(items), np.float32)
+    items.foreach_get("co", found)
+    return found.reshape(-1, 3).astype(np.float64)
+
+
+def _placed(points: NDArray[np.float64], matrix: object) -> NDArray[np.float64]:
+    own = np.array(matrix, dtype=np.float64)
+    return points @ own[:3, :3].T + own[:3, 3]
+
+
+def _triangles(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
+    mesh.calc_loop_triangles()
+    found = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", found)
+    return found.reshape(-1, 3).astype(np.int64)

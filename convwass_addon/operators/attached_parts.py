@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Let clothes and eyes follow a mesh with shape keys."""
+
+from __future__ import annotations
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+from bpy.props import BoolProperty
+
+from ..bridge.active import active_object, selected_objects
+from ..bridge.one_mesh.records import has_key_record
+from ..errors import ConvwassError
+from .reporting import listed, refuse, tell
+
+
+class CONVWASS_OT_attach_parts(bpy.types.Operator):
+    """Give the other selected meshes shape keys that follow those of the active one, driven by its sliders: clothes, hair, eyes"""  # noqa: E501
+
+    bl_idname = "convwass.attach_parts"
+    bl_label = "Attach Parts"
+    bl_options = {"REGISTER", "UNDO"}
+
+    rigid: BoolProperty(
+        name="Rigid",
+        description="Only move, turn and scale connected components, for eyes, teeth and buttons",
+        default=False,
+        options={"SKIP_SAVE"},
+    )
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode != "OBJECT":
+            cls.poll_message_set("Go to Object Mode first")
+            return False
+        active = active_object(context)
+        if not has_key_record(active) or not any(obj != active for obj in selected_objects(context)):
+            cls.poll_message_set("Select parts, and the mesh with shape keys to other shapes last")
+            return False
+        return True
+
+    def execute(self, context):
+        from ..bridge.one_mesh.attached_parts import attach_parts
+
+        body = context.object
+        parts = [obj for obj in selected_objects(context) if obj != body]
+        try:
+            notices = attach_parts(body, parts, rigid=self.rigid)
+        except ConvwassError as error:
+            return refuse(self, error)
+        text = rpt_("{:s} follow {:s}").format(listed([part.name for part in parts]), body.name)
+        tell(self, text, notices)
+        return {"FINISHED"}
+
+
+classes = (CONVWASS_OT_attach_parts,)

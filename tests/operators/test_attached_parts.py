@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Parts that follow a mesh with shape keys."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+SHIFT = np.array([0.0, 0.0, 2.0])
+
+
+def world(obj):
+    bpy.context.view_layer.update()
+    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
+
+
+@pytest.fixture
+def body():
+    """A ball that grows to twice its size by its first key, and rises besides by its second."""
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
+    source = bpy.context.object
+    rest = world(source)
+    path = KeyPath("Up", (0.5, 1.0), np.stack([2.0 * rest, 2.0 * rest + SHIFT]), 0.9, 0.0, 0.0, 0.0, 0)
+    obj = object_with_keys(source, source.data.copy(), [path], bpy.context.scene)
+    bpy.data.objects.remove(source)
+    return obj
+
+
+@pytest.fixture
+def hat():
+    """A turned and scaled cube, above the ball, that shares its mesh and has a key of its own."""
+    bpy.ops.mesh.primitive_cube_add(size=0.3, location=(0.2, 0.1, 1.2), rotation=(0.3, 0.2, 0.1), scale=(1, 2, 0.5))
+    hat = bpy.context.object
+    hat.name = "Hat"
+    hat.shape_key_add(name="Basis")
+    hat.shape_key_add(name="Dent")
+    twin = hat.copy()
+    twin.name = "Twin"
+    bpy.context.scene.collection.objects.link(twin)
+    return hat
+
+
+def select(*objects):
+    bpy.ops.object.select_all(action="DESELECT")
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[-1]
+
+
+@pytest.mark.parametrize("rigid", [False, True])
+def test_a_part_follows_the_slider_of_the_body(body, hat, rigid):
+    before = world(hat)
+    select(hat, body)
+    for _ in range(2):
+        assert bpy.ops.convwass.attach_parts(rigid=rigid) == {"FINISHED"}
+    assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent", "Up 1", "Up 2"]
+    assert hat.data != bpy.data.objects["Twin"].data
+    for value, expected in (
+        (0.0, before),
+        (0.25, 1.5 * before),
+        (0.5, 2.0 * before),
+        (0.75, 2.0 * before + SHIFT / 2),
+        (1.0, 2.0 * before + SHIFT),
+    ):
+        body["Up"] = value
+        body.update_tag()
+        np.testing.assert_allclose(world(hat), expected, atol=1e-5)
+
+
+def test_what_cannot_follow_is_refused_and_nothing_changed(body, hat):
+    bpy.ops.object.empty_add()
+    select(bpy.context.object, hat, body)
+    with pytest.raises(RuntimeError, match="is not a mesh"):
+        bpy.ops.convwass.attach_parts()
+    assert len(hat.data.shape_keys.key_blocks) == 2
+    select(body)
+    assert not bpy.ops.convwass.attach_parts.poll()
