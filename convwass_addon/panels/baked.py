@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
-from ..bridge.morphs.player import interpolation, is_player, morph_value, playback
+from ..bridge.morphs.player import detail, interpolation, is_player, morph_value, playback
 from ..bridge.morphs.stand_ins import shows_frames
 from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_diagnostics
 from ..operators.morph_manage import active_morph
@@ -53,6 +53,8 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             switch = interpolation(context.object)
             if switch is not None:
                 column.prop(switch.owner, switch.path, text=iface_("Interpolate"))
+                own = detail(context.object)
+                column.prop(own.owner, own.path, text=iface_("Detail"))
             row = layout.row(align=True)
             row.operator_menu_enum("convwass.retime_player", "style", icon="TIME")
             if switch is not None:

@@ -19,7 +19,7 @@ from ..node_math import math_node, switch
 from ..pad_handles import pad_handle
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
-from .mixed_frames import INTERPOLATE
+from .mixed_frames import DETAIL, INTERPOLATE
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, homes, require_none, set_shown
 from .stored import WEIGHTS_KEY, frame_objects, is_solid, stored_morph
@@ -287,10 +287,11 @@ def _result(
     tree.links.new(pick(tree, "VECTOR", index, shifts), moved.inputs["Translation"])
     shown, color = moved.outputs["Geometry"], color_of(tree, index, sheet.frames)
     if fields is not None:
-        tree.interface.new_socket(INTERPOLATE, in_out="INPUT", socket_type="NodeSocketBool").default_value = True
-        switched = tree.nodes.new("NodeGroupInput").outputs[INTERPOLATE]
-        mixed = mixed_sheet(tree, fields, sheet.frames, sheet.lattice, place)
-        interpolates = math_node(tree, "GREATER_THAN", switched, mixed.is_shape)
+        for name in (INTERPOLATE, DETAIL):
+            tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketBool").default_value = True
+        inputs = tree.nodes.new("NodeGroupInput").outputs
+        mixed = mixed_sheet(tree, fields, sheet.frames, sheet.lattice, place, inputs[DETAIL])
+        interpolates = math_node(tree, "GREATER_THAN", inputs[INTERPOLATE], mixed.is_shape)
         shown = switch(tree, "GEOMETRY", interpolates, shown, mixed.geometry)
         color = switch(tree, "RGBA", interpolates, color, mixed.color)
     output(tree, colored(tree, shown, color, sheet.frames), 1)

@@ -23,6 +23,11 @@ from .frame_attributes import CUSTOM_NORMAL, SOURCE_WEIGHT, VELOCITY
 from .stored import WEIGHTS_KEY
 from .stored_fields import COLOR, OFFSET, Column, StoredFields
 
+DETAIL = "Detail"
+"""Input: whether the surface is laid onto the baked meshes."""
+
+DETAIL_TIP = "Lay the surface onto the baked meshes; without it, it is coarser and plays two to three times as fast"
+
 INTERPOLATE = "Interpolate"
 """Input of a modifier: whether blends are mixed; otherwise the nearest baked one is seen."""
 
@@ -117,20 +122,26 @@ class MixedFrames:
     mixture: FieldMixture
 
     def geometry(
-        self, velocity: bpy.types.NodeSocket | None, pace: bpy.types.NodeSocket | None
+        self,
+        detail: bpy.types.NodeSocket,
+        velocity: bpy.types.NodeSocket | None = None,
+        pace: bpy.types.NodeSocket | None = None,
     ) -> bpy.types.NodeSocket:
         """Return the mesh about the center of the blends, with what the meshes carry.
 
         Parameters
         ----------
+        detail : bpy.types.NodeSocket
+            Whether it is laid onto the baked meshes.
         velocity : bpy.types.NodeSocket or None
             Of points whose meshes have none.
         pace : bpy.types.NodeSocket or None
             What velocities are multiplied by; without it there are none.
         """
         laid = _Laid(self, self.mixture.terms)
-        shown = set_position(self.tree, self.mixture.surface(), offset=laid.correction())
-        shown = self._smooth(shown)
+        surface = self.mixture.surface()
+        on_meshes = set_position(self.tree, surface, offset=laid.correction())
+        shown = self._smooth(switch(self.tree, "GEOMETRY", detail, surface, on_meshes))
         for number in range(1, len(self.frames[0][WEIGHTS_KEY]) + 1):
             name = SOURCE_WEIGHT.format(number)
             own = [self.mixture.of_step("FLOAT", name, term) for term in self.mixture.terms]

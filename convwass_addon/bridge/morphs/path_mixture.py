@@ -14,7 +14,7 @@ from ..sequence import object_info, pick, transformed
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
 from .frame_colors import colored
-from .mixed_frames import MixedFrames, columns_of
+from .mixed_frames import DETAIL, DETAIL_TIP, MixedFrames, columns_of
 from .stored import INDEX_KEY
 from .stored_fields import OFFSET, Column, StoredFields
 
@@ -25,10 +25,11 @@ SPEED = "Speed"
 """Input for motion blur: how fast the value changes, as a multiple of the pace of the bake."""
 
 MOMENT = (
-    (VALUE, 0.0, "What is seen: 0 is the first shape, 1 the second, and so on"),
-    (SPEED, 1.0, "How fast the value changes, as a multiple of the pace of the bake, for motion blur"),
+    (VALUE, "Float", 0.0, "What is seen: 0 is the first shape, 1 the second, and so on"),
+    (DETAIL, "Bool", True, DETAIL_TIP),
+    (SPEED, "Float", 1.0, "How fast the value changes, as a multiple of the pace of the bake, for motion blur"),
 )
-"""Inputs of the group that shows a moment: names, first values and descriptions."""
+"""Inputs of the group that shows a moment: names, types, first values and descriptions."""
 
 PACE = "pace"
 """Column of the table of steps: how many steps the bake makes in a second, from every blend to the next."""
@@ -44,7 +45,7 @@ def path_columns(frames: Sequence[bpy.types.Object], per_second: float) -> list[
 def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Object]) -> bpy.types.NodeTree:
     """Make a node group that shows a path at any value; it needs no modifier of its own, and is marked as an asset.
 
-    Its inputs are `VALUE` and `SPEED`, its output is a mesh where the frame objects stand. A shape itself is seen with
+    Its inputs are those of `MOMENT`, its output is a mesh where the frame objects stand. A shape itself is seen with
     its own mesh.
 
     Parameters
@@ -58,8 +59,8 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     """
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
     tree.is_modifier = True
-    for label, start, description in MOMENT:
-        socket = tree.interface.new_socket(label, in_out="INPUT", socket_type="NodeSocketFloat")
+    for label, kind, start, description in MOMENT:
+        socket = tree.interface.new_socket(label, in_out="INPUT", socket_type=f"NodeSocket{kind}")
         socket.default_value, socket.description = start, description
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     inputs = tree.nodes.new("NodeGroupInput").outputs
@@ -68,8 +69,8 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     terms = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], inputs[VALUE], len(frames))
     mixture = FieldMixture(tree, fields, terms)
     mixed = MixedFrames(tree, fields, frames, meshes, mixture)
-    shown = mixed.dressed(mixed.geometry(_velocity(tree, mixture, fields.grid.spacing), inputs[SPEED]))
-    shown = set_position(tree, shown, offset=mixed.mixed_column("FLOAT_VECTOR", OFFSET))
+    shown = mixed.geometry(inputs[DETAIL], _velocity(tree, mixture, fields.grid.spacing), inputs[SPEED])
+    shown = set_position(tree, mixed.dressed(shown), offset=mixed.mixed_column("FLOAT_VECTOR", OFFSET))
     is_later = math_node(tree, "GREATER_THAN", terms[1].weight, 0.5)
     nearer = switch(tree, "FLOAT", is_later, terms[0].index, terms[1].index)
     shown = switch(tree, "GEOMETRY", mixed.is_shape, shown, pick(tree, "GEOMETRY", nearer, meshes))

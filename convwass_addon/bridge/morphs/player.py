@@ -31,7 +31,7 @@ from ..sequence import (
     write_table,
 )
 from .frame_colors import color_of, colored, colored_materials, seen_materials
-from .mixed_frames import INTERPOLATE
+from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
 from .stand_ins import SHOWS_KEY, adopt, homes, remove_unused, require_none, set_shown, stand_ins
 from .stored import INDEX_KEY, WEIGHTS_KEY, frame_objects, is_solid, stored_morph
@@ -154,6 +154,11 @@ def interpolation(player: bpy.types.Object) -> NodeInput | None:
         return None
 
 
+def detail(player: bpy.types.Object) -> NodeInput | None:
+    """Return whether mixtures are laid onto the baked meshes; None where there are baked blends only."""
+    return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], DETAIL)
+
+
 def speed(player: bpy.types.Object) -> NodeInput | None:
     """Return what velocities are multiplied by; None where there are baked blends only."""
     return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], SPEED)
@@ -219,22 +224,20 @@ def _table(frames: Sequence[bpy.types.Object]) -> np.ndarray:
 
 def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
     """Give the node group what the user sets in the modifier."""
-    value, speed = (description for _, _, description in MOMENT)
-    mixing = (
-        (INTERPOLATE, "NodeSocketBool", "Mix the two baked blends beside the value instead of showing the nearer one"),
-        (SPEED, "NodeSocketFloat", speed),
-    )
-    for name, kind, description in (
-        (VALUE, "NodeSocketFloat", value),
-        (PLAYBACK, "NodeSocketMenu", "What is seen beyond the last shape and before the first"),
+    value, *others = ((name, f"NodeSocket{kind}", start, description) for name, kind, start, description in MOMENT)
+    interpolate = "Mix the two baked blends beside the value instead of showing the nearer one"
+    mixing = ((INTERPOLATE, "NodeSocketBool", True, interpolate), *others)
+    for name, kind, start, description in (
+        value,
+        (PLAYBACK, "NodeSocketMenu", None, "What is seen beyond the last shape and before the first"),
         *(mixing if interpolates else ()),
-        (OVERRIDE, "NodeSocketBool", "Use one material instead of those of the baked meshes"),
-        (MATERIAL, "NodeSocketMaterial", "The material to use instead"),
+        (OVERRIDE, "NodeSocketBool", False, "Use one material instead of those of the baked meshes"),
+        (MATERIAL, "NodeSocketMaterial", None, "The material to use instead"),
     ):
         socket = tree.interface.new_socket(name, in_out="INPUT", socket_type=kind)
         socket.description = description
-        if name in (INTERPOLATE, SPEED):
-            socket.default_value = True if name == INTERPOLATE else 1.0
+        if start is not None:
+            socket.default_value = start
 
 
 def _fill(
@@ -257,7 +260,7 @@ def _fill(
     if moment is not None:
         node = tree.nodes.new("GeometryNodeGroup")
         node.node_tree = moment
-        feed(tree, [node.inputs[VALUE], node.inputs[SPEED]], [value, inputs[SPEED]])
+        feed(tree, [node.inputs[name] for name in (VALUE, DETAIL, SPEED)], [value, inputs[DETAIL], inputs[SPEED]])
         shown = switch(tree, "GEOMETRY", inputs[INTERPOLATE], shown, node.outputs["Geometry"])
     output(tree, _dressed(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
 

@@ -57,6 +57,7 @@ def mixed_sheet(
     frames: Sequence[bpy.types.Object],
     lattice: SheetLattice,
     place: bpy.types.NodeSocket,
+    detail: bpy.types.NodeSocket,
 ) -> SeenMixture:
     """Return what is seen of a sheet at a place on its pad; outside of it, at a place of its rim.
 
@@ -72,11 +73,13 @@ def mixed_sheet(
         Where they are.
     place : bpy.types.NodeSocket
         In the local space of the pad.
+    detail : bpy.types.NodeSocket
+        Whether the surface is laid onto the baked meshes.
     """
     meshes = [object_info(tree, obj).outputs["Geometry"] for obj in frames]
     mixture = FieldMixture(tree, fields, _corners(tree, lattice, place))
     mixed = MixedFrames(tree, fields, frames, meshes, mixture)
-    shown = mixed.dressed(mixed.geometry(None, None))
+    shown = mixed.dressed(mixed.geometry(detail))
     for name in (OFFSET, _SHOWN):
         shown = set_position(tree, shown, offset=mixed.mixed_column("FLOAT_VECTOR", name))
     return SeenMixture(shown, mixed.color, mixed.is_shape)
