@@ -97,6 +97,10 @@ def test_the_ends_play_on(bare_scene, movers, hat, player):
     for frame in (FIRST + 3, FIRST + 8):
         low, high = seen(bare_scene, frame)
         np.testing.assert_allclose([low[2], high[2]], [frame - FIRST - 1, frame - FIRST + 2.5], atol=1e-4)
+    if not player:
+        shown = frame_objects(morph)[-1].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+        worn = {shown.materials[polygon.material_index].name for polygon in shown.polygons}
+        assert worn == {"Convwass Morph"}
     first = triangle_mesh(frame_objects(morph)[0], bpy.context.evaluated_depsgraph_get())
     assert first.volume == pytest.approx(4 / 3)
 

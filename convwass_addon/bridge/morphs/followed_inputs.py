@@ -22,6 +22,7 @@ from ..objects import MESHED, frozen_copy, triangle_mesh
 from ..sequence import MODIFIER, frame_group
 from ..shape_sources import ShapeSource
 from .animated_inputs import data_of
+from .materials import wears_object_color
 
 FOLLOW = "FOLLOW"
 """Value of the setting `follow` with which every blend reads the inputs at its own frame."""
@@ -148,6 +149,12 @@ def keep_animated(obj: bpy.types.Object, source: ShapeSource, move: RigidMove | 
         tree.links.new(matrix.outputs["Matrix"], place.inputs["Transform"])
         tree.links.new(geometry, place.inputs["Geometry"])
         geometry = place.outputs["Geometry"]
+    own = obj.data.materials[0] if len(obj.data.materials) else None
+    if wears_object_color(own) and not any(part.material_slots for part in source.parts):
+        dress = tree.nodes.new("GeometryNodeSetMaterial")
+        dress.inputs["Material"].default_value = own
+        tree.links.new(geometry, dress.inputs["Geometry"])
+        geometry = dress.outputs["Geometry"]
     tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
     obj.modifiers.new(MODIFIER, "NODES").node_group = tree
 
