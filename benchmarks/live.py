@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live morphs: blends a second while a handle is dragged, the first shape, and how true the mixed blends are."""
+"""Live morphs: blends per second while a handle is dragged, time to the first shape, and accuracy of mixed blends."""
 
 from __future__ import annotations
 
@@ -8,25 +8,24 @@ from .processes import measured
 
 _CASES = "benchmarks.live_cases"
 _SHAPES = {2: ("horse", "bird"), 3: ("horse", "bird", "cow")}
-# On finer grids the blend at the handle is solved on so many cells.
+# On finer grids than the first, the blend at the handle is solved on this many cells.
 _FINE, _STAND_IN = 64, 48
 
 _HEADING = """
 Live morphs by plain transport, one thread
 
 first      CPU s (and wall s) from the shapes as arrays to the first evaluated mesh
-before     CPU ms from weights to the evaluated mesh while the lattice is not there: the blend is solved
-           (above {fine} cells on {stand_in} cells); the 10th percentile, the median, in brackets blends a second
-           by that
-fill       CPU s until the lattice is whole
+before     CPU ms from weights to the evaluated mesh before the lattice is filled: the blend is solved (above {fine}
+           cells on {stand_in} cells); 10th percentile, median, in parentheses blends per second for the median
+fill       CPU s until the lattice is complete
 blends, MB in the lattice, and their memory
-draw       CPU ms from weights to the evaluated mesh, likewise
+draw       CPU ms from weights to the evaluated mesh, in the same format
 distance   between the mixed and the solved surface (to 0.1 %), in cells: mean and worst of 9 blends
-volume     how far it is off, in percent: mean and worst
+volume     error in percent: mean and worst
 """
 
 _JUMPS = """
-Largest step between two shapes that are shown 1/30 s after each other while the handle goes 1/4 a second, in cells
+Largest step, in cells, between two shapes shown 1/30 s apart while the handle moves by 1/4 per second
 """
 
 
@@ -60,7 +59,7 @@ def main(resolutions: list[int]) -> None:
 
 
 def _shapes_at(cells: int) -> list[tuple[str, ...]]:
-    """Return what is blended at a resolution: on fine grids two shapes only, since three take minutes."""
+    """Return the shapes to blend at a resolution: on fine grids only two, since three take minutes."""
     return [names for count, names in _SHAPES.items() if count == 2 or cells <= _FINE]
 
 

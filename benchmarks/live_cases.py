@@ -32,22 +32,22 @@ from .blends import ASSETS, read_meshes
 from .measures import mean_surface_distance
 from .processes import peak_megabytes
 
-# Blends that are compared with solved ones, and drawn one after the other while a handle goes back and forth.
+# Number of blends to compare with solved ones, and of blends drawn in sequence while a handle moves back and forth.
 _COMPARED, _DRAWN = 9, 60
-# Tolerance of the blends that mixtures are compared with: a tenth of that of the lattice.
+# Tolerance of the solved blends for comparison: a tenth of the lattice's tolerance.
 _EXACT = 1e-3
-# Seconds between two shown shapes, how far a handle goes within one, and seconds that a blend of the lattice takes.
+# Seconds between two shown shapes, speed of the handle per second, and seconds for a blend of the lattice.
 _FRAME, _SPEED, _NODE = 1.0 / 30.0, 0.25, 0.08
 
 
 class Clock:
-    """Time that goes on when it is told to."""
+    """A clock that advances only when told to."""
 
     def __init__(self) -> None:
         self.now = 0.0
 
     def __call__(self) -> float:
-        """Return the seconds that have passed."""
+        """Return the elapsed seconds."""
         return self.now
 
 
@@ -59,7 +59,7 @@ class Shown:
         bpy.context.scene.collection.objects.link(self._object)
 
     def show(self, shape: LiveShape) -> None:
-        """Write a blend, and let Blender evaluate it."""
+        """Write a blend and let Blender evaluate it."""
         write_triangles(self._object.data, shape.mesh)
         self._object.location = shape.center
         bpy.context.view_layer.update()
@@ -67,7 +67,7 @@ class Shown:
 
 
 def lattice(names: Sequence[str], cells: int, steps: int) -> dict[str, object]:
-    """Fill a lattice of plain transport; then draw blends, and compare them with solved ones.
+    """Fill a lattice by plain transport; then draw blends and compare them with solved ones.
 
     Parameters
     ----------
@@ -76,7 +76,7 @@ def lattice(names: Sequence[str], cells: int, steps: int) -> dict[str, object]:
     cells : int
         Along the longest side.
     steps : int
-        0 for the whole lattice; otherwise so little memory that it ends at these steps.
+        0 for the complete lattice; otherwise memory is limited so that the lattice ends at this number of steps.
     """
     shapes, clock, shown = _shapes(names), Clock(), Shown()
     begun, wall = time.process_time(), time.perf_counter()
@@ -109,14 +109,14 @@ def lattice(names: Sequence[str], cells: int, steps: int) -> dict[str, object]:
 
 
 def hand(names: Sequence[str], cells: int, solved: int) -> dict[str, object]:
-    """Solve blend after blend where the handle is, as before the lattice is there.
+    """Solve blends at the handle one after the other, as before the lattice is filled.
 
     Parameters
     ----------
     names, cells
         As for `lattice`.
     solved : int
-        Cells that the blends are solved on.
+        Number of cells that the blends are solved on.
     """
     shapes, shown = _shapes(names), Shown()
     quick = quick_settings(MorphSettings(resolution=solved)).tolerance
@@ -131,7 +131,7 @@ def hand(names: Sequence[str], cells: int, solved: int) -> dict[str, object]:
 
 
 def jumps(names: Sequence[str], cells: int) -> dict[str, object]:
-    """Move the handle at a constant speed: before the lattice is there, while finer levels take over, and after."""
+    """Move the handle at constant speed: before the lattice is filled, while finer levels take over, and afterwards."""
     shapes, clock = _shapes(names), Clock()
     live = LiveBlends(shapes, MorphSettings(motion="transport"), LiveSettings(live_resolution=cells), clock=clock)
     work, ends, before = live.work(Control()), 0.0, None
@@ -152,7 +152,7 @@ def jumps(names: Sequence[str], cells: int) -> dict[str, object]:
 
 
 def _steady(count: int) -> list[NDArray[np.float64]]:
-    """Return the weights of a handle that goes from a third to two thirds and back, again and again."""
+    """Return the weights of a handle that moves repeatedly from a third to two thirds and back."""
     frames = int((6.0 if count == 2 else 16.0) / _FRAME)
     place = np.arange(frames) * _FRAME * _SPEED
     share = 1.0 / 3.0 + np.abs((place % (2.0 / 3.0)) - 1.0 / 3.0)
@@ -160,7 +160,7 @@ def _steady(count: int) -> list[NDArray[np.float64]]:
 
 
 def _drawn(live: LiveBlends, shown: Shown, weights: NDArray[np.float64]) -> float:
-    """Return the CPU seconds from a value to the evaluated mesh."""
+    """Return the CPU seconds from weights to the evaluated mesh."""
     begun = time.thread_time()
     live.point(weights)
     shown.show(live.shown())
@@ -170,7 +170,7 @@ def _drawn(live: LiveBlends, shown: Shown, weights: NDArray[np.float64]) -> floa
 def _compared(
     live: LiveBlends, shapes: LiveShapes, cells: int, scattered: Sequence[NDArray[np.float64]]
 ) -> tuple[list[float], list[float]]:
-    """Return how far mixed surfaces are from solved ones, in cells, and how far their volumes are off, as shares."""
+    """Return the distances of mixed surfaces from solved ones, in cells, and the relative errors of their volumes."""
     source, _ = _source(shapes, cells, cells, _EXACT)
     lattice = Lattice.around(shapes.meshes, cells, MorphSettings(resolution=cells).sigma)
     distances, volumes = [], []
@@ -205,7 +205,7 @@ def _shapes(names: Sequence[str]) -> LiveShapes:
 
 
 def _settings(cells: int, steps: int, shapes: LiveShapes) -> LiveSettings:
-    """Return settings under which the lattice ends at some steps, or at the finest ones."""
+    """Return settings for which the lattice ends at a number of steps, or at the finest level."""
     if not steps:
         return LiveSettings(live_resolution=cells)
     fine = Lattice.around(shapes.meshes, cells, MorphSettings(resolution=cells).sigma)
@@ -215,7 +215,7 @@ def _settings(cells: int, steps: int, shapes: LiveShapes) -> LiveSettings:
 
 
 def _path(count: int, frames: int) -> list[NDArray[np.float64]]:
-    """Return the weights of a handle that goes around once."""
+    """Return the weights of a handle that moves once around."""
     turn = 2.0 * np.pi * np.linspace(0.0, 1.0, frames)
     if count == 2:
         share = 0.5 + 0.47 * np.sin(turn + 0.1)
@@ -224,7 +224,7 @@ def _path(count: int, frames: int) -> list[NDArray[np.float64]]:
 
 
 def _scattered(count: int, blends: int) -> list[NDArray[np.float64]]:
-    """Return weights that are no nodes of a lattice."""
+    """Return weights between the nodes of a lattice."""
     if count == 2:
         share = np.linspace(0.06, 0.94, blends) + 0.0105
         return list(np.stack([1.0 - share, share], axis=1))

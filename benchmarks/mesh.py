@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One mesh with shape keys to another shape, beside what Blender offers for it."""
+"""Shape keys from one mesh to another shape, compared with Blender's own tools."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from .mesh_measures import MeshFigures
 from .processes import measured
 
 PAIRS = ("man walks", "man raises arm", "dog rears", "horse to cow", "hand points", "man to ogre")
-"""Pairs of one build that may be looked at while parameters are chosen."""
+"""Pairs of one build that may be used for choosing parameters."""
 
 _HEADING = """
-The mesh of the first shape, which takes the second. Ways: `shape keys` as the output makes them, `linear` straight to
-the last of these keys, Shrinkwrap with its default settings, and the nearest point that faces the same way.
+The mesh of the first shape deformed to the second. Methods: `shape keys` as in the output, `linear` straight to the
+last of these keys, Shrinkwrap with default settings, and the nearest point with a similar normal.
 
-mean, 95 %  distance of the last key to the other surface, of its diagonal
-normals     mean angle between both there, degrees
-crossing    triangles that cross another one beyond those of the shapes: in the last key, and the most on the way
-turned      triangles that face away from the other surface in the last key; collapsed ones lost 99 % of their area
+mean, 95 %  distance from the last key to the other surface, relative to its diagonal
+normals     mean angle between their normals, degrees
+crossing    fraction of triangles that cross others, beyond that of the shapes: in the last key, and maximum on the way
+turned      triangles of the last key facing away from the other surface; collapsed ones lost 99 % of their area
 volume      largest error on the way
 stretch     median ratio of the singular values of the deformation, which stretches UV maps
 """
@@ -36,14 +36,14 @@ _GOALS = (
 
 
 def main(pairs: Sequence[str] | None, error: float, *, as_json: bool = False, keep: Path | None = None) -> None:
-    """Make shape keys of pairs and print the table.
+    """Make shape keys for pairs and print the table.
 
     Parameters
     ----------
     pairs : sequence of str or None
-        Names of pairs of the benchmark `coherence`; `PAIRS` by default.
+        Names of pairs of the benchmark `coherence`; by default `PAIRS`.
     error : float
-        How far vertices may leave their path between keys, in percent of the diagonal.
+        Largest distance of vertices from their path between keys, in percent of the diagonal.
     as_json : bool
         Print one line of JSON per pair instead.
     keep : Path or None

@@ -27,14 +27,14 @@ from .mesh_measures import MeshFigures, PlayedKeys
 
 
 def keys(pair: str, error: float, keep: str | None = None) -> dict[str, object]:
-    """Make shape keys of a pair in every way; return their figures by way.
+    """Make the shape keys of a pair with every method; return their figures by method.
 
     Parameters
     ----------
     pair : str
-        Its name.
+        Name of the pair.
     error : float
-        How far vertices may leave their path between keys, as a share of the diagonal.
+        Largest distance of vertices from their path between keys, as a fraction of the diagonal.
     keep : str, optional
         A file (.npz) for the keys.
     """
@@ -62,13 +62,13 @@ def keys(pair: str, error: float, keep: str | None = None) -> dict[str, object]:
 def shrinkwrapped(mesh: TriangleMesh, target: TriangleMesh) -> np.ndarray:
     """Return the nearest point of the target's surface for each vertex, (n, 3).
 
-    Blender's Shrinkwrap modifier does that with its default settings.
+    Equals Blender's Shrinkwrap modifier with default settings.
     """
     return ClosestPointFinder(target.corners).find(mesh.vertices).interpolated(target.corners)
 
 
 def facing(mesh: TriangleMesh, target: TriangleMesh) -> np.ndarray:
-    """Return the nearest point that faces the same way for each vertex, (n, 3)."""
+    """Return the nearest point with a similar normal for each vertex, (n, 3)."""
     normals = vertex_normals(mesh.vertices, mesh.faces)
     return FacingPointFinder(target).find(mesh.vertices, normals).interpolated(target.corners)
 
@@ -92,5 +92,5 @@ CASES = {"keys": keys}
 if __name__ == "__main__":
     case, options = sys.argv[1:]
     print(json.dumps(CASES[case](**json.loads(options)), default=str), flush=True)
-    # Blender 4.5 may wait for ever for a thread of its own when the process ends the ordinary way.
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
     os._exit(0)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well one mesh takes the shape of another and what becomes of it on the way."""
+"""How well one mesh takes the shape of another, and its quality on the way."""
 
 from __future__ import annotations
 
@@ -19,17 +19,17 @@ from convwass_addon.geometry.weighted_quantile import weighted_quantile
 from .coherence_measures import crossing_share
 
 WAY = tuple(step / 16 for step in range(1, 16))
-"""Times between the ends at which the volume is measured."""
+"""Slider values between the ends at which the volume is measured."""
 
-# Self-intersections are counted at every so many of these times.
+# Self-intersections are counted at every fourth of these values.
 _CROSSINGS_EVERY = 4
-# A triangle with less than this share of the area that it should have counts as collapsed.
+# A triangle with less than this fraction of its expected area counts as collapsed.
 _COLLAPSED = 0.01
 
 
 @dataclass(frozen=True)
 class PlayedKeys:
-    """Shape keys as a slider plays them: straight from one to the next.
+    """Shape keys as interpolated by a slider: linearly from one to the next.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class PlayedKeys:
     times : tuple of float
         Slider values of the keys, increasing to 1.
     positions : (k, n, 3) float64
-        Of the vertices in every key.
+        Positions of the vertices in every key.
     """
 
     mesh: TriangleMesh
@@ -56,27 +56,27 @@ class PlayedKeys:
 
 @dataclass(frozen=True)
 class MeshFigures:
-    """Figures of shape keys.
+    """Quality of shape keys.
 
     Attributes
     ----------
     distance, distance_95 : float
-        From the mesh in the last key to the other surface, as shares of its diagonal: mean over the area, and what
-        95 % of the area stay below.
+        From the mesh in the last key to the other surface, relative to its diagonal: mean and 95th percentile over the
+        area.
     normals : float
-        Mean angle there between the normals of both, degrees.
+        Mean angle between their normals, in degrees.
     crossing, crossing_way : float
-        Share of triangles that cross another one, beyond what the worse of the two shapes has: in the last key, and
-        the most on the way.
+        Fraction of triangles that cross another one, in excess of the worse of the two shapes: in the last key, and the
+        maximum on the way.
     turned, collapsed : int
-        Triangles of the last key that face away from the other surface, and those with less than 1 % of the area that
-        they have in the first shape, relative to the areas of the shapes.
+        Triangles of the last key that face away from the other surface, and those with less than 1 % of their area in
+        the first shape, relative to the areas of the shapes.
     volume : float
-        Largest error of the volume on the way, relative to that of the two shapes, interpolated.
+        Largest error of the volume on the way, relative to the interpolated volume of the two shapes.
     stretch : float
-        Median over the area of the ratio of the two singular values of the deformation: what UV maps are stretched by.
+        Median over the area of the ratio of the deformation's singular values, which is the stretch of UV maps.
     keys : int
-        How many there are.
+        Number of keys.
     """
 
     distance: float
@@ -92,7 +92,7 @@ class MeshFigures:
 
     @classmethod
     def of(cls, played: PlayedKeys, target: TriangleMesh) -> MeshFigures:
-        """Measure keys that should lead to `target`; both shapes face outward."""
+        """Measure keys that lead to `target`; both shapes face outward."""
         first, last = played.mesh, played.at(1.0)
         diagonal = float(np.linalg.norm(np.ptp(target.bounds, axis=0)))
         finder = ClosestPointFinder(target.corners)
@@ -119,7 +119,7 @@ class MeshFigures:
 
 
 def volume_error(played: PlayedKeys, volume: float, times: Sequence[float] = WAY) -> float:
-    """Return the largest relative error of the volume beside the one between the first mesh's and `volume`."""
+    """Return the largest error relative to the volume interpolated between the first mesh's and `volume`."""
     before = played.mesh.volume
     return max(abs(played.at(t).volume / ((1.0 - t) * before + t * volume) - 1.0) for t in times)
 

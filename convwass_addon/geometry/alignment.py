@@ -116,14 +116,14 @@ def aligned(
 
 @dataclass(frozen=True)
 class AlignedMeshes:
-    """Shapes that have been laid onto the first one.
+    """Shapes aligned with the first one.
 
     Attributes
     ----------
     meshes : list of TriangleMesh
-        Where they lie.
+        The aligned shapes.
     moves : tuple of RigidMove or None
-        How they got there; None where all are where they were.
+        The transformations; None if no shape was moved.
     """
 
     meshes: list[TriangleMesh]

@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices of narrow triangles moved along the surface where that opens the narrow angles.
+"""Widen narrow angles by moving vertices along the surface.
 
-Smart Laplacian smoothing: a vertex goes to the middle of its neighbors only if the smallest angle about it grows
-(L. Freitag, "On combining Laplacian and optimization-based mesh smoothing techniques", Trends in Unstructured Mesh
-Generation 1997). On creases it goes along the crease, and corners stay: moves are restricted to the plane or line that
-all triangles about a vertex have in common (X. Jiao, "Face offsetting", Journal of Computational Physics 220, 2007).
+Smart Laplacian smoothing: a vertex moves to the mean of its neighbors only if this increases the smallest angle around
+it (L. Freitag, "On combining Laplacian and optimization-based mesh smoothing techniques", Trends in Unstructured Mesh
+Generation 1997). Vertices on creases move along the crease, and corners stay: moves are restricted to the intersection
+of the planes of all adjacent triangles (X. Jiao, "Face offsetting", Journal of Computational Physics 220, 2007).
 """
 
 from __future__ import annotations
@@ -18,31 +18,31 @@ from numpy.typing import NDArray
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 
-# Triangles with a smaller angle than this, in radians, are narrow, and a move must open it by so much.
+# Triangles with a smaller angle are narrow; a move must increase the smallest angle by at least the gain. In radians.
 _NARROW, _GAIN = float(np.radians(25.0)), float(np.radians(0.1))
 _ROUNDS = 8
-# Directions that stand out of the triangles by this share of what the steepest one does lead off the surface.
+# Directions count as normal to the surface if their eigenvalue exceeds this fraction of the largest one.
 _OFF = 0.1
-# Shares of the way to the middle that are tried.
+# Fractions of the move to the mean of the neighbors to try.
 _SHARES = (1.0, 0.5)
-# Triangles may turn by this cosine.
+# Smallest cosine between the normals of a triangle before and after a move.
 _TURNED = 0.5
 
 
 def with_wider_angles(mesh: TriangleMesh, most: float) -> TriangleMesh:
-    """Move vertices of narrow triangles where the smallest angle about them grows.
+    """Move vertices of narrow triangles if this increases the smallest angle around them.
 
     Parameters
     ----------
     mesh : TriangleMesh
         Closed or open.
     most : float
-        How far a vertex may leave the planes of the triangles about it, in the unit of the mesh.
+        Largest distance of a vertex from the planes of its triangles, in the unit of the mesh.
 
     Returns
     -------
     TriangleMesh
-        The same triangles.
+        The mesh with the same triangles.
     """
     vertices = mesh.vertices
     for _ in range(_ROUNDS):
@@ -58,16 +58,16 @@ def with_wider_angles(mesh: TriangleMesh, most: float) -> TriangleMesh:
 
 @dataclass(frozen=True)
 class _Rings:
-    """The triangles about those vertices that have a narrow one.
+    """The triangles around all vertices that have a narrow one.
 
     Attributes
     ----------
     vertices : (k,) int64
-        Which.
+        The vertices.
     faces, corners, owners : (r,) int64
-        Triangles, the corner of each that is the vertex, and its place in `vertices`; all of one vertex together.
+        Triangles, the vertex's corner in each, and the vertex's index in `vertices`; grouped by vertex.
     starts : (k,) int64
-        Where the triangles of each vertex begin.
+        Index of the first triangle of every vertex.
     """
 
     vertices: NDArray[np.int64]
@@ -89,8 +89,8 @@ class _Rings:
         return cls(ends[starts], sides // 3, sides % 3, owners, starts)
 
     def moved(self, vertices: NDArray[np.float64], faces: NDArray[np.int64], most: float) -> NDArray[np.float64] | None:
-        """Move those vertices, no two neighbors of them, that gain most by it; None where none gains."""
-        # Every triangle with the vertex first.
+        """Move the vertices with the largest gains, no two of them neighbors; None if no vertex gains."""
+        # Rotate every triangle so that the vertex comes first.
         around = faces[self.faces[:, None], (self.corners[:, None] + np.arange(3)) % 3]
         corners = vertices[around]
         normals = triangle_normals(corners)
@@ -125,7 +125,7 @@ class _Rings:
     def _best_of_neighbors(
         self, around: NDArray[np.int64], gains: NDArray[np.float64], count: int
     ) -> NDArray[np.int64]:
-        """Return those with a gain larger than that of all their neighbors; of equal ones the first."""
+        """Return the vertices with a larger gain than all their neighbors; ties go to the first."""
         order = np.lexsort((np.arange(len(gains)), -gains))
         order = order[gains[order] > 0.0]
         ranks = np.full(count, len(gains))
@@ -143,7 +143,7 @@ def smallest_angles(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _along(spreads: NDArray[np.float64], moves: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Restrict moves, (k, 3), to what all planes have in common whose normals have these sums of squares, (k, 3, 3)."""
+    """Restrict moves, (k, 3), to the intersection of planes; `spreads` has the sums of n n^T over their normals n."""
     sizes, directions = np.linalg.eigh(spreads)
     kept = sizes < _OFF * sizes[:, -1:]
     return np.einsum("kij,kj,klj,kl->ki", directions, kept.astype(float), directions, moves)

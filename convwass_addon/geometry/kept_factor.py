@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Linear systems that change little from one to the next, solved with the factors of an earlier one."""
+"""Linear systems that change little from one to the next, solved with the factorization of an earlier one."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from scipy.sparse import csc_array, csr_array
 
 from .factorization import Factorization, factorize
 
-# Conjugate gradients end at this error, relative to the solution in the norm of the energy. Factorizing takes as long
-# as fifteen iterations or more; after so many it is done.
+# Conjugate gradients stop at this relative error in the energy norm. A factorization takes at least as long as fifteen
+# iterations; it is computed after ten without success.
 _ERROR, _MOST_ITERATIONS = 1e-5, 10
 
 
 class KeptFactor:
-    """Solves symmetric positive definite systems by conjugate gradients, preconditioned by the factors of one of them.
+    """Solves symmetric positive definite systems by conjugate gradients, preconditioned by an earlier factorization.
 
-    Where that takes too many iterations, the system is factorized, and the new factors are kept instead.
+    If this takes too many iterations, the system is factorized, and the new factorization is kept instead.
     """
 
     def __init__(self) -> None:
@@ -32,9 +32,9 @@ class KeptFactor:
         matrix : (n, n) csc_array
             Symmetric and positive definite.
         right : (n, k)
-            Right sides.
+            Right-hand sides.
         start : (n, k)
-            Near the solution.
+            Initial guess.
         """
         if self._factor is not None:
             found = _conjugate_gradients(matrix, self._factor, right, start)
@@ -51,7 +51,7 @@ def _solved(factor: Factorization, right: NDArray[np.float64]) -> NDArray[np.flo
 def _conjugate_gradients(
     matrix: csc_array, factor: Factorization, right: NDArray[np.float64], start: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
-    """Solve for all columns at once; None where it takes too long."""
+    """Solve for all columns together; None after too many iterations."""
     # A symmetric matrix has the same rows as columns, and products by rows are faster.
     by_rows = csr_array((matrix.data, matrix.indices, matrix.indptr), shape=matrix.shape)
     found = start.copy()

@@ -25,7 +25,7 @@ _FACES = np.bitwise_or.reduce(_BITS[np.abs(_OFFSETS).sum(axis=1) == 1])
 
 
 def _tables(adjacent: NDArray[np.bool_]) -> list[NDArray[np.uint32]]:
-    """Return, for every group of nine bits, the neighbors encoded by them and those adjacent to these."""
+    """Return tables, one per group of nine bits, from neighbors to these and all neighbors adjacent to them."""
     reached = np.bitwise_or.reduce(np.where(adjacent, _BITS, np.uint32(0)), axis=1) | _BITS
     tables = []
     for start in range(0, 26, _DIGIT):
@@ -61,7 +61,7 @@ def bridges(density: NDArray[np.floating], low: float, high: float) -> NDArray[n
 
 
 def lids(density: NDArray[np.floating], low: float, high: float) -> NDArray[np.int64]:
-    """Find cells that separate the outside: a hole through a handle fills, or a bubble closes.
+    """Find cells that separate the outside nearby: the hole of a handle closes, or a bubble forms.
 
     Parameters and result are those of :func:`bridges`.
     """
@@ -87,7 +87,7 @@ def _parted_by_corners(neighbors: NDArray[np.uint32]) -> NDArray[np.bool_]:
 
 
 def _parted_by_faces(neighbors: NDArray[np.uint32]) -> NDArray[np.bool_]:
-    """Return where the face neighbors among them belong to more than one 6-connected component."""
+    """Return where face neighbors, given as bits, belong to more than one 6-connected component of the neighbors."""
     near = neighbors & _IN_REACH
     faces = near & _FACES
     return (faces & ~_grown(faces & -faces, near, _ABUTTING)) != 0

@@ -13,22 +13,22 @@ from scipy.ndimage import distance_transform_edt, gaussian_filter
 from .isosurface import bounding_box
 from .occupancy import occupancy
 
-# Distances are told from whole cells, and smoothed by so many.
+# Deviation, in cells, of the Gaussian that smooths the distances, which are computed from whole cells.
 _SMOOTH = 1.0
-# By how much of the level the density that bounds it falls in a cell, and how far it is raised deep inside.
+# Decrease of the bounding density per cell, and its largest value deep inside, both as fractions of the level.
 _SLOPE, _HIGHEST = 0.5, 1.5
 
 
 @dataclass(frozen=True)
 class SurfaceBounds:
-    """How far a level set may be from a surface.
+    """Limits of the distance between a level set and a surface.
 
     Attributes
     ----------
     distances : (nx, ny, nz) float32
-        Signed distances of the cells from the surface, in cells, negative inside of it.
+        Signed distances of the cells from the surface, in cells, negative inside.
     reach : float
-        How far it may be, in cells.
+        Largest distance, in cells.
     """
 
     distances: NDArray[np.float32]
@@ -38,12 +38,12 @@ class SurfaceBounds:
     def of(cls, corners: NDArray[np.float64], shape: tuple[int, int, int], reach: float) -> SurfaceBounds:
         """Measure the distances from a closed outward surface, (m, 3, 3) in cells, on a grid.
 
-        What lies outside the grid is left out.
+        Parts outside the grid are ignored.
         """
         inside = occupancy(corners, shape) > 0.5
         distances = np.full(shape, np.float32(max(shape)))
         if inside.any():
-            # Cell centers are half a cell from the faces that they share with the other side.
+            # Between cells inside and outside, the surface is half a cell from either center.
             outward = distance_transform_edt(~inside).astype(np.float32) - 0.5
             low, high = bounding_box(inside)
             box = tuple(slice(max(a - 1, 0), b + 1) for a, b in zip(low, high, strict=True))
@@ -55,16 +55,16 @@ class SurfaceBounds:
     def limited(
         self, density: NDArray[np.floating], level: float, box: tuple[slice, ...] | None = None
     ) -> NDArray[np.floating]:
-        """Return a density whose level set at `level` is within reach.
+        """Return a density whose level set at `level` stays within reach of the surface.
 
         Parameters
         ----------
         density : (mx, my, mz)
-            Not negative.
+            Nonnegative.
         level : float
-            Of the surface.
+            Level of the surface.
         box : tuple of slice, optional
-            Where on the grid the density is.
+            Part of the grid that the density covers.
         """
         distances = self.distances if box is None else self.distances[box]
         least, most = (level * np.maximum(1.0 - _SLOPE * (distances + side * self.reach), 0.0) for side in (1.0, -1.0))

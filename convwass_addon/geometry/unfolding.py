@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Unfold a mesh that lies on another surface with folds.
+"""Remove folds of a mesh that has been deformed to lie on another surface.
 
-Around triangles that are turned over, vertices are moved to where springs between neighbors, weaker for long edges of
-the undeformed mesh, are in equilibrium with the rest held fixed, and from there to the surface. In the plane, springs
-of positive stiffness fold nothing inside a convex boundary (W. T. Tutte, "How to draw a graph", 1963); on a surface a
-step counts only if it leaves fewer folds, and otherwise the next one takes a wider neighborhood.
+Vertices around flipped triangles are moved to the equilibrium of springs between neighbors, with the other vertices
+fixed, and then projected onto the surface; springs are weaker along long edges of the undeformed mesh. In the plane,
+springs with positive stiffness cause no folds inside a convex boundary (W. T. Tutte, "How to draw a graph", 1963). On a
+surface, a step is accepted only if it leaves fewer folds; otherwise the next step uses a larger neighborhood.
 """
 
 from __future__ import annotations
@@ -22,25 +22,25 @@ from .factorization import factorize
 from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
 
-# Attempts, and how many rings of neighbors they take at the most.
+# Largest numbers of attempts, and of rings of neighbors.
 _ATTEMPTS, _MOST_RINGS = 16, 5
-# Triangles count as folded below this cosine between their normal and the surface's, and as collapsed below this share
-# of the area that they should have.
+# Triangles count as folded below this cosine between their normal and the surface's, and as collapsed below this
+# fraction of their expected area.
 _TURNED, _COLLAPSED = 0.1, 0.01
 
 
 @dataclass(frozen=True)
 class FoldFinder:
-    """Finds triangles of a mesh on a surface that are turned over or collapsed.
+    """Finds flipped and collapsed triangles of a mesh on a surface.
 
     Attributes
     ----------
     rest : TriangleMesh
         The undeformed mesh.
     target : TriangleMesh
-        The surface that it has been deformed to.
+        The surface that the mesh is deformed to.
     finder : FacingPointFinder
-        Of the target.
+        Nearest-point queries on the target.
     """
 
     rest: TriangleMesh
@@ -59,26 +59,26 @@ class FoldFinder:
         return np.einsum("md,md->m", triangle_normals(corners), triangle_normals(self.target.corners)[below])
 
     def collapsed(self, vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Tell which triangles, (m,), have lost nearly all of their area, relative to that of both shapes."""
+        """Tell which triangles, (m,), have lost nearly all of their area, relative to the areas of both shapes."""
         expected = _areas(self.rest.corners) * (self.target.area / self.rest.area)
         return _areas(vertices[self.rest.faces]) < _COLLAPSED * expected
 
     def folded(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.bool_]:
-        """Tell which triangles, (m,), are turned over, stand upright or have collapsed."""
+        """Tell which triangles, (m,), are flipped, perpendicular to the surface, or collapsed."""
         return (self.agreements(vertices, control) < _TURNED) | self.collapsed(vertices)
 
 
 def unfolded(
     rest: TriangleMesh, vertices: NDArray[np.float64], target: TriangleMesh, control: Control = UNINTERRUPTED
 ) -> NDArray[np.float64]:
-    """Return the vertices, (n, 3), of a mesh on a surface with as few folds as can be.
+    """Return the vertices, (n, 3), of a mesh on a surface with as few folds as possible.
 
     Parameters
     ----------
     rest : TriangleMesh
         The undeformed mesh, facing outward.
     vertices : (n, 3) float64
-        Where it is deformed to lie on `target`. Vertices that are not near a fold stay there.
+        Deformed positions on `target`. Vertices away from folds stay there.
     target : TriangleMesh
         The surface, facing outward.
     control : Control
@@ -102,12 +102,12 @@ def unfolded(
 def _relaxed(
     vertices: NDArray[np.float64], free: NDArray[np.int64], neighbors: csr_array, folds: FoldFinder
 ) -> NDArray[np.float64]:
-    """Move some vertices to the equilibrium of their springs, and from there to the surface."""
+    """Move some vertices to the equilibrium of their springs, and project them onto the surface."""
     rows = neighbors[free]
     own = np.zeros(len(vertices), bool)
     own[free] = True
     totals = np.asarray(rows.sum(axis=1)).ravel()
-    # A part without any vertex that stays would have no place.
+    # Makes the system regular even if a component has no fixed vertex.
     system = diags_array(totals * (1.0 + 1e-9)) - rows[:, free]
     pull = rows @ np.where(own[:, None], 0.0, vertices) + 1e-9 * totals[:, None] * vertices[free]
     moved = vertices.copy()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Quantiles of values that count differently, such as those of vertices by their areas."""
+"""Weighted quantiles, for example of values at vertices weighted by area."""
 
 from __future__ import annotations
 
@@ -9,14 +9,14 @@ from numpy.typing import NDArray
 
 
 def weighted_quantile(values: NDArray[np.float64], weights: NDArray[np.float64], share: float) -> float:
-    """Return the value that a share of the weights stays below.
+    """Return the value below which a fraction of the total weight lies.
 
     Parameters
     ----------
     values, weights : (n,) float64
-        One each at least; weights are not negative.
+        At least one value; the weights are nonnegative.
     share : float
-        From 0 to 1.
+        The fraction, 0 to 1.
     """
     order = np.argsort(values)
     reached = np.cumsum(weights[order])

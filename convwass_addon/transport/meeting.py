@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where two distributions meet half way: displacements from debiased unbalanced plans."""
+"""Midpoints of two distributions: displacements to their barycenter from debiased unbalanced plans."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from .domain import Domain
 from .maps import transport_map
 from .sinkhorn import self_balancing
 
-# A registration computes its step anew in every round, so rough plans are enough.
+# A registration recomputes its step in every round, so rough plans are sufficient.
 _TOLERANCE, _MOST_ITERATIONS = 1e-2, 100
 _SELF_TOLERANCE, _MOST_SELF_ITERATIONS = 3e-3, 100
 
 
 @dataclass(frozen=True)
 class Meeting:
-    """Displacements of two distributions to the place where they meet.
+    """Displacements of two distributions to their midpoint.
 
     Attributes
     ----------
     displacements : (2, *shape, d) float64
         Of the elements of the domain, for each of the two distributions, in the units of `positions`.
     solved : Barycenter
-        Their barycenter half way; the start for a similar problem.
+        Their barycenter with equal weights; a start for similar problems.
     """
 
     displacements: NDArray[np.float64]
@@ -45,7 +45,7 @@ def meeting(
     control: Control,
     initial: Barycenter | None = None,
 ) -> Meeting:
-    """Find how two distributions move to their unbalanced barycenter half way.
+    """Find the displacements of two distributions to their unbalanced barycenter.
 
     The map of an entropic plan averages over all partners of an element, so it also contracts. The map of each
     distribution's plan to itself contracts in the same way. The displacements are the differences of the two maps, zero

@@ -29,7 +29,7 @@ class SoftMap:
     Attributes
     ----------
     densities : (n0, n1) float32
-        With respect to the target's areas, each row of mass 1; uniform where nothing is known, at isolated vertices.
+        With respect to the target's areas, each row of mass 1; uniform at isolated vertices without pairs.
     areas : (n1,) float64
         The target's area weights, of sum 1.
     changes : (sweeps,) float64
@@ -114,7 +114,7 @@ def soft_map(
     fixed : mapping from vertex to density
         Vertices of the source whose distributions are given, with their densities.
     tau : float
-        Weight of the compatibility. 10 to 100 give nearly the same.
+        Weight of the compatibility. The result hardly depends on it between 10 and 100.
     sharpness : float
         0 for the paper's map, to which every edge adds the blur of a kernel; 1 for the debiased one.
     sweeps : int

@@ -16,7 +16,7 @@ BALL = ball(10.0, CENTER, points=3000)
 
 
 def solid(radius):
-    """About one half at the surface of a ball."""
+    """Occupancy of a ball, about one half at its surface."""
     return (1.0 / (1.0 + np.exp(2.0 * (RADII - radius)))).astype(np.float32)
 
 

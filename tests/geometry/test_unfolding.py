@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Folds of a mesh on a surface are taken out."""
+"""Folds of a mesh on a surface are removed."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def target():
     return ball(points=1500)
 
 
-def test_a_patch_that_is_turned_over_is_laid_flat_again(target):
-    """Around the pole the angle of every vertex is mirrored, which turns the patch over and leaves a ring of folds."""
+def test_a_flipped_patch_is_unfolded(target):
+    """Mirroring the angle of every vertex around the pole flips a patch and leaves a ring of folds."""
     mesh = ball(points=600)
     folded = mesh.vertices.copy()
     near = folded[:, 2] > 0.9
@@ -33,6 +33,6 @@ def test_a_patch_that_is_turned_over_is_laid_flat_again(target):
     np.testing.assert_array_equal(found[far], folded[far])
 
 
-def test_a_mesh_without_folds_stays_as_it_is(target):
+def test_a_mesh_without_folds_is_unchanged(target):
     mesh = ball(points=600)
     assert unfolded(mesh, mesh.vertices, target) is mesh.vertices

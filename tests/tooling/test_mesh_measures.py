@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The measures of shape keys, on deformations whose answer is known."""
+"""The measures of shape keys, for deformations with known results."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ def straight(mesh, vertices):
     return PlayedKeys(mesh, (1.0,), np.asarray(vertices)[None])
 
 
-def test_a_ball_that_grows_has_only_an_error_of_volume():
-    """Its volume is (1 + t)^3 instead of 1 + 7 t; vertices end on the vertices of the other."""
+def test_a_growing_ball_has_only_a_volume_error():
+    """Its volume is (1 + t)^3 instead of 1 + 7 t; the vertices end on those of the other ball."""
     mesh, larger = ball(points=400), ball(2.0, points=400)
     figures = MeshFigures.of(straight(mesh, larger.vertices), larger)
     assert (figures.turned, figures.collapsed, figures.keys) == (0, 0, 1)
@@ -30,7 +30,7 @@ def test_a_ball_that_grows_has_only_an_error_of_volume():
     assert figures.volume == pytest.approx(worst, rel=1e-6)
 
 
-def test_keys_are_played_straight_from_one_to_the_next():
+def test_keys_are_interpolated_linearly():
     mesh = ball(points=100)
     keys = mesh.vertices + np.array([[[1.0, 0.0, 0.0]], [[1.0, 1.0, 0.0]]])
     played = PlayedKeys(mesh, (0.25, 1.0), keys)
@@ -49,8 +49,8 @@ def test_stretch_is_the_ratio_of_the_singular_values():
     assert median_stretch(TriangleMesh(vertices, faces), vertices * [3.0, 1.0, 1.0]) == pytest.approx(3.0)
 
 
-def test_what_is_folded_collapsed_or_crosses_is_counted():
-    """Wrapped onto a ball above, the far half of a ball ends on the near half of the other: inside out."""
+def test_folded_collapsed_and_crossing_triangles_are_counted():
+    """Wrapped onto a ball above, the far half of a ball ends on the near half of the other, inside out."""
     mesh, target = ball(points=400), ball(center=(0.0, 0.0, 3.0), points=600)
     figures = MeshFigures.of(straight(mesh, shrinkwrapped(mesh, target)), target)
     assert figures.distance == pytest.approx(0.0, abs=1e-9)

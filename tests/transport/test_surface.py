@@ -297,7 +297,7 @@ def test_far_numerics_reach_further_than_scalings():
 
 
 def test_where_not_even_the_dense_kernel_reaches():
-    """A kernel that ends before the other end is distinguished from one that is small there: no garbage or division."""
+    """A kernel that does not reach the other end is distinguished from one that is only small there."""
     surface = strip(150, 1e-9)
     x = surface.positions[:, 0]
     first, second = (x < 3).astype(float), (x > 147).astype(float)

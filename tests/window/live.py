@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live morphs: one press, a handle that is dragged and a shape that follows, undo and renders meanwhile, Esc."""
+"""Live morphs: press a button, drag a handle that a shape follows, meanwhile undo and render, and end with Esc."""
 
 from __future__ import annotations
 
@@ -14,16 +14,16 @@ import bpy
 if TYPE_CHECKING:
     from inside import Window
 
-# Places of the handle that are pictured.
+# Positions of the handle for pictures.
 _PLACES = (0.0, 0.25, 0.5, 0.75, 1.0)
-# Seconds for which the frame rate is measured.
+# Seconds for measuring the frame rate.
 _MEASURED = 6.0
 # It goes on until there are so many, or for so many seconds.
 _FEW, _PATIENCE = 5, 90.0
 
 
 def live(window: Window) -> Iterator[float]:
-    """Do everything in turn; an AssertionError says what went wrong."""
+    """Do everything in order; failures raise AssertionError."""
     yield from _follows_the_mouse(window)
     yield from _keeps_up(window)
     yield from _follows_a_transform(window)
@@ -55,7 +55,7 @@ def _follows_the_mouse(window: Window) -> Iterator[float]:
 
 
 def _keeps_up(window: Window) -> Iterator[float]:
-    """Move the value all the time and count how often Blender has another mesh to show."""
+    """Change the value continuously and count how often Blender shows another mesh."""
     seen, changes = None, 0
     begun, used = time.monotonic(), time.process_time()
     # A busy machine draws few of them.
@@ -70,7 +70,7 @@ def _keeps_up(window: Window) -> Iterator[float]:
 
 
 def _follows_a_transform(window: Window) -> Iterator[float]:
-    """Use Blender's own way to move things, which takes all events meanwhile."""
+    """Use Blender's transform operator, which consumes all events meanwhile."""
     yield from window.into_view()
     _value().morph = 0.5
     yield 0.5
@@ -163,7 +163,7 @@ def _blends_three(window: Window) -> Iterator[float]:
 
 
 def _new_scene(window: Window, names: tuple[str, ...] = ("horse", "bird")) -> Iterator[float]:
-    """Begin with some sample shapes of one size side by side, all selected."""
+    """Start with some sample shapes of equal size side by side, all selected."""
     yield from window.empty_scene()
     for place, name in enumerate(names):
         obj = window.import_shape(name)

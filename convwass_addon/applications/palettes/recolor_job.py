@@ -172,7 +172,7 @@ def solved_map(
     change = recoloring(source, palettes, weights, settings, control)
     if not change.chroma.marginal_error < LARGEST_ERROR:
         raise InputError(
-            "The palettes could not be matched (marginal error {error:.0%}); blur or mask what has stray colors.",
+            "The palettes could not be matched (marginal error {error:.0%}); blur or mask regions with stray colors.",
             error=change.chroma.marginal_error,
         )
     return change

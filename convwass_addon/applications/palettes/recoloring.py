@@ -149,7 +149,7 @@ def palette_barycenter(
 
 def _checked_weights(count: int, weights: Sequence[float] | None) -> NDArray[np.float64]:
     if not count:
-        raise InputError("There is no palette to take; choose an image whose colors are wanted.")
+        raise InputError("There is no palette; choose an image that has the desired colors.")
     alphas = np.ones(count) if weights is None else np.asarray(weights, dtype=np.float64)
     if alphas.shape != (count,):
         raise InputError("There must be one weight for each of the {count} palettes.", count=count)

@@ -73,11 +73,11 @@ class ReflectanceSettings(Settings):
         "Entropy Limit",
         "How widely an interpolated highlight may spread",
         choices=(
-            Choice("free", "No Limit", "As transport makes it"),
+            Choice("free", "No Limit", "No bound on how widely it spreads"),
             Choice("largest", "As the Widest", "No more than the widest of the materials, as in the paper"),
             Choice("mean", "As Their Mean", "No more than their weighted mean"),
         ),
-        note="The bound is applied to every solved lobe; the largest one rarely has an effect",
+        note="The bound is applied to every solved lobe; that of the widest material rarely has an effect",
         panel="settings",
     )
     tolerance: float = setting(

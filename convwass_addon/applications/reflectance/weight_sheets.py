@@ -34,9 +34,9 @@ def way_weights(rows: ArrayLike, steps: int) -> NDArray[np.float64]:
     try:
         stops = np.asarray(rows, dtype=np.float64)
     except ValueError as error:
-        raise InputError("All stops of a way must have the same number of weights.") from error
+        raise InputError("All stops of a path must have the same number of weights.") from error
     if stops.ndim != 2 or len(stops) < 2:
-        raise InputError("A way of weights needs two stops at least.")
+        raise InputError("A path of weights needs at least two stops.")
     places = np.linspace(0.0, len(stops) - 1.0, steps)
     return np.stack([np.interp(places, np.arange(len(stops)), column) for column in stops.T], axis=1)
 

@@ -70,7 +70,7 @@ def check_loops(graph: JointGraph) -> None:
         if ends[0] == ends[1] or (ends in found and max(len(chain), len(found[ends])) > 2):
             loop = np.unique(np.concatenate([chain, found.get(ends, chain)]))
             raise InputError(
-                "Nothing tells the sides of the loop with {names} apart; pin three of its joints, evenly spread.",
+                "The sides of the loop with {names} cannot be distinguished; pin three of its joints, evenly spread.",
                 names=named(graph, loop),
             )
         found[ends] = chain

@@ -48,7 +48,7 @@ def bone_notices(
         way = {"first": graph.names[chain[0]], "last": graph.names[chain[-1]], "times": times}
         notices.append(
             Sentence(
-                "The way from {first} to {last} is {times:.1f} times as long as its bones; check the pins there.",
+                "The path from {first} to {last} is {times:.1f} times as long as its bones; check the pins there.",
                 way,
             )
         )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Suns and lamps of a sky: found, taken out, and matched with those of another."""
+"""Suns and lamps of a sky: detection, removal, and matching with those of another sky."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from ...transport.sphere import directions, solid_angles
 from .sky_images import LUMINANCE, enlarged, light_of, padded, shrunk
 from .sky_settings import SkySettings
 
-# Surroundings are medians over so many pixels of a picture of so many rows: of a large one they would take minutes.
+# Size of the median filter, and rows of the reduced picture that it is applied to; full size would take minutes.
 _ROWS, _PIXELS = 128, 9
-# The angular radius of the sun, in radians, and the largest of a lamp: what is larger is no lamp but a bright sky.
+# Angular radius of the sun, and the largest radius of a lamp, in radians; larger bright regions are sky.
 SUN_RADIUS = float(np.radians(0.2725))
 _WIDEST = float(np.radians(6.0))
-# Matched shares below this are rounding.
+# Smaller matched fractions are rounding errors.
 _NO_SHARE = 1e-9
 
 
 @dataclass(frozen=True)
 class Lamp:
-    """A sun, or a lamp.
+    """A sun or a lamp.
 
     Attributes
     ----------
     direction : (3,) float64
-        Unit vector to its middle, +Z up.
+        Unit vector to its center, +Z up.
     flux : (3,) float64
         Its light: radiance times solid angle, per channel.
     radius : float
@@ -42,13 +42,13 @@ class Lamp:
     radius: float
 
     def record(self) -> dict[str, object]:
-        """Return the figures ready for JSON."""
+        """Return the JSON-ready attributes."""
         return {"direction": self.direction.tolist(), "flux": self.flux.tolist(), "radius": self.radius}
 
 
 @dataclass(frozen=True)
 class Move:
-    """A lamp of the first sky that becomes, with these shares, one of the second; None where there is none."""
+    """A lamp of the first sky that becomes a lamp of the second, with fractions of their light; None if missing."""
 
     first: Lamp | None
     second: Lamp | None
@@ -57,19 +57,19 @@ class Move:
 
 
 def split_lamps(image: NDArray[np.float64], settings: SkySettings) -> tuple[list[Lamp], NDArray[np.float64]]:
-    """Take suns and lamps out of a sky.
+    """Detect suns and lamps in a sky and remove them.
 
     Parameters
     ----------
     image : (rows, 2 rows, 3) float64
         Radiance.
     settings : SkySettings
-        What is bright enough, how many there may be, and what share of the light each must have.
+        Minimum brightness, largest number, and minimum fraction of the light of a lamp.
 
     Returns
     -------
     tuple
-        The lamps, brightest first, and the sky without them: its surroundings show where they were.
+        The lamps, brightest first, and the sky with their surroundings in their place.
     """
     height, width = image.shape[:2]
     surroundings = _surroundings(image)
@@ -86,7 +86,7 @@ def split_lamps(image: NDArray[np.float64], settings: SkySettings) -> tuple[list
         flux = (areas[there][:, None] * excess).sum(axis=0)
         middle = ((areas[there] * (excess @ LUMINANCE))[:, None] * vectors[there]).sum(axis=0)
         light = float(flux @ LUMINANCE)
-        # Specks of a sun behind a hill, and broad bright clouds, stay where they are.
+        # Broad bright clouds, and specks of a sun behind a hill, are not lamps.
         compact = areas[there & bright].sum() < np.pi * _WIDEST**2
         if light <= 0 or light < settings.least_share * everything or not compact:
             continue
@@ -98,9 +98,9 @@ def split_lamps(image: NDArray[np.float64], settings: SkySettings) -> tuple[list
 
 
 def matched(first: list[Lamp], second: list[Lamp]) -> list[Move]:
-    """Match lamps by the transport of their light, as shares of all, that goes the shortest way (squared angles).
+    """Match lamps by optimal transport of their fractions of the light, with squared angles as costs.
 
-    Where only one sky has lamps they come up, or fade, in place.
+    If only one sky has lamps, they appear or fade in place.
     """
     if not first or not second:
         return [Move(lamp, None, 1.0, 0.0) for lamp in first] + [Move(None, lamp, 0.0, 1.0) for lamp in second]
@@ -111,7 +111,7 @@ def matched(first: list[Lamp], second: list[Lamp]) -> list[Move]:
     sums = np.concatenate(
         [np.kron(np.eye(len(own)), np.ones(len(their))), np.kron(np.ones(len(own)), np.eye(len(their)))]
     )
-    # Imported here: SciPy loads a hundred modules for it, which most sessions do without.
+    # Imported here: SciPy loads a hundred modules for it, which most sessions do not need.
     from scipy.optimize import linprog
 
     plan = linprog(cost.ravel(), A_eq=sums[:-1], b_eq=np.concatenate([own, their])[:-1], method="highs").x
@@ -132,7 +132,7 @@ def _surroundings(image: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _labelled(inside: NDArray[np.bool_]) -> NDArray[np.int32]:
-    """Label connected pieces, across the seam too; numbers may be left out."""
+    """Label connected components, also across the seam; labels need not be consecutive."""
     pieces, _ = label(inside, np.ones((3, 3)))
     for left, right in zip(pieces[:, -1], pieces[:, 0], strict=True):
         if left and right and left != right:
@@ -141,7 +141,7 @@ def _labelled(inside: NDArray[np.bool_]) -> NDArray[np.int32]:
 
 
 def _radius(areas: NDArray[np.float64], image: NDArray[np.float64], there: NDArray[np.bool_]) -> float:
-    """Radius of the disc as large as what is at least half as bright as the brightest pixel; not below the sun's."""
+    """Radius of the disc with the area of all pixels above half of the largest brightness; at least the sun's."""
     luminance = np.where(there, image @ LUMINANCE, 0.0)
     core = luminance > 0.5 * luminance.max()
     if core.sum() <= 4:

@@ -119,4 +119,4 @@ class SkySettings(Settings):
                 "A blur of {sigma:g} rows exceeds the number of rows, {rows}.", sigma=self.sigma, rows=self.rows
             )
         if not self.near < self.far:
-            raise InputError("The glow must end between the angle where it is whole and 180 degrees.")
+            raise InputError("The glow must end between the angle up to which it is complete and 180 degrees.")

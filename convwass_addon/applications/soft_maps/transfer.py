@@ -40,7 +40,7 @@ def transferred_values(points: PointMap, giver: TriangleMesh, values: ArrayLike)
     given = np.asarray(values, dtype=np.float64)
     check_giver(points, giver)
     if given.shape[:1] != (len(giver.vertices),):
-        raise InputError("What is transferred must have one value for every vertex.")
+        raise InputError("Transferred data must have one value for every vertex.")
     return points.at(giver, given)
 
 
@@ -57,7 +57,7 @@ def transferred_corner_values(points: PointMap, values: ArrayLike) -> NDArray[np
     """
     given = np.asarray(values, dtype=np.float64)
     if given.ndim != 3 or given.shape[1] != 3 or len(given) <= points.faces.max(initial=-1):
-        raise InputError("What is transferred must have three values for every triangle.")
+        raise InputError("Transferred data must have three values for every triangle.")
     return np.einsum("nk,nkd->nd", points.barycentric.astype(np.float64), given[np.maximum(points.faces, 0)])
 
 
