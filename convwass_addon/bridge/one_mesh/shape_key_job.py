@@ -5,9 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
-from mathutils import Matrix
+import numpy as np
+from numpy.typing import NDArray
 
 from ...applications.morphs.computation import Computation
 from ...applications.motions.guided_settings import GuidedSettings
@@ -15,12 +17,12 @@ from ...applications.one_mesh.key_paths import KeyPath, key_paths
 from ...errors import ConvwassError, InputError
 from ...geometry.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
-from ...sentence import Sentence
 from ..handles import Handle
 from ..morphs.animated_inputs import animation_notices
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
-from ..objects import frozen_copy, hide, triangle_mesh
+from ..objects import hide, triangle_mesh
+from .rest_mesh import armature_last, rest_mesh
 from .shape_keys import animate_sliders, object_with_keys
 
 
@@ -58,19 +60,19 @@ class ShapeKeyJob:
         first_frame: int,
     ) -> None:
         self._names = [obj.name for obj in inputs]
-        self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
-        self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
-        laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
+        with armature_last(inputs[0]):
+            self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+            self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
+            laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
+            self._rest = rest_mesh(inputs[0], depsgraph)
         self._shapes = laid.meshes
+        self._move = None if laid.moves is None else np.array(laid.moves[0].matrix, dtype=np.float64)
         self._settings = GuidedSettings(coherence=coherence)
         self._accuracy, self._frames, self._first = request.key_error / 100.0, request.frames, first_frame
         self._scene = Handle.of("scenes", scene)
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
-        self.notices = [*animation_notices(inputs, scene.frame_current), *_applied(inputs[0])]
-        mesh = frozen_copy(inputs[0], depsgraph)
-        if laid.moves is not None:
-            mesh.transform(Matrix(laid.moves[0].matrix))
-        self._mesh = Handle.of("meshes", mesh)
+        self.notices = [*animation_notices(inputs, scene.frame_current), *self._rest.notices]
+        self._mesh = Handle.of("meshes", self._rest.mesh)
         self.paths: list[KeyPath] = []
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
@@ -87,6 +89,14 @@ class ShapeKeyJob:
         mesh = self._mesh.find()
         if mesh is not None and not mesh.users:
             bpy.data.meshes.remove(mesh)
+
+    def _key_coordinates(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return coordinates of keys, (k, n, 3), that lead to positions among the aligned shapes, (k, n, 3)."""
+        if self._move is not None:
+            # The mesh stays where it stands in the scene.
+            inverse = np.linalg.inv(self._move)
+            positions = positions @ inverse[:3, :3].T + inverse[:3, 3]
+        return self._rest.key_coordinates(positions)
 
     @property
     def span(self) -> tuple[float, float]:
@@ -106,19 +116,12 @@ class ShapeKeyJob:
             raise ConvwassError(
                 "The first shape was deleted, or its creation undone, during the computation; start again."
             )
-        obj = object_with_keys(source, mesh, self.paths, scene)
+        paths = [replace(path, positions=self._key_coordinates(path.positions)) for path in self.paths]
+        obj = object_with_keys(source, mesh, paths, scene, self._rest.modifiers)
         animate_sliders(obj, [path.name for path in self.paths], self._first, self._frames)
         if hide_inputs:
             hide((shape for handle in self._inputs if (shape := handle.find()) is not None), scene)
         return obj
-
-
-def _applied(obj: bpy.types.Object) -> list[Sentence]:
-    """Return a notice about modifiers and shape keys that are applied to the copy."""
-    keys = obj.type == "MESH" and obj.data.shape_keys is not None
-    if not (obj.modifiers or keys):
-        return []
-    return [Sentence("The modifiers and shape keys of {name} are applied to the copy.", {"name": obj.name})]
 
 
 def refuse_one_mesh(objects: Sequence[bpy.types.Object]) -> None:

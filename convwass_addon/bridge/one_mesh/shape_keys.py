@@ -18,7 +18,11 @@ POOR = "{name} poor"
 
 
 def object_with_keys(
-    source: bpy.types.Object, mesh: bpy.types.Mesh, paths: Sequence[KeyPath], scene: bpy.types.Scene
+    source: bpy.types.Object,
+    mesh: bpy.types.Mesh,
+    paths: Sequence[KeyPath],
+    scene: bpy.types.Scene,
+    modifiers: Sequence[str] = (),
 ) -> bpy.types.Object:
     """Create an object whose shape keys lead to other shapes.
 
@@ -31,17 +35,24 @@ def object_with_keys(
     source : bpy.types.Object
         The object that the mesh was copied from.
     mesh : bpy.types.Mesh
-        Without users and shape keys, in world space, with the vertices of the paths. Its vertex groups, UV maps,
-        attributes and materials are kept.
+        Without users, with the vertices of the paths. Its shape keys, vertex groups, UV maps, attributes and materials
+        are kept.
     paths : sequence of KeyPath
         Paths of the vertices.
     scene : bpy.types.Scene
         The scene to add the object to.
+    modifiers : sequence of str
+        Modifiers of `source` to keep, if the mesh is in the space of `source`; without any, it is in world space.
     """
     wear_material(mesh)
-    obj = bpy.data.objects.new(f"{source.name} Morph", mesh)
+    name = f"{source.name} Morph"
+    obj = _copy_with_modifiers(source, mesh, modifiers) if modifiers else bpy.data.objects.new(name, mesh)
+    obj.name = name
     scene.collection.objects.link(obj)
-    obj.shape_key_add(name="Basis", from_mix=False)
+    if mesh.shape_keys is None:
+        obj.shape_key_add(name="Basis", from_mix=False)
+    else:
+        _own_drivers(mesh.shape_keys, source, obj)
     for path in paths:
         _add_slider(obj, path.name)
         keys = []
@@ -53,6 +64,24 @@ def object_with_keys(
         _mark(mesh, POOR.format(name=path.name), path.poor)
     store_records(obj, [path.record() for path in paths])
     return obj
+
+
+def _copy_with_modifiers(source: bpy.types.Object, mesh: bpy.types.Mesh, modifiers: Sequence[str]) -> bpy.types.Object:
+    """Copy an object with its parent, vertex groups and some of its modifiers, but without its animation."""
+    obj = source.copy()
+    obj.data = mesh
+    obj.animation_data_clear()
+    for modifier in [own for own in obj.modifiers if own.name not in modifiers]:
+        obj.modifiers.remove(modifier)
+    return obj
+
+
+def _own_drivers(keys: bpy.types.Key, source: bpy.types.Object, obj: bpy.types.Object) -> None:
+    """Let drivers of copied shape keys read the copied object instead of its source."""
+    for curve in keys.animation_data.drivers if keys.animation_data else ():
+        for target in (target for variable in curve.driver.variables for target in variable.targets):
+            if target.id == source:
+                target.id = obj
 
 
 def key_expressions(times: Sequence[float]) -> list[str]:

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mesh that gets shape keys, and how what is seen of it in the scene becomes coordinates of its keys.
+
+Shape keys move vertices before modifiers do. A mesh with an armature keeps it and all modifiers after it: with L_v the
+linear part of what armature and object do to vertex v, a motion from x to p in the scene is the key
+b + L_v^-1 (p - x), where b is the vertex in the first key. Other modifiers are applied.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...sentence import Sentence
+from ..objects import evaluated_object, frozen_copy, triangle_mesh
+
+# Vertices that the pose flattens to less than this have no inverse.
+_LEAST = 1e-6
+
+
+@dataclass(frozen=True)
+class RestMesh:
+    """A mesh before its armature.
+
+    Attributes
+    ----------
+    mesh : bpy.types.Mesh
+        A copy without users; of a mesh without armature in world space, otherwise in that of its object.
+    seen : (n, 3) float64
+        Where the vertices are seen in the scene, in world space.
+    linear : (n, 3, 3) float64 or None
+        Linear parts of armature and object; None for the identity.
+    modifiers : tuple of str
+        Modifiers that stay.
+    notices : list of Sentence
+        What a user should know.
+    """
+
+    mesh: bpy.types.Mesh
+    seen: NDArray[np.float64]
+    linear: NDArray[np.float64] | None
+    modifiers: tuple[str, ...]
+    notices: list[Sentence]
+
+    def key_coordinates(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return coordinates of keys, (k, n, 3), that lead to positions in the scene, (k, n, 3)."""
+        moved = positions - self.seen
+        if self.linear is not None:
+            moved = np.linalg.solve(self.linear, moved.transpose(1, 2, 0)).transpose(2, 0, 1)
+        return _basis(self.mesh) + moved
+
+
+@contextmanager
+def armature_last(obj: bpy.types.Object) -> Iterator[int | None]:
+    """Hide modifiers after the first armature for a while; give its place among all, or None without an armature."""
+    place = armature_place(obj)
+    hidden = [] if place is None else [own for own in list(obj.modifiers)[place + 1 :] if own.show_viewport]
+    for modifier in hidden:
+        modifier.show_viewport = False
+    try:
+        yield place
+    finally:
+        for modifier in hidden:
+            modifier.show_viewport = True
+
+
+def armature_place(obj: bpy.types.Object) -> int | None:
+    """Return the place of the first armature that deforms an object among its modifiers."""
+    places = (
+        place
+        for place, own in enumerate(obj.modifiers)
+        if own.type == "ARMATURE" and own.show_viewport and own.object is not None and own.use_vertex_groups
+    )
+    return next(places, None)
+
+
+def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh:
+    """Copy the mesh of an object; modifiers after its armature must be hidden (`armature_last`).
+
+    Raises
+    ------
+    InputError
+        As :func:`..objects.frozen_copy`, or the pose flattens parts of the mesh.
+    """
+    place, seen = armature_place(obj), triangle_mesh(obj, depsgraph).vertices
+    before = [own.name for own in list(obj.modifiers)[:place] if own.show_viewport]
+    notices = []
+    if before:
+        values = {"name": obj.name, "modifiers": ", ".join(before)}
+        text = "The modifiers of {name} ({modifiers}) are applied to the copy."
+        if obj.data.shape_keys is not None:
+            text = "The modifiers ({modifiers}) and shape keys of {name} are applied to the copy."
+        notices.append(Sentence(text, values))
+    if place is None:
+        return RestMesh(_world_copy(obj, depsgraph, apply=bool(before)), seen, None, (), notices)
+    kept = tuple(own.name for own in list(obj.modifiers)[place:])
+    with _hidden(obj.modifiers[place]):
+        mesh = _local_copy(obj, depsgraph) if before else obj.data.copy()
+    try:
+        linear = _skinning(obj, obj.modifiers[place], mesh)
+    except InputError:
+        bpy.data.meshes.remove(mesh)
+        raise
+    if obj.modifiers[place].use_deform_preserve_volume and _is_posed(obj.modifiers[place].object):
+        text = "{name} is posed with Preserve Volume; at joints its keys are approximate. Use the rest pose."
+        notices.append(Sentence(text, {"name": obj.name}))
+    return RestMesh(mesh, seen, linear, kept, notices)
+
+
+def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply: bool) -> bpy.types.Mesh:
+    """Copy a mesh to world space; without modifiers, its shape keys stay."""
+    if apply or obj.data.shape_keys is None:
+        return frozen_copy(obj, depsgraph)
+    mesh = obj.data.copy()
+    mesh.transform(obj.matrix_world, shape_keys=True)
+    if obj.matrix_world.is_negative:
+        mesh.flip_normals()
+    return mesh
+
+
+def _local_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
+    with evaluated_object(obj, depsgraph) as evaluated:
+        return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+
+
+@contextmanager
+def _hidden(modifier: bpy.types.Modifier) -> Iterator[None]:
+    modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        modifier.show_viewport = True
+
+
+def _skinning(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy.types.Mesh) -> NDArray[np.float64]:
+    """Return the linear part of linear blend skinning in world space for every vertex, (n, 3, 3)."""
+    rig, own = modifier.object, np.array(obj.matrix_world, dtype=np.float64)[:3, :3]
+    bones = {
+        group.index: np.array(_bone_motion(rig, rig.pose.bones[group.name]), dtype=np.float64)[:3, :3]
+        for group in obj.vertex_groups
+        if group.name in rig.pose.bones and rig.data.bones[group.name].use_deform
+    }
+    linear = np.tile(own, (len(mesh.vertices), 1, 1))
+    for vertex in mesh.vertices:
+        weights = [(each.weight, bones[each.group]) for each in vertex.groups if each.group in bones]
+        total = sum(weight for weight, _ in weights)
+        if total > 0.0:
+            linear[vertex.index] = sum(weight / total * motion for weight, motion in weights) @ own
+    if (np.linalg.svd(linear, compute_uv=False)[:, -1] < _LEAST).any():
+        raise InputError("The pose of {name} flattens parts of it; use the rest pose.", name=obj.name)
+    return linear
+
+
+def _bone_motion(rig: bpy.types.Object, bone: bpy.types.PoseBone) -> object:
+    """Return the world transform that a pose bone applies to points of the rest pose."""
+    world = rig.matrix_world
+    return world @ bone.matrix @ bone.bone.matrix_local.inverted() @ world.inverted()
+
+
+def _is_posed(rig: bpy.types.Object) -> bool:
+    return rig.data.pose_position == "POSE" and any(
+        not np.allclose(bone.matrix, bone.bone.matrix_local, atol=1e-5) for bone in rig.pose.bones
+    )
+
+
+def _basis(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
+    """Return the vertices in the first key, (n, 3)."""
+    items = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.key_blocks[0].data
+    found = np.empty(3 * len(items), np.float32)
+    items.foreach_get("co", found)
+    return found.reshape(-1, 3).astype(np.float64)

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shape keys of meshes with armatures, modifiers and shape keys of their own lead to what is seen in the scene."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, rest_mesh
+from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+def world(obj):
+    bpy.context.view_layer.update()
+    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
+
+
+def keyed(obj, target_of):
+    """Make keys that lead from what is seen to `target_of` it; return the object, what was seen, and the record."""
+    with armature_last(obj):
+        rest = rest_mesh(obj, bpy.context.evaluated_depsgraph_get())
+    coordinates = rest.key_coordinates(target_of(rest.seen)[None])
+    path = KeyPath("Target", (1.0,), coordinates, 0.9, 0.0, 0.0, 0.0, 0)
+    return object_with_keys(obj, rest.mesh, [path], bpy.context.scene, rest.modifiers), rest
+
+
+def slide(obj, value):
+    obj["Target"] = value
+    obj.update_tag()
+    return world(obj)
+
+
+def wider(points):
+    return points * [1.0, 1.5, 1.0] + [0.0, 0.0, 0.3]
+
+
+@pytest.fixture
+def rigged():
+    """A bar with smooth weights on two bones; its object and its armature stand somewhere."""
+    bpy.ops.mesh.primitive_grid_add(x_subdivisions=9, y_subdivisions=2, size=2, location=(0.5, 0.2, 0.1))
+    bar = bpy.context.object
+    bar.name, bar.rotation_euler, bar.scale = "Bar", (0.1, 0.2, 0.3), (1.0, 0.4, 1.0)
+    bpy.ops.object.armature_add(location=(0.3, 0.0, 0.0))
+    rig = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = rig.data.edit_bones
+    bones[0].name, bones[0].head, bones[0].tail = "Lower", (-1, 0, 0), (0, 0, 0)
+    upper = bones.new("Upper")
+    upper.head, upper.tail, upper.parent = (0, 0, 0), (1, 0, 0), bones["Lower"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name, sign in (("Lower", -1.0), ("Upper", 1.0)):
+        group = bar.vertex_groups.new(name=name)
+        for vertex in bar.data.vertices:
+            group.add([vertex.index], float(np.clip(0.5 + sign * vertex.co.x, 0.0, 1.0)), "REPLACE")
+    modifier = bar.modifiers.new("Rig", "ARMATURE")
+    modifier.object = rig
+    return bar, rig
+
+
+def pose(rig, angle):
+    bone = rig.pose.bones["Upper"]
+    bone.rotation_mode = "XYZ"
+    bone.rotation_euler = (0.0, 0.0, angle)
+    bpy.context.view_layer.update()
+
+
+@pytest.mark.parametrize("angle", [0.0, 1.0])
+def test_keys_come_before_the_armature(rigged, angle):
+    """In the pose that the mesh is seen in, the key leads to the target; in others, the armature moves both."""
+    bar, rig = rigged
+    bar.modifiers.new("Finer", "SUBSURF").levels = 1
+    pose(rig, angle)
+    obj, rest = keyed(bar, wider)
+    assert [modifier.name for modifier in obj.modifiers] == ["Rig", "Finer"]
+    assert [group.name for group in obj.vertex_groups] == ["Lower", "Upper"]
+    with armature_last(obj), armature_last(bar):
+        np.testing.assert_allclose(slide(obj, 0.0), rest.seen, atol=1e-5)
+        np.testing.assert_allclose(slide(obj, 1.0), wider(rest.seen), atol=1e-5)
+        pose(rig, 0.0)
+        np.testing.assert_allclose(slide(obj, 0.0), world(bar), atol=1e-5)
+        moved = slide(obj, 1.0) - slide(obj, 0.0)
+    far = np.array([vertex.co.x < -0.6 for vertex in bar.data.vertices])
+    np.testing.assert_allclose(moved[far], (wider(rest.seen) - rest.seen)[far], atol=1e-5)
+
+
+def test_shape_keys_stay_and_what_is_seen_is_where_the_new_ones_begin(rigged):
+    bar, _ = rigged
+    bar.modifiers.clear()
+    bar.shape_key_add(name="Basis")
+    bent = bar.shape_key_add(name="Bent")
+    bent.data[3].co.z += 1.0
+    bent.value = 0.5
+    before = world(bar)
+    obj, rest = keyed(bar, wider)
+    assert rest.notices == []
+    assert [key.name for key in obj.data.shape_keys.key_blocks] == ["Basis", "Bent", "Target"]
+    np.testing.assert_allclose(slide(obj, 0.0), before, atol=1e-5)
+    np.testing.assert_allclose(slide(obj, 1.0), wider(before), atol=1e-5)
+    obj.data.shape_keys.key_blocks["Bent"].value = 0.0
+    assert np.linalg.norm(slide(obj, 1.0) - wider(before), axis=1).max() == pytest.approx(0.5, abs=1e-5)
+
+
+def test_modifiers_before_the_armature_are_applied_and_named(rigged):
+    bar, rig = rigged
+    bar.modifiers.new("Thick", "SOLIDIFY")
+    bar.modifiers.move(1, 0)
+    pose(rig, 0.7)
+    obj, rest = keyed(bar, wider)
+    assert [modifier.name for modifier in obj.modifiers] == ["Rig"]
+    assert len(obj.data.vertices) == 2 * len(bar.data.vertices)
+    assert ["Thick" in str(notice.values) for notice in rest.notices] == [True]
+    np.testing.assert_allclose(slide(obj, 1.0), wider(world(bar)), atol=1e-5)
