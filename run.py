@@ -1,23 +1,23 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Everything one does with this project, by one command each.
+"""All tasks of this project, with one command each.
 
     python3 run.py demo               morph the sample shapes; writes a .blend, a picture and an animation to out/
     python3 run.py test [ARGS]        run the tests; ARGS go to pytest, such as  -k grid  or  tests/transport
-    python3 run.py window --blender PATH    click, type and look in the window of a Blender (needs Linux and Xvfb)
-    python3 run.py bench [ARGS]       measure the speed
+    python3 run.py window --blender PATH    test mouse and keyboard in Blender's window (needs Linux and Xvfb)
+    python3 run.py bench [ARGS]       run the benchmarks
     python3 run.py package [ARGS]     build the extension's zip files into dist/ (--help lists the options)
-    python3 run.py fuzz [ARGS]        try to break the add-on, such as  --minutes 10
-    python3 run.py gallery [ARGS]     draw the figures of the paper, into docs/; takes an hour (--only 7 draws one)
+    python3 run.py fuzz [ARGS]        try to break the add-on, for example with  --minutes 10
+    python3 run.py gallery [ARGS]     draw the figures of the paper into docs/; takes an hour (--only 7 draws one)
     python3 run.py lint [PATHS]       check the style of the code
-    python3 run.py translations       list the texts that are not translated yet, and translations without a text
-    python3 run.py api                write the pages about the API from the docstrings, into docs/
+    python3 run.py translations       list missing and unused translations
+    python3 run.py api                write the API pages in docs/ from the docstrings
     python3 run.py python [ARGS]      start the project's own Python, such as  -m convwass_addon morph --help
 
-The first start makes the folder .venv beside this file and installs Blender's module bpy and the other dependencies
-into it; that takes about a minute and 1.5 GB. Nothing outside the folder is changed, and your own Blender settings
-are neither read nor written. To choose the Python (and with it the Blender), put it first:
+The first start creates the folder .venv next to this file and installs Blender's module bpy and the other dependencies
+there, which takes about a minute and 1.5 GB. Nothing outside the folder is changed, and your own Blender settings are
+neither read nor written. To choose the Python version (and with it the Blender version), put it first:
 
     python3 run.py --python 3.11 test     Blender 4.5 LTS, in .venv-3.11
     python3 run.py --python 3.13 test     Blender 5.2 LTS, in .venv-3.13
@@ -39,7 +39,7 @@ PROJECT = Path(__file__).resolve().parent
 
 COMMANDS = {
     "demo": [["-m", "convwass_addon", "demo"]],
-    # Side by side, a file of tests after the other in each process; -n 0 after the command stops that.
+    # One process per test file, in parallel; "-n 0" after the command disables this.
     "test": [["-m", "pytest", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile"]],
     "window": [["-m", "tests.window"]],
     "bench": [["-m", "benchmarks"]],
@@ -51,15 +51,15 @@ COMMANDS = {
     "lint": [["-m", "ruff", "check"], ["-m", "ruff", "format", "--check"]],
     "python": [[]],
 }
-"""What each command starts, one after the other, with the environment's Python."""
+"""The commands with the programs that each runs in order, with the environment's Python."""
 
 INTERRUPTED = 130
 
 
 def main(arguments):
-    """Do what the command line says and return the exit code."""
+    """Run the command given by the arguments; return the exit code."""
     if sys.version_info < (3, 11):
-        # Reading pyproject.toml takes 3.11; an older Python can still find a newer one.
+        # pyproject.toml can only be read from Python 3.11 on; an older Python can still find a newer one.
         return run_child([pythons.find().path, str(PROJECT / "run.py"), *arguments])
     version, arguments = take_version(arguments)
     if not arguments or arguments[0] in ("-h", "--help", "help"):
@@ -74,7 +74,7 @@ def main(arguments):
         return 2
     blender, rest = take_blender(rest) if command == "test" else (None, rest)
     environment = prepared_environment(version, blender)
-    # Commands are about the project, `python` is about wherever the user is.
+    # Commands run in the project's folder, `python` in the user's current folder.
     folder = None if command == "python" else PROJECT
     for start in COMMANDS[command]:
         code = run_child([str(environment.program), *start, *rest], folder, environment.variables())
@@ -84,7 +84,7 @@ def main(arguments):
 
 
 def take_version(arguments):
-    """Split ``--python VERSION`` off the front of the arguments; the version is None where it is not given."""
+    """Remove ``--python VERSION`` from the front of the arguments; return the version, or None if not given."""
     if not arguments or arguments[0] != "--python":
         return None, arguments
     if len(arguments) < 2 or arguments[1] not in pythons.WANTED:
@@ -93,7 +93,7 @@ def take_version(arguments):
 
 
 def take_blender(arguments):
-    """Split ``--blender VERSION`` off the front of the arguments; the version is None where it is not given."""
+    """Remove ``--blender VERSION`` from the front of the arguments; return the version, or None if not given."""
     if not arguments or arguments[0] != "--blender":
         return None, arguments
     if len(arguments) < 2 or arguments[1] not in pythons.BLENDERS:
@@ -102,7 +102,7 @@ def take_blender(arguments):
 
 
 def prepared_environment(version, blender):
-    """Return the environment for a Python or a Blender (None: the best there is), made now if it is not there."""
+    """Return the environment for a Python or a Blender version (None: the best available), created if necessary."""
     from tools.environment import Environment, SetupError
 
     if blender is not None:
@@ -118,9 +118,9 @@ def prepared_environment(version, blender):
 
 
 def run_child(command, folder=None, variables=None):
-    """Run a program to its end and return its exit code; 130 where the user pressed Ctrl-C.
+    """Run a program to its end and return its exit code; 130 if the user pressed Ctrl-C.
 
-    The terminal sends Ctrl-C to the program as well, so it is left to end by itself; a second Ctrl-C kills it.
+    The terminal also sends Ctrl-C to the program, which may then exit by itself; a second Ctrl-C kills it.
     """
     presses = []
     child = subprocess.Popen(command, cwd=folder, env=variables)

@@ -12,8 +12,8 @@ from .pieces import PieceMasses
 # Densities below e^-60 = 9e-27 of the largest do not change an entropy in float64, which is accurate to 1e-16.
 _DEPTH = 60.0
 _STEPS = 50
-# Fraction of a solver's step under a bound, to be divided by the exponent, which amplifies every step. Full steps
-# would oscillate between two solutions.
+# Under an entropy bound, solvers scale their steps by this fraction divided by the exponent, because the exponent
+# amplifies every step; full steps would oscillate between two solutions.
 BOUNDED_STEP = 0.7
 # A smaller variance is rounding error of a uniform density; dividing by it would overflow float64.
 _LEAST_VARIANCE = 1e-200

@@ -23,8 +23,8 @@ def great_circle(vertex):
     return 3.0 * np.arccos(np.clip(_UNIT.vertices @ _UNIT.vertices[vertex], -1.0, 1.0))
 
 
-def test_distances_are_those_of_the_great_circle():
-    """In scene units; measured within 5 % but near the opposite pole, where all ways around add up."""
+def test_distances_agree_with_great_circles():
+    """In scene units; measured within 5 % except near the opposite pole, where heat arrives from all sides."""
     found = distances_from(7, LARGE)
     exact = great_circle(7)
     beyond = (exact > 1.5) & (exact < 8.0)
@@ -36,7 +36,7 @@ def test_distances_are_those_of_the_great_circle():
     np.testing.assert_allclose(shown.weights * shown.scale, found.lengths)
 
 
-def test_of_several_sources_the_nearest_counts(monkeypatch):
+def test_several_sources_give_the_nearest_distance(monkeypatch):
     alone = [distances_from(vertex, LARGE).lengths for vertex in (3, 900)]
     expected = np.minimum(*alone)
     np.testing.assert_allclose(distances_from([900, 3, 3], LARGE).lengths, expected, atol=1e-12)
@@ -44,7 +44,7 @@ def test_of_several_sources_the_nearest_counts(monkeypatch):
     np.testing.assert_allclose(distances_from([900, 3], LARGE).lengths, expected, atol=1e-9)
 
 
-def test_what_is_not_reached_is_explained():
+def test_unreachable_vertices_are_explained():
     found = distances_from(0, BALLS)
     assert np.isfinite(found.lengths[:400]).all()
     assert np.isinf(found.lengths[400:]).all()
@@ -56,7 +56,7 @@ def test_what_is_not_reached_is_explained():
     assert shown.scale == found.lengths[:400].max()
 
 
-def test_a_blur_that_does_not_reach_is_explained():
+def test_a_blur_that_is_too_short_is_explained():
     found = distances_from(0, strip(200, 1e-6))
     lost = int(np.isinf(found.lengths).sum())
     assert 100 < lost < 400

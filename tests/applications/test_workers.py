@@ -7,11 +7,11 @@ import pytest
 from convwass_addon.applications.workers import both_ways
 
 
-def test_both_ways_are_gone_at_the_same_time():
+def test_both_directions_run_in_parallel():
     meeting = Barrier(2)
 
     def gone(k):
-        # Nobody passes before the other has come.
+        # Neither may continue before the other has arrived.
         meeting.wait(timeout=10.0)
         return 10 * k
 
@@ -19,7 +19,7 @@ def test_both_ways_are_gone_at_the_same_time():
 
 
 @pytest.mark.parametrize("failing", [0, 1])
-def test_a_failure_of_either_way_is_told(failing):
+def test_a_failure_in_either_direction_is_raised(failing):
     def gone(k):
         if k == failing:
             raise ValueError(f"way {k}")

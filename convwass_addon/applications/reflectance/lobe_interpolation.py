@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Interpolate materials: every lobe is the Wasserstein barycenter of theirs (Solomon et al. 2015, section 7)."""
+"""Interpolate materials by Wasserstein barycenters of their lobes (Solomon et al. 2015, section 7)."""
 
 from __future__ import annotations
 
@@ -75,7 +75,7 @@ class LobeBlend:
         if not _FEWEST <= len(tables) <= _MOST:
             raise InputError("Choose two to four materials, not {count}.", count=len(tables))
         if not all(table.fits(tables[0]) for table in tables[1:]):
-            raise InputError("These tables have other directions than the first one; tabulate them alike.")
+            raise InputError("The tables have different directions; tabulate all materials with the same settings.")
         self.tables = tuple(tables)
         self.settings = settings
         self.domain = Sphere(tables[0].rows, settings.sigma, part="upper")
@@ -95,8 +95,8 @@ class LobeBlend:
         """
         if not _FEWEST <= len(materials) <= _MOST:
             raise InputError("Choose two to four materials, not {count}.", count=len(materials))
-        grainless = all(material.is_isotropic for material in materials)
-        incoming = incoming_directions(settings.incoming, 1 if grainless else settings.turns)
+        is_isotropic = all(material.is_isotropic for material in materials)
+        incoming = incoming_directions(settings.incoming, 1 if is_isotropic else settings.turns)
         return cls([tabulated(material, incoming, settings.rows) for material in materials], settings)
 
     def __len__(self) -> int:

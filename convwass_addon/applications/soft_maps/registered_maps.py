@@ -97,26 +97,26 @@ def _starts(
     shapes: dict[bool, UnitShape], target: UnitShape, pairs: NDArray[np.int64], guess: NDArray[np.int64]
 ) -> Iterator[_Start]:
     """Yield the starts that are worth trying."""
-    turned = _turned_share(shapes[False], target, guess)
+    inverted = _inverted_fraction(shapes[False], target, guess)
     mirrored_too = True
     if len(pairs) >= _ENOUGH:
-        laid = {way: _laid_by_pairs(shape, target, pairs) for way, shape in shapes.items()}
-        missed = {way: _missed(points, target, pairs) for way, points in laid.items()}
-        yield _Start("pairs", False, laid[False], BY_PAIRS)
+        aligned = {way: _aligned_by_pairs(shape, target, pairs) for way, shape in shapes.items()}
+        missed = {way: _missed(points, target, pairs) for way, points in aligned.items()}
+        yield _Start("pairs", False, aligned[False], BY_PAIRS)
         mirrored_too = missed[True] <= _WORTH_TRYING * missed[False]
         if mirrored_too:
-            yield _Start("pairs", True, laid[True], BY_PAIRS)
+            yield _Start("pairs", True, aligned[True], BY_PAIRS)
     else:
         here, there = pairs.T
         offset = (target.vertices[there] - shapes[False].vertices[here]).mean(axis=0) if len(pairs) else np.zeros(3)
         yield _Start("placed", False, shapes[False].vertices + offset, AS_PLACED)
-    if turned < 1.0 - _MOSTLY:
+    if inverted < 1.0 - _MOSTLY:
         yield _Start("guess", False, target.vertices[guess], BY_GUESS)
-    if turned > _MOSTLY and mirrored_too:
+    if inverted > _MOSTLY and mirrored_too:
         yield _Start("guess", True, target.vertices[guess], BY_GUESS)
 
 
-def _turned_share(source: UnitShape, target: UnitShape, guess: NDArray[np.int64]) -> float:
+def _inverted_fraction(source: UnitShape, target: UnitShape, guess: NDArray[np.int64]) -> float:
     """Return the fraction of the guessed images' area that faces inward."""
     images = target.vertices[guess]
     a, b, c = (images[source.mesh.faces[:, corner]] for corner in range(3))
@@ -130,7 +130,7 @@ def _turned_share(source: UnitShape, target: UnitShape, guess: NDArray[np.int64]
     return float(weights[inward].sum() / total) if total > 0 else 0.0
 
 
-def _laid_by_pairs(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
+def _aligned_by_pairs(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
     """Align the source rigidly such that its pairs are closest to their partners (S. Umeyama 1991)."""
     here, there = source.vertices[pairs[:, 0]], target.vertices[pairs[:, 1]]
     left, _, right = np.linalg.svd((there - there.mean(axis=0)).T @ (here - here.mean(axis=0)))

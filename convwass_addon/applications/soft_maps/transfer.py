@@ -47,8 +47,8 @@ def transferred_values(points: PointMap, giver: TriangleMesh, values: ArrayLike)
 def transferred_corner_values(points: PointMap, values: ArrayLike) -> NDArray[np.float64]:
     """Transfer values at the corners of one mesh's triangles, (f, 3, d), to another mesh's vertices, (m, d).
 
-    Zero for vertices without a point. Colors may jump between the giver's triangles. UVs need more, because triangles
-    of the receiver may cross their seams (:mod:`.transfer_uvs`).
+    Zero for vertices without a point. Colors may jump between the giver's triangles. For UVs, see :mod:`.transfer_uvs`:
+    triangles of the receiver may cross their seams.
 
     Raises
     ------
