@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One mesh object of all that a shape is made of: parts of any type, and instances."""
+"""Join all parts of a shape, of any type and with instances, to one mesh object."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from .shape_sources import ShapeSource, shows_collection
 
 _MESHED = ("MESH", "FONT", "CURVE", "SURFACE", "META")
 _WITH_RADIUS = ("CURVES", "POINTCLOUD")
-# Collections in collections, and instances of instances, whose mirroring is heeded.
+# Nesting depth up to which mirrored instances are handled.
 _DEPTH = 6
 _MIRRORED = "convwass_mirrored"
 _RADIUS = "radius"
@@ -25,9 +25,9 @@ _TUBE_CORNERS, _BALL_SUBDIVISIONS = 8, 2
 
 @contextmanager
 def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """Give an object that has the surface of a whole shape: its only part, or a mesh of all that is removed afterwards.
+    """Provide an object with the surface of a whole shape: its only part, or a joined mesh that is removed afterwards.
 
-    All is as modifiers leave it, in world space, with materials, UV maps, vertex groups and attributes; instances are
+    Modifiers are applied, in world space; materials, UV maps, vertex groups and attributes are kept, and instances
     realized. Strands and points become tubes and balls of their radius.
 
     Parameters
@@ -35,12 +35,12 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
     source : ShapeSource
         Its parts may be hidden, or come from a linked library.
     depsgraph : bpy.types.Depsgraph
-        ``context.evaluated_depsgraph_get()``; brought up to date here.
+        ``context.evaluated_depsgraph_get()``; updated here.
 
     Raises
     ------
     InputError
-        Parts that have no surface, none at all, strands or points without a radius.
+        No part has a surface, or strands or points have no radius.
     """
     if len(source.parts) == 1 and not needs_joining(source.parts[0], depsgraph):
         yield source.parts[0]
@@ -58,34 +58,34 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
 
 
 def shown_live(tree: bpy.types.NodeTree, source: ShapeSource) -> bpy.types.NodeSocket | None:
-    """Return the geometry of a shape as it is in every frame, in world space, for a node group on an object there.
+    """Return the geometry of a shape in every frame, in world space, for a node group on an object there.
 
     Parameters
     ----------
     tree : bpy.types.NodeTree
-        Where the nodes go.
+        Node group of the new nodes.
     source : ShapeSource
         The shape.
 
     Returns
     -------
     bpy.types.NodeSocket or None
-        None where a part has no mesh that nodes could show.
+        None if a part has no mesh that nodes could show.
     """
     if any(part.type not in ("MESH", "META") and not shows_collection(part) for part in source.parts):
         return None
     join = tree.nodes.new("GeometryNodeJoinGeometry")
-    # What is linked last comes first.
+    # The last link comes first.
     for part in reversed(source.parts):
         tree.links.new(_realized(tree, part), join.inputs["Geometry"])
     return join.outputs["Geometry"]
 
 
 def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Tell whether an object is more, or something else, than the mesh or the flat shape that it is read as."""
+    """Return whether an object must be converted to a joined mesh."""
     if obj.type in ("SURFACE", "META", *_WITH_RADIUS) or shows_collection(obj):
         return True
-    # Of a mirrored mesh all that is read has to be of one copy, whose faces have been turned over.
+    # For mirrored meshes, all data must come from one copy with flipped faces.
     return obj.type == "MESH" and (obj.matrix_world.determinant() < 0 or _has_instances(obj, depsgraph))
 
 
@@ -97,12 +97,12 @@ def _has_instances(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> boo
 
 
 def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Mesh:
-    """Return a new mesh of all parts; the stack removes what is needed for a while."""
+    """Return a new mesh of all parts; the stack removes temporary data."""
     tree = frame_group(source.name)
     stack.callback(bpy.data.node_groups.remove, tree)
     join = tree.nodes.new("GeometryNodeJoinGeometry")
     pieces = [_piece(tree, part, depsgraph, stack) for part in source.parts]
-    # What is linked last comes first.
+    # The last link comes first.
     for piece in reversed([piece for piece in pieces if piece is not None]):
         tree.links.new(piece, join.inputs["Geometry"])
     tree.links.new(join.outputs["Geometry"], tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
@@ -121,7 +121,7 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStac
 def _piece(
     tree: bpy.types.NodeTree, part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, stack: ExitStack
 ) -> bpy.types.NodeSocket | None:
-    """Return the mesh of one part in world space; None where it is empty."""
+    """Return the mesh of one part in world space; None if it is empty."""
     if part.type in _WITH_RADIUS:
         _require_radius(part, depsgraph)
         return _solid_of(tree, part.type, _realized(tree, part))
@@ -139,7 +139,7 @@ def _piece(
 
 
 def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh | None:
-    """Return a new mesh of a part; None where it has no faces, as metaballs that belong to another one, and paths."""
+    """Return a new mesh of a part; None if it has no faces, such as metaballs joined to others, and paths."""
     with evaluated_object(part, depsgraph) as evaluated:
         is_empty = not len(evaluated.to_mesh().polygons)
         evaluated.to_mesh_clear()
@@ -147,7 +147,7 @@ def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.typ
 
 
 def _linked(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Object:
-    """Put a mesh into the scene until the stack is closed."""
+    """Link a mesh to the scene until the stack is closed."""
     obj = bpy.data.objects.new(mesh.name, mesh)
     stack.callback(bpy.data.batch_remove, [obj, mesh])
     depsgraph.scene.collection.objects.link(obj)
@@ -162,10 +162,10 @@ def _info(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.Node:
 
 
 def _realized(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
-    """Return the geometry of a part with its instances, whose faces look outward where they are mirrored, too.
+    """Return the geometry of a part with its instances; faces of mirrored instances are flipped outwards.
 
-    Nodes that realize instances leave faces as they are. So they are realized level by level, and each takes along
-    whether its transform, which is that of all levels so far, mirrors it.
+    Realizing instances does not flip faces. They are therefore realized level by level, and every level stores whether
+    its accumulated transform mirrors it.
     """
     info = _info(tree, part)
     info.inputs["As Instance"].default_value = True
@@ -195,7 +195,7 @@ def _realized(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.Nod
 
 
 def _mirrors(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
-    """Return for an instance whether its transform mirrors it."""
+    """Return whether the transform of an instance mirrors it."""
     transform = tree.nodes.new("GeometryNodeInstanceTransform")
     determinant = tree.nodes.new("FunctionNodeMatrixDeterminant")
     tree.links.new(transform.outputs["Transform"], determinant.inputs["Matrix"])
@@ -218,7 +218,7 @@ def _require_radius(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> N
 
 
 def _solid_of(tree: bpy.types.NodeTree, kind: str, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Return tubes along strands, or balls at points, of their radius."""
+    """Return tubes along strands, or balls at points, with their radius."""
     radius = tree.nodes.new("GeometryNodeInputRadius").outputs["Radius"]
     if kind == "CURVES":
         profile = tree.nodes.new("GeometryNodeCurvePrimitiveCircle")
@@ -228,7 +228,7 @@ def _solid_of(tree: bpy.types.NodeTree, kind: str, geometry: bpy.types.NodeSocke
         tube.inputs["Fill Caps"].default_value = True
         tree.links.new(geometry, tube.inputs["Curve"])
         tree.links.new(profile.outputs["Curve"], tube.inputs["Profile Curve"])
-        if "Scale" in tube.inputs:  # earlier versions of Blender take the radius by themselves
+        if "Scale" in tube.inputs:  # earlier versions of Blender apply the radius automatically
             tree.links.new(radius, tube.inputs["Scale"])
         return tube.outputs["Mesh"]
     ball = tree.nodes.new("GeometryNodeMeshIcoSphere")

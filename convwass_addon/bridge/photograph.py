@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A camera, a lamp and a sky that stay in a scene, so that it can be rendered as it is."""
+"""A camera, a lamp and a sky that stay in a scene, so that it is ready to render."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from .studio import LENS, opening, pose_matrix, world_points
 
 _ELEVATION = math.radians(16.0)
 _SIZE = (1280, 960)
-# Of the lamp beside the camera.
+# Energy of the lamp next to the camera.
 _TURN, _HEIGHT, _STRENGTH = math.radians(-45.0), math.radians(48.0), 3.0
 _SKY = (0.5, 0.55, 0.62, 1.0)
 
 
 def set_up_photograph(scene: bpy.types.Scene, obj: bpy.types.Object) -> None:
-    """Put an object into the picture: a three-quarter view, lit from the left, by Cycles.
+    """Frame an object in a three-quarter view, lit from the left, for rendering with Cycles.
 
     Parameters
     ----------
     scene : bpy.types.Scene
-        Gets a camera, a sun and a world of its own.
+        Gets a camera, a sun and a world.
     obj : bpy.types.Object
         A mesh object of the scene.
     """

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Objects that show one of several meshes, chosen by geometry nodes: the one whose point in a table is the nearest."""
+"""Objects that show one of several meshes, selected by Geometry Nodes: the row nearest to a point in a table."""
 
 from __future__ import annotations
 
@@ -10,28 +10,28 @@ import bpy
 import numpy as np
 
 MODIFIER = "Frames"
-"""Name of the modifier that chooses."""
+"""Name of the modifier that selects the mesh."""
 
 
 def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], first_frame: int) -> bpy.types.Object:
-    """Make an object that shows the meshes of others, frame by frame.
+    """Create an object that shows the meshes of others, frame by frame.
 
-    Exporters write it as a single mesh of changing topology, on every Blender; they treat objects that hide and show in
-    turn each in their own way.
+    All versions of Blender export it as a single mesh of changing topology, whereas exporters treat objects that are
+    shown in turn differently.
 
     Parameters
     ----------
     name : str
         Name of the object, its mesh and its node group.
     shown : sequence of tuple of bpy.types.Object
-        What is seen at `first_frame`, at the frame after it, and so on.
+        Objects shown at `first_frame`, the frame after it, and so on.
     first_frame : int
         A scene frame.
 
     Returns
     -------
     bpy.types.Object
-        Not linked to a scene; to be removed with `remove_sequence`.
+        Not linked to a scene; remove it with `remove_sequence`.
     """
     tree = frame_group(name)
     time = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
@@ -42,12 +42,12 @@ def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], firs
 
 
 def remove_sequence(obj: bpy.types.Object) -> None:
-    """Remove what `mesh_sequence` made."""
+    """Remove an object created by `mesh_sequence`."""
     bpy.data.batch_remove([obj, obj.data, obj.modifiers[MODIFIER].node_group])
 
 
 def frame_group(name: str) -> bpy.types.NodeTree:
-    """Make a node group for a modifier: one geometry comes in, one goes out."""
+    """Create a node group for a modifier, with one geometry input and one geometry output."""
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
     tree.is_modifier = True
     tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
@@ -61,18 +61,18 @@ def table_object(
     tree: bpy.types.NodeTree,
     materials: Sequence[bpy.types.Material] = (),
 ) -> bpy.types.Object:
-    """Make an object whose own mesh is the table its nodes look into: one vertex per row.
+    """Create an object whose own mesh is the lookup table of its nodes, with one vertex per row.
 
     Parameters
     ----------
     name : str
-        Of the object and its mesh.
+        Name of the object and its mesh.
     points : (n, 3) array_like
         Local space.
     tree : bpy.types.NodeTree
-        Ends in `output` with n rows.
+        Ends in `output`, with n rows.
     materials : sequence of bpy.types.Material
-        Those of what is shown, so that the object's slots list them.
+        Materials of the shown meshes, so that the slots of the object list them.
 
     Returns
     -------
@@ -89,7 +89,7 @@ def table_object(
 def write_table(
     mesh: bpy.types.Mesh, points: Sequence[Sequence[float]] | np.ndarray, materials: Sequence[bpy.types.Material] = ()
 ) -> None:
-    """Replace the geometry of a mesh by loose vertices at `points`, (n, 3), and its materials."""
+    """Replace a mesh by loose vertices at `points`, (n, 3), and set its materials."""
     mesh.clear_geometry()
     mesh.vertices.add(len(points))
     mesh.vertices.foreach_set("co", np.asarray(points, dtype=np.float32).ravel())
@@ -100,19 +100,19 @@ def write_table(
 
 
 def own_geometry(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
-    """Return the geometry of the modified object: its table."""
+    """Return the geometry of the modified object, which is its table."""
     return tree.nodes.new("NodeGroupInput").outputs["Geometry"]
 
 
 def along_x(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Return the place on the X axis at a number."""
+    """Return the point on the X axis at a number."""
     node = tree.nodes.new("ShaderNodeCombineXYZ")
     tree.links.new(value, node.inputs["X"])
     return node.outputs["Vector"]
 
 
 def nearest(tree: bpy.types.NodeTree, table: bpy.types.NodeSocket, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Return the number of the row of a table that is the nearest to a place."""
+    """Return the row of a table that is nearest to a point."""
     node = tree.nodes.new("GeometryNodeSampleNearest")
     node.domain = "POINT"
     tree.links.new(table, node.inputs["Geometry"])
@@ -123,18 +123,18 @@ def nearest(tree: bpy.types.NodeTree, table: bpy.types.NodeSocket, place: bpy.ty
 def pick(
     tree: bpy.types.NodeTree, kind: str, index: bpy.types.NodeSocket, items: Sequence[object]
 ) -> bpy.types.NodeSocket:
-    """Return the item number `index`.
+    """Return the item at `index`.
 
     Parameters
     ----------
     tree : bpy.types.NodeTree
-        Where the node goes.
+        Node group of the switch.
     kind : str
-        What the items are, such as "GEOMETRY" or "VECTOR".
+        Type of the items, such as "GEOMETRY" or "VECTOR".
     index : bpy.types.NodeSocket
-        A whole number.
+        An integer.
     items : sequence
-        Sockets, or values that stay as they are.
+        Sockets, or constant values.
     """
     node = tree.nodes.new("GeometryNodeIndexSwitch")
     node.data_type = kind
@@ -152,18 +152,18 @@ def pick(
 
 
 def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str = "ORIGINAL") -> bpy.types.Node:
-    """Return a node about another object.
+    """Return an Object Info node.
 
-    Visibility does not matter to it.
+    Hidden objects are read, too.
 
     Parameters
     ----------
     tree : bpy.types.NodeTree
-        Where the node goes.
+        Node group of the new node.
     obj : bpy.types.Object
         The other object.
     space : "ORIGINAL" or "RELATIVE"
-        Its geometry in its own local space and its place in the world, or both as seen from the modified object.
+        Geometry in its local space and location in the world, or both relative to the modified object.
     """
     info = tree.nodes.new("GeometryNodeObjectInfo")
     info.transform_space = space
@@ -174,7 +174,7 @@ def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str =
 def transformed(
     tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, matrix: bpy.types.NodeSocket
 ) -> bpy.types.NodeSocket:
-    """Return a geometry that a matrix has moved."""
+    """Return a geometry transformed by a matrix."""
     node = tree.nodes.new("GeometryNodeTransform")
     if "Mode" in node.inputs:
         node.inputs["Mode"].default_value = "Matrix"
@@ -186,14 +186,14 @@ def transformed(
 
 
 def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) -> None:
-    """End a group with a geometry, as a mesh that keeps the name of the modified object's own.
+    """Connect a geometry to the output of a group, as a mesh that keeps the name of the modified object's mesh.
 
-    Blender 5 takes over the name of the other object's mesh, and exporters then write a new mesh at each frame. A join
-    takes the name of its first part: the table of so many rows, deleted again afterwards.
+    Blender 5 uses the name of the other object's mesh, and exporters then write a new mesh for each frame. A join uses
+    the name of its first part: the table, which is deleted again afterwards.
     """
     join = tree.nodes.new("GeometryNodeJoinGeometry")
     tree.links.new(geometry, join.inputs["Geometry"])
-    # What is linked last comes first.
+    # The last link comes first.
     tree.links.new(own_geometry(tree), join.inputs["Geometry"])
     is_table = tree.nodes.new("FunctionNodeCompare")
     is_table.data_type, is_table.operation = "INT", "LESS_THAN"
@@ -206,7 +206,7 @@ def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) 
 
 
 def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> bpy.types.NodeSocket:
-    """Return the geometry of all the objects, where they stand in the world."""
+    """Return the geometry of all objects in world space."""
     joint = tree.nodes.new("GeometryNodeJoinGeometry")
     for obj in objects:
         info = object_info(tree, obj, space="RELATIVE")

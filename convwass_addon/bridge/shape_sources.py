@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist calls a shape: an object, all that hangs on a parent, or a collection. Nothing is evaluated here."""
+"""Group objects to shapes: an object, a parent with its children, or a collection. Nothing is evaluated."""
 
 from __future__ import annotations
 
@@ -12,26 +12,26 @@ import bpy
 from .flat.flat_kinds import is_shape
 
 OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
-"""What makes objects one shape."""
+"""Ways to group objects to shapes."""
 
-# Types of objects with a surface, besides those that are shapes by themselves.
+# Types of objects with a surface that need conversion.
 _OTHER_SURFACES = ("SURFACE", "META", "CURVES", "POINTCLOUD")
-# Parts that are drawn so are helpers: cages, cutters, shapes of bones.
+# Display types of helper objects: cages, cutters, bone shapes.
 _HELPERS = ("BOUNDS", "WIRE")
 
 
 @dataclass(frozen=True)
 class ShapeSource:
-    """A shape and the objects that it is made of.
+    """A shape and its objects.
 
     Attributes
     ----------
     name : str
-        What to call it.
+        Name of the shape.
     root : bpy.types.Object
-        Stands for the shape: in lists, and in what is stored with a morph.
+        Represents the shape in lists and in the data stored with a morph.
     parts : tuple of bpy.types.Object
-        The objects whose surfaces it has; `root` need not be one of them.
+        Objects with the surfaces of the shape; may not include `root`.
     """
 
     name: str
@@ -40,17 +40,17 @@ class ShapeSource:
 
 
 def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
-    """Return the shape that an object belongs to.
+    """Return the shape of an object.
 
     Parameters
     ----------
     obj : bpy.types.Object
         Any object.
     grouping : str
-        `OBJECTS`: the object alone; an Empty that shows a collection is a shape, too. `PARENTS`: all that hangs on its
-        topmost parent. `COLLECTIONS`: all in its collection and those inside; an object that is in none but the
-        scene's is a shape by itself. Parts that are disabled in viewports, disabled in renders but not hidden, or
-        drawn as wires or bounds are left out, unless they are all there is.
+        `OBJECTS`: the object alone; an Empty that instances a collection is a shape, too. `PARENTS`: its topmost parent
+        with all children. `COLLECTIONS`: all objects of its collection and nested ones; an object only in the scene's
+        own collection is a shape by itself. Parts that are disabled in viewports, disabled in renders while visible, or
+        displayed as wires or bounds are left out, unless there are no others.
     """
     if grouping == PARENTS:
         root = _topmost(obj)
@@ -63,23 +63,23 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
 
 
 def shape_roots(objects: Iterable[bpy.types.Object], grouping: str = OBJECTS) -> list[bpy.types.Object]:
-    """Return what stands for the shapes that objects belong to, each once; objects without a surface are left out."""
+    """Return the roots of the shapes of objects, without duplicates; objects without a surface are ignored."""
     sources = [shape_source(obj, grouping) for obj in objects if grouping != OBJECTS or is_part(obj)]
     return list(dict.fromkeys(source.root for source in sources if any(map(is_part, source.parts))))
 
 
 def is_plain(source: ShapeSource) -> bool:
-    """Tell whether a shape is one object that is read as it is, flat or solid."""
+    """Return whether a shape is a single object that needs no conversion, flat or solid."""
     return source.parts == (source.root,) and is_shape(source.root)
 
 
 def is_part(obj: bpy.types.Object) -> bool:
-    """Tell whether an object has a surface, flat or solid, or shows a collection."""
+    """Return whether an object has a surface, flat or solid, or instances a collection."""
     return is_shape(obj) or obj.type in _OTHER_SURFACES or shows_collection(obj)
 
 
 def shows_collection(obj: bpy.types.Object) -> bool:
-    """Tell whether an object is an Empty that instances a collection."""
+    """Return whether an object is an Empty that instances a collection."""
     return obj.type == "EMPTY" and obj.instance_type == "COLLECTION" and obj.instance_collection is not None
 
 
@@ -89,7 +89,7 @@ def _kept(objects: Iterable[bpy.types.Object]) -> tuple[bpy.types.Object, ...]:
 
 
 def _is_helper(obj: bpy.types.Object) -> bool:
-    # What a bake hides, to show the morph in its place, is hidden in the viewport and disabled in renders.
+    # Inputs hidden by a bake are hidden in the viewport and disabled in renders, so they still count.
     return obj.hide_viewport or obj.display_type in _HELPERS or (obj.hide_render and obj.visible_get())
 
 
@@ -100,7 +100,7 @@ def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def _collection(obj: bpy.types.Object) -> bpy.types.Collection | None:
-    """Return the collection that an object is in, other than that of a scene."""
+    """Return the collection of an object, other than that of a scene."""
     return next((own for own in obj.users_collection if own in set(bpy.data.collections)), None)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which nodes of a material or a world are seen in renders: none that are switched off or muted."""
+"""Find the nodes of a material or a world that are visible in renders, without muted and unused ones."""
 
 from __future__ import annotations
 
@@ -8,14 +8,14 @@ import bpy
 
 
 def shown_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
-    """Return the node tree that renders show; None where there is none, or where Blender 4.5 does without it."""
+    """Return the node tree used for rendering; None if there is none, or if Blender 4.5 ignores it."""
     if bpy.app.version < (5, 0, 0) and not block.use_nodes:
         return None
     return block.node_tree
 
 
 def source_node(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
-    """Return the node whose result an input takes; None where there is none, or it or the link is muted."""
+    """Return the node linked to an input; None if there is none, or if the node or the link is muted."""
     link = next(iter(socket.links), None)
     if link is None or link.is_muted or link.from_node.mute:
         return None

@@ -93,7 +93,7 @@ def test_lies_of_the_header_are_refused(empty_scene, tmp_path):
     for name, content in lies.items():
         assert content != good, name
         path.write_bytes(content)
-        with pytest.raises(InputError, match="no picture of OpenEXR"):
+        with pytest.raises(InputError, match="not an OpenEXR picture"):
             exr_size(path)
 
 

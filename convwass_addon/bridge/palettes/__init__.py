@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Palettes of images: carried from one to another by transport, as pictures, tables and grades."""
+"""Transfer palettes between images; write the results as pictures, lookup tables and compositor groups."""

@@ -188,7 +188,7 @@ class _Grade:
 
     def _tile(self, blue: Socket) -> tuple[Socket, Socket]:
         """Return the column and the row of a tile."""
-        # Half a step keeps rounding from falling into the row before.
+        # Adding half a step prevents rounding to the row before.
         middle = math_node(self.group, "ADD", blue, 0.5)
         row = math_node(self.group, "FLOOR", math_node(self.group, "DIVIDE", middle, float(self.tiles.columns)))
         column = math_node(self.group, "MULTIPLY_ADD", row, -float(self.tiles.columns), blue)
@@ -201,7 +201,7 @@ class _Grade:
         for tile, own, step, count, axis in zip((column, row), (red, green), (right, up), counts, "XY", strict=True):
             pixel = math_node(self.group, "ADD", math_node(self.group, "MULTIPLY_ADD", tile, size, own), step + 0.5)
             self.group.links.new(math_node(self.group, "DIVIDE", pixel, size * count), place.inputs[axis])
-        # In Blender 4.5 this is how opaque the result is.
+        # In Blender 4.5 this input is the opacity of the result.
         place.inputs["Z"].default_value = 1.0
         source = self.group.nodes.new("CompositorNodeImage")
         source.image = self.image
@@ -225,9 +225,9 @@ class _Grade:
 
 
 def _arrange(group: bpy.types.NodeTree) -> None:
-    """Put every node to the right of what it needs."""
+    """Place every node to the right of its inputs."""
     depths: dict[str, int] = {}
-    # Nodes were made in an order in which most come after what they need; links settle the rest.
+    # Most nodes were created after their inputs; links decide the rest.
     for _ in range(len(group.nodes)):
         before = dict(depths)
         for link in group.links:

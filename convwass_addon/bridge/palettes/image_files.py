@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Image files: read, and written whole or not at all."""
+"""Read image files, and write them completely or not at all."""
 
 from __future__ import annotations
 
@@ -14,11 +14,11 @@ from ...errors import InputError
 from ..image_files import ImageFormat, drawn_image, write_image
 
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF", ".exr": "OPEN_EXR"}
-"""File formats by the end of the name."""
+"""File formats by extension."""
 
 
 def require_format(path: Path) -> str:
-    """Return the format of a file to be written; raises InputError where its name says none."""
+    """Return the format of a file to be written; raises InputError if its extension is unknown."""
     found = FORMATS.get(path.suffix.lower())
     if found is None:
         raise InputError(
@@ -33,13 +33,13 @@ def save_pixels(pixels: NDArray[np.float32], like: bpy.types.Image, path: Path, 
     Parameters
     ----------
     pixels : (height, width, 4) float32
-        As those of `like` are.
+        In the format of the pixels of `like`.
     like : bpy.types.Image
-        Says what they mean: floats in the linear space of scenes, or bytes.
+        Defines the format: floats in the linear scene color space, or bytes.
     path : Path
-        Its end says the format.
+        Its extension defines the file format.
     depth : str
-        Bits of a channel: "8", "16" (PNG and TIFF), "32" (OpenEXR), or what suits the format and the image.
+        Bits per channel: "8", "16" (PNG and TIFF), "32" (OpenEXR), or automatic for the format and the image.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images of Blender as arrays of pixels, and arrays as images."""
+"""Convert Blender's images to arrays of pixels and back."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None) ->
     Raises
     ------
     InputError
-        No pixels, a color space that is not known here, or a mask of another size.
+        No pixels, an unsupported color space, or a mask of another size.
     """
     pixels = read_pixels(image)
     return Picture(pixels, image_format(image), None if mask is None else _mask(mask, image))
 
 
 def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
-    """Return the pixels of an image, (height, width, 4), from the bottom up; what it lacks is opaque and gray.
+    """Return the pixels of an image, (height, width, 4), from bottom to top; missing channels become gray and opaque.
 
     Raises
     ------
     InputError
-        It has none in memory: a file that is missing, or the result of a render that is only shown.
+        No pixels in memory: the file is missing, or the image is a render that is only displayed.
     """
     width, height = image.size
-    # Asking for a pixel loads the file.
+    # Accessing a pixel loads the file.
     if not width * height or not len(image.pixels):
         raise InputError(
             "{image} has no pixels that could be read; load it, or save a render as a file first.", image=image.name
@@ -59,15 +59,14 @@ def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
 
 
 def image_format(image: bpy.types.Image) -> PixelFormat:
-    """Tell what the pixels of an image mean.
+    """Return the format of the pixels of an image.
 
-    Blender converts what it keeps as floats to the linear space of scenes, and multiplies it by alpha; bytes stay as
-    they are in the file.
+    Blender stores floats in the linear scene color space with premultiplied alpha, and bytes as they are in the file.
 
     Raises
     ------
     InputError
-        Bytes in a color space that is neither sRGB nor linear.
+        Bytes in a color space other than sRGB or linear.
     """
     ignores_alpha = image.alpha_mode in ("NONE", "CHANNEL_PACKED")
     if image.is_float:
@@ -76,7 +75,7 @@ def image_format(image: bpy.types.Image) -> PixelFormat:
     space = image.colorspace_settings.name
     if space not in (*_LINEAR, *_SRGB):
         raise InputError(
-            "{image} is in the color space {space}, which this does not read; set it to sRGB or Linear Rec.709, or "
+            "{image} is in the color space {space}, which is not supported; set it to sRGB or Linear Rec.709, or "
             "convert the image to floats.",
             image=image.name,
             space=space,
@@ -86,7 +85,7 @@ def image_format(image: bpy.types.Image) -> PixelFormat:
 
 
 def scene_to_rec709() -> NDArray[np.float64]:
-    """Return the matrix from the linear space of scenes to Rec.709; exactly one where they are the same."""
+    """Return the matrix from the linear scene color space to Rec.709; exactly the identity if they are the same."""
     columns = [Color(unit).from_scene_linear_to_rec709_linear() for unit in np.eye(3)]
     matrix = np.array(columns, dtype=np.float64).T
     return np.eye(3) if np.abs(matrix - np.eye(3)).max() < 1e-4 else matrix
@@ -95,7 +94,7 @@ def scene_to_rec709() -> NDArray[np.float64]:
 def _mask(mask: bpy.types.Image, image: bpy.types.Image) -> NDArray[np.float32]:
     if tuple(mask.size) != tuple(image.size):
         raise InputError(
-            "The mask {mask} is {width} x {height} pixels large, and {image} is not; scale it: Image > Resize.",
+            "The mask {mask} has {width} x {height} pixels, unlike {image}; scale it: Image > Resize.",
             mask=mask.name,
             width=mask.size[0],
             height=mask.size[1],
@@ -106,7 +105,7 @@ def _mask(mask: bpy.types.Image, image: bpy.types.Image) -> NDArray[np.float32]:
 
 
 def result_image(source: bpy.types.Image) -> bpy.types.Image:
-    """Return an image for what becomes of another one: the last result of the same size and kind, or a new one."""
+    """Return an image for a result: the previous result of the same size and format, or a new image."""
     width, height = source.size
     wanted = (source.name, (width, height), source.is_float, None)
     for image in bpy.data.images:
@@ -117,7 +116,7 @@ def result_image(source: bpy.types.Image) -> bpy.types.Image:
     image = bpy.data.images.new(f"{source.name} recolored", width, height, alpha=True, float_buffer=source.is_float)
     if not source.is_float:
         image.colorspace_settings.name = source.colorspace_settings.name
-    # What is read of bytes is straight, whatever the file was.
+    # Bytes are read with straight alpha, whatever the file format.
     premultiplied = source.alpha_mode == "PREMUL" and not source.is_float
     image.alpha_mode = "STRAIGHT" if premultiplied else source.alpha_mode
     image[RESULT_OF] = source.name
@@ -125,19 +124,19 @@ def result_image(source: bpy.types.Image) -> bpy.types.Image:
 
 
 def write_pixels(image: bpy.types.Image, pixels: NDArray[np.float32]) -> None:
-    """Put pixels, (height, width, 4), into an image of the same size.
+    """Write pixels, (height, width, 4), to an image of the same size.
 
     Raises
     ------
     InputError
-        The image has another size by now, or comes from another file.
+        The size of the image has changed, or it is linked from another file.
     """
     if image.library is not None:
         raise InputError(
             "{image} is linked from another file and cannot be changed here; make it local.", image=image.name
         )
     if tuple(image.size) != pixels.shape[1::-1]:
-        raise InputError("{image} has another size than when the work on it began; start again.", image=image.name)
+        raise InputError("The size of {image} has changed since the start; start again.", image=image.name)
     channels = image.channels
     if channels == 4:
         own = pixels
@@ -150,19 +149,19 @@ def write_pixels(image: bpy.types.Image, pixels: NDArray[np.float32]) -> None:
 
 
 def keep_in_file(image: bpy.types.Image, file: bytes | None = None) -> None:
-    """Store a result with the .blend; pixels that are in no file would be lost.
+    """Store a result in the .blend, because pixels without a file would be lost.
 
     Parameters
     ----------
     image : bpy.types.Image
         The result.
     file : bytes or None
-        The result as a file, which the image shows from then on; None for its own pixels.
+        The result as a file that the image uses from now on; None to pack its own pixels.
     """
     if file is None:
         image.pack()
         return
     image.pack(data=file, data_len=len(file))
     image.source = "FILE"
-    # What it was before is out of date.
+    # Its previous file is out of date.
     image.buffers_free()

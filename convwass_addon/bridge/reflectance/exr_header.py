@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a file of OpenEXR is whole, and how large, before Blender reads it.
+"""Check whether an OpenEXR file is complete, and read its size, before Blender opens it.
 
-Blender makes room for all of the pixels that a header speaks of, and Blender 5.0 ends itself where a header is damaged
-or the file cut off.
+Blender allocates memory for all pixels declared in a header, and Blender 5.0 crashes if a header is damaged or the file
+truncated.
 """
 
 from __future__ import annotations
@@ -19,13 +19,13 @@ from pathlib import Path
 
 from ...errors import InputError
 
-# Of version 2, in one part, with rows of plain pixels.
+# Version 2, single part, scan lines of flat pixels.
 _MAGIC = struct.pack("<II", 20000630, 2)
-# The same, with longer names of attributes.
+# The same, with long attribute names.
 _LONG_NAMES = struct.pack("<II", 20000630, 2 | 0x400)
 _MOST_BYTES = 1 << 30
 _NAME = re.compile(rb"[ -~]{1,255}")
-# Bytes of the values of each type of attribute; None where they differ.
+# Size of the values of each attribute type in bytes; None if it varies.
 _TYPES = {
     b"box2f": 16,
     b"box2i": 16,
@@ -59,16 +59,16 @@ _NEEDED = {
     b"screenWindowCenter": b"v2f",
     b"screenWindowWidth": b"float",
 }
-# Rows of a block by the number of the compression, and those numbers that mean none and zlib.
+# Rows per block by compression, and the compressions that mean none and zlib.
 _ROWS = (1, 1, 1, 16, 32, 16, 32, 32, 32, 256)
 _PLAIN, _ZLIB = 0, (2, 3)
-# Bytes of a value by the number of its type: whole numbers, halves and floats.
+# Size of a pixel value in bytes by type: integer, half, float.
 _VALUE_BYTES = (4, 2, 4)
 
 
 @dataclass(frozen=True)
 class ExrSize:
-    """Pixels of a file."""
+    """Size of the picture in a file."""
 
     width: int
     height: int
@@ -76,7 +76,7 @@ class ExrSize:
 
 @dataclass(frozen=True)
 class _Header:
-    """What a header says of the pixels: where they are, how they are packed, and where it ends."""
+    """Position and packing of the pixels, as declared in a header, and where the header ends."""
 
     top: int
     size: ExrSize
@@ -86,12 +86,12 @@ class _Header:
 
 
 def exr_size(path: Path) -> ExrSize:
-    """Read the size of a file of OpenEXR, after a look at all of its blocks.
+    """Read the size of an OpenEXR file after checking all of its blocks.
 
     Raises
     ------
     InputError
-        There is no such file, it cannot be read, is no OpenEXR of one part and plain rows, or is damaged.
+        The file does not exist, cannot be read, is not a single-part scan line OpenEXR file, or is damaged.
     """
     if not path.is_file():
         raise InputError("There is no file {file}.", file=str(path))
@@ -105,12 +105,12 @@ def exr_size(path: Path) -> ExrSize:
         header = _header(data)
         _check_blocks(data, header)
     except (ValueError, IndexError, struct.error, zlib.error) as problem:
-        raise InputError("{name} is no picture of OpenEXR, or is damaged.", name=path.name) from problem
+        raise InputError("{name} is not an OpenEXR picture, or is damaged.", name=path.name) from problem
     return header.size
 
 
 def _header(data: bytes) -> _Header:
-    """Read the header; an error of the kind that `exr_size` expects where it makes no sense."""
+    """Read the header; invalid data raises an error that `exr_size` handles."""
     _require(data.startswith((_MAGIC, _LONG_NAMES)))
     found: dict[bytes, tuple[bytes, bytes]] = {}
     place = len(_MAGIC)
@@ -129,7 +129,7 @@ def _header(data: bytes) -> _Header:
 
 
 def _attribute(data: bytes, place: int) -> tuple[bytes, bytes, bytes, int]:
-    """Return the name, type and value of what begins at a place, and where the next one begins."""
+    """Return the name, type and value of the attribute at an offset, and the offset of the next one."""
     words = []
     for _ in range(2):
         end = data.index(0, place, place + 256)
@@ -144,7 +144,7 @@ def _attribute(data: bytes, place: int) -> tuple[bytes, bytes, bytes, int]:
 
 
 def _channel_bytes(value: bytes) -> Iterator[int]:
-    """Yield the bytes that each channel takes of a pixel."""
+    """Yield the bytes per pixel of each channel."""
     place = 0
     while value[place]:
         place = value.index(0, place) + 1
@@ -156,10 +156,10 @@ def _channel_bytes(value: bytes) -> Iterator[int]:
 
 
 def _check_blocks(data: bytes, header: _Header) -> None:
-    """Look whether all blocks of rows are there, as large as they should be, and can be unpacked."""
+    """Check that all blocks of rows exist, have the right size, and can be decompressed."""
     rows, size = _ROWS[header.compression], header.size
     count = math.ceil(size.height / rows)
-    # Before anything is made of a number that may be a lie.
+    # Checked before numbers from the file are used.
     _require(header.end + 16 * count <= len(data))
     starts = struct.unpack_from(f"<{count}Q", data, header.end)
     _require(all(first < second for first, second in pairwise(sorted(starts))))
@@ -173,7 +173,7 @@ def _check_blocks(data: bytes, header: _Header) -> None:
             _require(length == whole)
         elif header.compression in _ZLIB and length < whole:
             unpacker = zlib.decompressobj()
-            # Up to the check sum at the end, and no further than a lie may lead.
+            # Includes the checksum at the end; the limit protects from wrong sizes in the file.
             _require(len(unpacker.decompress(block, whole + 1)) == whole and unpacker.eof)
 
 

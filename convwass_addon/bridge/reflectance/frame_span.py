@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of the scene that the steps of a blend are spread over."""
+"""Scene frames over which the steps of a blend are distributed."""
 
 from __future__ import annotations
 
@@ -11,11 +11,11 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Frames:
-    """Frames of the scene from the first to the last step."""
+    """Scene frames from the first to the last step."""
 
     first: int
     last: int
 
     def of(self, count: int) -> list[float]:
-        """Return where so many steps lie."""
+        """Return the frames of this number of steps."""
         return np.linspace(self.first, self.last, count).tolist()

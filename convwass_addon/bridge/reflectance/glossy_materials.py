@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The highlights of Blender's materials in closed form."""
+"""Read the highlights of Blender's materials in closed form."""
 
 from __future__ import annotations
 
@@ -15,26 +15,26 @@ from ...sentence import Sentence
 from ..shown_nodes import shown_tree, source_node
 
 _QUARTER_TOLERANCE = 1e-3
-# Glossy BSDF goes to an aspect of 0, which no table could show.
+# Glossy BSDF allows an aspect of 0, which no table can represent.
 _MOST_GLOSSY_ANISOTROPY = 0.99
 
 
 @dataclass(frozen=True)
 class GlossyMaterial:
-    """What of a material is interpolated.
+    """The interpolated properties of a material.
 
     Attributes
     ----------
     name : str
-        Of the material.
+        Name of the material.
     lobe : Ggx
-        Its highlight, in the color that it has seen from above.
+        Highlight, in its color seen from above.
     base_color : (3,) float
-        As Principled BSDF has it.
+        As in Principled BSDF.
     metallic : float
-        The same.
+        As in Principled BSDF.
     notices : tuple of Sentence
-        What was left out.
+        Properties that were ignored.
     """
 
     name: str
@@ -45,7 +45,7 @@ class GlossyMaterial:
 
     @property
     def diffuse(self) -> tuple[float, float, float]:
-        """Color of what is scattered evenly: nothing for metals."""
+        """Color of the diffuse part; black for metals."""
         return tuple((1.0 - self.metallic) * part for part in self.base_color)
 
 
@@ -55,7 +55,7 @@ def read_glossy(material: bpy.types.Material) -> GlossyMaterial:
     Raises
     ------
     InputError
-        It has neither, its values come from a texture, or its grain runs aslant.
+        Another shader, an input from a texture, or an anisotropic rotation that is not a multiple of 90 degrees.
     """
     node = _shader(material)
     if node.type == "BSDF_GLOSSY":
@@ -81,7 +81,7 @@ def read_glossy(material: bpy.types.Material) -> GlossyMaterial:
 def _read_glossy(material: bpy.types.Material, node: bpy.types.Node) -> GlossyMaterial:
     color, notices = _color(material, node, "Color")
     means: list[Sentence] = []
-    # The sign says along which axis; Cycles divides by what the other one is multiplied with.
+    # The sign selects the axis; Cycles multiplies one axis and divides the other.
     given = _value(material, node, "Anisotropy", means)
     anisotropy = float(np.clip(given, -_MOST_GLOSSY_ANISOTROPY, _MOST_GLOSSY_ANISOTROPY))
     alpha, aspect = max(_value(material, node, "Roughness", means) ** 2, 1e-3), 1.0 - abs(anisotropy)
@@ -93,20 +93,20 @@ def _read_glossy(material: bpy.types.Material, node: bpy.types.Node) -> GlossyMa
 
 
 def _shader(material: bpy.types.Material) -> bpy.types.Node:
-    """Return the BSDF that the active output shows; raises InputError where it shows something else."""
+    """Return the BSDF of the active output; raises InputError if it shows something else."""
     tree = shown_tree(material)
     output = tree.get_output_node("CYCLES") if tree is not None else None
     node = source_node(output.inputs["Surface"]) if output is not None else None
     if node is None or node.type not in ("BSDF_PRINCIPLED", "BSDF_GLOSSY"):
         raise InputError(
-            "{material} does not end in a Principled or Glossy BSDF, so its highlight is not known.",
+            "{material} does not end in a Principled or Glossy BSDF, so its highlight is unknown.",
             material=material.name,
         )
     return node
 
 
 def _value(material: bpy.types.Material, node: bpy.types.Node, name: str, means: list[Sentence]) -> float:
-    """Return the value of an input; of an image right before it the mean, which is told."""
+    """Return the value of an input; for an image linked directly to it, the mean, with a notice."""
     socket = node.inputs[name]
     if not socket.is_linked:
         return float(socket.default_value)
@@ -123,11 +123,11 @@ def _value(material: bpy.types.Material, node: bpy.types.Node, name: str, means:
 
 
 def _mean_of(link: bpy.types.NodeLink) -> float | None:
-    """Return the mean of an image whose plain numbers a link takes; None for anything else."""
+    """Return the mean of an image that is linked directly as plain numbers; None for anything else."""
     node = source_node(link.to_socket)
     is_image = node is not None and node.type == "TEX_IMAGE" and link.from_socket.name == "Color"
     image = node.image if is_image else None
-    # Asking for a pixel loads the file.
+    # Accessing a pixel loads the file.
     if image is None or not image.colorspace_settings.is_data or not len(image.pixels) or image.channels < 3:
         return None
     values = np.empty(len(image.pixels), dtype=np.float32)
@@ -144,20 +144,20 @@ def _color(
     if not socket.is_linked:
         return color, ()
     values = {"name": name, "material": material.name}
-    return color, (Sentence("{name} of {material} comes from another node; its unlinked color counts.", values),)
+    return color, (Sentence("{name} of {material} comes from another node; its unlinked color is used.", values),)
 
 
 def _is_turned(material: bpy.types.Material, node: bpy.types.Node, name: str, lobe: Ggx) -> bool:
-    """Tell whether the grain runs across the tangent instead of along it."""
+    """Return whether the highlight is stretched across the tangent instead of along it."""
     if lobe.is_isotropic:
         return False
     if node.inputs[name].is_linked:
         raise InputError(
-            "The grain of {material} runs aslant; set its rotation to 0 or a quarter.", material=material.name
+            "The anisotropic rotation of {material} is oblique; set it to 0 or a quarter turn.", material=material.name
         )
     quarters = 4.0 * float(node.inputs[name].default_value)
     if abs(quarters - round(quarters)) > _QUARTER_TOLERANCE:
         raise InputError(
-            "The grain of {material} runs aslant; set its rotation to 0 or a quarter.", material=material.name
+            "The anisotropic rotation of {material} is oblique; set it to 0 or a quarter turn.", material=material.name
         )
     return round(quarters) % 2 == 1

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files that hold highlights, whatever wrote them."""
+"""Read and write files of highlights in all supported formats."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from ...errors import InputError
 from .lobe_images import holds_whole_table, read_lobe_exr, read_table_exr, write_table_exr
 
 WHOLE = (".npz", ".lobes.exr")
-"""How names of files end that hold whole tables."""
+"""Extensions of files that store whole tables."""
 
 
 def is_whole(path: Path) -> bool:
-    """Whether a file is called as one that holds a whole table, with all directions of one blend."""
+    """Return whether the name of a file is that of a whole table, with all directions of one blend."""
     return path.name.lower().endswith(WHOLE)
 
 
 def write_whole_table(path: Path, table: LobeTable) -> None:
-    """Write a whole table, as its name says; raises InputError or ConvwassError where that does not go."""
+    """Write a whole table in the format of its extension; raises InputError or ConvwassError on failure."""
     if path.suffix.lower() == ".npz":
         write_table(path, table)
     else:
@@ -35,7 +35,7 @@ def write_whole_table(path: Path, table: LobeTable) -> None:
 
 
 def read_whole_table(path: Path) -> LobeTable:
-    """Read a file .npz, or .exr, as a whole table; raises InputError where it is none."""
+    """Read a whole table from an .npz or .exr file; raises InputError if it is something else."""
     return read_table(path) if path.suffix.lower() == ".npz" else read_table_exr(path)
 
 
@@ -45,7 +45,7 @@ def read_lobe_file(path: Path) -> list[NDArray[np.float32]]:
     Raises
     ------
     InputError
-        The name ends otherwise, the file holds something else, or a material with a grain.
+        Unknown extension, another content, or an anisotropic material.
     """
     kind = path.suffix.lower()
     if kind == ".exr" and not holds_whole_table(path):
@@ -56,4 +56,4 @@ def read_lobe_file(path: Path) -> list[NDArray[np.float32]]:
         default = ReflectanceSettings()
         table = tabulated(read_merl(path), incoming_directions(default.incoming, 1), default.rows)
         return [half_angle_table(table)]
-    raise InputError("{name} is no table of highlights; those end in .exr, .npz or .binary.", name=path.name)
+    raise InputError("{name} is not a table of highlights; those end in .exr, .npz or .binary.", name=path.name)

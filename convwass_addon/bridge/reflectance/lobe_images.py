@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tables of lobes by half and difference angle as images, and as files of OpenEXR."""
+"""Store tables of lobes by half and difference angle in images and OpenEXR files."""
 
 from __future__ import annotations
 
@@ -21,20 +21,20 @@ from ..files import checked_target
 from ..image_files import opened_image
 from .exr_header import exr_size
 
-# No lobe that a table can hold is brighter; a file that says so is none.
+# Brighter lobes are invalid.
 _LARGEST = 1e9
 _MOST_STEPS = 256
 
 
 def lobe_image(name: str, tables: Sequence[NDArray[np.float32]]) -> bpy.types.Image:
-    """Make an image of one or more tables, stacked from the bottom up, that stays in the file.
+    """Create an image of one or more tables, stacked from the bottom up, and pack it into the .blend.
 
     Parameters
     ----------
     name : str
-        Of the image.
+        Name of the image.
     tables : sequence of (64, 256, 3) float32
-        f in 1/sr, as :func:`..applications.reflectance.lobe_lookup.half_angle_table` gives it.
+        f in 1/sr, as returned by :func:`..applications.reflectance.lobe_lookup.half_angle_table`.
     """
     stack = np.concatenate(tables)
     image = bpy.data.images.new(name, stack.shape[1], stack.shape[0], alpha=False, float_buffer=True, is_data=True)
@@ -43,7 +43,7 @@ def lobe_image(name: str, tables: Sequence[NDArray[np.float32]]) -> bpy.types.Im
 
 
 def fill_image(image: bpy.types.Image, values: NDArray[np.float32]) -> None:
-    """Write values, (height, width, 3), into a float image of that size, and pack it."""
+    """Write values, (height, width, 3), to a float image of that size, and pack it."""
     rgba = np.ones((*values.shape[:2], 4), dtype=np.float32)
     rgba[..., :3] = values
     image.pixels.foreach_set(rgba.ravel())
@@ -52,12 +52,12 @@ def fill_image(image: bpy.types.Image, values: NDArray[np.float32]) -> None:
 
 
 def write_lobe_exr(path: Path, tables: Sequence[NDArray[np.float32]]) -> Path:
-    """Write tables, (64, 256, 3) each, as one OpenEXR file of 32-bit floats, stacked as in the image; whole or not.
+    """Write tables, (64, 256, 3) each, as one OpenEXR file of 32-bit floats, stacked as in the image.
 
     Raises
     ------
     InputError
-        The folder cannot be written to.
+        The folder is not writable.
     ConvwassError
         The file could not be written.
     """
@@ -70,7 +70,7 @@ def write_table_exr(path: Path, table: LobeTable) -> Path:
 
 
 def _write_exr(path: Path, values: NDArray[np.float32]) -> Path:
-    """Write values, (height, width, 3), the lowest row first."""
+    """Write values, (height, width, 3), from the bottom row up."""
     target = checked_target(path)
     height, width = values.shape[:2]
     image = bpy.data.images.new("Lobes", width, height, alpha=False, float_buffer=True, is_data=True)
@@ -86,18 +86,18 @@ def _write_exr(path: Path, values: NDArray[np.float32]) -> Path:
 
 
 def holds_whole_table(path: Path) -> bool:
-    """Whether a file of OpenEXR has the size of a whole table; raises InputError where it is none."""
+    """Return whether an OpenEXR file has the size of a whole table; raises InputError if it is not an OpenEXR file."""
     size = exr_size(whole_path(path))
     return has_table_size(size.width, size.height)
 
 
 def read_table_exr(path: Path) -> LobeTable:
-    """Read what :func:`write_table_exr` has written.
+    """Read a file from :func:`write_table_exr`.
 
     Raises
     ------
     InputError
-        No such file, none that Blender reads, another size, or values that no table has.
+        The file does not exist, Blender cannot read it, or its size or values are invalid for a table.
     """
     file = whole_path(path)
     if not holds_whole_table(file):
@@ -106,12 +106,12 @@ def read_table_exr(path: Path) -> LobeTable:
 
 
 def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
-    """Read what :func:`write_lobe_exr` has written.
+    """Read a file from :func:`write_lobe_exr`.
 
     Raises
     ------
     InputError
-        No such file, none that Blender reads, another size, or values that no material has.
+        The file does not exist, Blender cannot read it, or its size or values are invalid for a material.
     """
     file = whole_path(path)
     size = exr_size(file)
@@ -125,7 +125,7 @@ def read_lobe_exr(path: Path) -> list[NDArray[np.float32]]:
 
 
 def _read_exr(file: Path) -> NDArray[np.float32]:
-    """Read a file, (height, width, 3), the lowest row first, whose size has been looked at."""
+    """Read a file whose size was checked, (height, width, 3), from the bottom row up."""
     with opened_image(file) as image:
         image.colorspace_settings.name = "Non-Color"
         width, height = image.size

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that show lobes between others: as they are tabulated, or by the nearest Principled BSDF."""
+"""Create materials that show blended lobes: as tables, or by the best fitting Principled BSDF."""
 
 from __future__ import annotations
 
@@ -19,9 +19,9 @@ from .lobe_images import lobe_image
 from .lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH, lobe_group
 
 RESULT_OF = "convwass_lobes"
-"""Custom property of a result: from what it was made, and how it shows it."""
+"""Custom property of a result: the source materials and the way of showing the blend."""
 
-# The direction from which a lamp shines is its Z axis, written with its quaternion; Blender evaluates that by itself.
+# A lamp shines along its Z axis, expressed by its quaternion; Blender evaluates such expressions without Python.
 _Z_AXIS = ("2*(x*z+w*y)", "2*(y*z-w*x)", "1-2*(x*x+y*y)")
 
 
@@ -32,11 +32,11 @@ class PrincipledFit:
     Attributes
     ----------
     lobe : Ggx
-        The nearest one.
+        The best fitting lobe.
     base_color : (3,) float
-        Mixed in proportion to the weights.
+        Mixed by the weights.
     metallic : float
-        The same.
+        Mixed by the weights.
     """
 
     lobe: Ggx
@@ -45,7 +45,7 @@ class PrincipledFit:
 
 
 def mixed(colors: Sequence[Sequence[float]], weights: NDArray[np.float64]) -> tuple[float, float, float]:
-    """Mix colors, (k, 3), in proportion to weights of sum 1."""
+    """Mix colors, (k, 3), by weights of sum 1."""
     return tuple(float(part) for part in weights @ np.asarray(colors, dtype=np.float64))
 
 
@@ -56,20 +56,20 @@ def lobe_material(
     sun: bpy.types.Object | None,
     frames: Frames | None = None,
 ) -> bpy.types.Material:
-    """Make a material that shows tables, or fill the one that shows the last result of that name.
+    """Create a material that shows tables, or update the last result of that name.
 
     Parameters
     ----------
     name : str
-        Of the material.
+        Name of the material.
     tables : sequence of (64, 256, 3) float32
-        f in 1/sr; more than one are the steps of a blend that has a slider.
+        f in 1/sr; several tables are the steps of a blend with a slider.
     diffuse : sequence of (3,) float
-        Matte color of every step.
+        Diffuse color of every step.
     sun : bpy.types.Object or None
-        A sun whose direction, color and strength it follows.
+        A sun whose direction, color and strength the material uses.
     frames : Frames, optional
-        Where the slider is keyed from 0 to 1.
+        Where the slider is animated from 0 to 1.
     """
     material, tree = emptied(name, "LOBES")
     node = tree.nodes.new("ShaderNodeGroup")
@@ -90,7 +90,7 @@ def lobe_material(
 
 
 def fitted_material(name: str, fits: Sequence[PrincipledFit], frames: Frames | None = None) -> bpy.types.Material:
-    """Make a material with a Principled BSDF, keyed where there are several steps and frames; see `lobe_material`."""
+    """Create a material with a Principled BSDF, animated if there are several steps and frames; see `lobe_material`."""
     material, tree = emptied(name, "FITTED")
     node = tree.nodes.new("ShaderNodeBsdfPrincipled")
     node.location = (-300.0, 0.0)
@@ -121,7 +121,7 @@ def principled_values(fit: PrincipledFit) -> dict[str, object]:
 
 
 def emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTree]:
-    """Return the material of a former result, emptied, or a new one: what wears it goes on doing so."""
+    """Return the material of an earlier result without its nodes, or a new one. Objects keep the material."""
     own = f"{kind} {name}"
     found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own and item.library is None)
     material = next(found, None) or bpy.data.materials.new(name)
@@ -150,7 +150,7 @@ def _remove_unused(images: set[bpy.types.Image]) -> None:
 
 
 def follow(node: bpy.types.Node, sun: bpy.types.Object) -> None:
-    """Let a node go by a sun: its direction by drivers, its color and strength too."""
+    """Drive the direction, color and strength of a node by a sun."""
     for axis, expression in enumerate(_Z_AXIS):
         driver = node.inputs[DIRECTION].driver_add("default_value", axis).driver
         for letter in "wxyz":
@@ -178,7 +178,7 @@ def _key(socket: bpy.types.NodeSocket, frames: Sequence[float], values: Sequence
 
 
 def _hold(tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket) -> None:
-    """Keep a value until its next key: a grain runs along or across, and what lies between would turn it."""
+    """Keep a value until its next key; interpolation would rotate the anisotropy through oblique angles."""
     path = socket.path_from_id("default_value")
     for curve in curves_of(tree):
         if curve.data_path == path:

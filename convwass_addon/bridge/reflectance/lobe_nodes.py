@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A node group that looks up the light that a surface reflects in a table by half and difference angle."""
+"""Create a node group that looks up reflected light in a table by half and difference angle."""
 
 from __future__ import annotations
 
@@ -16,25 +16,25 @@ GROUP = "Interpolated Lobe"
 """Name of the node group."""
 
 BLEND, DIRECTION, LIGHT, STRENGTH, DIFFUSE = "Blend", "Light Direction", "Light Color", "Light Strength", "Diffuse"
-"""Its inputs; the blend is not there where the image holds one table."""
+"""Its inputs; without the blend if the image contains one table."""
 
 ACROSS, UP = "Across", "Up"
-"""Inputs that the node group of a pad has instead of the blend."""
+"""Inputs of the node group of a pad, instead of the blend."""
 
 _RIGHT_ANGLE = math.pi / 2
 
 
 def lobe_group(image: bpy.types.Image) -> bpy.types.NodeTree:
-    """Make a node group for an image of stacked tables.
+    """Create a node group for an image of stacked tables.
 
-    It shows what one distant light, without shadows, makes of the table: f(half angle, difference angle) times the
-    cosine of the light and its irradiance, and of a matte part, as light that the surface gives off. The angles come
-    from lengths of differences of unit vectors, 2 asin(|N - H| / 2), since the cosine is all rounding at the peak.
+    It emits the light that a surface reflects from one distant light without shadows: f(half angle, difference angle)
+    times the cosine and irradiance of the light, plus a diffuse part. Angles are computed from lengths of differences
+    of unit vectors, 2 asin(|N - H| / 2), because the cosine loses all precision at the peak.
 
     Parameters
     ----------
     image : bpy.types.Image
-        As :func:`.lobe_images.lobe_image` makes it.
+        An image from :func:`.lobe_images.lobe_image`.
     """
     steps = image.size[1] // HEIGHT
     tree = _new_group([BLEND] if steps > 1 else [])
@@ -50,7 +50,7 @@ def lobe_group(image: bpy.types.Image) -> bpy.types.NodeTree:
 
 
 def lobe_pad_group(image: bpy.types.Image, side: int) -> bpy.types.NodeTree:
-    """Make the same for an image of side x side tables, row by row, with two sliders: :data:`ACROSS` and :data:`UP`."""
+    """Create the same for an image of side x side tables, with two sliders: :data:`ACROSS` and :data:`UP`."""
     tree = _new_group([ACROSS, UP])
     at = _Angles(tree)
     column, row = (slider_place(tree, at.inputs[name], side) for name in (ACROSS, UP))
@@ -65,7 +65,7 @@ def lobe_pad_group(image: bpy.types.Image, side: int) -> bpy.types.NodeTree:
 
 
 class _Angles:
-    """What the light and the view are at a point of a surface, in the units of the tables."""
+    """Coordinates of light and view at a surface point, in the units of the tables."""
 
     def __init__(self, tree: bpy.types.NodeTree) -> None:
         self.inputs = tree.nodes.new("NodeGroupInput").outputs
@@ -78,7 +78,7 @@ class _Angles:
 
 
 def _shade(tree: bpy.types.NodeTree, at: _Angles, lobe: bpy.types.NodeSocket) -> None:
-    """Light the surface, and end the group."""
+    """Shade the surface, and connect the output of the group."""
     matte = _scaled(tree, at.inputs[DIFFUSE], 1.0 / math.pi)
     cosine = math_node(tree, "MAXIMUM", _dot(tree, at.normal, at.light), 0.0)
     brightness = math_node(tree, "MULTIPLY", cosine, at.inputs[STRENGTH])
@@ -112,14 +112,14 @@ def _new_group(sliders: list[str]) -> bpy.types.NodeTree:
 
 @dataclass(frozen=True)
 class SliderPlace:
-    """A slider over some values as the number of the one before it, and the share of the way to the next one."""
+    """Position of a slider between values: the index of the value before it, and the fraction towards the next."""
 
     first: bpy.types.NodeSocket
     rest: bpy.types.NodeSocket
 
 
 def slider_place(tree: bpy.types.NodeTree, slider: bpy.types.NodeSocket, count: int) -> SliderPlace:
-    """Find a slider from 0 to 1 among so many values, two at least."""
+    """Find the position of a slider from 0 to 1 between a number of values, at least two."""
     clamped = math_node(tree, "MINIMUM", math_node(tree, "MAXIMUM", slider, 0.0), 1.0)
     place = math_node(tree, "MULTIPLY", clamped, float(count - 1))
     first = math_node(tree, "MINIMUM", math_node(tree, "FLOOR", place), float(count - 2))
@@ -133,7 +133,7 @@ def stacked(
     up: bpy.types.NodeSocket,
     number: bpy.types.NodeSocket | float,
 ) -> bpy.types.NodeSocket:
-    """Look up the table of a number in a stack, at a place of it from 0 to 1."""
+    """Look up a coordinate from 0 to 1 in one table of a stack."""
     row = math_node(tree, "DIVIDE", math_node(tree, "ADD", up, number), float(image.size[1] // HEIGHT))
     place = tree.nodes.new("ShaderNodeCombineXYZ")
     tree.links.new(across, place.inputs["X"])
@@ -156,13 +156,13 @@ def mixed_vectors(
 
 
 def _clamped(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Stay within the texels of one table, so that the next one in the stack does not show through."""
+    """Clamp to the texels of one table, so that the next table in the stack does not bleed in."""
     margin = 0.5 / HEIGHT
     return math_node(tree, "MINIMUM", math_node(tree, "MAXIMUM", value, margin), 1.0 - margin)
 
 
 def _angle(tree: bpy.types.NodeTree, first: bpy.types.NodeSocket, second: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Angle between unit vectors; 1 is a right one."""
+    """Angle between unit vectors; 1 is a right angle."""
     node = _vector_node(tree, "LENGTH", _vector(tree, "SUBTRACT", first, second))
     half = math_node(tree, "ARCSINE", math_node(tree, "MULTIPLY", node.outputs["Value"], 0.5))
     return math_node(tree, "MULTIPLY", half, 2.0 / _RIGHT_ANGLE)
@@ -196,6 +196,6 @@ def _vector_node(tree: bpy.types.NodeTree, operation: str, *sockets: bpy.types.N
 
 
 def _lay_out(tree: bpy.types.NodeTree) -> None:
-    """Put the nodes side by side in the order in which they were made, which is the order of the work."""
+    """Arrange the nodes from left to right in the order of creation, which is the order of evaluation."""
     for place, node in enumerate(tree.nodes):
         node.location = (180.0 * (place // 4), -200.0 * (place % 4))

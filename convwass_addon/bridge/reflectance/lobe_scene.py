@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene that shows materials between others: balls that wear them, a sun, a camera, and a pad if there is one."""
+"""Create a scene that shows blended materials: balls, a sun, a camera, and a pad if there is one."""
 
 from __future__ import annotations
 
@@ -22,21 +22,21 @@ _BLACK = (0.0, 0.0, 0.0)
 
 
 def show_on_balls(names: Sequence[str], shown: Sequence[LobeFrame], sheet: PadSheet | None) -> list[bpy.types.Object]:
-    """Show blends of tabulated metals in the scene, which is empty.
+    """Show blends of tabulated metals in an empty scene.
 
     Parameters
     ----------
     names : sequence of str
-        Of the materials.
+        Names of the materials.
     shown : sequence of LobeFrame
-        One, those of a way, or those of all places of a pad.
+        One blend, those of an animation, or those of all positions of a pad.
     sheet : PadSheet or None
         The pad.
 
     Returns
     -------
     list of bpy.types.Object
-        A ball for the tabulated lobes, if they have no grain, and one for the nearest Principled BSDF.
+        A ball for the tabulated lobes, if they are isotropic, and one for the best fitting Principled BSDF.
     """
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A pad for materials: an empty is dragged inside a square or a triangle, and drivers take its place to materials.
+"""A pad for materials: an Empty is dragged in a square or triangle, and drivers pass its position to materials.
 
-The drivers are arithmetic that Blender does by itself: a file needs neither scripts nor the add-on, and keys on the
-empty animate the blend.
+Blender evaluates the arithmetic of the drivers without Python, so a file needs neither scripts nor the add-on, and keys
+on the Empty animate the blend.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ import numpy as np
 from ..pad_handles import pad_handle
 
 PAD_OF = "convwass_material_pad"
-"""Custom property of the empty of a pad: which blend it drives."""
+"""Custom property of the Empty of a pad: the blend that it drives."""
 
 SIDE = 2.0
 """Length of a side of the pad."""
 
-# Height of the names at the corners, and size of the empty.
+# Height of the names at the corners, and size of the Empty.
 _TEXT, _HANDLE = 0.2, 0.1
-# The line at the tip of a triangle has no length.
+# The tip of the triangle is a line of length zero.
 _TIP = 1e-4
 
 
@@ -36,9 +36,9 @@ class MaterialPad:
     Attributes
     ----------
     handle : bpy.types.Object
-        The empty to drag; its parent is the drawn lattice.
+        The Empty to drag; its parent is the visible lattice.
     count : int
-        How many materials there are, 3 or 4.
+        Number of materials, 3 or 4.
     side : int
         Blends along each side.
     """
@@ -66,16 +66,16 @@ class MaterialPad:
 
 
 def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], side: int) -> MaterialPad:
-    """Make a pad at the 3D cursor, upright, or take the one that drives the last result of that name.
+    """Create a pad at the 3D cursor, upright, or return the pad that drives the last result of that name.
 
     Parameters
     ----------
     scene : bpy.types.Scene
-        Where it goes.
+        Scene of the pad.
     name : str
-        Of the result.
+        Name of the result.
     materials : sequence of str
-        Names of three (left below, right below, above) or four (left above, right above, left below, right below).
+        Names of three (bottom left, bottom right, top) or four (top left, top right, bottom left, bottom right).
     side : int
         Blends along each side.
     """
@@ -103,7 +103,7 @@ def _rise(count: int) -> float:
 
 
 def _corners(count: int) -> np.ndarray:
-    """Return where each material is, local space of the lattice, (count, 3); its middle height is 0."""
+    """Return the positions of the materials in local space of the lattice, (count, 3), centered vertically."""
     high = 0.5 * _rise(count)
     places = [(-0.5, -high), (0.5, -high), (0.0, high)]
     if count == 4:
@@ -123,7 +123,7 @@ def _lattice(corners: np.ndarray) -> bpy.types.Object:
 
 
 def _label(name: str, corner: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:
-    """Write the name of a material at its corner: above the upper ones, below the lower ones."""
+    """Write the name of a material at its corner: above the upper corners, below the lower ones."""
     font = bpy.data.curves.new(name, "FONT")
     font.body, font.size, font.align_x = name, _TEXT, "CENTER"
     font.offset_x, font.offset_y = corner[0], corner[2] + (0.6 if corner[2] > 0 else -1.4) * _TEXT

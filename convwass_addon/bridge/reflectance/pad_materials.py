@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials that an empty on a pad drives: values of all blends lie in images, and nodes read them at its place."""
+"""Create materials driven by an Empty on a pad: values of all blends are stored in images that nodes sample."""
 
 from __future__ import annotations
 
@@ -27,20 +27,20 @@ def pad_lobe_material(
     sun: bpy.types.Object | None,
     pad: MaterialPad,
 ) -> bpy.types.Material:
-    """Make a material that shows tables on a pad, or fill the one that shows the last result of that name.
+    """Create a material that shows tables on a pad, or update the last result of that name.
 
     Parameters
     ----------
     name : str
-        Of the material.
+        Name of the material.
     tables : sequence of (64, 256, 3) float32
-        Those of all places of the pad, row by row from below.
+        Tables of all positions of the pad, row by row from the bottom.
     diffuse : sequence of (3,) float
-        Matte colors of the same.
+        Diffuse colors of all positions.
     sun : bpy.types.Object or None
-        A sun that it follows.
+        A sun that lights the material.
     pad : MaterialPad
-        Drives it.
+        Drives the material.
     """
     material, tree = emptied(name, "PAD LOBES")
     place = _driven_place(tree, pad)
@@ -60,7 +60,7 @@ def pad_lobe_material(
 
 
 def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialPad) -> bpy.types.Material:
-    """Make a material with a Principled BSDF whose values are those at a place of a pad; see `pad_lobe_material`."""
+    """Create a material with a Principled BSDF whose values depend on the pad; see `pad_lobe_material`."""
     material, tree = emptied(name, "PAD FITTED")
     place = _driven_place(tree, pad)
     node = tree.nodes.new("ShaderNodeBsdfPrincipled")
@@ -75,7 +75,7 @@ def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialP
         tree.links.new(socket, node.inputs[name_of])
     turns = [own["Anisotropic Rotation"] for own in values]
     if any(turns):
-        # A grain runs along or across: what lies between would turn it.
+        # Interpolation would rotate the anisotropy through oblique angles.
         turned = _read(tree, pad.side, f"{name} Grain", [(turn, turn, turn) for turn in turns], place, "Closest")
         tree.links.new(turned, node.inputs["Anisotropic Rotation"])
     output = tree.nodes.new("ShaderNodeOutputMaterial")
@@ -85,7 +85,7 @@ def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialP
 
 
 def _driven_place(tree: bpy.types.NodeTree, pad: MaterialPad) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
-    """Make a node that the empty drives, and return its place across and up."""
+    """Create a node that the Empty drives, and return its coordinates across and up."""
     node = tree.nodes.new("ShaderNodeCombineXYZ")
     node.name = node.label = PLACE
     pad.drive(node.inputs["X"], node.inputs["Y"])
@@ -102,7 +102,7 @@ def _read(
     place: tuple[bpy.types.NodeSocket, bpy.types.NodeSocket],
     interpolation: str = "Linear",
 ) -> bpy.types.NodeSocket:
-    """Write the values of all places into an image, and read it at one: a place is the middle of its pixel."""
+    """Write the values of all positions to an image, and sample it at one; positions are pixel centers."""
     image = bpy.data.images.new(name, side, side, alpha=False, float_buffer=True, is_data=True)
     fill_image(image, np.asarray(values, dtype=np.float32).reshape(side, side, 3))
     at = tree.nodes.new("ShaderNodeCombineXYZ")
@@ -115,6 +115,6 @@ def _read(
 
 
 def _lay_out(tree: bpy.types.NodeTree) -> None:
-    """Put the nodes side by side in the order of the work."""
+    """Arrange the nodes from left to right in the order of evaluation."""
     for number, node in enumerate(tree.nodes):
         node.location = (220.0 * (number // 3 - len(tree.nodes) // 3), -260.0 * (number % 3))

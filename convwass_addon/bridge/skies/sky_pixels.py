@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Environment images of Blender as skies, and skies as files of OpenEXR."""
+"""Convert environment images to skies, and write skies as OpenEXR files."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
     Returns
     -------
     (rows, columns, 3) float32
-        Radiance in the linear space of scenes; the top row first, column j at the longitude (j + 1/2) 360 degrees /
-        columns from +X towards +Y, as Blender lays such images around a scene.
+        Radiance in the linear scene color space, from the top row down. Column j is at longitude (j + 1/2) 360 degrees
+        / columns, from +X towards +Y, as in Blender.
 
     Raises
     ------
     InputError
-        No pixels, not twice as wide as high, or bytes in a color space that is not known here.
+        No pixels, not twice as wide as high, or bytes in an unsupported color space.
     """
     width, height = image.size
-    # Asking for a pixel loads the file.
+    # Accessing a pixel loads the file.
     if not width * height or not len(image.pixels) or image.channels < 3:
-        raise InputError("{image} has no pixels that could be read as a sky.", image=image.name)
+        raise InputError("The pixels of {image} cannot be read as a sky.", image=image.name)
     if width != 2 * height:
         raise InputError(
-            "{image} is {width} x {height} pixels large; a sky must be twice as wide as high.",
+            "{image} has {width} x {height} pixels; a sky must be twice as wide as high.",
             image=image.name,
             width=width,
             height=height,
@@ -46,7 +46,7 @@ def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
     values = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(values)
     colors = values.reshape(height, width, -1)[::-1, :, :3]
-    # What is no color but data lights a scene as it is.
+    # Non-color data is used as radiance unchanged.
     if not (image.is_float or image.colorspace_settings.is_data) and image_format(image).encoding == "srgb":
         colors = linear_of_srgb(colors)
     return turned(colors)
@@ -58,28 +58,28 @@ def read_sky_file(path: Path) -> NDArray[np.float32]:
     Raises
     ------
     InputError
-        No such file, none that Blender reads, or no sky.
+        The file does not exist, Blender cannot read it, or it is not a sky.
     """
     with opened_image(path) as image:
         return read_sky(image)
 
 
 def turned(colors: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Change between Blender's columns, which run against the longitude and begin at -X, and those of skies.
+    """Convert between Blender's columns, which go against the longitude and begin at -X, and those of skies.
 
-    The same both ways.
+    The conversion is its own inverse.
     """
     return np.ascontiguousarray(np.roll(colors[:, ::-1], colors.shape[1] // 2, axis=1), dtype=np.float32)
 
 
 def resized(sky: ArrayLike, height: int) -> NDArray[np.float64]:
-    """Average a sky, (rows, columns, 3), over the pixels of another size, (height, 2 * height, 3); light is kept."""
+    """Resample a sky, (rows, columns, 3), by averaging to (height, 2 * height, 3); preserves the total light."""
     values = np.asarray(sky, dtype=np.float64)
     rows, columns = values.shape[:2]
     if rows == height:
         return values
     lit = values * solid_angles(rows, columns)[..., None]
-    # Zones of the sphere are as large as they are high.
+    # By Archimedes, the area of a zone of the sphere is proportional to its height.
     down = _overlaps(-np.cos(np.pi * _edges(rows)), -np.cos(np.pi * _edges(height)))
     across = _overlaps(_edges(columns), _edges(2 * height))
     tall = (down @ lit.reshape(rows, -1)).reshape(height, columns, 3)
@@ -92,7 +92,7 @@ def _edges(count: int) -> NDArray[np.float64]:
 
 
 def _overlaps(before: NDArray[np.float64], after: NDArray[np.float64]) -> csr_array:
-    """Share of every old interval that lies in every new one, (new, old), by their edges."""
+    """Return the fraction of every old interval in every new one, (new, old), from their edges."""
     edges = np.union1d(before, after)
     middles, lengths = 0.5 * (edges[1:] + edges[:-1]), np.diff(edges)
     old, new = (np.clip(np.searchsorted(own, middles) - 1, 0, len(own) - 2) for own in (before, after))
@@ -100,7 +100,7 @@ def _overlaps(before: NDArray[np.float64], after: NDArray[np.float64]) -> csr_ar
 
 
 def write_sky(path: Path, sky: NDArray[np.float32]) -> None:
-    """Write a sky as OpenEXR of 32-bit floats; the file is there as a whole or not at all.
+    """Write a sky as an OpenEXR file of 32-bit floats, completely or not at all.
 
     Raises
     ------

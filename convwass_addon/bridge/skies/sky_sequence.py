@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies between others, frame by frame: computed on a thread, written on the main one."""
+"""Blend skies frame by frame: computed on a thread, written on the main thread."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from ..files import checked_folder
 from ..numbered_files import numbered_paths
 from .sky_pixels import write_sky
 
-# Share of the work that finding the suns takes.
+# Fraction of the work spent on finding the suns.
 _PREPARING = 0.1
 
 
@@ -32,7 +32,7 @@ class PlacedSky:
     Attributes
     ----------
     place : int
-        Its number in the sequence, from 0.
+        Index in the sequence, from 0.
     frame : SkyFrame
         The sky.
     """
@@ -42,7 +42,7 @@ class PlacedSky:
 
 
 def fitting_height(width: int, settings: SkySettings) -> int:
-    """Return the height of skies about so wide: the grid of the transport goes into it without a rest."""
+    """Return a height near the requested width, such that the size is a multiple of the grid for the transport."""
     return max(round(width / 2 / settings.rows), 1) * settings.rows
 
 
@@ -52,17 +52,17 @@ def sky_steps(
     settings: SkySettings,
     control: Control = UNINTERRUPTED,
 ) -> Work[None]:
-    """Interpolate through two skies or more at `count` even times, the first and the last among them.
+    """Interpolate through two or more skies at `count` equidistant times, including both ends.
 
     Yields
     ------
     Progress
-        The payloads are the finished skies as :class:`PlacedSky`, in their order.
+        Payloads are finished skies as :class:`PlacedSky`, in order.
 
     Raises
     ------
     InputError
-        Skies that cannot be used; see :class:`...applications.skies.sky_frames.Skies`.
+        Invalid skies; see :class:`...applications.skies.sky_frames.Skies`.
     """
     leg, skies = -1, None
     for place, time in enumerate(np.linspace(0.0, len(ends) - 1.0, count)):
@@ -77,19 +77,19 @@ def sky_steps(
 
 
 class SkyFiles:
-    """The files of a sequence, called by their frames.
+    """The files of a sequence, numbered by frame.
 
     Parameters
     ----------
     folder : str or Path
-        Made if missing; a path that starts with two slashes goes from the saved file.
+        Created if missing; a leading // stands for the folder of the saved file.
     first_frame, count : int
-        Of the scene.
+        Scene frames.
 
     Raises
     ------
     InputError
-        The folder cannot be written to, or the frames have no numbers.
+        The folder is not writable, or the frames cannot be numbered.
     """
 
     def __init__(self, folder: str | Path, first_frame: int, count: int) -> None:
@@ -100,12 +100,12 @@ class SkyFiles:
         self._drafts = DraftFiles()
 
     def write(self, sky: PlacedSky) -> None:
-        """Write a sky, beside where it goes: what is there stays until all are whole.
+        """Write a sky to a temporary file next to its final path; existing files stay until all files are complete.
 
         Raises
         ------
         ConvwassError
-            The folder cannot be made, or the file not be written.
+            The folder cannot be created, or the file cannot be written.
         """
         path = self.paths[sky.place]
         try:
@@ -116,15 +116,15 @@ class SkyFiles:
         write_sky(draft, sky.frame.image)
 
     def finish(self) -> None:
-        """Put what has been written in its place, once all of it is whole.
+        """Move all files to their final paths, once all are complete.
 
         Raises
         ------
         ConvwassError
-            The system does not let a file be replaced; those that have not been stay as they were.
+            The system refuses to replace a file; the remaining ones stay unchanged.
         """
         self._drafts.keep()
 
     def discard(self) -> None:
-        """Remove what has been written and is not in its place; and the folder, if it was made for it."""
+        """Remove temporary files, and the folder if it was created for them."""
         self._drafts.discard()

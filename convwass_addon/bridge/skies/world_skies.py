@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies of worlds, and a world that shows a sequence of skies."""
+"""Read the skies of worlds, and create a world that shows a sequence of skies."""
 
 from __future__ import annotations
 
@@ -20,34 +20,34 @@ from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
 
 RESULT_OF = "convwass_skies"
-"""Custom property of a world that shows a sequence: what it was made from."""
+"""Custom property of a world that shows a sequence: its source."""
 
-# The disc of a sun has two to four pixels; fewer samples would miss its edge.
+# The disc of a sun covers two to four pixels; fewer samples would miss its edge.
 _SAMPLES = 32
-# No scene begins before.
+# Blender's lowest first frame of a scene.
 _LONG_AGO = -100000
-# So that the middle of a panorama looks to +X, as that of an environment image does.
+# The center of a panorama looks along +X, as in environment images.
 _POSE = (math.radians(90.0), 0.0, math.radians(-90.0))
 
 
 def world_sky(world: bpy.types.World, height: int) -> NDArray[np.float64]:
     """Return the sky of a world, (height, 2 * height, 3), as :func:`.sky_pixels.read_sky` does.
 
-    Of a world that shows an environment image as it is these are its pixels; others are rendered by Cycles.
+    If the world shows an unmodified environment image, its pixels are returned; otherwise it is rendered with Cycles.
 
     Raises
     ------
     InputError
-        An image that is no sky.
+        The image is not a sky.
     ConvwassError
-        The world could not be rendered, or Cycles is switched off.
+        The world could not be rendered, or Cycles is disabled.
     """
     image = _plain_image(world)
     return resized(read_sky(image) if image is not None else _rendered(world, height), height)
 
 
 def _plain_image(world: bpy.types.World) -> bpy.types.Image | None:
-    """Return the environment image of a world where nothing changes it on the way."""
+    """Return the environment image of a world if it is shown unmodified."""
     tree = shown_tree(world)
     output = tree.get_output_node("CYCLES") if tree is not None else None
     background = _source(output, "Surface", "BACKGROUND")
@@ -77,13 +77,13 @@ def _rendered(world: bpy.types.World, height: int) -> NDArray[np.float32]:
 
 @contextmanager
 def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
-    """Give an empty scene with a camera that sees all around."""
+    """Provide an empty scene with a panoramic camera."""
     scene = bpy.data.scenes.new("Sky")
     data = bpy.data.cameras.new("Sky")
     camera = bpy.data.objects.new("Sky", data)
     try:
         data.type = "PANO"
-        # Blender 5 has taken this over from Cycles.
+        # In Blender 5, this setting moved from Cycles to the camera.
         owner = data if hasattr(data, "panorama_type") else data.cycles
         owner.panorama_type = "EQUIRECTANGULAR"
         camera.rotation_euler = _POSE
@@ -98,7 +98,7 @@ def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
         render.image_settings.file_format, render.image_settings.color_depth = "OPEN_EXR", "32"
         cycles = scene.cycles
         cycles.samples, cycles.use_denoising, cycles.use_adaptive_sampling = _SAMPLES, False, False
-        # One pixel must not shine into the next.
+        # Pixels must not blur into each other.
         cycles.pixel_filter_type = "BOX"
         yield scene
     finally:
@@ -108,23 +108,23 @@ def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
 
 
 def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.World:
-    """Make a world that shows a file for every frame, or change the one of that name that did.
+    """Create a world that shows one file per frame, or update the one of that name.
 
     Parameters
     ----------
     name : str
-        Of the world.
+        Name of the world.
     files : list of Path
-        Named alike but for the number, which is that of the frame; the first and the last one stay on.
+        Numbered by frame; the first and last files are also shown before and after.
     first_frame : int
-        The number of the first one.
+        Number of the first frame.
     """
     own = (item for item in bpy.data.worlds if item.get(RESULT_OF) == name and item.library is None)
     world = next(own, None) or bpy.data.worlds.new(name)
     world[RESULT_OF] = name
     if world.node_tree is not None:
         world.node_tree.animation_data_clear()
-    if world.node_tree is None:  # Blender 4.5; later ones come with nodes and warn of this property
+    if world.node_tree is None:  # Blender 4.5; later versions create nodes automatically and deprecate this property
         world.use_nodes = True
     tree = world.node_tree
     old = {node.image for node in tree.nodes if node.type == "TEX_ENVIRONMENT" and node.image is not None}
@@ -146,9 +146,9 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
 
 
 def _key_numbers(texture: bpy.types.Node, first_frame: int, count: int) -> None:
-    """Key which file a texture shows; before the first key and after the last one those stay on.
+    """Animate the file of a texture; the first and last files are also shown before and after.
 
-    Left to itself a sequence shows the file before its first one until it starts, which is not there.
+    Without keys, a sequence shows the file before the first one until it starts, which does not exist.
     """
     user = texture.image_user
     user.frame_start, user.frame_duration, user.use_auto_refresh = _LONG_AGO, 1, True
