@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A photographer's set in a scene of its own: floor, lights, camera, renderer; gone when the pictures are taken."""
+"""A temporary scene for rendering pictures: floor, lights, camera, renderer."""
 
 from __future__ import annotations
 
@@ -25,31 +25,31 @@ from .framing import Pose, View
 from .studio_set import even_sky, floor_material, floor_mesh
 
 FLOOR_REACH = 60.0
-"""Edge of the floor in radii of what stands on it, far enough that no camera here sees its end."""
+"""Edge of the floor in radii of the shapes on it, large enough to fill the view of every camera."""
 
 LENS = 0.24
-"""Tangent of half the angle that the camera sees across: a portrait lens."""
+"""Tangent of half the horizontal field of view: a portrait lens."""
 
 PATHS_FOR_DENOISER = 6
-"""How many times as many light paths replace a denoiser."""
+"""Factor for the number of samples if there is no denoiser."""
 
 MARGIN = 0.10
-"""Part of half the picture's width or height that stays free at each edge."""
+"""Margin at each edge, relative to half the width or height of the picture."""
 
 
-# Blender's name for the image of the last rendering.
+# Blender's name for the image of the last render.
 _RESULT = "Render Result"
 
 
 class Studio:
-    """A temporary scene to render in, used as a context manager; the user's own scenes are not touched.
+    """A temporary scene to render in, used as a context manager; the user's scenes are not changed.
 
-    All light comes from infinitely far away, so that every shape is lit alike, wherever it stands.
+    All lights are infinitely far away, so that every shape is lit in the same way, wherever it is.
 
     Raises
     ------
     ConvwassError
-        On entering: the Cycles render engine is switched off.
+        On entering: the Cycles render engine is disabled.
     """
 
     def __enter__(self) -> Studio:
@@ -71,12 +71,12 @@ class Studio:
         self._clear()
 
     def show(self, obj: bpy.types.Object, shift: Sequence[float] = (0.0, 0.0, 0.0)) -> bpy.types.Object:
-        """Bring in a copy of an object, without its animation and moved by `shift` (3,) in world space.
+        """Add a copy of an object, without its animation and moved by `shift` (3,) in world space.
 
         Returns
         -------
         bpy.types.Object
-            The copy, visible in renders; it shares the object's data and vanishes with the studio.
+            The copy, visible in renders; it shares the object's data and is removed with the studio.
         """
         copy = self._keep(obj.copy())
         copy.animation_data_clear()
@@ -87,19 +87,19 @@ class Studio:
         return copy
 
     def build(self, points: Sequence[np.ndarray], view: View) -> float:
-        """Lay the floor below all that is shown, and hang the lights for a camera that looks from `view`.
+        """Place the floor below all shapes, and the lights for a camera that looks from `view`.
 
         Parameters
         ----------
         points : sequence of (n, 3) arrays
             Points of the shapes, world space.
         view : View
-            The lights stand to the camera's left and behind the shapes.
+            The lights are to the left of the camera and behind the shapes.
 
         Returns
         -------
         float
-            How far everything reaches, the floor included.
+            Extent of the scene, including the floor.
         """
         low, high = (pick([pick(shape, axis=0) for shape in points], axis=0) for pick in (np.min, np.max))
         middle = np.array([*(low + high)[:2] / 2.0, low[2]])
@@ -118,7 +118,7 @@ class Studio:
         return 3.0 * radius * FLOOR_REACH
 
     def look_flat(self, pose: Pose, width: float, depth: float) -> None:
-        """Look without perspective, at a picture that is `width` wide, and as far as `depth`."""
+        """Set up an orthographic camera with a picture `width` wide, and a clipping distance of `depth`."""
         camera = self._camera.data
         camera.type = "ORTHO"
         camera.sensor_fit = "HORIZONTAL"
@@ -127,7 +127,7 @@ class Studio:
         self._camera.matrix_world = pose_matrix(pose)
 
     def look(self, pose: Pose, depth: float) -> None:
-        """Look with perspective, as far as `depth`."""
+        """Set up a perspective camera, with a clipping distance of `depth`."""
         camera = self._camera.data
         camera.sensor_fit = "HORIZONTAL"
         camera.angle = 2.0 * math.atan(LENS)
@@ -135,19 +135,19 @@ class Studio:
         self._camera.matrix_world = pose_matrix(pose)
 
     def set_quality(self, resolution: tuple[int, int], samples: int) -> None:
-        """Set the picture's size in pixels and the number of light paths per pixel, more of them without a denoiser."""
+        """Set the size of the picture in pixels and the number of samples, which is raised without a denoiser."""
         self.scene.render.resolution_x, self.scene.render.resolution_y = resolution
         self.scene.cycles.samples = samples * (1 if self.scene.cycles.use_denoising else PATHS_FOR_DENOISER)
 
     def render(self, path: Path) -> None:
-        """Render one picture into a PNG; the folder exists.
+        """Render a picture to a PNG file in an existing folder.
 
         Raises
         ------
         ConvwassError
-            Blender did not make the picture.
+            Blender did not write the picture.
         """
-        # Blender would take "#" and "{}" in the user's path for placeholders, so it writes elsewhere.
+        # Blender would expand "#" and "{}" in the user's path, so it writes to a temporary path.
         with tempfile.TemporaryDirectory(prefix="convwass-") as folder:
             picture = Path(folder) / "picture.png"
             self.scene.render.filepath = str(picture)
@@ -155,7 +155,7 @@ class Studio:
             move_result(picture, path)
 
     def _keep(self, block: bpy.types.ID) -> bpy.types.ID:
-        """Note a data-block for removal."""
+        """Register a data-block for removal."""
         self._made.append(block)
         return block
 
@@ -174,7 +174,7 @@ def checked_output(path: str | Path, suffix: str) -> Path:
     Raises
     ------
     InputError
-        As `checked_target`, or the name does not end with `suffix`.
+        As `checked_target`, or the extension is not `suffix`.
     """
     target = checked_target(Path(path))
     if target.suffix.lower() != suffix:
@@ -185,7 +185,7 @@ def checked_output(path: str | Path, suffix: str) -> Path:
 
 
 def choose_cycles(scene: bpy.types.Scene) -> None:
-    """Let Cycles render a scene; raises ConvwassError where it is switched off."""
+    """Select Cycles for a scene; raises ConvwassError if it is disabled."""
     try:
         scene.render.engine = "CYCLES"
     except TypeError as error:
@@ -195,22 +195,22 @@ def choose_cycles(scene: bpy.types.Scene) -> None:
 
 
 def run_render(scene: bpy.types.Scene, **options: bool) -> None:
-    """Render a scene; whatever Blender objects to becomes a `ConvwassError`.
+    """Render a scene; converts Blender's errors to `ConvwassError`.
 
-    Blender has one image for results, that of the last rendering: it shows this one then, or is gone where there was
-    none before.
+    Blender has one image for render results, which shows this render afterwards, or is removed if there was none
+    before.
 
     Raises
     ------
     Cancelled
-        The user pressed Ctrl+C or stopped the rendering in its window.
+        The user pressed Ctrl+C, or stopped the render in its window.
     """
     stopped: list[bool] = []
 
     def note(*_: object) -> None:
         stopped.append(True)
 
-    # An interrupt that strikes inside the renderer's own Python would be printed there and forgotten.
+    # An interrupt in the renderer's own Python would be printed there and lost.
     in_main_thread = threading.current_thread() is threading.main_thread()
     before = signal.signal(signal.SIGINT, note) if in_main_thread else None
     had_result = _RESULT in bpy.data.images
@@ -230,19 +230,19 @@ def run_render(scene: bpy.types.Scene, **options: bool) -> None:
 
 
 def move_result(source: Path, target: Path) -> None:
-    """Put a finished file where the user wants it.
+    """Move a finished file to its target.
 
     Raises
     ------
     ConvwassError
-        Blender has written nothing, or the target cannot be written.
+        Blender has not written the file, or the target is not writable.
     """
     if not source.is_file():
         raise ConvwassError(
             "Blender's renderer did not write {name}; its messages in the console say why.", name=target.name
         )
     require_whole(source, target)
-    # From another disk it is copied, which may fail half-way.
+    # From another disk it is copied, which may fail halfway.
     draft = new_draft(target)
     try:
         shutil.move(source, draft)
@@ -258,7 +258,7 @@ def move_result(source: Path, target: Path) -> None:
 
 
 def world_points(obj: bpy.types.Object) -> np.ndarray:
-    """Return the vertices of a mesh object, world space, (n, 3); those of a hidden one too."""
+    """Return the vertices of a mesh object in world space, (n, 3), even if it is hidden."""
     points = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
     obj.data.vertices.foreach_get("co", points)
     matrix = np.array(world_matrix(obj))
@@ -266,14 +266,14 @@ def world_points(obj: bpy.types.Object) -> np.ndarray:
 
 
 def world_matrix(obj: bpy.types.Object) -> Matrix:
-    """Return where an object stands; `matrix_world` is out of date for hidden ones."""
+    """Return the world matrix of an object; `matrix_world` is out of date for hidden objects."""
     if obj.parent is None:
         return obj.matrix_basis.copy()
     return world_matrix(obj.parent) @ obj.matrix_parent_inverse @ obj.matrix_basis
 
 
 def opening(resolution: tuple[int, int]) -> tuple[float, float]:
-    """Return the tangents of half the angle that shapes may fill, across and upright, for a picture of that size."""
+    """Return the tangents of half the angle that shapes may fill, horizontally and vertically, for a picture size."""
     width, height = resolution
     return LENS * (1.0 - MARGIN), LENS * (1.0 - MARGIN) * height / width
 
@@ -287,7 +287,7 @@ def pose_matrix(pose: Pose) -> Matrix:
 
 
 def _set_renderer(scene: bpy.types.Scene) -> None:
-    """Choose Cycles on the processor, few light bounces, and colors that stay as they are."""
+    """Select Cycles on the CPU, few light bounces, and unmodified colors."""
     choose_cycles(scene)
     cycles, render = scene.cycles, scene.render
     cycles.device = "CPU"
@@ -305,7 +305,7 @@ def _set_renderer(scene: bpy.types.Scene) -> None:
 
 
 def _set_denoiser(cycles: bpy.types.PropertyGroup) -> None:
-    """Denoise, where this Blender was built with a denoiser."""
+    """Enable the denoiser, if this Blender has one."""
     try:
         cycles.denoiser = "OPENIMAGEDENOISE"
     except TypeError:

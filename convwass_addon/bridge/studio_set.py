@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What stands in a studio: a floor, and a sky around it."""
+"""Floor and sky of the studio."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import bpy
 from .node_trees import own_tree
 
 _FLOOR_COLOR = (0.85, 0.85, 0.86, 1.0)
-# The same everywhere: unshadowed floor is then free of noise, however few light paths are followed.
+# Uniform, so that unshadowed floor is free of noise at any number of samples.
 _SKY_BRIGHTNESS = 0.46
 
 
 def even_sky() -> bpy.types.World:
-    """Make surroundings that shine evenly."""
+    """Create a uniform environment light."""
     world = bpy.data.worlds.new("Studio Sky")
     tree = _emptied_tree(world)
     background = tree.nodes.new("ShaderNodeBackground")
@@ -25,7 +25,7 @@ def even_sky() -> bpy.types.World:
 
 
 def floor_mesh(reach: float) -> bpy.types.Mesh:
-    """Make a square that reaches so far from its middle."""
+    """Create a square with this distance from its center to its edges."""
     mesh = bpy.data.meshes.new("Studio Floor")
     corners = [(-reach, -reach, 0.0), (reach, -reach, 0.0), (reach, reach, 0.0), (-reach, reach, 0.0)]
     mesh.from_pydata(corners, [], [(0, 1, 2, 3)])
@@ -33,7 +33,7 @@ def floor_mesh(reach: float) -> bpy.types.Mesh:
 
 
 def floor_material() -> bpy.types.Material:
-    """Make a matte, nearly white floor."""
+    """Create a matte, nearly white floor."""
     material = bpy.data.materials.new("Studio Floor")
     tree = _emptied_tree(material)
     diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")

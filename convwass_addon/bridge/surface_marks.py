@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertices that are marked by a name: by a small vertex group, an Empty on the surface, or the end of a bone."""
+"""Vertices marked by name: by a small vertex group, an Empty on the surface, or the end of a bone."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ from ..geometry.mesh import TriangleMesh
 from .surfaces import surface_mesh
 from .vertex_groups import read_groups
 
-# What Blender appends to names that are taken.
+# Suffix that Blender appends to duplicate names.
 _SUFFIX = re.compile(r"\.\d{3,}$")
-# A handful of vertices is a mark on meshes of any size.
+# A few vertices are a mark on meshes of any size.
 _FEW_VERTICES = 4
 
 
 def group_marks(
     obj: bpy.types.Object, names: Sequence[str], depsgraph: bpy.types.Depsgraph, largest: float
 ) -> dict[str, int | None]:
-    """Return the vertex of each group that is nearest to the middle of its weights.
+    """Return for each group the vertex nearest to the center of its weights.
 
     Parameters
     ----------
     obj : bpy.types.Object
         A mesh.
     names : sequence of str
-        Its groups.
+        Names of its groups.
     depsgraph : bpy.types.Depsgraph
-        Of the scene.
+        Dependency graph of the scene.
     largest : float
-        Share of the vertices that a group may have; larger ones are weights of bones.
+        Maximum fraction of the vertices in a group; larger groups are weights of bones.
 
     Returns
     -------
     dict
-        None for groups that are empty or too large.
+        None for empty or large groups.
 
     Raises
     ------
     InputError
-        Not a mesh, or one without a surface.
+        Not a mesh, or a mesh without a surface.
     """
     mesh = surface_mesh(obj, depsgraph)
     used = np.zeros(len(mesh.vertices), bool)
@@ -61,7 +61,7 @@ def group_marks(
 def empty_marks(
     objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph, empties: Iterable[bpy.types.Object]
 ) -> dict[bpy.types.Object, dict[str, int | None]]:
-    """Return for every object the vertices next to its Empties, by their names without suffixes such as .001.
+    """Return for every object the vertices nearest to its Empties, by name without suffixes such as .001.
 
     An Empty belongs to the object that it is parented to, also by way of others, or else to that whose surface is
     nearest.
@@ -71,19 +71,19 @@ def empty_marks(
     objects : iterable of bpy.types.Object
         Meshes.
     depsgraph : bpy.types.Depsgraph
-        Of the scene.
+        Dependency graph of the scene.
     empties : iterable of bpy.types.Object
-        Other objects among them are left out.
+        Other objects are ignored.
 
     Returns
     -------
     dict
-        None for names that two Empties on one surface have.
+        None if two Empties on one surface have the name.
 
     Raises
     ------
     InputError
-        Not a mesh, or one without a surface.
+        Not a mesh, or a mesh without a surface.
     """
     meshes = {obj: surface_mesh(obj, depsgraph) for obj in dict.fromkeys(objects)}
     found: dict[bpy.types.Object, dict[str, int | None]] = {obj: {} for obj in meshes}
@@ -98,15 +98,15 @@ def empty_marks(
 
 
 def bone_marks(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> dict[str, int]:
-    """Return the vertices that the ends of chains of bones point at, by the name of the last bone.
+    """Return the vertices at the ends of chains of bones, by the name of the last bone.
 
-    Only bones that deform the object and have no such children count: their tails lie in fingertips, toes and the top
-    of the head, where the vertex furthest along the bone is beyond doubt.
+    Only bones that deform the object and have no such children are used: their tails are in fingertips, toes and the
+    top of the head, where the vertex furthest along the bone is unambiguous.
 
     Raises
     ------
     InputError
-        Not a mesh, or one without a surface.
+        Not a mesh, or a mesh without a surface.
     """
     mesh = surface_mesh(obj, depsgraph)
     used = np.unique(mesh.faces)
@@ -122,7 +122,7 @@ def bone_marks(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> dict[st
 
 
 def nearest_vertex(mesh: TriangleMesh, place: NDArray[np.float64]) -> int:
-    """Return the vertex with a face that is nearest to a place, (3,)."""
+    """Return the vertex with a face that is nearest to a point, (3,)."""
     used = np.unique(mesh.faces)
     return int(used[np.linalg.norm(mesh.vertices[used] - place, axis=1).argmin()])
 
@@ -137,7 +137,7 @@ def _rigs(obj: bpy.types.Object) -> list[bpy.types.Object]:
 def _pointed_at(
     mesh: TriangleMesh, used: NDArray[np.int64], head: NDArray[np.float64], tail: NDArray[np.float64]
 ) -> int:
-    """Return the vertex furthest along a bone among those about as near to its tail as the nearest is."""
+    """Return the vertex furthest along a bone, among those nearly as close to its tail as the nearest vertex."""
     away = mesh.vertices[used] - tail
     distances = np.linalg.norm(away, axis=1)
     length = np.linalg.norm(tail - head)
@@ -153,7 +153,7 @@ def _middle(mesh: TriangleMesh, own: NDArray[np.int64], weights: NDArray[np.floa
 
 
 def _ancestor(obj: bpy.types.Object, wanted: Mapping[bpy.types.Object, object]) -> bpy.types.Object | None:
-    """Return the first of the wanted objects that an object is parented to, also by way of others."""
+    """Return the nearest ancestor of an object among the wanted objects."""
     parent = obj.parent
     while parent is not None and parent not in wanted:
         parent = parent.parent

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Surfaces on which densities move: the vertices of an object's own mesh, where modifiers put them."""
+"""Surfaces for densities: the vertices of an object's own mesh, at their positions after modifiers."""
 
 from __future__ import annotations
 
@@ -25,22 +25,22 @@ KEEPS_VERTICES = frozenset((
     "WAVE", "WEIGHTED_NORMAL",
 ))
 # fmt: on
-"""Types of modifiers that move vertices or leave them alone."""
+"""Types of modifiers that keep the vertices."""
 
 MAY_KEEP_VERTICES = frozenset(("NODES", "MESH_SEQUENCE_CACHE"))
-"""Types of modifiers that have to be tried."""
+"""Types of modifiers that may keep the vertices."""
 
 
 @dataclass(frozen=True)
 class SurfaceReading:
-    """A surface and what was left out of it.
+    """A surface and the modifiers ignored for it.
 
     Attributes
     ----------
     mesh : TriangleMesh
         World space; vertex i is vertex i of the object's own mesh.
     ignored : tuple of str
-        Names of modifiers that are shown in the viewport and were not heeded, since they make other vertices.
+        Names of modifiers that are visible in the viewport and were ignored, because they change the vertices.
     """
 
     mesh: TriangleMesh
@@ -65,7 +65,7 @@ class _Shape:
 
 @dataclass(frozen=True)
 class _Topology:
-    """What tells whether two meshes have the same vertices: how many, and which is at every corner of every face."""
+    """Identifies meshes with the same vertices: their number, and the vertex at every corner of every face."""
 
     count: int
     corners: NDArray[np.int32]
@@ -79,28 +79,28 @@ class _Topology:
 
 
 def surface_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
-    """Return the mesh of `read_surface`."""
+    """Return the mesh of `extract_surface`."""
     return read_surface(obj, depsgraph).mesh
 
 
 def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> SurfaceReading:
-    """Read the surface of an object as it stands in the scene, vertex by vertex of its own mesh.
+    """Extract the surface of an object in the scene, with the vertices of its own mesh.
 
-    Shape keys are as they are now, and modifiers that move vertices are heeded: those that make others, such as
-    Subdivision Surface, are left out. Hidden and masked faces belong to the surface; vertices without faces are kept
-    and belong to no triangle.
+    Current shape keys and modifiers that move vertices are applied; modifiers that change vertices, such as Subdivision
+    Surface, are ignored. Hidden and masked faces belong to the surface; vertices without faces are kept and belong to
+    no triangle.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh object, as it is in the file (not an evaluated one), in any mode, hidden or not.
+        The original (not evaluated) mesh object, in any mode, hidden or not.
     depsgraph : bpy.types.Depsgraph
-        ``context.evaluated_depsgraph_get()``; brought up to date here.
+        ``context.evaluated_depsgraph_get()``; updated here.
 
     Raises
     ------
     InputError
-        Not a mesh, no faces or none with an area, or coordinates that are not numbers.
+        Not a mesh, no faces or none with an area, or coordinates that are not finite.
     """
     topology = _Topology.of(readable_mesh(obj))
     depsgraph.update()
@@ -119,7 +119,7 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
 
 @contextmanager
 def _probe(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """Give a copy of an object that is evaluated, though the object be hidden, and that may lose its modifiers."""
+    """Provide a copy of an object that is evaluated even if hidden, and whose modifiers may be removed."""
     probe = obj.copy()
     probe.hide_viewport = False
     depsgraph.scene.collection.objects.link(probe)
@@ -130,7 +130,7 @@ def _probe(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bp
 
 
 def _without_builders(probe: bpy.types.Object, topology: _Topology, depsgraph: bpy.types.Depsgraph) -> _Shape | None:
-    """Let an object keep only those of its modifiers that keep the vertices, and return its shape."""
+    """Remove the modifiers that change the vertices of an object, and return its shape."""
 
     def seen() -> _Shape | None:
         depsgraph.update()
@@ -154,7 +154,7 @@ def _without_builders(probe: bpy.types.Object, topology: _Topology, depsgraph: b
 
 
 def _shape_if(topology: _Topology, evaluated: bpy.types.Object) -> _Shape | None:
-    """Return the shape of an evaluated object, if it has the vertices that it should have."""
+    """Return the shape of an evaluated object, if it has the expected vertices."""
     try:
         mesh = evaluated.to_mesh()
         return _shape(mesh) if topology.is_that_of(mesh) else None
@@ -186,9 +186,9 @@ def _read(
     items: tuple[bpy.types.bpy_prop_collection, str],
     values: NDArray[np.generic],
 ) -> None:
-    """Fill an array from an attribute, or from the items that show it: that takes a hundred times as long.
+    """Fill an array from an attribute, or from the items that expose it, which takes a hundred times as long.
 
-    In Edit Mode attributes are those of what is being edited, and cannot be read.
+    In Edit Mode, attributes cannot be read.
     """
     name, part = attribute
     if not mesh.is_editmode and name in mesh.attributes:
@@ -198,7 +198,7 @@ def _read(
 
 
 def _has_area(mesh: TriangleMesh) -> bool:
-    """Tell whether some triangle has an area; the first ones will do, as a rule."""
+    """Return whether some triangle has an area; usually one of the first has."""
     for start in range(0, len(mesh.faces), 4096):
         a, b, c = mesh.vertices[mesh.faces[start : start + 4096]].swapaxes(0, 1)
         if np.cross(b - a, c - a).any():
@@ -207,7 +207,7 @@ def _has_area(mesh: TriangleMesh) -> bool:
 
 
 def _world(obj: bpy.types.Object, shape: _Shape, matrix: NDArray[np.float64]) -> TriangleMesh:
-    """Bring a shape to world space and check that densities can lie on it."""
+    """Transform a shape to world space, and check that it supports densities."""
     if not len(shape.faces):
         raise InputError("{object} has no faces; choose an object with a surface.", object=obj.name)
     if not np.isfinite(matrix).all():
@@ -226,5 +226,5 @@ def _world(obj: bpy.types.Object, shape: _Shape, matrix: NDArray[np.float64]) ->
     vertices = shape.vertices.astype(np.float64)
     mesh = TriangleMesh.from_arrays(vertices @ matrix[:3, :3].T + matrix[:3, 3], shape.faces)
     if not _has_area(mesh):
-        raise InputError("The surface of {object} has no area; look at its scale in Item > Transform.", object=obj.name)
+        raise InputError("The surface of {object} has no area; check its scale in Item > Transform.", object=obj.name)
     return mesh.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else mesh

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""UV maps as arrays, one place per face corner, and arrays as UV maps; seams as pairs of vertices."""
+"""Convert UV maps to arrays with one point per face corner, and back; seams as pairs of vertices."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ _MOST_MAPS = 8
 
 
 def uv_names(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the UV maps of a mesh object, in their order."""
+    """Return the names of the UV maps of a mesh object in order."""
     return [layer.name for layer in obj.data.uv_layers]
 
 
@@ -28,18 +28,18 @@ def read_uvs(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
 
 
 def require_uv_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
-    """Refuse UV maps that an object cannot have.
+    """Raise InputError if an object cannot have these UV maps.
 
     Raises
     ------
     InputError
-        There would be too many, or something else has such a name.
+        There would be too many, or a name is used for something else.
     """
     new = [name for name in names if name not in obj.data.uv_layers]
     taken = next((name for name in new if name in obj.data.attributes or name in obj.vertex_groups), None)
     if taken is not None:
         raise InputError(
-            "{object} has an attribute or a vertex group {name} of another kind; rename that, or choose another name.",
+            "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
             object=obj.name,
             name=taken,
         )
@@ -54,18 +54,18 @@ def require_uv_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
 
 
 def write_uvs(obj: bpy.types.Object, name: str, loops: NDArray[np.int64], places: NDArray[np.float64]) -> None:
-    """Write a UV map, made if it is missing.
+    """Write a UV map, creating it if necessary.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh object in any mode but Edit Mode.
+        A mesh object in any mode except Edit Mode.
     name : str
-        Of the map.
+        Name of the map.
     loops : (k,) int64
-        Face corners; others stay where they are.
+        Face corners to write; others keep their position.
     places : (k, 2) float64
-        Where these go.
+        Positions of these face corners.
     """
     mesh = obj.data
     if name not in mesh.uv_layers:
@@ -77,7 +77,7 @@ def write_uvs(obj: bpy.types.Object, name: str, loops: NDArray[np.int64], places
 
 
 def mark_seams(obj: bpy.types.Object, seams: NDArray[np.int64]) -> None:
-    """Mark edges as seams, (s, 2) vertices; edges that are seams already stay so."""
+    """Mark edges as seams, (s, 2) vertices, in addition to existing seams."""
     mesh = obj.data
     ends, marked = np.empty(2 * len(mesh.edges), np.int32), np.empty(len(mesh.edges), bool)
     mesh.edges.foreach_get("vertices", ends)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertex groups as arrays, and arrays as vertex groups."""
+"""Convert vertex groups to arrays and back."""
 
 from __future__ import annotations
 
@@ -14,19 +14,19 @@ from ..errors import InputError
 from .mesh_checks import readable_mesh, writable_mesh
 from .sequence import frame_group, own_geometry
 
-# Names of attributes that are there for a moment.
+# Names of temporary attributes.
 _READ, _WRITTEN = "convwass read {}", "convwass written"
 
 
 def group_names(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the vertex groups of an object, in their order."""
+    """Return the names of the vertex groups of an object in order."""
     return obj.vertex_groups.keys()
 
 
 def read_group(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
-    """Return the weight of every vertex in a group, (n,); 0 for those that are not in it.
+    """Return the weight of every vertex in a group, (n,); 0 for vertices outside of the group.
 
-    The object may be in Weight Paint or Edit Mode: what is seen there is read.
+    In Weight Paint and Edit Mode, the current state is read.
 
     Raises
     ------
@@ -37,7 +37,7 @@ def read_group(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
 
 
 def read_groups(obj: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float64]:
-    """Return the weights of every vertex in several groups, (k, n), in a few milliseconds for any size of mesh.
+    """Return the weights of all vertices in several groups, (k, n), in a few milliseconds for meshes of any size.
 
     Raises
     ------
@@ -53,7 +53,7 @@ def read_groups(obj: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float
                 name=name,
                 groups=", ".join(group_names(obj)) or "none",
             )
-    # Nodes cannot tell a group from an attribute of the same name.
+    # Nodes cannot distinguish a group from an attribute of the same name.
     hidden = [name for name in names if name in mesh.attributes]
     weights = _by_nodes(mesh, names)
     for name in hidden:
@@ -62,16 +62,16 @@ def read_groups(obj: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float
 
 
 def write_group(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.types.VertexGroup:
-    """Write a group; made if it is missing. Its place in the list and the other groups stay.
+    """Write a group, creating it if necessary. Its position in the list and all other groups are kept.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        In any mode but Edit Mode.
+        In any mode except Edit Mode.
     name : str
-        Of the group.
+        Name of the group.
     weights : (n,) array_like
-        From 0 to 1; vertices of weight 0 are not in the group. Densities are brought there by `as_weights`.
+        From 0 to 1; vertices of weight 0 are not in the group. `as_weights` converts densities to weights.
 
     Raises
     ------
@@ -93,7 +93,7 @@ def write_group(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.typ
 
 
 def require_unlocked(obj: bpy.types.Object, names: Iterable[str]) -> None:
-    """Refuse to write groups of which one is locked; raises InputError."""
+    """Raise InputError if one of the groups is locked."""
     locked = next((name for name in names if name in obj.vertex_groups and obj.vertex_groups[name].lock_weight), None)
     if locked is not None:
         raise InputError("The group {name} is locked; unlock it, or choose another name.", name=locked)
@@ -116,9 +116,9 @@ def _checked(weights: ArrayLike, count: int) -> NDArray[np.float32]:
 
 
 def _by_nodes(mesh: bpy.types.Mesh, names: Sequence[str]) -> NDArray[np.float64]:
-    """Let geometry nodes copy groups to attributes, which can be read at once; Python asks vertex by vertex.
+    """Copy groups to attributes with Geometry Nodes, because attributes are read at once, but groups vertex by vertex.
 
-    That happens in a scene of its own, so that nothing else is evaluated.
+    Uses a temporary scene, so that nothing else is evaluated.
     """
     edited = mesh.copy() if mesh.is_editmode else None
     scene = bpy.data.scenes.new("Vertex Groups")
@@ -164,9 +164,9 @@ def _one_by_one(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float64]:
 
 
 def _convert(obj: bpy.types.Object, mesh: bpy.types.Mesh, values: NDArray[np.float32]) -> None:
-    """Make a last group of these weights by Blender's own conversion of an attribute: no other call takes all at once.
+    """Append a group with these weights by Blender's conversion of an attribute.
 
-    It works on objects that are hidden or in no scene, too.
+    This is the only call that sets all weights at once. It works for hidden objects and without a scene, too.
     """
     attribute = mesh.attributes.new(_WRITTEN, "FLOAT", "POINT")
     attribute.data.foreach_set("value", values)
@@ -176,7 +176,7 @@ def _convert(obj: bpy.types.Object, mesh: bpy.types.Mesh, values: NDArray[np.flo
 
 
 def _take_the_place(obj: bpy.types.Object, made: bpy.types.VertexGroup, name: str) -> None:
-    """Give the last group a name; of a group that has it already it takes the place."""
+    """Name the last group; it replaces a group that already has the name."""
     groups, old = obj.vertex_groups, obj.vertex_groups.get(name)
     steps = 0
     if old is not None and old != made:

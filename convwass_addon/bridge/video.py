@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Joins pictures into a video, with Blender's sequencer and its own encoder."""
+"""Join pictures to a video, with Blender's sequencer and encoder."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ def write_video(pictures: Sequence[Path], target: Path, resolution: tuple[int, i
     Parameters
     ----------
     pictures : sequence of Path
-        Files in one folder; a picture may occur several times.
+        Files in one folder; pictures may be repeated.
     target : Path
-        Replaced if it exists; its folder exists.
+        Replaced if it exists; the folder must exist.
     resolution : (int, int)
         Width and height in pixels, both even.
     frames_per_second : int
-        Speed of the video.
+        Frame rate of the video.
 
     Raises
     ------
     ConvwassError
-        Blender was built without video output, or could not write.
+        Blender was built without video output, or could not write the file.
     """
     scene = bpy.data.scenes.new("Convwass Video")
     try:
@@ -50,7 +50,7 @@ def write_video(pictures: Sequence[Path], target: Path, resolution: tuple[int, i
 
 
 def _set_output(scene: bpy.types.Scene, resolution: tuple[int, int], frames_per_second: int) -> None:
-    """Choose size, speed, encoding, and colors that stay as they are."""
+    """Set size, frame rate, encoding, and unmodified colors."""
     render = scene.render
     render.resolution_x, render.resolution_y = resolution
     render.resolution_percentage = 100

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is drawn over the 3D viewport: when, and its discs."""
+"""Draw over the 3D viewport: when to draw, and discs."""
 
 from __future__ import annotations
 
@@ -19,12 +19,12 @@ Wanted = TypeVar("Wanted")
 
 
 class ViewportOverlay(Generic[Wanted]):
-    """Draws over 3D viewports that show overlays while it is registered.
+    """Draws over 3D viewports that show overlays, while it is registered.
 
     Parameters
     ----------
     wanted : callable
-        ``wanted(context)`` returns what is to be drawn at that moment.
+        ``wanted(context)`` returns the items to draw.
     """
 
     def __init__(self, wanted: Callable[[bpy.types.Context], Wanted]) -> None:
@@ -32,12 +32,12 @@ class ViewportOverlay(Generic[Wanted]):
         self._handle: object | None = None
 
     def register(self) -> None:
-        """Begin to draw."""
+        """Start drawing."""
         if self._handle is None:
             self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw_if_shown, (), "WINDOW", "POST_PIXEL")
 
     def unregister(self) -> None:
-        """Draw no more."""
+        """Stop drawing."""
         if self._handle is not None:
             bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
             self._handle = None
@@ -47,19 +47,19 @@ class ViewportOverlay(Generic[Wanted]):
         if context.space_data.overlay.show_overlays:
             self._draw(self._wanted(context), context)
 
-    # What a kind fills in.
+    # Implemented by subclasses.
 
     def _draw(self, wanted: Wanted, context: bpy.types.Context) -> None:
         raise NotImplementedError
 
 
 def fill_discs(centers: Sequence[Vector], radius: float, color: tuple[float, ...]) -> None:
-    """Fill discs, all in one go: there may be hundreds.
+    """Fill discs in one draw call, because there may be hundreds.
 
     Parameters
     ----------
     centers : sequence of mathutils.Vector
-        Pixels of the region.
+        In pixels of the region.
     radius : float
         In pixels.
     color : tuple of float

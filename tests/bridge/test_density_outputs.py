@@ -90,7 +90,7 @@ def test_one_color_attribute_for_each_step(obj):
 
 def test_other_attributes_are_not_overwritten(obj):
     obj.data.attributes.new("Density.001 color", "FLOAT", "POINT")
-    with pytest.raises(InputError, match=r"A has an attribute or a vertex group Density.001 color of another kind"):
+    with pytest.raises(InputError, match=r"A has an attribute or vertex group Density.001 color of another kind"):
         write_step_colors(obj, DENSITIES)
 
 

@@ -248,7 +248,7 @@ def test_a_vertex_without_an_image(pair):
 def test_names_that_are_taken_are_refused_before_anything_is_written(pair):
     store_closest(*pair)
     pair[1].vertex_groups.new(name="Soft Map")
-    with pytest.raises(RuntimeError, match="Horse has an attribute or a vertex group Soft Map of another kind"):
+    with pytest.raises(RuntimeError, match="Horse has an attribute or vertex group Soft Map of another kind"):
         call("show_soft_map")
     assert "Soft Map" not in pair[0].data.color_attributes
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertex groups that are carried from one object to another."""
+"""Transfer vertex groups from one object to another."""
 
 from __future__ import annotations
 
@@ -29,19 +29,19 @@ from .map_weights import (
 
 
 class CarriedGroups:
-    """Vertex groups on their way.
+    """Vertex groups to transfer.
 
     Parameters
     ----------
     ends : TransferEnds
-        From where to where.
+        Source and target of the transfer.
     rules : WeightRules
-        For weights of bones.
+        Limits for weights of bones.
 
     Raises
     ------
     InputError
-        The giver has no such groups, or the receiver cannot be written to.
+        The giver has no such groups, or the receiver is not writable.
     """
 
     def __init__(self, ends: TransferEnds, rules: WeightRules) -> None:
@@ -62,7 +62,7 @@ class CarriedGroups:
         self._weights = dict(zip(known, weights, strict=True))
         self._deforming = [name for name in self._names if name in deforming]
         self._total = [name for name in known if name in deforming]
-        # Locked groups leave the others less room, whether the giver has them or not.
+        # Locked groups limit the weights of the others, even if the giver does not have them.
         own = bone_names(ends.receiver) | {names.get(name, name) for name in deforming}
         stays = own & {*self._kept, *locked_groups(ends.receiver, group_names(ends.receiver))}
         self._fixed = staying_weights(ends.receiver, sorted(stays))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shape keys that are carried from one object to another."""
+"""Transfer shape keys from one object to another."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ from .map_transfer import Carried, TransferEnds, kept_names, require_any
 
 
 class CarriedKeys:
-    """Shape keys on their way.
+    """Shape keys to transfer.
 
     Parameters
     ----------
     ends : TransferEnds
-        From where to where.
+        Source and target of the transfer.
 
     Raises
     ------
@@ -43,7 +43,7 @@ class CarriedKeys:
         self._result: list[KeyOffsets] = []
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Compute key by key."""
+        """Compute the keys one by one."""
         ends, total = self._ends, len(self._keys)
         yield Progress(0.0, Sentence("Comparing the shapes"))
         carrier = ShapeCarrier.of(ends.points, ends.giver_mesh, ends.receiver_mesh) if self._keys else None
@@ -63,7 +63,7 @@ class CarriedKeys:
 
 
 def _bases_first(keys: Sequence[KeyOffsets]) -> list[KeyOffsets]:
-    """Return keys so that those that others start from come before them."""
+    """Return keys ordered so that every key follows the key it is relative to."""
     left, done = list(keys), []
     while left:
         names = {key.name for key in left}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Color attributes and UV maps that are carried from one object to another."""
+"""Transfer color attributes and UV maps from one object to another."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ from .map_transfer import Carried, TransferEnds, require_any
 
 
 class CarriedColors:
-    """Color attributes on their way.
+    """Color attributes to transfer.
 
     Parameters
     ----------
     ends : TransferEnds
-        From where to where.
+        Source and target of the transfer.
 
     Raises
     ------
     InputError
-        The giver has none, or something else of the receiver has such a name.
+        The giver has none, or the name is used for something else on the receiver.
     """
 
     def __init__(self, ends: TransferEnds) -> None:
@@ -53,7 +53,7 @@ class CarriedColors:
         self._result: dict[str, NDArray[np.float64]] = {}
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Compute attribute by attribute."""
+        """Compute the attributes one by one."""
         yield Progress(0.0, Sentence("Transferring color attributes"))
         points, mesh = self._ends.points, self._ends.giver_mesh
         for name, colors in self._colors.items():
@@ -62,7 +62,7 @@ class CarriedColors:
             self._result[name] = (
                 transferred_corner_values(points, colors) if is_corner else transferred_values(points, mesh, colors)
             )
-            # Black that hides nothing.
+            # Opaque black.
             self._result[name][~points.found] = (0.0, 0.0, 0.0, 1.0)
 
     def write(self, receiver: bpy.types.Object) -> Carried:
@@ -73,17 +73,17 @@ class CarriedColors:
 
 
 class CarriedUvs:
-    """UV maps on their way.
+    """UV maps to transfer.
 
     Parameters
     ----------
     ends : TransferEnds
-        From where to where.
+        Source and target of the transfer.
 
     Raises
     ------
     InputError
-        The giver has none, or the receiver can have no more.
+        The giver has none, or the receiver cannot have more.
     """
 
     def __init__(self, ends: TransferEnds) -> None:
@@ -99,7 +99,7 @@ class CarriedUvs:
         self._result: dict[str, TransferredUvs] = {}
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Compute map by map."""
+        """Compute the maps one by one."""
         ends = self._ends
         for done, (name, given) in enumerate(self._given.items()):
             yield Progress(done / len(self._given), Sentence("Transferring UV map {name}", {"name": name}))
@@ -119,7 +119,7 @@ class CarriedUvs:
 
 @dataclass(frozen=True)
 class _ChosenLayers:
-    """Names of layers of a mesh: those that are written, and those that stay as they are at the receiver."""
+    """Names of mesh layers: those to be written, and those of the receiver to be kept."""
 
     written: list[str]
     kept: tuple[str, ...]
@@ -128,7 +128,7 @@ class _ChosenLayers:
 def _chosen_layers(
     ends: TransferEnds, known: Callable[[bpy.types.Object], list[str]], nothing: InputError
 ) -> _ChosenLayers:
-    """Choose among the layers of the giver, which keep their names; raises `nothing` where there are none."""
+    """Select layers of the giver, which keep their names; raises `nothing` if there are none."""
     names = [name for name in known(ends.giver) if not ends.names or name in ends.names]
     require_any(names, nothing)
     kept = tuple(name for name in names if ends.keep and name in known(ends.receiver))

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Soft maps in the first form in which they were stored in files of Blender; they are only read.
+"""Read soft maps in the first format in which .blend files stored them.
 
-`MAGIC`, the length of the header (4 bytes, little-endian), the header in JSON, and all arrays one after the other,
-compressed together. Arrays have the form that :mod:`.soft_map_bytes` says, and ``shapes`` in the header their sizes.
+`MAGIC`, the length of the header (4 bytes, little-endian), the header in JSON, and all arrays, compressed together.
+Arrays are encoded as in :mod:`.soft_map_bytes`, and ``shapes`` in the header contains their sizes.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ _MOST_HEADER, _MOST_ARRAYS = 1 << 22, 1 << 31
 
 
 def is_first_schema(data: bytes) -> bool:
-    """Whether a map is stored in this form."""
+    """Return whether a map is stored in this format."""
     return data.startswith(_MAGIC)
 
 
 def first_schema(data: bytes, kinds: Mapping[str, np.dtype]) -> tuple[dict[str, object], dict[str, NDArray[np.uint8]]]:
-    """Return the header of a map and the bytes of its arrays, which are no larger than the header says.
+    """Return the header of a map and the bytes of its arrays, which are limited by the sizes in the header.
 
     Parameters
     ----------
     data : bytes
-        All of it.
+        The stored map.
     kinds : mapping of str to dtype
-        All arrays in their order, and how each is stored.
+        All arrays in order, with their stored types.
 
     Raises
     ------
     ValueError, TypeError, KeyError, RecursionError
-        It is damaged; the message says what is wrong.
+        The data is damaged; the message gives the reason.
     """
     start = len(_MAGIC) + _LENGTH_BYTES
     length = int.from_bytes(data[len(_MAGIC) : start], "little")
@@ -52,7 +52,7 @@ def first_schema(data: bytes, kinds: Mapping[str, np.dtype]) -> tuple[dict[str, 
     shapes = header["shapes"]
     if not (isinstance(shapes, list) and len(shapes) == len(kinds) and all(map(_is_shape, shapes))):
         raise ValueError("the shapes of its arrays are not what they should be")
-    # Bytes of a value, columns, rows.
+    # Bytes per value, columns, rows.
     sizes = [(kind.itemsize, *shape[::-1]) for shape, kind in zip(shapes, kinds.values(), strict=True)]
     counts = [int(np.prod(size, dtype=object)) for size in sizes]
     body = _decompressed(data[start + length :], sum(counts))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The face corners of Blender's polygons at the corners of the triangles that these have been cut into."""
+"""Find the face corners of Blender's polygons that correspond to corners of their triangles."""
 
 from __future__ import annotations
 
@@ -12,32 +12,32 @@ from ...errors import InputError
 
 
 def triangle_polygons(obj: bpy.types.Object) -> NDArray[np.int64]:
-    """Return the polygon of a mesh object that each of its triangles is part of, (m,)."""
+    """Return the polygon of each triangle of a mesh object, (m,)."""
     totals = _totals(obj.data)
     return np.repeat(np.arange(len(totals)), np.maximum(totals - 2, 0))
 
 
 def triangle_loops(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return the face corner ("loop") of a mesh object at every corner of every triangle, (m, 3).
+    """Return the face corner ("loop") at every corner of every triangle, (m, 3).
 
     Parameters
     ----------
     obj : bpy.types.Object
         A mesh object.
     triangles : (m, 3) int64
-        Vertices; polygon by polygon, cut in any way.
+        Vertices of the triangles, polygon by polygon, in any triangulation.
 
     Raises
     ------
     InputError
-        The triangles are those of another mesh.
+        The triangles belong to another mesh.
     """
     mesh = obj.data
     corners, totals = np.empty(len(mesh.loops), np.int32), _totals(mesh)
     mesh.loops.foreach_get("vertex_index", corners)
     polygons = triangle_polygons(obj)
     if len(polygons) == len(triangles):
-        # A polygon has no vertex twice, so that both numbers together name a corner.
+        # A polygon contains a vertex only once, so that both indices together identify a corner.
         count = len(mesh.vertices)
         keys = np.repeat(np.arange(len(totals)), totals).astype(np.int64) * count + corners
         order = np.argsort(keys, kind="stable")
@@ -47,7 +47,8 @@ def triangle_loops(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> NDArr
         if np.array_equal(keys[loops], wanted):
             return loops
     raise InputError(
-        "{object} has other vertices or faces than when its soft map was computed; compute it again.", object=obj.name
+        "The vertices or faces of {object} have changed since its soft map was computed; compute it again.",
+        object=obj.name,
     )
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pairs of vertices that belong together, from names: of vertex groups, and of Empties that stand on both surfaces."""
+"""Pairs of corresponding vertices by name: of vertex groups, and of Empties on both surfaces."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ..vertex_groups import group_names
 
 @dataclass(frozen=True)
 class MapPair:
-    """A vertex of the source and one of the target.
+    """A vertex of the source and a vertex of the target.
 
     Attributes
     ----------
     name : str
-        What the user calls them.
+        Name of the pair in the user interface.
     source, target : int
-        Their numbers.
+        Indices of the vertices.
     """
 
     name: str
@@ -33,14 +33,14 @@ class MapPair:
 
 @dataclass(frozen=True)
 class FoundPairs:
-    """Pairs, and what has made none.
+    """Pairs, and names without a pair.
 
     Attributes
     ----------
     pairs : tuple of MapPair
         In the order of the source's names.
     left_out : tuple of str
-        Names that fit but are ambiguous, empty, or there on one side only.
+        Matching names that are ambiguous, empty, or on one side only.
     """
 
     pairs: tuple[MapPair, ...]
@@ -54,23 +54,23 @@ def pairs_from_groups(
     pattern: str = "*",
     largest: float = 0.05,
 ) -> FoundPairs:
-    """Make a pair of every two vertex groups of the same name, in the middle of each.
+    """Create a pair for all vertex groups of the same name, at the center of each.
 
     Parameters
     ----------
     source, target : bpy.types.Object
         Meshes. Of a mesh and itself groups are paired with those of the other side: "Hand.L" with "Hand.R".
     depsgraph : bpy.types.Depsgraph
-        Of the scene.
+        Dependency graph of the scene.
     pattern : str
-        Names that count, with ``*`` and ``?`` as in file names.
+        Patterns of names, with ``*`` and ``?`` as in file names.
     largest : float
-        Share of the vertices that a group may have; larger ones are no marks, but weights of bones.
+        Maximum fraction of the vertices in a group; larger groups are weights of bones, not marks.
 
     Raises
     ------
     InputError
-        Not a mesh, or one without a surface.
+        Not a mesh, or a mesh without a surface.
     """
     partners = {name: _partner(name, source is target) for name in group_names(source) if fnmatchcase(name, pattern)}
     in_both = [name for name, other in partners.items() if other and other in target.vertex_groups]
@@ -87,7 +87,7 @@ def pairs_from_empties(
     depsgraph: bpy.types.Depsgraph,
     empties: Iterable[bpy.types.Object],
 ) -> FoundPairs:
-    """Make a pair of every two Empties of the same name, but for suffixes such as .001, of the vertices next to them.
+    """Create a pair for all Empties of the same name, ignoring suffixes such as .001, from the nearest vertices.
 
     An Empty belongs to the object that it is parented to, also by way of others, or else to that whose surface is
     nearer.
@@ -97,14 +97,14 @@ def pairs_from_empties(
     source, target : bpy.types.Object
         Meshes. Of a mesh and itself Empties are paired with those of the other side: "Hand.L" with "Hand.R".
     depsgraph : bpy.types.Depsgraph
-        Of the scene.
+        Dependency graph of the scene.
     empties : iterable of bpy.types.Object
-        Other objects among them are left out.
+        Other objects are ignored.
 
     Raises
     ------
     InputError
-        Not a mesh, or one without a surface.
+        Not a mesh, or a mesh without a surface.
     """
     vertices = empty_marks((source, target), depsgraph, empties)
     if source is not target:
@@ -114,7 +114,7 @@ def pairs_from_empties(
 
 
 def _partner(name: str, is_mirrored: bool) -> str:
-    """Return the name to look for on the other side; empty where a mirrored name has no sides, or is the second."""
+    """Return the name to look for on the other side; empty if a mirrored name has no side, or is the second one."""
     if not is_mirrored:
         return name
     flipped = bpy.utils.flip_name(name)
@@ -122,7 +122,7 @@ def _partner(name: str, is_mirrored: bool) -> str:
 
 
 def _paired(first: Mapping[str, int | None], second: Mapping[str, int | None]) -> FoundPairs:
-    """Pair vertices by their names; None stands for those that say nothing."""
+    """Pair vertices by name; None marks vertices to be ignored."""
     names = list(dict.fromkeys([*first, *second]))
     made = {name for name in names if first.get(name) is not None and second.get(name) is not None}
     pairs = tuple(MapPair(name, first[name], second[name]) for name in names if name in made)

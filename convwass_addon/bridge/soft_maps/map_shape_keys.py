@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shape keys as offsets of vertices in world space, and offsets as shape keys."""
+"""Convert shape keys to offsets of vertices in world space, and back."""
 
 from __future__ import annotations
 
@@ -14,18 +14,18 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class KeyOffsets:
-    """What a shape key does.
+    """The effect of a shape key.
 
     Attributes
     ----------
     name : str
-        Of the key.
+        Name of the key.
     relative_to : str
-        Name of the key that it starts from; empty for the basis.
+        Name of the key it is relative to; empty for the basis.
     offsets : (n, 3) float64
-        How far it moves every vertex, world space, without the object's location.
+        Offset of every vertex in world space, without the object's location.
     slider : (float, float)
-        Least and greatest value.
+        Minimum and maximum value.
     """
 
     name: str
@@ -35,20 +35,20 @@ class KeyOffsets:
 
 
 def key_names(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the shape keys of a mesh object but for its basis."""
+    """Return the names of the shape keys of a mesh object, except its basis."""
     keys = obj.data.shape_keys
     return [key.name for key in keys.key_blocks if key != keys.reference_key] if keys else []
 
 
 def locked_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[str]:
-    """Return which of these keys an object has and has locked; the basis counts as locked."""
+    """Return which of these keys an object has locked; the basis counts as locked."""
     keys = obj.data.shape_keys
     blocks = [keys.key_blocks[name] for name in names if name in keys.key_blocks] if keys else []
     return [block.name for block in blocks if block.lock_shape or block == keys.reference_key]
 
 
 def read_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[KeyOffsets]:
-    """Return what shape keys do."""
+    """Return the effects of shape keys."""
     keys = obj.data.shape_keys
     turn = np.array(obj.matrix_world, dtype=np.float64)[:3, :3]
     found = []
@@ -61,14 +61,14 @@ def read_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[KeyOffsets]:
 
 
 def write_keys(obj: bpy.types.Object, keys: Sequence[KeyOffsets]) -> None:
-    """Write shape keys; of those that are there already only the shape changes, not value, drivers or order.
+    """Write shape keys. Existing keys get a new shape, and keep their value, drivers and position.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh object in any mode but Edit Mode, of a scale that is not zero.
+        A mesh object in any mode except Edit Mode, with a nonzero scale.
     keys : sequence of KeyOffsets
-        Those that others are relative to before them.
+        Keys after those they are relative to.
     """
     active = obj.active_shape_key_index
     if obj.data.shape_keys is None:
@@ -79,7 +79,7 @@ def write_keys(obj: bpy.types.Object, keys: Sequence[KeyOffsets]) -> None:
         block = blocks.get(key.name)
         if block is None:
             block = obj.shape_key_add(name=key.name, from_mix=False)
-            # Blenders differ in what a new key begins with.
+            # Initial values of new keys differ between versions of Blender.
             block.value = 0.0
             block.slider_min, block.slider_max = key.slider
             block.relative_key = blocks.get(key.relative_to) or obj.data.shape_keys.reference_key
@@ -92,7 +92,7 @@ def write_keys(obj: bpy.types.Object, keys: Sequence[KeyOffsets]) -> None:
 
 
 def _dependents(block: bpy.types.ShapeKey, blocks: Sequence[bpy.types.ShapeKey]) -> list[bpy.types.ShapeKey]:
-    """Return the keys that start from another, also by way of others: they are to do what they did."""
+    """Return the keys that are directly or indirectly relative to another, whose effect must be preserved."""
     found = [block]
     for _ in blocks:
         found += [other for other in blocks if other.relative_key in found and other not in found]

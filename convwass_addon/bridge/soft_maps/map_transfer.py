@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is carried from one object to another along a map: read at first, computed beside, written at the end.
+"""Transfer data from one object to another along a map: read first, computed in the background, written at the end.
 
-Nothing is written before all of it has been computed, and all that could be refused has been.
+Nothing is written before everything has been computed and checked.
 """
 
 from __future__ import annotations
@@ -22,24 +22,24 @@ from ...sentence import Sentence
 
 @dataclass(frozen=True)
 class TransferEnds:
-    """From where to where something is carried, and what of it.
+    """Source, target and contents of a transfer.
 
     Attributes
     ----------
     giver, receiver : bpy.types.Object
-        Mesh objects; of a map of a mesh to its mirror image one and the same.
+        Mesh objects; the same object twice for a map of a mesh to its mirror image.
     points : PointMap
-        A point of the giver for every vertex of the receiver.
+        A point on the giver for every vertex of the receiver.
     giver_mesh, receiver_mesh : TriangleMesh
-        Both without modifiers and shape keys, world space, with the triangles that the map counts.
+        Both meshes in world space, without modifiers and shape keys, with the triangles of the map.
     names : tuple of str
-        What is carried, of each kind; empty for all.
+        Names to transfer, of each kind; empty for all.
     keep : bool
-        Whether what the receiver has already stays; locked groups and keys always do.
+        Whether existing data of the receiver is kept; locked groups and keys are always kept.
     flip : bool
-        Whether names with a side, such as Arm.L, get the other one. Of a mesh to itself they always do.
+        Whether names with a side, such as Arm.L, change sides; always true for a map of a mesh to itself.
     is_backward : bool
-        Of a mesh to itself: from right to left.
+        For a map of a mesh to itself: from right to left.
     """
 
     giver: bpy.types.Object
@@ -54,15 +54,15 @@ class TransferEnds:
 
     @property
     def is_mirror(self) -> bool:
-        """Whether something is carried to the mirror image on the same mesh."""
+        """Return whether data is transferred to the mirror image on the same mesh."""
         return self.giver == self.receiver
 
     def destinations(self, known: Sequence[str]) -> dict[str, str]:
-        """Return, for the names of the giver that are carried, those under which they are written."""
+        """Return the names under which data of the giver is written."""
         chosen = [name for name in known if not self.names or name in self.names]
         flipped = {name: bpy.utils.flip_name(name) for name in chosen}
         if self.is_mirror:
-            # Left comes before right in every way of writing it.
+            # Left sorts before right in all naming schemes.
             return {
                 name: other
                 for name, other in flipped.items()
@@ -73,14 +73,14 @@ class TransferEnds:
 
 @dataclass(frozen=True)
 class Carried:
-    """What has been written, and what has stayed as it was.
+    """Written and kept data.
 
     Attributes
     ----------
     written, kept : tuple of str
-        Names at the receiver.
+        Names on the receiver.
     notices : tuple of Sentence
-        What the user should know.
+        Messages for the user.
     """
 
     written: tuple[str, ...]
@@ -89,24 +89,24 @@ class Carried:
 
 
 class CarriedPart(Protocol):
-    """One kind of what is carried from one object to the other."""
+    """One kind of data to transfer."""
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
-        """Compute it, and touch nothing of Blender."""
+        """Compute the result without accessing Blender's data."""
 
     def write(self, receiver: bpy.types.Object) -> Carried:
-        """Write what has been computed."""
+        """Write the result."""
 
 
 def all_carried(parts: Collection[CarriedPart], control: Control = UNINTERRUPTED) -> Work[None]:
-    """Compute all parts, one after the other."""
+    """Compute all parts in order."""
     for place, part in enumerate(parts):
         yield from within(part.steps(control), place / len(parts), (place + 1) / len(parts))
         control.check()
 
 
 def require_any(names: Mapping[str, str] | Sequence[str], error: InputError) -> None:
-    """Raise an error where there is nothing to carry."""
+    """Raise an error if there is nothing to transfer."""
     if not names:
         raise error
 
@@ -117,7 +117,7 @@ def kept_names(
     locked: Callable[[bpy.types.Object, Sequence[str]], list[str]],
     known: Callable[[bpy.types.Object], list[str]],
 ) -> tuple[str, ...]:
-    """Return the names at the receiver that are not to be written."""
+    """Return the names on the receiver that must not be written."""
     wanted = list(names.values())
     there = set(locked(ends.receiver, wanted)) | (set(known(ends.receiver)) if ends.keep else set())
     return tuple(name for name in wanted if name in there)

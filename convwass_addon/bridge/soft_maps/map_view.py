@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Soft maps to look at: places as colors, the distribution of one vertex, and how sure the map is."""
+"""Visualize soft maps: positions as colors, the distribution of one vertex, and confidence."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from ..mesh_checks import writable_mesh
 from ..vertex_groups import as_weights, write_group
 
 PLACES = "Soft Map"
-"""Color attribute of both objects: the place on the source."""
+"""Color attribute of both objects: position on the source."""
 
 DISTRIBUTION = "Soft Map Distribution"
-"""Color attribute of both objects: a vertex of the source, and where it goes."""
+"""Color attribute of both objects: a vertex of the source and its image."""
 
 CONFIDENCE = "Soft Map Confidence"
 """Vertex group of both objects."""
 
-# Radius of the spot that marks a vertex, as a share of the diagonal of the bounds.
+# Radius of the spot that marks a vertex, relative to the diagonal of the bounds.
 _SPOT = 0.03
-# Color of vertices without an image: none of the places has it.
+# Color of vertices without an image; no position has it.
 _NOWHERE = (0.0, 0.0, 0.0, 1.0)
 
 
 def place_colors(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return a color for every place within the bounds of a mesh, red, green and blue along X, Y and Z, (n, 4)."""
+    """Return a color for every position in the bounds of a mesh, red, green and blue along X, Y and Z, (n, 4)."""
     low, high = mesh.bounds
     size = np.where(high > low, high - low, 1.0)
     return np.concatenate([np.clip((mesh.vertices - low) / size, 0.0, 1.0), np.ones((len(mesh.vertices), 1))], axis=1)
@@ -41,21 +41,22 @@ def place_colors(mesh: TriangleMesh) -> NDArray[np.float64]:
 def show_places(
     source: bpy.types.Object, target: bpy.types.Object, found: SurfaceMap, source_mesh: TriangleMesh
 ) -> None:
-    """Color the source by its places and the target by those that it comes from.
+    """Color the source by position, and the target by the corresponding positions.
 
     Parameters
     ----------
     source, target : bpy.types.Object
-        Two mesh objects in any mode but Edit Mode; of a map of a mesh to itself one, which gets the colors of images.
+        Two mesh objects in any mode except Edit Mode; for a map of a mesh to itself one, which gets the colors of
+        images.
     found : SurfaceMap
-        The map from one to the other.
+        The map between them.
     source_mesh : TriangleMesh
-        The source, with the triangles that the map counts.
+        The source, with the triangles of the map.
 
     Raises
     ------
     InputError
-        As `writable_mesh`, or something else has the name of the attribute; nothing is written then.
+        As `writable_mesh`, or the name of the attribute is used for something else; nothing is written then.
     """
     _require_writable((source, target), PLACES)
     colors = place_colors(source_mesh)
@@ -69,14 +70,14 @@ def show_places(
 def show_distribution(
     source: bpy.types.Object, target: bpy.types.Object, found: SurfaceMap, source_mesh: TriangleMesh, vertex: int
 ) -> NDArray[np.float64]:
-    """Color the target by the distribution of one source vertex, and mark that on the source.
+    """Color the target by the distribution of one source vertex, and mark that vertex on the source.
 
     Parameters
     ----------
     source, target, found, source_mesh
         As for `show_places`.
     vertex : int
-        Of the source.
+        Index of the vertex of the source.
 
     Returns
     -------
@@ -86,7 +87,7 @@ def show_distribution(
     Raises
     ------
     InputError
-        As `show_places`, or there is no such vertex, or it has no image.
+        As `show_places`, or the vertex does not exist or has no image.
     """
     _require_writable((source, target), DISTRIBUTION)
     density = distribution_of(found, vertex)
@@ -105,7 +106,7 @@ def show_distribution(
 
 
 def write_confidence(source: bpy.types.Object, target: bpy.types.Object, found: SurfaceMap) -> None:
-    """Write how sure the map is at every vertex to a vertex group of each object, from 0 to 1.
+    """Write the confidence of the map at every vertex, from 0 to 1, to a vertex group of each object.
 
     Raises
     ------
@@ -117,7 +118,7 @@ def write_confidence(source: bpy.types.Object, target: bpy.types.Object, found: 
         group = obj.vertex_groups.get(CONFIDENCE)
         if group is not None and group.lock_weight:
             raise InputError("The group {name} is locked; unlock it, or choose another name.", name=CONFIDENCE)
-    # Of a map of a mesh to itself both are the same group.
+    # For a map of a mesh to itself, both are the same group.
     for obj, points in ((target, found.backward), (source, found.forward)):
         write_group(obj, CONFIDENCE, np.clip(points.confidence, 0.0, 1.0))
         obj.vertex_groups.active_index = obj.vertex_groups[CONFIDENCE].index

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Weights that come along a map: which of them deform, how many a vertex may have, and what locked groups leave."""
+"""Weights transferred along a map: which of them deform, how many per vertex, and the room left by locked groups."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from ...errors import InputError
 from ..mesh_checks import writable_mesh
 from ..vertex_groups import group_names, read_groups, write_group
 
-# Of the vertices: so many have weights of sum 1 where groups are weights of bones that nobody has named.
+# If no armature names the groups, they are weights of bones if this fraction of the vertices has a weight sum of 1.
 _MOST_OF_THEM, _SUM_TOLERANCE = 0.99, 1e-3
-# Less is none: noise of interpolation.
+# Smaller weights are noise of the interpolation.
 _LEAST_WEIGHT = 1e-4
-# Longest name of a vertex group, in bytes.
+# Maximum length of the name of a vertex group, in bytes.
 _LONGEST_NAME = 63
 
 
 @dataclass(frozen=True)
 class WeightRules:
-    """How many groups a vertex may be in.
+    """Limits for the groups of a vertex.
 
     Attributes
     ----------
     limit : int
-        Most deforming groups of a vertex; 0 for any number.
+        Maximum number of deforming groups per vertex; 0 for no limit.
     normalize : bool
-        Whether the weights of deforming groups are to sum to 1.
+        Whether weights of deforming groups must sum to 1.
     """
 
     limit: int = 4
@@ -40,7 +40,7 @@ class WeightRules:
 
 
 def bone_names(obj: bpy.types.Object) -> set[str]:
-    """Return the names of the bones that deform an object by its Armature modifiers."""
+    """Return the names of the bones that deform an object through Armature modifiers."""
     armatures = [modifier.object for modifier in obj.modifiers if modifier.type == "ARMATURE" and modifier.object]
     return {bone.name for armature in armatures for bone in armature.data.bones if bone.use_deform}
 
@@ -50,15 +50,15 @@ def deforming_groups(
 ) -> set[str]:
     """Return which groups of the giver are weights of bones.
 
-    Those named after deforming bones of either object; where neither has an armature, all of them if they sum to 1
-    everywhere, as weights of bones do, and otherwise none.
+    These are groups named after deforming bones of either object. If neither object has an armature, all groups are
+    weights of bones if they sum to 1 everywhere; otherwise none is.
 
     Parameters
     ----------
     giver, receiver : bpy.types.Object
         Mesh objects.
     names : sequence of str
-        Of all groups of the giver.
+        All groups of the giver.
     weights : (g, n) float64
         Their weights.
     """
@@ -76,23 +76,23 @@ def fitted_weights(
     fixed: NDArray[np.float64],
     rules: WeightRules,
 ) -> NDArray[np.float64]:
-    """Return weights of deforming groups that keep to the rules, beside those that stay.
+    """Return weights of deforming groups within the limits, next to weights that are kept.
 
     Parameters
     ----------
     weights : (g, m) float64
-        Of the groups that are written.
+        Weights of the groups to be written.
     total : (m,) float64
-        Sum of all deforming groups that the giver has there: the written groups get their share of 1.
+        Sum of all deforming groups of the giver at each vertex; the written groups get their share of 1.
     fixed : (l, m) float64
-        Weights of deforming groups that stay.
+        Weights of the deforming groups that are kept.
     rules : WeightRules
-        How many groups.
+        Limits per vertex.
 
     Returns
     -------
     (g, m) float64
-        From 0 to 1. With more groups than allowed the largest stay, with the sum that all had.
+        From 0 to 1. If there are too many groups, the largest ones get the weights of all.
     """
     kept, sums = np.where(weights < _LEAST_WEIGHT, 0.0, weights), weights.sum(axis=0)
     if rules.limit:
@@ -109,7 +109,7 @@ def fitted_weights(
 
 
 def require_group_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
-    """Refuse names that groups cannot have, before anything is written; raises InputError."""
+    """Raise InputError if names are invalid for groups, before anything is written."""
     for name in names:
         if len(name.encode()) > _LONGEST_NAME:
             raise InputError("{name} is too long for the name of a vertex group; choose a shorter one.", name=name)
@@ -117,7 +117,7 @@ def require_group_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
 
 
 def locked_groups(obj: bpy.types.Object, names: Sequence[str]) -> list[str]:
-    """Return which of these groups an object has and has locked."""
+    """Return which of these groups an object has locked."""
     return [name for name in names if name in obj.vertex_groups and obj.vertex_groups[name].lock_weight]
 
 
@@ -130,7 +130,7 @@ def staying_weights(obj: bpy.types.Object, names: Sequence[str]) -> NDArray[np.f
 def write_weights(
     obj: bpy.types.Object, names: Sequence[str], weights: NDArray[np.float64], found: NDArray[np.bool_]
 ) -> None:
-    """Write groups, (g, m); vertices without an image, those not in `found`, (m,), keep the weights that they have."""
+    """Write groups, (g, m); vertices without an image, those not in `found`, (m,), keep their weights."""
     before = {name: row for name, row in zip(names, _weights_before(obj, names), strict=True)}
     for name, row in zip(names, weights, strict=True):
         write_group(obj, name, np.where(found, row, before[name]))

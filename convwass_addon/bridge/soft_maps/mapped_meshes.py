@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The meshes of a stored map as they stand in the scene, with the triangles that the map counts."""
+"""Read the meshes of a stored map in the scene, with the triangles of the map."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from ..surfaces import surface_mesh
 
 
 def standing_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64], depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
-    """Return the mesh of an object as modifiers and shape keys leave it, world space.
+    """Return the mesh of an object with modifiers and shape keys, in world space.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        With the vertices and the faces that it had when the map was made.
+        Must have the vertices and faces for which the map was computed.
     triangles : (m, 3) int64
-        How its faces are cut, as a map counts them; in another pose Blender may cut them otherwise.
+        Triangles of the map; in another pose, Blender may triangulate differently.
     depsgraph : bpy.types.Depsgraph
-        Of the scene.
+        Dependency graph of the scene.
 
     Raises
     ------

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Numbers at the vertices that belong together, drawn over the 3D viewport on both objects."""
+"""Numbered labels at corresponding vertices, drawn over the 3D viewport on both objects."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ from mathutils import Vector
 
 from ..viewport_overlay import ViewportOverlay, fill_discs
 
-# Pixels at a scale of 1.
+# Pixels at a UI scale of 1.
 _TEXT_SIZE, _RADIUS, _DOT = 12.0, 10.0, 3.0
-# Opacity of what lies on the far side.
+# Opacity of labels on the far side.
 _FAINT = 0.35
 _INK = (0.05, 0.05, 0.05)
-# Hues that are told apart by everybody, one after the other: Okabe and Ito, "Color Universal Design", 2008.
+# Hues that are distinguishable with color blindness: Okabe and Ito, "Color Universal Design", 2008.
 _COLORS = (
     (0.90, 0.62, 0.0),
     (0.34, 0.71, 0.91),
@@ -34,16 +34,16 @@ _COLORS = (
 
 @dataclass(frozen=True)
 class LabeledVertex:
-    """A vertex that is to have a label.
+    """A vertex with a label.
 
     Attributes
     ----------
     obj : bpy.types.Object
         Its object.
     vertex : int
-        Its number; labels of vertices that do not exist are not drawn.
+        Vertex index; labels of missing vertices are not drawn.
     number : int
-        What the label says.
+        Text of the label.
     """
 
     obj: bpy.types.Object
@@ -58,11 +58,11 @@ class Label:
     Attributes
     ----------
     number : int
-        What it says.
+        Text of the label.
     point : mathutils.Vector
-        Where, world space.
+        Position in world space.
     normal : mathutils.Vector
-        Of the surface there, of any length.
+        Surface normal, of any length.
     """
 
     number: int
@@ -70,7 +70,7 @@ class Label:
     normal: Vector
 
     def faces(self, view: bpy.types.RegionView3D) -> bool:
-        """Whether the surface is seen from its front there."""
+        """Return whether the front of the surface is visible."""
         inverse = view.view_matrix.inverted()
         toward = inverse.translation - self.point if view.is_perspective else inverse.col[2].to_3d()
         return self.normal.dot(toward) >= 0.0
@@ -82,7 +82,7 @@ class PairLabels(ViewportOverlay[Sequence[LabeledVertex]]):
     Parameters
     ----------
     wanted : callable
-        ``wanted(context)`` returns the vertices that are to have a label at that moment.
+        ``wanted(context)`` returns the vertices to label.
     """
 
     def _draw(self, wanted: Sequence[LabeledVertex], context: bpy.types.Context) -> None:
@@ -91,7 +91,7 @@ class PairLabels(ViewportOverlay[Sequence[LabeledVertex]]):
 
 
 def labels_of(vertices: Sequence[LabeledVertex], depsgraph: bpy.types.Depsgraph) -> list[Label]:
-    """Return where labels are, as modifiers and edits leave their vertices; hidden objects have none."""
+    """Return labels at the positions of their vertices after modifiers and edits; hidden objects have none."""
     return [label for label in (_label(vertex, depsgraph) for vertex in vertices) if label is not None]
 
 
@@ -108,7 +108,7 @@ def _label(labeled: LabeledVertex, depsgraph: bpy.types.Depsgraph) -> Label | No
         edited.verts.ensure_lookup_table()
         vertex = edited.verts[number]
     else:
-        # Modifiers that make other vertices leave nothing to go by.
+        # If modifiers change the vertices, the original position is used.
         is_kept = len(evaluated.data.vertices) == len(obj.data.vertices)
         vertex = (evaluated.data if is_kept else obj.data).vertices[number]
     normal = matrix.to_3x3().inverted_safe().transposed() @ vertex.normal

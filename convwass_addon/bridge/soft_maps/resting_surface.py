@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The surface of an object at rest: what shape keys start from, before any modifier."""
+"""Read the surface of an object at rest: the basis of its shape keys, without modifiers."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> Triangl
     obj : bpy.types.Object
         A mesh object.
     triangles : (m, 3) int64
-        How its faces are cut, as a map counts them.
+        Triangles of the map.
     """
     points = np.empty(3 * len(obj.data.vertices), np.float32)
     keys = obj.data.shape_keys

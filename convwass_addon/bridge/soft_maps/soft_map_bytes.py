@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps between two surfaces as bytes of :mod:`.array_files`, in arrays that compress well.
+"""Convert maps between two surfaces to the bytes of :mod:`.array_files`, encoded to compress well.
 
 An array is stored as its bytes, (bytes of a value, columns, rows): all first bytes, then all second ones, and so on,
 column by column, since they are alike.
@@ -24,11 +24,11 @@ from .first_schema import first_schema, is_first_schema
 SCHEMA = 2
 
 _MOST_BYTES = 1 << 31
-# That of zlib's own choice.
+# The default level of zlib.
 _LEVEL = 6
-# Shares are stored as whole numbers up to this.
+# Largest integer for stored shares.
 _ONE = 65535
-# Bits of a float that are kept: more than four digits.
+# Stored bits of a float, for more than four digits.
 _KEPT_BITS = np.uint32(0xFFFFF800)
 
 _WHOLE, _SHARES, _FLOATS = np.dtype("<i4"), np.dtype("<u2"), np.dtype("<f4")
@@ -43,21 +43,21 @@ _KINDS = {
     "source.triangles": _WHOLE,
     "target.triangles": _WHOLE,
 }
-"""All arrays in their order, and how each is stored."""
+"""All arrays in order, with their stored types."""
 
 
 @dataclass(frozen=True)
 class MeshMark:
-    """What tells later whether a mesh is still the one that a map was made for.
+    """Identifies the mesh for which a map was computed.
 
     Attributes
     ----------
     vertices, polygons : int
-        How many there are.
+        Number of elements.
     topology : str
-        Stands for which vertex is at every corner of every polygon.
+        Hash of the vertices at all corners of all polygons.
     shape : str
-        Stands for the positions of the vertices in the mesh's own space, without modifiers and shape keys.
+        Hash of the vertex positions in local space, without modifiers and shape keys.
     """
 
     vertices: int
@@ -73,9 +73,9 @@ class MappedSide:
     Attributes
     ----------
     mark : MeshMark
-        Of the mesh at that time.
+        Mark of the mesh when the map was computed.
     triangles : (m, 3) int64
-        Those that the map counts. Polygons may be cut into others once the object is posed.
+        Triangles of the map. Once the object is posed, Blender may triangulate polygons differently.
     """
 
     mark: MeshMark
@@ -84,14 +84,14 @@ class MappedSide:
 
 @dataclass(frozen=True)
 class StoredSoftMap:
-    """A map as it is stored.
+    """A stored map.
 
     Attributes
     ----------
     found : SurfaceMap
-        The map itself.
+        The map.
     source, target : MappedSide
-        What it leads from and to.
+        The two meshes of the map.
     """
 
     found: SurfaceMap
@@ -100,7 +100,7 @@ class StoredSoftMap:
 
 
 def packed(stored: StoredSoftMap) -> bytes:
-    """Return a map as bytes; shares lose what is beyond 16 bits, and figures what is beyond four digits."""
+    """Return a map as bytes; shares are rounded to 16 bits, and numbers to four digits."""
     arrays = _arrays_of(stored)
     found = stored.found
     header = {
@@ -114,12 +114,12 @@ def packed(stored: StoredSoftMap) -> bytes:
 
 
 def unpacked(data: bytes) -> StoredSoftMap:
-    """Return the map that `packed` made bytes of, here or in the version before.
+    """Return the map from the bytes of `packed`, in the current or the previous format.
 
     Raises
     ------
     ValueError, TypeError, KeyError, RecursionError
-        Something else made them, or they are damaged; the message says what is wrong.
+        The bytes are not a map, or damaged; the message gives the reason.
     """
     if not isinstance(data, bytes):
         raise TypeError("it is not made of bytes")
@@ -197,20 +197,20 @@ def _sentence(plain: object) -> Sentence:
 
 
 def _number(value: object) -> object:
-    """Return a number of NumPy's as one that JSON knows, and arrays as lists."""
+    """Convert a NumPy number or array to a value for JSON."""
     if isinstance(value, np.generic | np.ndarray):
         return value.tolist()
     raise TypeError(f"{type(value).__name__} is none of what a record holds")
 
 
 def _stored_form(array: NDArray, kind: np.dtype) -> NDArray:
-    """Return an array in the type in which it is stored, without digits that nobody needs."""
+    """Return an array in its stored type, without excess digits."""
     if kind == _SHARES:
         return np.rint(np.clip(array, 0.0, 1.0) * _ONE).astype(kind)
     if kind == _FLOATS:
         bits = np.ascontiguousarray(array, dtype=kind).view("<u4") & _KEPT_BITS
         return bits.view(kind)
-    # Neighbors hold similar numbers.
+    # Neighbors have similar values.
     whole = array.astype(kind)
     return np.diff(whole, axis=0, prepend=np.zeros((1, *whole.shape[1:]), kind))
 
@@ -224,7 +224,7 @@ def _usual_form(array: NDArray, kind: np.dtype) -> NDArray:
 
 
 def _planes(array: NDArray) -> NDArray[np.uint8]:
-    """Return the bytes of an array, (rows,) or (rows, columns), as they are stored."""
+    """Return the stored bytes of an array, (rows,) or (rows, columns)."""
     columns = np.ascontiguousarray(array.T)
     return np.moveaxis(columns.view(np.uint8).reshape(*columns.shape, array.dtype.itemsize), -1, 0)
 
@@ -238,7 +238,7 @@ def _of_planes(planes: NDArray[np.uint8], kind: np.dtype) -> NDArray:
 
 
 def _check_sizes(arrays: dict[str, NDArray]) -> None:
-    """Refuse arrays that do not belong together."""
+    """Raise an error if arrays do not match."""
     vertices = {"forward": len(arrays["forward.faces"]), "backward": len(arrays["backward.faces"])}
     vertices |= {"source": vertices["forward"], "target": vertices["backward"]}
     flat = {"faces", "spread", "entropy", "confidence", "starts", "values"}
@@ -255,7 +255,7 @@ def _check_sizes(arrays: dict[str, NDArray]) -> None:
 
 
 def _check_values(arrays: dict[str, NDArray]) -> None:
-    """Refuse numbers that lead to nowhere."""
+    """Raise an error if indices are out of range."""
     counts = {"source": len(arrays["forward.faces"]), "target": len(arrays["backward.faces"])}
     triangles = {side: arrays[f"{side}.triangles"] for side in counts}
     coarse = len(arrays["rows.starts"]) - 1

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is asked of Blender when a map is computed, or something is transferred by it."""
+"""Requests to compute a soft map, or to transfer data along it."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from ...schema import Choice, Settings, setting
 
 @dataclass(frozen=True)
 class MapRequest(Settings):
-    """What a soft map is asked for besides the settings of its solver."""
+    """Settings of a soft map in addition to those of its solver."""
 
     use_groups: bool = setting(
         False,
         "Use Equal Groups",
-        "Let painted vertex groups of the same name on both objects tell points apart",
+        "Use vertex groups of the same name on both objects to tell points apart",
         option="--groups",
         panel="settings",
     )
@@ -24,22 +24,22 @@ class MapRequest(Settings):
 
 @dataclass(frozen=True)
 class TransferRequest(Settings):
-    """How a transfer by a soft map is done."""
+    """Settings of a transfer along a soft map."""
 
     direction: str = setting(
         "FORWARD",
         "Direction",
-        "Which way along the map",
+        "Direction of the transfer",
         choices=(
             Choice(
                 "FORWARD",
                 "Source to Target",
-                "The target gets what the source has; on one object what is left goes right",
+                "Write data of the source to the target; on one object, from left to right",
             ),
             Choice(
                 "BACKWARD",
                 "Target to Source",
-                "The source gets what the target has; on one object what is right goes left",
+                "Write data of the target to the source; on one object, from right to left",
             ),
         ),
         option="--reverse",
@@ -52,18 +52,18 @@ class TransferRequest(Settings):
         "What to do with groups, keys and others that the receiving object has already; locked vertex groups and "
         "locked shape keys always stay",
         choices=(
-            Choice("REPLACE", "Replace", "Write what is transferred over those of the same name; others stay"),
-            Choice("KEEP", "Keep", "Leave what is there, and transfer the rest"),
+            Choice("REPLACE", "Replace", "Replace data of the same name; keep everything else"),
+            Choice("KEEP", "Keep", "Keep existing data, and transfer the rest"),
         ),
         option="--keep",
         flag="KEEP",
-        help="Leave what is there under the same name, and transfer the rest",
+        help="keep existing data of the same name, and transfer the rest",
         panel="transfer",
     )
     limit: int = setting(
         4,
         "Limit",
-        "Most deforming groups of a vertex: of more the largest weights stay; 0 for all of them",
+        "Maximum number of deforming groups per vertex, of which the largest weights are kept; 0 for no limit",
         least=0,
         most=1000,
         soft_most=8,
@@ -72,7 +72,7 @@ class TransferRequest(Settings):
     normalize: bool = setting(
         True,
         "Normalize",
-        "Let the weights of deforming groups add up to 1 at every vertex, with those of locked groups",
+        "Scale the weights of deforming groups so that they sum to 1 at every vertex, including those of locked groups",
         panel="groups",
     )
     flip_names: bool = setting(

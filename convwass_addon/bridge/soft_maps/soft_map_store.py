@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Soft maps that stay with their source object: saved with the file, copied with the object, read back with care."""
+"""Soft maps stored with their source object: saved with the file, copied with the object, and validated when read."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _TARGET, _COUNTS, _DATA = "target", "counts", "data"
 
 
 class MapState(Enum):
-    """Whether a map still fits its meshes."""
+    """Return whether a map still fits its meshes."""
 
     CURRENT = "as it was"
     RESHAPED = "vertices have been moved"
@@ -31,7 +31,7 @@ class MapState(Enum):
 
 
 def store_soft_map(source: bpy.types.Object, target: bpy.types.Object, stored: StoredSoftMap) -> None:
-    """Store a map with its source object; one to the same target is replaced, those to others stay.
+    """Store a map with its source object, and replace the map to the same target.
 
     Raises
     ------
@@ -47,13 +47,13 @@ def store_soft_map(source: bpy.types.Object, target: bpy.types.Object, stored: S
     sides = (stored.source, stored.target)
     counts = [number for side in sides for number in (side.mark.vertices, side.mark.polygons)]
     entry = {_TARGET: target, _COUNTS: counts, _DATA: packed(stored)}
-    # Maps to objects that are gone are of no use to anybody.
+    # Maps to deleted objects are useless.
     kept = [dict(own) for own in _entries(source) if own.get(_TARGET) not in (None, target)]
     source[MAPS_KEY] = {str(place): own for place, own in enumerate([*kept, entry])}
 
 
 def stored_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> StoredSoftMap:
-    """Read and check what `store_soft_map` wrote.
+    """Read and validate a map from `store_soft_map`.
 
     Raises
     ------
@@ -76,7 +76,7 @@ def stored_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> Store
 
 
 def forget_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> None:
-    """Remove a map from its source object; those to others stay."""
+    """Remove a map from its source object, and keep those to other targets."""
     kept = [dict(own) for own in _entries(source) if own.get(_TARGET) not in (None, target)]
     if kept:
         source[MAPS_KEY] = {str(place): own for place, own in enumerate(kept)}
@@ -85,14 +85,14 @@ def forget_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> None:
 
 
 def has_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> bool:
-    """Tell whether a map is stored; quick enough for a panel."""
+    """Return whether a map is stored; fast enough for a panel."""
     return _entry(source, target) is not None
 
 
 def recounted(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:
-    """Return the names of objects that have other numbers of vertices or faces than their map.
+    """Return the names of objects whose number of vertices or faces differs from their map.
 
-    That is quick enough for a panel. In Edit Mode the numbers are those from before.
+    Fast enough for a panel. In Edit Mode, the numbers are those from before.
     """
     entry = _entry(source, target)
     counts = list(entry.get(_COUNTS, ())) if entry is not None else []
@@ -104,7 +104,7 @@ def recounted(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:
 
 
 def mesh_mark(obj: bpy.types.Object) -> MeshMark:
-    """Return what tells later whether the mesh of an object is still the same.
+    """Return a mark that identifies the mesh of an object.
 
     Raises
     ------
@@ -121,12 +121,12 @@ def mesh_mark(obj: bpy.types.Object) -> MeshMark:
 
 
 def mapped_side(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> MappedSide:
-    """Return what is stored of one mesh of a map; raises InputError where it is none."""
+    """Return the stored data of one mesh of a map; raises InputError if it is invalid."""
     return MappedSide(mesh_mark(obj), triangles)
 
 
 def map_state(obj: bpy.types.Object, side: MappedSide) -> MapState:
-    """Tell whether a mesh is still the one of a stored map; raises InputError where it is none."""
+    """Return whether a mesh is still that of a stored map; raises InputError if the stored data is invalid."""
     now = mesh_mark(obj)
     if (now.vertices, now.polygons, now.topology) != (side.mark.vertices, side.mark.polygons, side.mark.topology):
         return MapState.OTHER
@@ -141,7 +141,7 @@ def _digest(*arrays: NDArray) -> str:
 
 
 def _entries(source: bpy.types.Object) -> Iterator[object]:
-    """Yield what is stored, as far as it is made of groups."""
+    """Yield the stored maps, skipping entries that are not groups."""
     maps = source.get(MAPS_KEY)
     for entry in maps.values() if hasattr(maps, "values") else ():
         if hasattr(entry, "get"):
