@@ -7,20 +7,30 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..bridge.morphs.blend_pad import make_blend_pad, require_sheet
+from ..bridge.morphs.blend_pad import build_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.morphs.player import is_player, make_player, require_path, speed
+from ..bridge.morphs.player import build_player, is_player, require_path, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..errors import ConvwassError
-from ..progress import drained, watched
+from ..progress import Result, Work, drained, watched
 from ..properties.from_schema import property_of, values_of, with_properties
 from .morph_manage import OnActiveMorph, active_morph, select_only
 from .reporting import refuse
 
 # Settings of a timing that only some styles have.
 _OF_STYLE = {"HOLD": ("hold",), "SLOW_MOTION": ("slowness",)}
+
+
+def _with_cursor(work: Work[Result]) -> Result:
+    """Do all of some work, and show at the mouse how far it is."""
+    manager = bpy.context.window_manager
+    manager.progress_begin(0, 100)
+    try:
+        return drained(watched(work, lambda report: manager.progress_update(int(100 * report.fraction))))
+    finally:
+        manager.progress_end()
 
 
 class _OnPlayedMorph(OnActiveMorph):
@@ -73,7 +83,8 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
         require_no_drawings(morph)
         require_path(morph)
         turn_into_meshes(morph)
-        return make_player(morph, playback=self.playback, easing=self.easing, between=self.between)
+        work = build_player(morph, playback=self.playback, easing=self.easing, between=self.between)
+        return _with_cursor(work)
 
 
 class _OnPlayer(_OnPlayedMorph):
@@ -156,17 +167,12 @@ class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
         from ..bridge.morphs.dense_bake import bake_player, sample_times
 
         player, render = context.object, context.scene.render
-        manager = context.window_manager
         first, last = keyed_span(player)
         times = sample_times(first, last, render.fps / render.fps_base, self.rate)
-        manager.progress_begin(0, 100)
         try:
-            work = bake_player(player, times, first)
-            morph = drained(watched(work, lambda report: manager.progress_update(int(100 * report.fraction))))
+            morph = _with_cursor(bake_player(player, times, first))
         except ConvwassError as error:
             return refuse(self, error)
-        finally:
-            manager.progress_end()
         select_only(context, frame_objects(morph)[:1])
         self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(morph.name, len(times)))
         return {"FINISHED"}
@@ -186,7 +192,7 @@ class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
         require_no_drawings(morph)
         require_sheet(morph)
         turn_into_meshes(morph)
-        return make_blend_pad(morph, between=self.between).handle
+        return _with_cursor(build_blend_pad(morph, between=self.between)).handle
 
 
 class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):

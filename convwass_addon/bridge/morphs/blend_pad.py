@@ -15,6 +15,7 @@ import numpy as np
 
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
+from ...progress import Work, drained
 from ..node_math import math_node, switch
 from ..pad_handles import pad_handle
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
@@ -96,6 +97,11 @@ class _Sheet:
 
 
 def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> BlendPad:
+    """Do all of :func:`build_blend_pad`."""
+    return drained(build_blend_pad(collection, between=between))
+
+
+def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> Work[BlendPad]:
     """Make a pad of a sheet of four or three shapes, and hide the sheet's own objects.
 
     The blend at the empty is seen, standing where the first shape stands; the pad is to its left, upright like the
@@ -109,6 +115,15 @@ def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST"
         What is seen between blends: the nearest one, or a mixture of the three around the empty, for which the file
         stores fields. Of flat shapes the nearest one is seen in any case.
 
+    Yields
+    ------
+    Progress
+        After each blend whose field is stored.
+
+    Returns
+    -------
+    BlendPad
+
     Raises
     ------
     InputError
@@ -116,6 +131,8 @@ def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST"
     """
     require_none(collection)
     sheet = _read_sheet(collection)
+    interpolated = between == "INTERPOLATED" and is_solid(collection)
+    fields = (yield from _stored(collection, sheet)) if interpolated else None
     home = bpy.data.collections.new(collection.name.replace("Morph", "Blend Pad", 1))
     for parent in homes(collection):
         parent.children.link(home)
@@ -127,9 +144,6 @@ def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST"
     handle = _linked(home, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
     for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
         _linked(home, drawn)
-    fields = None
-    if between == "INTERPOLATED" and is_solid(collection):
-        fields = _stored(collection, sheet)
     result = _linked(home, _result(sheet, pad, handle, fields))
     result.location = sheet.feet[0]
     trees = [obj.modifiers[MODIFIER].node_group for obj in home.objects if MODIFIER in obj.modifiers]
@@ -261,13 +275,13 @@ def _only_drawn(obj: bpy.types.Object, pad: bpy.types.Object | None = None) -> b
     return obj
 
 
-def _stored(collection: bpy.types.Collection, sheet: _Sheet) -> StoredFields:
+def _stored(collection: bpy.types.Collection, sheet: _Sheet) -> Work[StoredFields]:
     """Store the fields of the blends."""
     from .field_sampling import store_fields
 
     cells = field_cells(stored_morph(collection).settings)
     columns = sheet_columns(sheet.frames, sheet.weights @ sheet.feet)
-    fields = store_fields(collection.name, sheet.frames, cells, sheet.points, columns)
+    fields = yield from store_fields(collection.name, sheet.frames, cells, sheet.points, columns)
     adopt(collection, fields.blocks)
     return fields
 

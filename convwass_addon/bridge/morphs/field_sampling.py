@@ -21,6 +21,8 @@ from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
 from ...geometry.thicken import shell_occupancy
 from ...geometry.welding import welded
+from ...progress import Progress, Work
+from ...sentence import Sentence
 from ..objects import triangle_mesh
 from ..openvdb_module import openvdb_module
 from .field_sampler import SampleGrid, field_sampler
@@ -30,6 +32,8 @@ from .stored_fields import BAND, COLOR, FIELD, OFFSET, SCALE, VOLUME, Column, St
 _PROPERTIES = {"FLOAT": "value", "FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color"}
 # Samples around all blends.
 _MARGIN = 3
+# More samples take more than a second for each moment (docs/performance.md, "Moments of players").
+_MOST_SAMPLES = 4_000_000
 # As blends are read from a density (applications/morphs/reading.py).
 _READING_BLUR, _LEAST_CELLS, _SHEET_CELLS = 0.7, 20.0, 2.0
 
@@ -40,7 +44,7 @@ def store_fields(
     cells: float,
     places: NDArray[np.float64],
     columns: Sequence[Column] = (),
-) -> StoredFields:
+) -> Work[StoredFields]:
     """Sample the signed distances of blends, and store them.
 
     Parameters
@@ -56,10 +60,19 @@ def store_fields(
     columns : sequence of Column
         What else the table says of every blend.
 
+    Yields
+    ------
+    Progress
+        After every blend.
+
+    Returns
+    -------
+    StoredFields
+
     Raises
     ------
     InputError
-        A Blender without OpenVDB's Python module.
+        A Blender without OpenVDB's Python module; nothing is left behind.
     """
     openvdb = openvdb_module()
     if openvdb is None:
@@ -71,30 +84,42 @@ def store_fields(
     weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
     meshes = [_local_mesh(obj, depsgraph) for obj in frames]
     offsets = _centers(meshes, weights)
-    bounds = np.array([mesh.bounds - offset for mesh, offset in zip(meshes, offsets, strict=True)])
-    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
-    spacing = float((high - low).max()) / cells
-    low = low - _MARGIN * spacing
-    shape = tuple(int(n) for n in np.ceil((high - low) / spacing) + _MARGIN + 1)
+    grid = _grid(meshes, offsets, cells)
     data = bpy.data.meshes.new(f"{name} Fields")
-    data.vertices.add(int(np.prod(shape)))
+    data.vertices.add(int(np.prod(grid.shape)))
     volumes = []
-    for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, weights, strict=True)):
-        points = (mesh.vertices - offset - low) / spacing
-        field = signed_distances(openvdb, TriangleMesh(points, mesh.faces), shape, repaired=own.max() == 1.0)
-        steps = np.rint(field * SCALE).astype(np.int32)
-        attribute = data.attributes.new(FIELD.format(number), "INT8", "POINT")
-        attribute.data.foreach_set("value", steps.ravel())
-        volumes.append(counted_volume(steps / SCALE))
+    try:
+        for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, weights, strict=True), start=1):
+            inner = TriangleMesh((mesh.vertices - offset - grid.low) / grid.spacing, mesh.faces)
+            field = signed_distances(openvdb, inner, grid.shape, repaired=own.max() == 1.0)
+            steps = np.rint(field * SCALE).astype(np.int32)
+            attribute = data.attributes.new(FIELD.format(number - 1), "INT8", "POINT")
+            attribute.data.foreach_set("value", steps.ravel())
+            volumes.append(counted_volume(steps / SCALE))
+            done = {"done": number, "total": len(meshes)}
+            yield Progress(number / len(meshes), Sentence("Blend {done} of {total}", done))
+    except BaseException:
+        bpy.data.meshes.remove(data)
+        raise
     own = [
         Column(OFFSET, "FLOAT_VECTOR", offsets),
         Column(VOLUME, "FLOAT", np.array(volumes)),
         Column(COLOR, "FLOAT_COLOR", np.array([tuple(obj.color) for obj in frames])),
     ]
     table = _table(name, places, [*own, *columns])
-    grid = SampleGrid(low, spacing, shape)
     samples = bpy.data.objects.new(data.name, data)
     return StoredFields(samples, table, field_sampler(f"{name} Sampler", grid), grid)
+
+
+def _grid(meshes: Sequence[TriangleMesh], offsets: NDArray[np.float64], cells: float) -> SampleGrid:
+    """Lay a grid around meshes about their centers, of larger cells where it would have more than `_MOST_SAMPLES`."""
+    bounds = np.array([mesh.bounds - offset for mesh, offset in zip(meshes, offsets, strict=True)])
+    low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+    spacing = float((high - low).max()) / cells
+    count = float(np.prod((high - low) / spacing + 2 * _MARGIN + 1))
+    spacing *= max(count / _MOST_SAMPLES, 1.0) ** (1.0 / 3.0)
+    shape = np.ceil((high - low) / spacing).astype(int) + 2 * _MARGIN + 1
+    return SampleGrid(low - _MARGIN * spacing, spacing, tuple(int(n) for n in shape))
 
 
 def counted_volume(field: NDArray[np.floating]) -> float:
@@ -127,7 +152,7 @@ def signed_distances(
     )
     distances = np.empty(shape, np.float32)
     grid.copyToArray(distances, ijk=(0, 0, 0))
-    return -distances
+    return np.clip(-distances, -BAND, BAND)
 
 
 def _closed(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleMesh:

@@ -14,6 +14,7 @@ import numpy as np
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
 
 from ...errors import InputError
+from ...progress import Work, drained
 from ..keyframes import EASINGS
 from ..node_inputs import NodeInput, node_input
 from ..node_math import feed, math_node, switch
@@ -50,6 +51,13 @@ MATERIAL = "Material"
 def make_player(
     collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
 ) -> bpy.types.Object:
+    """Do all of :func:`build_player`."""
+    return drained(build_player(collection, playback=playback, easing=easing, between=between))
+
+
+def build_player(
+    collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
+) -> Work[bpy.types.Object]:
     """Make an object that shows the blends of a path, and hide the objects that were baked.
 
     Its `VALUE` is keyed over the frames of the bake, so that what is seen is at first what was seen before. Under
@@ -68,6 +76,11 @@ def make_player(
         What is seen between two blends: the nearer one, or their mixture, for which the file stores fields. Of flat
         shapes the nearer one is seen in any case.
 
+    Yields
+    ------
+    Progress
+        After each blend whose field is stored.
+
     Returns
     -------
     bpy.types.Object
@@ -83,9 +96,9 @@ def make_player(
     frames = _path_objects(collection)
     shapes = len(frames[0][WEIGHTS_KEY])
     name = f"{collection.name} Player"
-    tree = frame_group(name)
     interpolated = between == "INTERPOLATED" and is_solid(collection)
-    moment = _moment(collection, frames) if interpolated else None
+    moment = (yield from _moment(collection, frames)) if interpolated else None
+    tree = frame_group(name)
     _add_inputs(tree, interpolated)
     _fill(tree, frames, shapes, moment)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
@@ -122,7 +135,7 @@ def refresh_player(collection: bpy.types.Collection) -> None:
     for player in [obj for obj in stand_ins(collection) if is_player(obj)]:
         frames = _path_objects(collection)
         tree = player.modifiers[MODIFIER].node_group
-        moment = _moment(collection, frames) if interpolation(player) is not None else None
+        moment = drained(_moment(collection, frames)) if interpolation(player) is not None else None
         tree.nodes.clear()
         _fill(tree, frames, len(frames[0][WEIGHTS_KEY]), moment)
         adopt(collection, colored_materials(tree))
@@ -265,14 +278,14 @@ def _fill(
     output(tree, _dressed(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
 
 
-def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> bpy.types.NodeTree:
+def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> Work[bpy.types.NodeTree]:
     """Store the fields of the blends of a path, and make the group that shows it at any value."""
     from .field_sampling import store_fields
 
     scene = bpy.context.scene
     columns = path_columns(frames, scene.render.fps / scene.render.fps_base)
     cells = field_cells(stored_morph(collection).settings)
-    fields = store_fields(collection.name, frames, cells, _table(frames), columns)
+    fields = yield from store_fields(collection.name, frames, cells, _table(frames), columns)
     moment = moment_group(f"{collection.name} Moment", fields, frames)
     adopt(collection, [*fields.blocks, moment, *colored_materials(moment)])
     return moment
