@@ -97,6 +97,14 @@ def curves_of(block: bpy.types.ID) -> list[bpy.types.FCurve]:
     return list(bag.fcurves) if bag is not None else []
 
 
+def remove_curve(block: bpy.types.ID, path: str) -> None:
+    """Remove the keyframes of a property of a data-block, if it has any."""
+    data = block.animation_data
+    bag = action_get_channelbag_for_slot(data.action, data.action_slot) if data and data.action else None
+    for curve in [own for own in bag.fcurves if own.data_path == path] if bag is not None else []:
+        bag.fcurves.remove(curve)
+
+
 def make_linear(block: bpy.types.ID) -> None:
     """Set linear interpolation for all keys, regardless of the user's default."""
     for curve in curves_of(block):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Let clothes and eyes follow a mesh with shape keys."""
+"""Operators on a mesh with shape keys to other shapes: attach clothes and eyes, make a pad."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from bpy.props import BoolProperty
 from ..bridge.active import active_object, selected_objects
 from ..bridge.one_mesh.records import has_key_record
 from ..errors import ConvwassError
+from .morph_manage import select_only
 from .reporting import listed, refuse, tell
 
 
@@ -53,4 +54,30 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
         return {"FINISHED"}
 
 
-classes = (CONVWASS_OT_attach_parts,)
+class CONVWASS_OT_make_key_pad(bpy.types.Operator):
+    """Make a pad whose handle drives the sliders of the active mesh; for two or three other shapes"""
+
+    bl_idname = "convwass.make_key_pad"
+    bl_label = "Make Pad"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if context.mode != "OBJECT" or not has_key_record(active_object(context)):
+            cls.poll_message_set("Select a mesh with shape keys to other shapes, in Object Mode")
+            return False
+        return True
+
+    def execute(self, context):
+        from ..bridge.one_mesh.key_pad import make_key_pad
+
+        try:
+            made = make_key_pad(context.object, context.scene)
+        except ConvwassError as error:
+            return refuse(self, error)
+        select_only(context, [made.handle])
+        tell(self, rpt_("Drag {:s}").format(made.handle.name))
+        return {"FINISHED"}
+
+
+classes = (CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad)

@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_iface as iface_
 from ..bridge.active import active_object
 from ..bridge.one_mesh.records import has_key_record, key_records
 from ..errors import ConvwassError
-from ..operators.attached_parts import CONVWASS_OT_attach_parts
+from ..operators.attached_parts import CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad
 from ..operators.morph_export import CONVWASS_OT_export_morph
 from ..translations import translated
 from .sidebar import Sidebar, draw_wrapped
@@ -44,6 +44,8 @@ class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
                 draw_wrapped(layout, context, text, "ERROR")
         column = layout.column(align=True)
         column.operator(CONVWASS_OT_attach_parts.bl_idname, icon="LINKED")
+        if len(records) in (2, 3):
+            column.operator(CONVWASS_OT_make_key_pad.bl_idname, icon="EMPTY_AXIS")
         column.operator(CONVWASS_OT_export_morph.bl_idname, icon="EXPORT")
 
 

@@ -38,17 +38,31 @@ class MovingVertices:
 
 
 def keyed_span(obj: bpy.types.Object) -> range:
-    """Return the scene frames from the first to the last key of an object.
+    """Return the scene frames from the first to the last keyframe of an object, or of what drives it.
 
     Raises
     ------
     InputError
-        It has no keys.
+        There are no keyframes.
     """
-    spans = [curve.range() for curve in curves_of(obj) if len(curve.keyframe_points)]
+    blocks = _with_drivers(obj)
+    spans = [curve.range() for block in blocks for curve in curves_of(block) if len(curve.keyframe_points)]
     if not spans:
         raise InputError("{name} is not animated; key its sliders first.", name=obj.name)
     return range(round(min(span[0] for span in spans)), round(max(span[1] for span in spans)) + 1)
+
+
+def _with_drivers(obj: bpy.types.Object) -> list[bpy.types.ID]:
+    """Return an object, its shape keys, and all data-blocks that their drivers read."""
+    waiting, found = [obj, obj.data.shape_keys], []
+    while waiting:
+        block = waiting.pop()
+        if block is None or block in found:
+            continue
+        found.append(block)
+        drivers = block.animation_data.drivers if block.animation_data else ()
+        waiting += [target.id for curve in drivers for own in curve.driver.variables for target in own.targets]
+    return found
 
 
 def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: range) -> MovingVertices:

@@ -22,6 +22,7 @@ from ..morphs.animated_inputs import animation_notices
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
 from ..objects import hide, triangle_mesh
+from .records import key_records
 from .rest_mesh import armature_last, rest_mesh
 from .shape_keys import animate_sliders, object_with_keys
 
@@ -118,7 +119,8 @@ class ShapeKeyJob:
             )
         paths = [replace(path, positions=self._key_coordinates(path.positions)) for path in self.paths]
         obj = object_with_keys(source, mesh, paths, scene, self._rest.modifiers)
-        animate_sliders(obj, [path.name for path in self.paths], self._first, self._frames)
+        made = key_records(obj)[-len(self.paths) :]
+        animate_sliders(obj, [record["name"] for record in made], self._first, self._frames)
         if hide_inputs:
             hide((shape for handle in self._inputs if (shape := handle.find()) is not None), scene)
         return obj

@@ -5,13 +5,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import chain, count
 
 import bpy
 import numpy as np
 
 from ...applications.one_mesh.key_paths import KeyPath
 from ..morphs.bake import wear_material
-from .records import key_names, store_records
+from .records import RECORD_KEY, has_key_record, key_names, key_records, store_records
 
 POOR = "{name} poor"
 """Name of the attribute that marks vertices which are not where they should be in a shape."""
@@ -49,21 +50,46 @@ def object_with_keys(
     obj = _copy_with_modifiers(source, mesh, modifiers) if modifiers else bpy.data.objects.new(name, mesh)
     obj.name = name
     scene.collection.objects.link(obj)
+    records = _kept_sliders(source, obj)
     if mesh.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)
-    else:
-        _own_drivers(mesh.shape_keys, source, obj)
     for path in paths:
-        _add_slider(obj, path.name)
-        keys = []
-        for name, positions in zip(key_names(path.name, len(path.times)), path.positions, strict=True):
-            keys.append(obj.shape_key_add(name=name, from_mix=False))
-            keys[-1].data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
-        for key, expression in zip(keys, key_expressions(path.times), strict=True):
-            drive_key(obj, key, path.name, expression)
-        _mark(mesh, POOR.format(name=path.name), path.poor)
-    store_records(obj, [path.record() for path in paths])
+        name = _free_name(obj, path)
+        _add_path(obj, path, name)
+        records.append({**path.record(), "name": name})
+    store_records(obj, records)
     return obj
+
+
+def _kept_sliders(source: bpy.types.Object, obj: bpy.types.Object) -> list[dict[str, object]]:
+    """Give a copy with the shape keys of `source` its sliders too; return their records."""
+    if obj.data.shape_keys is None:
+        obj.pop(RECORD_KEY, None)
+        return []
+    _own_drivers(obj.data.shape_keys, source, obj)
+    records = key_records(source) if has_key_record(source) else []
+    for name in (record["name"] for record in records):
+        _add_slider(obj, name)
+        obj[name] = source.get(name, 0.0)
+    return records
+
+
+def _free_name(obj: bpy.types.Object, path: KeyPath) -> str:
+    """Return the name of a path, with a number if the object has such a slider or such keys already."""
+    taken = set(obj.keys()) | {key.name for key in obj.data.shape_keys.key_blocks}
+    tried = chain([path.name], (f"{path.name}.{number:03d}" for number in count(1)))
+    return next(name for name in tried if not taken.intersection([name, *key_names(name, len(path.times))]))
+
+
+def _add_path(obj: bpy.types.Object, path: KeyPath, slider: str) -> None:
+    """Add the shape keys of a path, and the slider that drives them."""
+    _add_slider(obj, slider)
+    names, expressions = key_names(slider, len(path.times)), key_expressions(path.times)
+    for name, positions, expression in zip(names, path.positions, expressions, strict=True):
+        key = obj.shape_key_add(name=name, from_mix=False)
+        key.data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
+        drive_key(obj, key, slider, expression)
+    _mark(obj.data, POOR.format(name=slider), path.poor)
 
 
 def _copy_with_modifiers(source: bpy.types.Object, mesh: bpy.types.Mesh, modifiers: Sequence[str]) -> bpy.types.Object:
@@ -110,7 +136,7 @@ def animate_sliders(obj: bpy.types.Object, names: Sequence[str], first: int, fra
             values[end + frames] = 0.0
         for frame, value in values.items():
             obj[name] = value
-            obj.keyframe_insert(_path_of(name), frame=frame)
+            obj.keyframe_insert(slider_path(name), frame=frame)
         obj[name] = 0.0
 
 
@@ -133,9 +159,10 @@ def drive_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, slider: str, expre
     variable = driver.variables.new()
     variable.name = "v"
     variable.targets[0].id = obj
-    variable.targets[0].data_path = _path_of(slider)
+    variable.targets[0].data_path = slider_path(slider)
     driver.expression = expression
 
 
-def _path_of(name: str) -> str:
+def slider_path(name: str) -> str:
+    """Return the data path of a slider of an object."""
     return f'["{bpy.utils.escape_identifier(name)}"]'

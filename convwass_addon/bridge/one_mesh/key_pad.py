@@ -1,0 +1,124 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pad whose handle drives the sliders of a mesh with shape keys: a triangle for two targets, a square for three."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ...errors import InputError
+from ..keyframes import remove_curve
+from ..morphs.blend_pad import GAP, SIDE, TEXT
+from ..pad_handles import pad_handle
+from .records import key_records
+from .shape_keys import slider_path
+
+# Corners of the pads in sides, in X and Z; the first one is the mesh as it is.
+_TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, math.sqrt(0.75)]])
+_SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
+
+
+@dataclass(frozen=True)
+class KeyPad:
+    """What `make_key_pad` makes.
+
+    Attributes
+    ----------
+    pad : bpy.types.Object
+        The drawn outline; the others are its children.
+    handle : bpy.types.Object
+        The empty to drag.
+    """
+
+    pad: bpy.types.Object
+    handle: bpy.types.Object
+
+
+def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
+    """Let an empty on a pad drive the sliders of an object; their keyframes are removed.
+
+    Drivers are simple expressions, so the file needs no add-on. Outside of the pad the weights are those of its rim.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        With shape keys that lead to two or three other shapes.
+    scene : bpy.types.Scene
+        The scene to add the pad to.
+
+    Raises
+    ------
+    InputError
+        Another number of shapes.
+    """
+    names = [record["name"] for record in key_records(obj)]
+    if len(names) not in (2, 3):
+        raise InputError("A pad needs two or three other shapes; {name} has {count}.", name=obj.name, count=len(names))
+    size = max(obj.dimensions)
+    side = SIDE * size
+    corners = _TRIANGLE if len(names) == 2 else _SQUARE
+    points = side * np.stack([corners[:, 0], np.zeros(len(corners)), corners[:, 1]], axis=1)
+    pad = _outline(obj.name, points, [(0, 1), (1, 2), (2, 0)] if len(names) == 2 else [(0, 1), (1, 3), (3, 2), (2, 0)])
+    middle = np.array(obj.matrix_world @ _center(obj))
+    pad.location = middle - np.array([side + (GAP + 0.5) * size, 0.0, side / 2.0])
+    handle = pad_handle("Key Handle", 0.06 * side, points, pad)
+    labels = [_label(text, point, side, pad) for text, point in zip((obj.name, *names), points, strict=True)]
+    for made in (pad, handle, *labels):
+        scene.collection.objects.link(made)
+    for name, expression in zip(names, _expressions(len(names), side), strict=True):
+        _drive(obj, name, handle, expression)
+    return KeyPad(pad, handle)
+
+
+def _expressions(count: int, side: float) -> list[str]:
+    """Return the sliders as functions of x and z, where the handle is on the pad."""
+    if count == 2:
+        height = _TRIANGLE[2, 1] * side
+        across, up = f"max(0, x / {side:.6g} - z / {2.0 * height:.6g})", f"max(0, z / {height:.6g})"
+        return [f"{own} / max(1, {across} + {up})" for own in (across, up)]
+    across, up = f"min(1, max(0, x / {side:.6g}))", f"min(1, max(0, z / {side:.6g}))"
+    return [f"{across} * (1 - {up})", f"(1 - {across}) * {up}", f"{across} * {up}"]
+
+
+def _drive(obj: bpy.types.Object, slider: str, handle: bpy.types.Object, expression: str) -> None:
+    path = slider_path(slider)
+    obj.driver_remove(path)
+    # Keys of a driven property would have no effect.
+    remove_curve(obj, path)
+    driver = obj.driver_add(path).driver
+    for name, kind in (("x", "LOC_X"), ("z", "LOC_Z")):
+        variable = driver.variables.new()
+        variable.name, variable.type = name, "TRANSFORMS"
+        target = variable.targets[0]
+        target.id, target.transform_type, target.transform_space = handle, kind, "LOCAL_SPACE"
+    driver.expression = expression
+
+
+def _outline(name: str, points: np.ndarray, edges: Sequence[tuple[int, int]]) -> bpy.types.Object:
+    mesh = bpy.data.meshes.new(f"{name} Pad")
+    mesh.from_pydata(points.tolist(), list(edges), [])
+    pad = bpy.data.objects.new(mesh.name, mesh)
+    pad.hide_render = True
+    return pad
+
+
+def _label(text: str, point: np.ndarray, side: float, pad: bpy.types.Object) -> bpy.types.Object:
+    """Write the name of a shape beside its corner."""
+    font = bpy.data.curves.new(text, "FONT")
+    font.body, font.size, font.align_x = text, TEXT * side, "CENTER"
+    shift = -1.9 * TEXT * side if point[2] == 0.0 else 1.1 * TEXT * side
+    font.offset_x, font.offset_y = point[0], point[2] + shift
+    label = bpy.data.objects.new(f"{text} Label", font)
+    label.rotation_euler.x = math.pi / 2.0
+    label.parent, label.hide_render, label.hide_select = pad, True, True
+    return label
+
+
+def _center(obj: bpy.types.Object) -> Vector:
+    return sum((Vector(corner) for corner in obj.bound_box), Vector()) / 8.0

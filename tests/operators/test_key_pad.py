@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A pad that drives the sliders of a mesh with shape keys."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.one_mesh.moving_meshes import keyed_span
+from convwass_addon.bridge.one_mesh.records import key_records
+from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+SHIFTS = np.eye(3)
+
+
+def world(obj):
+    bpy.context.view_layer.update()
+    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
+
+
+def cube_with_targets(count):
+    """A cube that each target moves along another axis."""
+    bpy.ops.mesh.primitive_cube_add()
+    source = bpy.context.object
+    rest = world(source)
+    paths = [
+        KeyPath(name, (1.0,), (rest + shift)[None], 0.9, 0.0, 0.0, 0.0, 0)
+        for name, shift in list(zip("ABC", SHIFTS, strict=True))[:count]
+    ]
+    obj = object_with_keys(source, source.data.copy(), paths, bpy.context.scene)
+    animate_sliders(obj, "ABC"[:count], 1, 10)
+    bpy.context.view_layer.objects.active = obj
+    return obj, rest
+
+
+def corners(pad, count):
+    return [np.array(vertex.co) for vertex in pad.data.vertices][: count + 1]
+
+
+@pytest.mark.parametrize("count", [2, 3])
+def test_the_handle_drives_the_sliders(count):
+    obj, rest = cube_with_targets(count)
+    assert bpy.ops.convwass.make_key_pad() == {"FINISHED"}
+    handle = bpy.context.object
+    places = corners(handle.parent, count)
+    shifts = [np.zeros(3), *SHIFTS[:count]]
+    for place, shift in zip(places, shifts, strict=True):
+        handle.location = place
+        np.testing.assert_allclose(world(obj), rest + shift, atol=1e-5)
+    handle.location = np.mean(places, axis=0)
+    np.testing.assert_allclose(world(obj), rest + np.mean(shifts, axis=0), atol=1e-5)
+    for frame, place in ((4, places[0]), (9, places[1])):
+        handle.location = place
+        handle.keyframe_insert("location", frame=frame)
+    assert keyed_span(obj) == range(4, 10)
+    handle.animation_data_clear()
+    # Beyond a corner it stays there.
+    handle.location = 3.0 * places[1] - 2.0 * places[2]
+    found = world(obj)[0] - rest[0]
+    assert found.min() >= -1e-5 and found.sum() <= 1.0 + 1e-5
+    assert all(curve.driver.is_simple_expression for curve in obj.animation_data.drivers)
+
+
+def test_another_number_of_targets_is_refused():
+    cube_with_targets(1)
+    with pytest.raises(RuntimeError, match="two or three"):
+        bpy.ops.convwass.make_key_pad()
+
+
+def test_targets_can_be_added_to_a_mesh_that_has_some():
+    """The copy keeps keys and sliders, and a target of the same name gets another one."""
+    obj, rest = cube_with_targets(2)
+    obj.animation_data_clear()
+    obj["A"] = 0.25
+    further = KeyPath("A", (1.0,), (rest + SHIFTS[2])[None], 0.9, 0.0, 0.0, 0.0, 0)
+    more = object_with_keys(obj, obj.data.copy(), [further], bpy.context.scene)
+    assert [record["name"] for record in key_records(more)] == ["A", "B", "A.001"]
+    more["B"], more["A.001"] = 0.5, 1.0
+    more.update_tag()
+    np.testing.assert_allclose(world(more), rest + np.array([0.25, 0.5, 1.0]), atol=1e-5)
+    np.testing.assert_allclose(world(obj), rest + np.array([0.25, 0.0, 0.0]), atol=1e-5)
