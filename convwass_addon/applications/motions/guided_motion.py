@@ -27,7 +27,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..soft_maps.surface_maps import PointMap
-from ..workers import one_blas_thread
+from ..workers import both_ways, one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
@@ -279,6 +279,8 @@ def _deformed(
         laid = laid_on_each_other((one, other), starts, found.pairs, grown, control)
     yield Progress(_LAID, message)
     with one_blas_thread():
+        # Each way needs one of them.
+        both_ways(lambda k: (one, other)[k].samples)
         there = split_deformation(one, other, laid.first, None, control)
         back = split_deformation(other, one, laid.second, there, control)
     if laid.is_grown:

@@ -18,6 +18,7 @@ from ...geometry.closest_points import ClosestPoints
 from ...geometry.functional_map import spectral_match
 from ...geometry.surface_graph import surface_distances
 from ...geometry.unit_shape import UnitShape
+from ..workers import both_ways
 from .map_sides import MapSide
 from .registered_maps import Overlay, overlaid
 from .shape_descriptors import ShapeDescriptors, differences, shape_descriptors
@@ -80,9 +81,7 @@ def comparison(
     marked = np.asarray(pairs, dtype=np.int64).reshape(-1, 2)
     shapes = UnitShape.of(source.mesh), UnitShape.of(target.mesh)
     groups = _common_groups(source, target)
-    descriptors = [
-        shape_descriptors(shape, ends, own) for shape, ends, own in zip(shapes, marked.T, groups, strict=True)
-    ]
+    descriptors = both_ways(lambda k: shape_descriptors(shapes[k], marked[:, k], groups[k]))
     painted = settings.group_weight * _group_costs(*groups)
     costs = differences(*descriptors) + painted
     reach = _ROUGH_STEEPNESS**-0.5

@@ -16,6 +16,7 @@ from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from ...sentence import Sentence
 from ...transport import SoftMap
+from ..workers import both_ways
 from .coarse_sides import CoarseSide
 from .map_pieces import PieceMatch, faces_of
 from .map_sides import MapSide
@@ -101,12 +102,14 @@ class Parts:
             (0, rows, source, target, match.source),
             (1, unit_rows(back, source.masses), target, source, match.target),
         )
-        for way, own_rows, own, other, vertices in ways:
-            whole = (self.target, self.source)[way]
-            other_vertices = (match.target, match.source)[way]
-            found = _extended(
-                own_rows, own, other, pairs if way == 0 else pairs[:, ::-1], whole, other_vertices, is_mirrored, control
-            )
+
+        def extended(way: int) -> PointMap:
+            _, own_rows, own, other, _ = ways[way]
+            whole, vertices = (self.target, self.source)[way], (match.target, match.source)[way]
+            both = pairs if way == 0 else pairs[:, ::-1]
+            return _extended(own_rows, own, other, both, whole, vertices, is_mirrored, control)
+
+        for found, (way, _, own, _, vertices) in zip(both_ways(extended), ways, strict=True):
             control.check()
             _place(self._points[way], found, vertices)
             self._interpolations[way].columns[vertices] = own.interpolation.columns + self._counts[way]

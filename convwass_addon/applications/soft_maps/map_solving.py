@@ -19,7 +19,7 @@ from ...sentence import Sentence
 from ...transport import SoftMap, Surface
 from ...transport.soft_map_levels import SoftMapSweeps, soft_map_between, symmetric_soft_map
 from ..far_meshes import refuse_far
-from ..workers import one_blas_thread
+from ..workers import both_ways, one_blas_thread
 from .coarse_sides import CoarseSide, coarse_side
 from .compatibility import comparison
 from .guessed_pairs import guessed_pairs
@@ -115,16 +115,18 @@ def _matched(
     parts: Parts,
 ) -> Work[None]:
     """Solve the map between two matched components and add it to the whole map."""
-    sides, places = [], []
     yield Progress(0.0, Sentence("Simplifying the meshes"))
-    for side, vertices, column in ((source, match.source, 0), (target, match.target, 1)):
+
+    def simplified(k: int) -> tuple[CoarseSide, NDArray[np.int64]]:
+        side, vertices = (source, target)[k], (match.source, match.target)[k]
         part = part_of(side, vertices)
-        kept = np.searchsorted(vertices, match.pairs[:, column])
-        count = _vertex_count(side, part, settings)
-        with one_blas_thread():
-            sides.append(coarse_side(part, count, kept, control))
-        places.append(sides[-1].places(kept))
-        control.check()
+        kept = np.searchsorted(vertices, match.pairs[:, k])
+        coarse = coarse_side(part, _vertex_count(side, part, settings), kept, control)
+        return coarse, coarse.places(kept)
+
+    with one_blas_thread():
+        sides, places = zip(*both_ways(simplified), strict=True)
+    control.check()
     pairs = np.stack(places, axis=1)
     yield Progress(_COARSE, Sentence("Comparing the shapes"))
     with one_blas_thread():
