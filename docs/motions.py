@@ -85,6 +85,7 @@ def main() -> None:
     parser.add_argument(
         "--kept", action="store_true", help="show what `run.py bench coherence` has baked, where it has"
     )
+    parser.add_argument("--samples", type=int, default=12, help="light paths per pixel (%(default)s)")
     options = parser.parse_args()
     for name in [options.only] if options.only else pictures:
         blocks = []
@@ -92,9 +93,9 @@ def main() -> None:
             bake = kept_row if options.kept else baked_row
             rows = [bake(block.pair, motion, options.cells) for motion in block.motions]
             if len(rows) == 1:
-                blocks.append(rendered(rows, _WIDTH))
+                blocks.append(rendered(rows, _WIDTH, options.samples))
             else:
-                blocks.append(labeled(rendered(rows, _WIDTH - _GUTTER), block))
+                blocks.append(labeled(rendered(rows, _WIDTH - _GUTTER, options.samples), block))
         stacked(blocks).save(PICTURES / f"{name}.jpg", quality=_QUALITY, optimize=True, progressive=True)
 
 
@@ -117,7 +118,7 @@ def kept_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
     return [frames[number] for number in np.linspace(0, len(frames) - 1, FRAMES).round().astype(int)]
 
 
-def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int) -> Image.Image:
+def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int, samples: int) -> Image.Image:
     """Render rows of frames by the contact sheet of morphs, so many pixels wide."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     collection = bpy.data.collections.new("Sheet")
@@ -134,7 +135,7 @@ def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int) -> Image.Image:
             obj[WEIGHTS_KEY], obj[INDEX_KEY] = [1.0 - share, share], row * len(frames) + column
             collection.objects.link(obj)
     with TemporaryDirectory() as folder:
-        path = drained(render_contact_sheet(collection, Path(folder) / "sheet.png", width=width))
+        path = drained(render_contact_sheet(collection, Path(folder) / "sheet.png", width=width, samples=samples))
         with Image.open(path) as picture:
             return picture.convert("RGB")
 
