@@ -72,14 +72,14 @@ class FacingPointFinder:
         units = normals / np.maximum(lengths, _VAGUE)[:, None]
         for start in range(0, len(again), _AT_ONCE):
             control.check()
-            self._refind(found, again[start : start + _AT_ONCE], points, units)
+            self._search_by_position_and_normal(found, again[start : start + _AT_ONCE], points, units)
         return found
 
     def find_closest(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> ClosestPoints:
         """Find the closest point on the surface for each of `points`, (n, 3), regardless of its normal."""
         return self._closest.find_about(points, control)
 
-    def _refind(
+    def _search_by_position_and_normal(
         self, found: ClosestPoints, again: NDArray[np.int64], points: NDArray[np.float64], normals: NDArray[np.float64]
     ) -> None:
         """Replace some results by triangles that are close in position and normal."""

@@ -59,7 +59,7 @@ def fitted_polygons(outline: Outline, error: float) -> Outline:
     error : float
         Largest distance of a removed corner from its edge, in the outline's units.
     """
-    return outline.with_rings([ring[_kept(ring, error)] for ring in outline.rings])
+    return outline.with_rings([ring[_kept_corners(ring, error)] for ring in outline.rings])
 
 
 def fitted_beziers(outline: Outline, error: float) -> tuple[BezierRing, ...]:
@@ -76,13 +76,13 @@ def fitted_beziers(outline: Outline, error: float) -> tuple[BezierRing, ...]:
     if not rings:
         return ()
     corners = [_corners(ring, arc) for ring in rings]
-    breaks = [_breaks(ring, own) for ring, own in zip(rings, corners, strict=True)]
+    breaks = [_break_points(ring, own) for ring, own in zip(rings, corners, strict=True)]
     is_corner = [np.isin(np.arange(len(ring)), own) for ring, own in zip(rings, corners, strict=True)]
     pieces = fitted_pieces(rings, breaks, is_corner, arc, error)
     return tuple(_ring_of(own, which) for own, which in zip(pieces, is_corner, strict=True))
 
 
-def _kept(ring: NDArray[np.float64], error: float) -> NDArray[np.int64]:
+def _kept_corners(ring: NDArray[np.float64], error: float) -> NDArray[np.int64]:
     """Return the indices of the corners that the simplified polygon keeps."""
     count = len(ring)
     if count <= 3:
@@ -118,7 +118,7 @@ def _distance_to(points: NDArray[np.float64], starts: NDArray[np.float64], ends:
     return np.linalg.norm(away - share[:, None] * along, axis=1)
 
 
-def _breaks(ring: NDArray[np.float64], corners: NDArray[np.int64]) -> NDArray[np.int64]:
+def _break_points(ring: NDArray[np.float64], corners: NDArray[np.int64]) -> NDArray[np.int64]:
     """Points where pieces begin: the corners, or the two points farthest apart if there are none."""
     if len(corners) >= 2:
         return corners

@@ -64,7 +64,7 @@ def spectral_match(
         raise ValueError("source and target need the same number of descriptors")
     most = min(len(source.eigenvalues), len(target.eigenvalues), _LAST)
     first = min(_FIRST, most)
-    matrix = _fitted(source.first(first), target.first(first), source_descriptors, target_descriptors)
+    matrix = _least_squares_map(source.first(first), target.first(first), source_descriptors, target_descriptors)
     return upsampled(matrix, source.first(most), target.first(most))
 
 
@@ -90,7 +90,7 @@ def upsampled(matrix: NDArray[np.float64], source: Spectrum, target: Spectrum) -
         matrix = 0.5 * (pulled + pushed.T)
 
 
-def _fitted(
+def _least_squares_map(
     source: Spectrum, target: Spectrum, here: NDArray[np.float64], there: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Fit descriptors in the least squares sense, penalizing unequal eigenvalues: equal surfaces have diagonal maps."""

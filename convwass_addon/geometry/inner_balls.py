@@ -121,7 +121,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     apart = np.linalg.norm(centers[edges[:, 0]] - centers[edges[:, 1]], axis=1)
     edges = edges[apart <= _FOLDED * np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)]
     found = InnerBalls(centers, radii, np.ones(len(radii)), edges)
-    return _largest_part(_central(_some(found, radii > 0)))
+    return _largest_part(_central(_subset(found, radii > 0)))
 
 
 def _central(balls: InnerBalls) -> InnerBalls:
@@ -131,15 +131,15 @@ def _central(balls: InnerBalls) -> InnerBalls:
     for radius, own in zip(balls.radii, held, strict=True):
         largest[own] = np.maximum(largest[own], radius)
     share = balls.radii / largest
-    return _some(replace(balls, costs=share**-_DETOUR), share >= _SMALLEST_SHARE)
+    return _subset(replace(balls, costs=share**-_DETOUR), share >= _SMALLEST_SHARE)
 
 
 def _largest_part(balls: InnerBalls) -> InnerBalls:
     labels = connected_components(balls.links, directed=False)[1]
-    return _some(balls, labels == np.argmax(np.bincount(labels)))
+    return _subset(balls, labels == np.argmax(np.bincount(labels)))
 
 
-def _some(balls: InnerBalls, kept: NDArray[np.bool_]) -> InnerBalls:
+def _subset(balls: InnerBalls, kept: NDArray[np.bool_]) -> InnerBalls:
     number = np.cumsum(kept) - 1
     neighbors = number[balls.neighbors[kept[balls.neighbors].all(axis=1)]]
     return InnerBalls(balls.centers[kept], balls.radii[kept], balls.costs[kept], neighbors)

@@ -101,14 +101,16 @@ def mended_surface(
     given = np.array(density[box], order="C")
     work = _Work(given.copy(), volume, most, _SPONGE, effort)
     level = work.level
-    best = _settled(work, most)
+    best = _repair_until_stable(work, most)
     # Where there is no sponge, more smoothing removes no more handles than a little.
     is_sponge = best.mending.found.beyond(most).handles > _SPONGE
     for sigma in _SMOOTHINGS if is_sponge else _SMOOTHINGS[: effort.smoothings]:
         if best.mending.found.beyond(most).handles == 0:
             break
         too_many = None if sigma == _SMOOTHINGS[-1] else _SPONGE
-        found = _settled(_Work(smoothed_at_saddles(given, level, sigma), volume, most, too_many, effort), most)
+        found = _repair_until_stable(
+            _Work(smoothed_at_saddles(given, level, sigma), volume, most, too_many, effort), most
+        )
         if found.mending.found.beyond(most) < best.mending.found.beyond(most):
             best = _Settled(replace(found.mending, smoothed=sigma), found.density)
     surface = even_surface(best.mending.surface, best.density)
@@ -125,7 +127,7 @@ class _Settled:
     density: NDArray[np.floating]
 
 
-def _settled(work: _Work, most: Connectivity) -> _Settled:
+def _repair_until_stable(work: _Work, most: Connectivity) -> _Settled:
     """Alternate between repairing and extracting until nothing changes."""
     best = None
     for _ in range(_ROUNDS):

@@ -16,7 +16,7 @@ def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def triangle_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return unit normals of triangles, (m, 3), from their corners, (m, 3, 3); zero for triangles without area."""
-    return unit_vectors(_spanned(corners))
+    return unit_vectors(_doubled_area_normals(corners))
 
 
 def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -29,7 +29,7 @@ def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDA
     faces : (m, 3) int64
         Triangles.
     """
-    thirds = np.repeat(_spanned(vertices[faces]) / 6.0, 3, axis=0)
+    thirds = np.repeat(_doubled_area_normals(vertices[faces]) / 6.0, 3, axis=0)
     return np.stack([np.bincount(faces.ravel(), part, len(vertices)) for part in thirds.T], axis=1)
 
 
@@ -38,7 +38,7 @@ def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> N
     return unit_vectors(area_normals(vertices, faces))
 
 
-def _spanned(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+def _doubled_area_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return normals of triangles, (m, 3), with twice the area as length."""
     a, b, c = np.moveaxis(corners, 1, 0)
     return np.cross(b - a, c - a)

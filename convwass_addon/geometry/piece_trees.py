@@ -73,7 +73,7 @@ class PieceTrees:
             members = np.flatnonzero(group == name)
             root = members[np.argmax(sizes[members])]
             roots[members] = root
-            links += _rooted(int(root), used)
+            links += _links_from_root(int(root), used)
         return cls(tuple(links), sizes, roots, is_kept)
 
     def apart(self, size: float) -> NDArray[np.int64]:
@@ -82,7 +82,7 @@ class PieceTrees:
         return np.flatnonzero((totals[self.roots] < size) & ~self.kept[self.roots])
 
 
-def _rooted(root: int, used: Sequence[Sequence[Gap]]) -> list[Link]:
+def _links_from_root(root: int, used: Sequence[Sequence[Gap]]) -> list[Link]:
     """Return the links of one tree, given the gaps at every component."""
     order, parents, gaps = [root], {root: root}, {}
     for piece in order:

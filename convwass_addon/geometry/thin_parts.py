@@ -182,7 +182,7 @@ def lost_parts(density: NDArray[np.floating], shown: NDArray[np.bool_], reach: f
     away = capped_squares(inside, reach + 0.5)
     far = away > (reach + 0.5) ** 2
     beyond = float(values.sum(where=far, dtype=np.float64))
-    parts = _Parts.none() if beyond < _LEAST_SHARE * volume else _parted(values, away, far, reach)
+    parts = _Parts.none() if beyond < _LEAST_SHARE * volume else _labelled_parts(values, away, far, reach)
     masses = np.bincount(parts.labels.ravel(), values[parts.box].ravel())
     kept = np.flatnonzero(masses[1:] >= _LEAST_SHARE * volume) + 1
     lost = np.zeros(values.shape, bool)
@@ -231,7 +231,9 @@ def _box(wanted: NDArray[np.bool_], margin: int) -> Box:
     return tuple(spans)
 
 
-def _parted(values: NDArray[np.float32], away: NDArray[np.integer], far: NDArray[np.bool_], reach: float) -> _Parts:
+def _labelled_parts(
+    values: NDArray[np.float32], away: NDArray[np.integer], far: NDArray[np.bool_], reach: float
+) -> _Parts:
     """Label every part that is not shown: connected components far from the surface, extended by their rims."""
     seeds = far & (values > _PART)
     if not seeds.any():

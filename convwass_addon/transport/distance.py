@@ -189,7 +189,7 @@ def distance_rounds(
         divergence = entropic - 0.5 * float(_self_values(own, pair, domain).sum())
         value = float(_squared_distances(np.array(divergence), domain))
         error = max(error, float(own.errors.max()))
-    log_v, log_w = _evened(solved.log_v[0], solved.log_w[0])
+    log_v, log_w = _balanced(solved.log_v[0], solved.log_w[0])
     return Distance(value, entropic, divergence, iterations, error, error < tolerance, solved.numerics, log_v, log_w)
 
 
@@ -303,7 +303,9 @@ def _sums(columns: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
     return (columns * domain.weights).reshape(len(columns), -1).sum(axis=1)
 
 
-def _evened(log_v: NDArray[np.float64], log_w: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _balanced(
+    log_v: NDArray[np.float64], log_w: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Move a constant from one scaling to the other until their maxima are equal, which leaves the plan unchanged."""
     shift = 0.5 * (log_w.max() - log_v.max())
     return log_v + shift, log_w - shift

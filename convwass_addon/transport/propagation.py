@@ -256,10 +256,10 @@ class _Problem:
             start = coarse.lifted(domain)
             limits = coarse.limits
         state = PropagationIteration(domain, self.graph, dict(zip(self.vertices, given, strict=True)), limits, start)
-        iterations = yield from within(self._swept(state), begin, 1.0)
+        iterations = yield from within(self._sweep(state), begin, 1.0)
         return state, (*counts, iterations)
 
-    def _swept(self, state: PropagationIteration) -> Work[int]:
+    def _sweep(self, state: PropagationIteration) -> Work[int]:
         """Sweep until the marginals agree, and return the number of sweeps."""
         reports = RoundReports(int(np.prod(state.domain.shape)), self.tolerance)
         sweeps = min(self.max_iterations, 2 * _PATIENCE) if self.relief else self.max_iterations

@@ -218,13 +218,13 @@ def _solved(
         check_solver(sweeps.tolerance, number, "sweeps")
     sides = [_CoarseSide.of(surface) for surface in (directions[0].source, directions[0].target)]
     if None in sides:
-        return _swept(directions, [None] * len(directions), sweeps, sweeps.coarse + count, agreement, control)
+        return _run_sweeps(directions, [None] * len(directions), sweeps, sweeps.coarse + count, agreement, control)
     ends = list(zip(sides, sides[::-1], strict=True))[: len(directions)]
     coarse = [_coarse_direction(direction, *two) for direction, two in zip(directions, ends, strict=True)]
     maps = _solved(coarse, sweeps, sweeps.coarse, agreement, control)
     starts = [_prolonged(found.densities, *two) for found, two in zip(maps, ends, strict=True)]
     counts = (*maps[0].coarse_iterations, maps[0].iterations)
-    return _swept(directions, starts, sweeps, count, agreement, control, counts)
+    return _run_sweeps(directions, starts, sweeps, count, agreement, control, counts)
 
 
 def _coarse_direction(direction: _Direction, source: _CoarseSide, target: _CoarseSide) -> _Direction:
@@ -241,7 +241,7 @@ def _prolonged(densities: NDArray[np.float32], source: _CoarseSide, target: _Coa
     return np.asarray(source.coarsening.prolongation @ across, dtype=np.float32)
 
 
-def _swept(
+def _run_sweeps(
     directions: Sequence[_Direction],
     starts: Sequence[NDArray[np.float32] | None],
     sweeps: SoftMapSweeps,

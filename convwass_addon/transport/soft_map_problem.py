@@ -126,7 +126,7 @@ class SoftMapProblem:
             targets=targets,
             order=SweepOrder.of(graph),
             log_prior=costs * -factors[:, None].astype(np.float32),
-            given=_given(pairs, fixed or {}, size, domain),
+            given=_given_densities(pairs, fixed or {}, size, domain),
             sharpness=sharpness,
         )
 
@@ -229,7 +229,7 @@ def check_pairs(pairs: ArrayLike, size: int, areas: NDArray[np.float64]) -> NDAr
     return known.astype(np.int64)
 
 
-def _given(
+def _given_densities(
     pairs: ArrayLike, fixed: Mapping[int, ArrayLike], size: int, domain: Surface
 ) -> dict[int, NDArray[np.float64]]:
     """Return the densities of all source vertices for which they are given."""

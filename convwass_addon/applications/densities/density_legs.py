@@ -54,11 +54,11 @@ class Leg:
         instants = np.arange(self.settings.steps + 1) / self.settings.steps
         # Without a bound, bisection would make the blur vary from frame to frame.
         is_plain = self.settings.entropy_limit is None or len(instants) == 2
-        work = self._plain(instants) if is_plain else self._bounded(instants)
+        work = self._solve_barycenters(instants) if is_plain else self._bounded(instants)
         parts = yield from within(work, 0.0, 1.0, message)
         return joined_frames([self._frames(part, start, end) for part in parts])
 
-    def _plain(self, instants: NDArray[np.float64]) -> Work[list[Interpolation]]:
+    def _solve_barycenters(self, instants: NDArray[np.float64]) -> Work[list[Interpolation]]:
         """Solve weighted barycenters, a few at a time."""
         found = []
         parts = np.array_split(instants, -(-len(instants) // _FRAMES_AT_ONCE))

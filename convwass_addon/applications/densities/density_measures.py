@@ -172,7 +172,7 @@ def distance_table_steps(
     lengths = np.full((len(densities), len(densities)), np.inf)
     np.fill_diagonal(lengths, 0.0)
     iterations, error, converged = 0, 0.0, True
-    families = _families(densities, surface)
+    families = _comparable_groups(densities, surface)
     message = Sentence("Between {count} groups", {"count": len(names)})
     yield Progress(0.0, message)
     done, total = 0, sum(len(family) * (len(family) - 1) // 2 for family in families)
@@ -203,7 +203,7 @@ def distance_table_steps(
     return DistanceTable(tuple(names), lengths, iterations, error, converged, notices)
 
 
-def _families(densities: NDArray[np.float64], surface: Surface) -> list[list[int]]:
+def _comparable_groups(densities: NDArray[np.float64], surface: Surface) -> list[list[int]]:
     """Group densities that have the same mass on every component as the first of their group."""
     masses = piece_masses(densities, surface)
     families: list[list[int]] = []

@@ -28,7 +28,7 @@ def check_surface_memory(mesh: TriangleMesh) -> None:
         The message states the needed and the free memory.
     """
     vertices = len(mesh.vertices)
-    lacking = _lacking(_BUILD_BYTES * vertices)
+    lacking = _shortage(_BUILD_BYTES * vertices)
     if lacking:
         raise ResourceError(
             "A mesh of {vertices} vertices needs about {needed:.1f} GB of memory and {free:.1f} GB are free. "
@@ -47,7 +47,7 @@ def check_frames_memory(surface: Surface, frames: int, edges: int = 0) -> None:
         The message states the needed and the free memory.
     """
     vertices = surface.shape[0]
-    lacking = _lacking(vertices * (_FRAME_BYTES * frames + _WORK_BYTES + _EDGE_BYTES * edges))
+    lacking = _shortage(vertices * (_FRAME_BYTES * frames + _WORK_BYTES + _EDGE_BYTES * edges))
     if lacking:
         raise ResourceError(
             "{frames} frames on {vertices} vertices need about {needed:.1f} GB of memory and {free:.1f} GB are free. "
@@ -58,7 +58,7 @@ def check_frames_memory(surface: Surface, frames: int, edges: int = 0) -> None:
         )
 
 
-def _lacking(needed: int) -> dict[str, float]:
+def _shortage(needed: int) -> dict[str, float]:
     """Return the needed and the free memory in GB if there is too little, otherwise nothing."""
     free = memory.available_memory()
     return {"needed": needed / 1e9, "free": free / 1e9} if free is not None and needed > free else {}

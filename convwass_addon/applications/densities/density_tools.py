@@ -107,7 +107,7 @@ def sharpened(
     control.check()
     exponent = sharpening_exponent(logs, limit, surface.weights, pieces)
     control.check()
-    result = _powered(logs, exponent, pieces, surface)
+    result = _raised_to_power(logs, exponent, pieces, surface)
     reached = entropy(result, surface.weights)
     if reached > limit + _CLOSE:
         raise InputError(
@@ -174,7 +174,7 @@ def check_vertices(vertices: NDArray[np.int64], surface: Surface) -> None:
         )
 
 
-def _powered(
+def _raised_to_power(
     logs: NDArray[np.float64], exponent: float, pieces: PieceMasses | None, surface: Surface
 ) -> NDArray[np.float64]:
     """Raise a density, given by its logarithms, to a power; every component keeps its mass."""

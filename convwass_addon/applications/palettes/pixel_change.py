@@ -52,7 +52,7 @@ def recolor_rows(
     if not usable.all():
         np.copyto(colors, 0.0, where=~usable)
     found = (
-        _looked_up(colors, pixel_format, change, mask) if is_table else _mapped(colors, pixel_format, change, mask)
+        _apply_table(colors, pixel_format, change, mask) if is_table else _mapped(colors, pixel_format, change, mask)
     )[:, own]
     old, alpha, colors = pixels[own], pixels[own][..., 3], colors[:, own]
     new = (pixel_format.encoded_displayed if is_table else pixel_format.encoded)(found, alpha)
@@ -65,7 +65,7 @@ def recolor_rows(
         out[stays] = old[stays]
 
 
-def _looked_up(
+def _apply_table(
     displayed: NDArray[np.float32], pixel_format: PixelFormat, table: LookupTable, mask: NDArray[np.float32] | None
 ) -> NDArray[np.float32]:
     """Apply a table to sRGB-encoded colors; in scenes, the excess over white is added back unchanged."""

@@ -42,7 +42,7 @@ def carried(graph: JointGraph, fitted: NDArray[np.float64], kept: NDArray[np.boo
     """
     positions = fitted.copy()
     for root in np.flatnonzero(kept).tolist():
-        limb = _reached(graph, [other for other in graph.neighbors[root] if not kept[other]], ~kept)
+        limb = _connected_joints(graph, [other for other in graph.neighbors[root] if not kept[other]], ~kept)
         if not limb:
             continue
         near = _nearby(graph, root, kept)
@@ -69,7 +69,7 @@ def _nearby(graph: JointGraph, root: int, kept: NDArray[np.bool_]) -> list[int]:
     return sorted(found)
 
 
-def _reached(graph: JointGraph, starts: list[int], allowed: NDArray[np.bool_]) -> list[int]:
+def _connected_joints(graph: JointGraph, starts: list[int], allowed: NDArray[np.bool_]) -> list[int]:
     found, waiting = set(starts), list(starts)
     while waiting:
         for other in graph.neighbors[waiting.pop()]:

@@ -113,15 +113,15 @@ def fit_steps(
     for attempt in range(_NOTCHES + 1):
         yield Progress(0.1 + 0.2 * attempt, Sentence("Laying out {count} joints", {"count": int((~core.pinned).sum())}))
         layout = problem.solved(gamma, control)
-        laid = (
+        core_positions = (
             layout.positions if balls is None else settled(core, layout.positions, problem.lengths, balls, body.inside)
         )
-        inner = body.inside.contains(laid)
+        inner = body.inside.contains(core_positions)
         if balls is not None or inner[~core.pinned].all():
             break
         gamma = _NOTCH * layout.gamma
     positions = placed.positions.copy()
-    positions[kept] = laid
+    positions[kept] = core_positions
     if not kept.all():
         positions = carried(graph, positions, kept)
         loose = {"names": named(graph, np.flatnonzero(~kept))}

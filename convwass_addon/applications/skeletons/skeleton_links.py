@@ -69,7 +69,7 @@ def chains(graph: JointGraph) -> list[NDArray[np.int64]]:
 
 
 def spread_along(
-    graph: JointGraph, links: Links, laid: NDArray[np.float64], lengths: NDArray[np.float64]
+    graph: JointGraph, links: Links, initial: NDArray[np.float64], lengths: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return joints, (v, 3), spaced along the laid-out chains in proportion to the lengths of the bones.
 
@@ -79,12 +79,12 @@ def spread_along(
         The skeleton.
     links : Links
         The links of the skeleton.
-    laid : (links.size, 3)
+    initial : (links.size, 3)
         Laid-out positions of the links' ends.
     lengths : (e,)
         Lengths of the bones, positive.
     """
-    positions = laid[: len(graph.positions)].copy()
+    positions = initial[: len(graph.positions)].copy()
     bone_of = {tuple(edge): index for index, edge in enumerate(graph.edges.tolist())}
     for chain in chains(graph):
         if len(chain) < 3:
@@ -94,7 +94,7 @@ def spread_along(
             links.paths[b] if links.paths[b][0] == joint else links.paths[b][::-1]
             for b, joint in zip(bones, chain[:-1], strict=True)
         ]
-        curve = laid[np.concatenate([paths[0], *(path[1:] for path in paths[1:])])]
+        curve = initial[np.concatenate([paths[0], *(path[1:] for path in paths[1:])])]
         gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
         wanted = np.cumsum(lengths[bones])
         places = wanted[:-1] / wanted[-1] * gone[-1]

@@ -39,7 +39,7 @@ def bone_notices(
         The body.
     """
     notices = []
-    leaving = _leaving(graph, positions, body)
+    leaving = _bones_outside(graph, positions, body)
     if len(leaving):
         names = [f"{graph.names[a]} - {graph.names[b]}" for a, b in graph.edges[leaving[:3]]]
         shown = {"count": len(leaving), "names": ", ".join(names) + (" ..." if len(leaving) > 3 else "")}
@@ -55,7 +55,7 @@ def bone_notices(
     return notices
 
 
-def _leaving(graph: JointGraph, positions: NDArray[np.float64], body: SkeletonBody) -> NDArray[np.int64]:
+def _bones_outside(graph: JointGraph, positions: NDArray[np.float64], body: SkeletonBody) -> NDArray[np.int64]:
     """Find the bones that visibly leave the body between their joints."""
     tails, heads = positions[graph.edges[:, 0]], positions[graph.edges[:, 1]]
     points = (tails[:, None] + _PLACES[:, None] * (heads - tails)[:, None]).reshape(-1, 3)

@@ -31,15 +31,15 @@ _EVENING, _POINTS = (0.12, 0.06, 0.02), 400
 
 
 def settled(
-    graph: JointGraph, laid: NDArray[np.float64], lengths: NDArray[np.float64], balls: InnerBalls, inside: Inside
+    graph: JointGraph, initial: NDArray[np.float64], lengths: NDArray[np.float64], balls: InnerBalls, inside: Inside
 ) -> NDArray[np.float64]:
     """Return the joints moved to the middle of the body, (v, 3).
 
     Parameters
     ----------
     graph : JointGraph
-        The skeleton. Pins keep their positions in `laid`.
-    laid : (v, 3)
+        The skeleton. Pins keep their positions in `initial`.
+    initial : (v, 3)
         Laid-out positions of the joints.
     lengths : (e,)
         Lengths of the bones, positive, in any unit; joints on a path are spaced in proportion to them.
@@ -54,9 +54,9 @@ def settled(
         for chain in chains(graph)
     ]
     keys = np.unique([joint for way in ways for joint in (way.joints[0], way.joints[-1])])
-    places = _Places(graph, laid, balls, keys)
+    places = _Places(graph, initial, balls, keys)
     places.improve(ways)
-    positions = laid.copy()
+    positions = initial.copy()
     for way in ways:
         way.lay(positions, places, inside)
     return positions
@@ -96,16 +96,16 @@ class _Places:
     """Positions of the pinned and branching joints as nodes: the balls, followed by one node per pin."""
 
     def __init__(
-        self, graph: JointGraph, laid: NDArray[np.float64], balls: InnerBalls, keys: NDArray[np.int64]
+        self, graph: JointGraph, initial: NDArray[np.float64], balls: InnerBalls, keys: NDArray[np.int64]
     ) -> None:
         pins = [joint for joint in keys.tolist() if graph.pinned[joint]]
-        self._laid = laid
-        self.points = np.concatenate([balls.centers, laid[pins]])
-        self._links = _with_pins(balls, laid[pins])
+        self._initial = initial
+        self.points = np.concatenate([balls.centers, initial[pins]])
+        self._links = _with_pins(balls, initial[pins])
         self._hubs = [joint for joint in keys.tolist() if not graph.pinned[joint]]
         self._node = {joint: len(balls.centers) + i for i, joint in enumerate(pins)}
         for joint in self._hubs:
-            self._node[joint] = int(np.argmin(np.linalg.norm(balls.centers - laid[joint], axis=1) * balls.costs))
+            self._node[joint] = int(np.argmin(np.linalg.norm(balls.centers - initial[joint], axis=1) * balls.costs))
         self._free = np.arange(len(self.points)) < len(balls.centers)
         self._distances = {joint: self._from(joint) for joint in self._node}
 
@@ -121,7 +121,7 @@ class _Places:
         for _ in range(_ROUNDS):
             moved = False
             for hub, own in about.items():
-                away = np.square(self.points - self._laid[hub]).sum(axis=1)
+                away = np.square(self.points - self._initial[hub]).sum(axis=1)
                 pull = _LOYALTY * away * scale / (sum(way.length for way in own) / len(own))
                 for way in own:
                     other = way.joints[0] if way.joints[-1] == hub else way.joints[-1]

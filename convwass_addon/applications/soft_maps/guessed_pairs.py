@@ -38,12 +38,12 @@ def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: 
     center = own.mean(axis=0)
     near = known[np.argsort(np.linalg.norm(source.mesh.vertices[known] - center, axis=1))[:_AROUND]]
     turn = _turn(source.mesh.vertices[near], forward.positions(target.mesh)[near])
-    laid = (own - center) @ turn.T
+    aligned = (own - center) @ turn.T
     spread = other - other.mean(axis=0)
-    size = np.sqrt(np.square(laid).sum(axis=1).mean())
-    laid *= np.sqrt(np.square(spread).sum(axis=1).mean()) / max(size, np.finfo(float).tiny)
-    chosen = far_apart(laid, min(_PAIRS, len(laid), len(spread)))
-    nearest = cKDTree(spread).query(laid[chosen])[1]
+    size = np.sqrt(np.square(aligned).sum(axis=1).mean())
+    aligned *= np.sqrt(np.square(spread).sum(axis=1).mean()) / max(size, np.finfo(float).tiny)
+    chosen = far_apart(aligned, min(_PAIRS, len(aligned), len(spread)))
+    nearest = cKDTree(spread).query(aligned[chosen])[1]
     _, first = np.unique(nearest, return_index=True)
     return np.stack([match.source[chosen[first]], match.target[nearest[first]]], axis=1)
 

@@ -114,9 +114,9 @@ class Parts:
             _place(self._points[way], found, vertices)
             self._interpolations[way].columns[vertices] = own.interpolation.columns + self._counts[way]
             self._interpolations[way].shares[vertices] = own.interpolation.shares
-        self._judge(0, match.source, source, target)
+        self._compute_confidence(0, match.source, source, target)
         control.check()
-        self._judge(1, match.target, target, source)
+        self._compute_confidence(1, match.target, target, source)
         kept = np.where(rows < _NEXT_TO_NOTHING * rows.max(axis=1, keepdims=True), 0.0, rows)
         self._rows.append(_scaled_to_share(kept, target.masses, self._share(match.target)))
         self._counts[0] += len(source.vertices)
@@ -133,14 +133,14 @@ class Parts:
             }
         )
 
-    def _judge(self, way: int, vertices: NDArray[np.int64], own: CoarseSide, other: CoarseSide) -> None:
+    def _compute_confidence(self, way: int, vertices: NDArray[np.int64], own: CoarseSide, other: CoarseSide) -> None:
         """Compute confidence from the spread of the points, and from the error of the round trip."""
         here, there = (self.source, self.target)[way], (self.target, self.source)[way]
         points, back = self._points[way], self._points[1 - way]
         home = back.at(here.mesh, here.mesh.vertices)
         missed = np.linalg.norm(points.at(there.mesh, home) - here.mesh.vertices, axis=1)[vertices]
         # Rows that keep their blur are wide even where points are accurate; then only the round trip counts.
-        wide = self._sharpness * _beyond(points.spread[vertices], other.side.mesh)
+        wide = self._sharpness * _excess_lengths(points.spread[vertices], other.side.mesh)
         lost = np.square(missed) / own.side.mesh.area
         points.confidence[vertices] = np.exp(-0.5 * (wide + lost) / _VAGUE**2)
 
@@ -160,11 +160,11 @@ class Parts:
             *self._interpolations,
         )
         for side, points in ((self.source, forward), (self.target, backward)):
-            self.notices.extend(_doubts(side, points))
+            self.notices.extend(_warnings(side, points))
         return SurfaceMap(forward, backward, coarse, {**record, "parts": self._records}, tuple(self.notices))
 
 
-def _doubts(side: MapSide, points: PointMap) -> Iterator[Sentence]:
+def _warnings(side: MapSide, points: PointMap) -> Iterator[Sentence]:
     """Warn about vertices without image, and about areas of low confidence."""
     areas = side.mesh.vertex_areas
     lost = ~points.found & (areas > 0)
@@ -248,7 +248,7 @@ def _extended(
     )
 
 
-def _beyond(lengths: NDArray[np.floating], mesh: TriangleMesh) -> NDArray[np.float64]:
+def _excess_lengths(lengths: NDArray[np.floating], mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return squared lengths minus the squared edge length of a coarse mesh, relative to its area."""
     edges = np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2).mean()
     return np.maximum(np.square(lengths, dtype=np.float64) - edges**2, 0.0) / mesh.area

@@ -53,7 +53,9 @@ def matched_pieces(source: MapSide, target: MapSide, pairs: NDArray[np.int64]) -
     """
     labels = [vertex_components(side.mesh) for side in (source, target)]
     counts = [int(own.max()) + 1 for own in labels]
-    couples = _couples([own[pairs[:, place]] for place, own in enumerate(labels)], counts, labels, (source, target))
+    couples = _matched_labels(
+        [own[pairs[:, place]] for place, own in enumerate(labels)], counts, labels, (source, target)
+    )
     matches = [
         PieceMatch(
             np.flatnonzero(np.isin(labels[0], here)),
@@ -85,7 +87,7 @@ def faces_of(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.int6
     return np.flatnonzero(is_kept[mesh.faces].all(axis=1))
 
 
-def _couples(
+def _matched_labels(
     named: list[NDArray[np.int64]], counts: list[int], labels: list[NDArray[np.int64]], sides: tuple[MapSide, MapSide]
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """Yield the labels of matched components."""

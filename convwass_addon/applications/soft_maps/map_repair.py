@@ -118,7 +118,7 @@ def _filled(
     normals = vertex_normals(own.vertices, own.faces)[unknown]
     # Both surfaces face outward, even if the map reverses orientation.
     facing = np.einsum("nji,nj->ni", turns[unknown], normals)
-    landed = _landed(points, other, known, places, facing)
+    landed = _projected(points, other, known, places, facing)
     figures = np.stack([points.spread, points.entropy, points.confidence], axis=1).astype(np.float64)
     rest = extended(figures[known])
     miss = landed.distances / np.sqrt(other.area)
@@ -126,7 +126,7 @@ def _filled(
     return _with(points, unknown, landed.triangles, landed.shares, rest)
 
 
-def _landed(
+def _projected(
     points: PointMap,
     other: TriangleMesh,
     known: NDArray[np.int64],

@@ -101,7 +101,7 @@ def _starts(
     mirrored_too = True
     if len(pairs) >= _ENOUGH:
         aligned = {way: _aligned_by_pairs(shape, target, pairs) for way, shape in shapes.items()}
-        missed = {way: _missed(points, target, pairs) for way, points in aligned.items()}
+        missed = {way: _alignment_error(points, target, pairs) for way, points in aligned.items()}
         yield _Start("pairs", False, aligned[False], BY_PAIRS)
         mirrored_too = missed[True] <= _WORTH_TRYING * missed[False]
         if mirrored_too:
@@ -138,5 +138,5 @@ def _aligned_by_pairs(source: UnitShape, target: UnitShape, pairs: NDArray[np.in
     return (source.vertices - here.mean(axis=0)) @ (left @ right).T + there.mean(axis=0)
 
 
-def _missed(points: NDArray[np.float64], target: UnitShape, pairs: NDArray[np.int64]) -> float:
+def _alignment_error(points: NDArray[np.float64], target: UnitShape, pairs: NDArray[np.int64]) -> float:
     return float(np.sqrt(np.square(points[pairs[:, 0]] - target.vertices[pairs[:, 1]]).sum(axis=1).mean()))
