@@ -139,6 +139,22 @@ def test_edited_inputs_are_blended_anew(begin):
     assert shown_volume(session) == pytest.approx(1.3**3 * before, rel=0.05)
 
 
+def test_inputs_can_be_looked_at_in_edit_mode(begin):
+    session = begin()
+    ready(session)
+    blends = session.scene.shape.data.vertices[0].co.copy()
+    obj = bpy.data.objects["Ball 0"]
+    obj.hide_set(False)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    quiet = time.monotonic() + 1.0
+    ticked(session, lambda: time.monotonic() > quiet)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    ready(session)
+    assert not session.is_frozen and session.fraction == 1.0
+    assert session.scene.shape.data.vertices[0].co == blends
+
+
 def test_a_deleted_input_freezes_it(begin):
     session = begin()
     ready(session)

@@ -359,7 +359,8 @@ class LiveBlends:
                 "A lattice of {finest} steps needs {needed:.0f} MB; there is memory for {levels} steps",
                 {"finest": LEVELS[-1], "needed": needed, "levels": levels[-1]},
             )
-            self.notices.append(notice)
+            if notice not in self.notices:
+                self.notices.append(notice)
         return levels
 
     def _report(self, message: Sentence, fraction: float = 0.0) -> Progress[None]:

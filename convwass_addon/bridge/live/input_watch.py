@@ -72,7 +72,8 @@ class InputWatch:
 def _state(obj: bpy.types.Object) -> tuple[object, ...]:
     """Return what changes where an object is edited; Blender tells nothing about objects that are hidden."""
     points = 0
-    if obj.type == "MESH":
+    # In Edit Mode the mesh is as it was before; leaving it changes the points.
+    if obj.type == "MESH" and not obj.data.is_editmode:
         places = np.empty(3 * len(obj.data.vertices), np.float32)
         obj.data.attributes["position"].data.foreach_get("vector", places)
         points = zlib.crc32(places.tobytes())
