@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The live morph that is running, if any: there is one at a time."""
+"""Access to the live morph that is running; there is at most one."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from ...sentence import Sentence
 
 
 class RunningLive(Protocol):
-    """What panels, properties and buttons need of a live morph; see :class:`.live_session.LiveSession`."""
+    """Interface of a live morph for panels, properties and operators; see :class:`.live_session.LiveSession`."""
 
     count: int
     names: list[str]
@@ -24,26 +24,26 @@ class RunningLive(Protocol):
     fraction: float
 
     def move_to(self, across: float, up: float) -> None:
-        """Put the handle to a place."""
+        """Move the handle."""
 
     def kept_shape(self, patience: float) -> bpy.types.Object | None:
-        """Make an object of the blend that is shown."""
+        """Create an object from the visible blend."""
 
     def tick(self) -> bool:
-        """Go on; return whether it does."""
+        """Advance the computation; return whether it continues."""
 
     def end(self) -> None:
-        """Stop, and leave no trace."""
+        """Stop, and remove everything temporary."""
 
 
 _RUNNING: list[RunningLive] = []
 
 
 def running_live() -> RunningLive | None:
-    """Return the live morph that is running."""
+    """Return the running live morph."""
     return _RUNNING[-1] if _RUNNING else None
 
 
 def set_running(session: RunningLive | None) -> None:
-    """Note which one is running; None where it has ended."""
+    """Set the running live morph; None when it has ended."""
     _RUNNING[:] = [] if session is None else [session]

@@ -64,12 +64,12 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
 
 
 def remove_unused(collection: bpy.types.Collection) -> None:
-    """Remove node groups, objects that only they use, and materials that were made to show a morph and do not now."""
-    # Groups use other groups, objects and materials; a group that others use goes after them.
+    """Remove unused node groups and materials that were created to show a morph, and objects that only they use."""
+    # Groups use other groups, objects and materials, so nested groups need several passes.
     for _ in range(3):
         groups = [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]
         for group in groups:
-            # An asset counts as used once.
+            # Being an asset counts as a user.
             if group.asset_data is not None and group.users == 1:
                 group.asset_clear()
         _remove_unused(groups)
