@@ -100,7 +100,8 @@ class Remaking:
                 break
             demand = Demand(topology.most(blend), near, chain.reach)
             frame = (yield from self._made({blend: demand}))[blend]
-            if frame.record["held"] <= _HELD:
+            held = frame.record.get("held")
+            if not isinstance(held, int) or held <= _HELD:
                 break
             self._demands[blend], self._surfaces[blend], near = demand, frame.mesh, frame.mesh
             topology.hear(frame)

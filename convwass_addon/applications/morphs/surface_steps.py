@@ -21,8 +21,9 @@ _JUMP, _REACH = 1.8, 1.5
 _LEAST = 1.5
 # So many vertices of every surface are asked how far the next one is.
 _ASKED = 2500
-# The meshes of so many steps are kept, the longest.
-_KEPT = 16
+# The meshes of so many steps are kept, the longest; from a number of steps on only of those that are so many times as
+# long as the usual one by then.
+_KEPT, _FIRST, _LONG = 16, 4, 1.2
 # Share of the area about a vertex by which squared distances to the nearest vertex exceed those to the surface.
 _BESIDE = 0.35
 
@@ -106,8 +107,12 @@ class SurfaceSteps:
         appears, vanishes = farthest(frame.mesh, last.mesh), farthest(last.mesh, frame.mesh)
         step = _Step(place, _Lengths(appears, vanishes), last.mesh, frame.mesh)
         self._lengths[leg].append(step.lengths)
+        least = _LONG * self._usual(leg) if len(self._lengths[leg]) > _FIRST else 0.0
         longest = sorted([*self._longest[leg], step], key=lambda one: -one.lengths.longest)
-        self._longest[leg] = longest[:_KEPT]
+        self._longest[leg] = [one for one in longest[:_KEPT] if one.lengths.longest >= least]
+
+    def _usual(self, leg: Leg) -> float:
+        return float(np.median([step.longest for step in self._lengths[leg]]))
 
     def chains(self) -> list[Chain]:
         """Return what should be made again: blends after what appears, and blends before what vanishes."""
@@ -117,7 +122,7 @@ class SurfaceSteps:
         if len(self._lengths[leg]) < max(len(leg.between) - 1, 2):
             return []
         lengths = self._lengths[leg]
-        usual = float(np.median([step.longest for step in lengths]))
+        usual = self._usual(leg)
         found = []
         for step in sorted(self._longest[leg], key=lambda step: step.place):
             place, least = step.place, max(_JUMP * usual, _LEAST * _spacing(step.after))
