@@ -143,6 +143,21 @@ def test_colors_are_mixed(moving):
         assert np.allclose(found[:, 1], 0.5 + 0.5 * height, atol=0.03)
 
 
+def test_custom_normals_are_taken_from_the_meshes(moving):
+    """The upper half of the ball is shaded as if it were flat."""
+    for obj in frame_objects(moving)[1:-1]:
+        normals = np.array([vertex.co for vertex in obj.data.vertices]) - (TRAVEL * obj["convwass_weights"][1], 0, 0)
+        normals[normals[:, 2] > 0.0] = (0.0, 0.0, 1.0)
+        obj.data.attributes.new("custom_normal", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", normals.ravel())
+    player = still_player(moving)
+    morph_value(player).set(0.5)
+    bpy.context.view_layer.update()
+    mesh = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    for loop, normal in zip(mesh.loops, mesh.corner_normals, strict=True):
+        if mesh.vertices[loop.vertex_index].co.z > 0.6:
+            assert normal.vector.z > 0.99
+
+
 def test_faces_have_the_materials_of_the_nearest_blend(moving):
     materials = [bpy.data.materials.new(name) for name in ("Above", "Below")]
     for obj in frame_objects(moving)[1:-1]:

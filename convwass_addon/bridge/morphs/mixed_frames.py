@@ -38,6 +38,8 @@ _ALONE = 1.0 - 1e-3
 # A baked mesh that is further away than this, in cells, says nothing; nor one that lies beside a vertex instead of
 # above or below it, by this cosine.
 _FAR, _ASIDE = 1.5, 0.5
+# Normals that differ by less than this cosine are mixed.
+_AGREES = 0.4
 # Distances are corrected by so many cells at the most.
 _MOST_CORRECTED = 1.0
 _KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
@@ -140,8 +142,10 @@ class MixedFrames:
         """
         laid = _Laid(self, self.mixture.terms)
         surface = self.mixture.surface()
-        on_meshes = set_position(self.tree, surface, offset=laid.correction())
-        shown = self._smooth(switch(self.tree, "GEOMETRY", detail, surface, on_meshes))
+        on_meshes = self._smooth(set_position(self.tree, surface, offset=laid.correction()))
+        if any(CUSTOM_NORMAL in obj.data.attributes for obj in self.frames):
+            on_meshes = self._shaded(on_meshes, laid.normal())
+        shown = switch(self.tree, "GEOMETRY", detail, self._smooth(surface), on_meshes)
         for number in range(1, len(self.frames[0][WEIGHTS_KEY]) + 1):
             name = SOURCE_WEIGHT.format(number)
             own = [self.mixture.of_step("FLOAT", name, term) for term in self.mixture.terms]
@@ -249,6 +253,13 @@ class MixedFrames:
     ) -> bpy.types.NodeSocket:
         return (weighted_sum if kind == "FLOAT" else weighted_vectors)(self.tree, values, shares)
 
+    def _shaded(self, mesh: bpy.types.NodeSocket, normal: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Return a mesh that is shown with other normals of its points."""
+        node = self.tree.nodes.new("GeometryNodeSetMeshNormal")
+        node.mode, node.domain = "FREE", "POINT"
+        feed(self.tree, [node.inputs["Mesh"], node.inputs["Custom Normal"]], [mesh, normal])
+        return node.outputs["Mesh"]
+
     def _smooth(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         node = self.tree.nodes.new("GeometryNodeSetShadeSmooth")
         self.tree.links.new(geometry, node.inputs["Geometry"])
@@ -275,6 +286,25 @@ class _Laid:
         own = [self._missing(*each, normal) for each in zip(terms, self._places, self._targets, strict=True)]
         length = math_node(tree, "MULTIPLY", weighted_sum(tree, own, self._mixed.weights), self._spacing)
         return vector_math_node(tree, "SCALE", normal, length)
+
+    def normal(self) -> bpy.types.NodeSocket:
+        """Return the mixed normal of the meshes; of those that face another way, that of the mixture."""
+        tree = self._tree
+        own = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
+        found, shares = [], []
+        for term, place, target in zip(self._terms, self._places, self._targets, strict=True):
+            node = tree.nodes.new("GeometryNodeSampleNearestSurface")
+            node.data_type = "FLOAT_VECTOR"
+            theirs = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
+            for key, source in (("Mesh", target), ("Value", theirs), ("Sample Position", place)):
+                tree.links.new(source, node.inputs[key])
+            agrees = math_node(
+                tree, "GREATER_THAN", vector_math_node(tree, "DOT_PRODUCT", node.outputs["Value"], own), _AGREES
+            )
+            found.append(node.outputs["Value"])
+            shares.append(math_node(tree, "MULTIPLY", agrees, term.weight))
+        rest = math_node(tree, "SUBTRACT", 1.0, total(tree, shares))
+        return vector_math_node(tree, "NORMALIZE", weighted_vectors(tree, [*found, own], [*shares, rest]))
 
     def with_nearest(
         self, geometry: bpy.types.NodeSocket, domain: str
