@@ -1,0 +1,261 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Render the moving pictures of the README, docs/pictures/*.webp: ``python3 run.py python docs/moving.py``.
+
+Each is baked as a user bakes it, rendered in Cycles, and played forth and back. ``--only NAME`` renders one of them.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from photographs import color_material, finer, sample_shape
+from PIL import Image, ImageDraw, ImageFont
+
+import convwass_addon
+from convwass_addon.bridge.framing import View, broad_view, orbit
+from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.objects import write_mesh
+from convwass_addon.bridge.studio import Studio, opening, world_points
+from convwass_addon.geometry.mesh import TriangleMesh
+
+# Unlike the add-on, the benchmarks are not installed.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from benchmarks.coherence_pairs import pairs_named
+
+PICTURES = Path(__file__).resolve().parent / "pictures"
+FRAMES = 24
+"""From one shape to the other."""
+
+# Radians above the horizon; milliseconds of a frame, and of both ends; light paths per pixel; per cent of WebP.
+_ELEVATION = math.radians(16.0)
+_FRAME, _HOLD = 45, 700
+_SAMPLES, _QUALITY = 10, 86
+_INK = (52, 52, 56)
+_CLAY = (0.48, 0.12, 0.05)
+_POINTS_PER_SHAPE = 1500
+
+
+@dataclass(frozen=True)
+class Film:
+    """The frames of a morph, seen by a camera that stands still.
+
+    Attributes
+    ----------
+    frames : list of bpy.types.Object
+        Of which one is seen at a time.
+    label : str
+        Written below; may be empty.
+    """
+
+    frames: list[bpy.types.Object]
+    label: str = ""
+
+    def rendered(self, size: tuple[int, int], view: View | None = None) -> list[Image.Image]:
+        """Render every frame, `size` pixels wide and high, from where the shapes are broadest or from `view`."""
+        pictures = []
+        with Studio() as studio, TemporaryDirectory() as folder:
+            copies = [studio.show(frame) for frame in self.frames]
+            points = [world_points(frame) for frame in self.frames]
+            points = [shape[:: 1 + len(shape) // _POINTS_PER_SHAPE] for shape in points]
+            view = view or broad_view(points, _ELEVATION)
+            depth = studio.build(points, view)
+            studio.set_quality(size, _SAMPLES)
+            (pose,) = orbit(np.concatenate(points), [view], opening(size))
+            studio.look(pose, depth)
+            for shown in copies:
+                for copy in copies:
+                    copy.hide_render = copy != shown
+                path = Path(folder) / "frame.png"
+                studio.render(path)
+                with Image.open(path) as picture:
+                    pictures.append(labeled(picture.convert("RGB"), self.label))
+                print(".", end="", flush=True)
+        print()
+        return pictures
+
+
+def labeled(picture: Image.Image, label: str) -> Image.Image:
+    """Write a label at the lower edge of a picture."""
+    if label:
+        place = (picture.width / 2, picture.height - 18)
+        ImageDraw.Draw(picture).text(place, label, _INK, ImageFont.load_default(18), anchor="mm")
+    return picture
+
+
+def save(name: str, *columns: Sequence[Image.Image]) -> None:
+    """Save films side by side as docs/pictures/NAME.webp, which plays forth and back for ever."""
+    forth = [_beside(pictures) for pictures in zip(*columns, strict=True)]
+    loop = [*forth, *forth[-2:0:-1]]
+    durations = [_HOLD if index in (0, len(forth) - 1) else _FRAME for index in range(len(loop))]
+    path = PICTURES / f"{name}.webp"
+    # Frames that are stored as differences leave traces of the ones before.
+    options = {"save_all": True, "loop": 0, "quality": _QUALITY, "method": 6, "kmin": 0, "kmax": 1}
+    loop[0].save(path, append_images=loop[1:], duration=durations, **options)
+    print(f"{path.name}: {path.stat().st_size / 1e6:.2f} MB")
+
+
+def _beside(pictures: Sequence[Image.Image]) -> Image.Image:
+    joined = Image.new("RGB", (sum(picture.width for picture in pictures), pictures[0].height), "white")
+    left = 0
+    for picture in pictures:
+        joined.paste(picture, (left, 0))
+        left += picture.width
+    return joined
+
+
+def first() -> None:
+    """Turn a chestnut horse into a spotted cow: limbs, faces and colors go along."""
+    begin()
+    paint(finer(sample_shape("horse"), 2), _chestnut)
+    paint(finer(sample_shape("cow"), 2), _piebald)
+    save("first", Film(bake("horse", "cow")).rendered((680, 450)))
+
+
+def hold_together() -> None:
+    """Raise the arm of a man, by transport alone and with the motion that is chosen automatically."""
+    save("hold_together", *(_raising(motion).rendered((420, 480)) for motion in ("TRANSPORT", "AUTOMATIC")))
+
+
+def _raising(motion: str) -> Film:
+    names = clay_pair("man raises arm")
+    label = {"TRANSPORT": "Transport alone", "AUTOMATIC": "Convwass: Automatic"}[motion]
+    return Film(bake(*names, motion=motion), label)
+
+
+def any_topology() -> None:
+    """Turn a double torus into a bird."""
+    begin()
+    for name in ("double_torus", "bird"):
+        paint(sample_shape(name), _clay)
+    save("any_topology", Film(bake("double_torus", "bird")).rendered((600, 420)))
+
+
+def one_mesh() -> None:
+    """Let a dog rear on its own vertices, by shape keys, and draw its edges."""
+    names = clay_pair("dog rears")
+    before = set(bpy.data.objects)
+    bpy.ops.convwass.bake_morph(frames=FRAMES, output="SHAPE_KEYS")
+    (obj,) = set(bpy.data.objects) - before
+    obj.data.materials.clear()
+    obj.data.materials.append(_wired(bpy.data.materials[names[0]]))
+    (slider,) = (key for key in obj.keys() if not key.startswith("convwass"))  # noqa: SIM118 (Blender's)
+    obj.animation_data.action = None
+    save("one_mesh", Film([_posed(obj, slider, step / FRAMES) for step in range(FRAMES + 1)]).rendered((560, 440)))
+
+
+def _posed(obj: bpy.types.Object, slider: str, value: float) -> bpy.types.Object:
+    obj[slider] = value
+    obj.update_tag()
+    graph = bpy.context.evaluated_depsgraph_get()
+    return bpy.data.objects.new("Pose", bpy.data.meshes.new_from_object(obj.evaluated_get(graph)))
+
+
+def _wired(material: bpy.types.Material) -> bpy.types.Material:
+    """Return a material that is darker where edges are."""
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
+    mix, wire = nodes.new("ShaderNodeMixRGB"), nodes.new("ShaderNodeWireframe")
+    wire.use_pixel_size = True
+    wire.inputs["Size"].default_value = 0.7
+    links.new(wire.outputs[0], mix.inputs[0])
+    mix.inputs[1].default_value, mix.inputs[2].default_value = (0.75, 0.6, 0.45, 1.0), (0.06, 0.05, 0.05, 1.0)
+    links.new(mix.outputs[0], shader.inputs["Base Color"])
+    return material
+
+
+def begin() -> None:
+    """Begin with an empty scene, the add-on switched on."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    convwass_addon.register()
+
+
+def clay_pair(pair: str) -> tuple[str, str]:
+    """Make the shapes of a pair of the coherence benchmark, in an empty scene, and return their names."""
+    begin()
+    (chosen,) = pairs_named([pair], None)
+    ends = chosen.ends()
+    for name, mesh in (("First", ends.first), ("Second", ends.second)):
+        obj = _object(name, mesh)
+        paint(obj, _clay)
+    return "First", "Second"
+
+
+def _object(name: str, mesh: TriangleMesh) -> bpy.types.Object:
+    data = bpy.data.meshes.new(name)
+    write_mesh(data, mesh)
+    obj = bpy.data.objects.new(name, data)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def bake(first: str, second: str, motion: str = "AUTOMATIC") -> list[bpy.types.Object]:
+    """Bake a morph from the first of two objects to the second and return its frames, the shapes among them."""
+    for obj in bpy.data.objects:
+        obj.select_set(obj.name in (first, second))
+    bpy.context.view_layer.objects.active = bpy.data.objects[first]
+    # Objects that are selected by a script come in the order of their names.
+    bpy.ops.convwass.bake_morph(frames=FRAMES, resolution=100, motion=motion, reverse=first > second)
+    morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
+    return frame_objects(morph)
+
+
+def paint(obj: bpy.types.Object, color: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> None:
+    """Give an object colors by the places of its vertices, and a material of its name that shows them."""
+    mesh = obj.data
+    mesh.shade_smooth()
+    points = world_points(obj).astype(np.float64)
+    colors = np.ones((len(points), 4), dtype=np.float32)
+    colors[:, :3] = color((points - points.min(axis=0)) / np.ptp(points, axis=0).max())
+    attribute = mesh.color_attributes.new("Paint", "FLOAT_COLOR", "POINT")
+    attribute.data.foreach_set("color", colors.ravel())
+    mesh.materials.clear()
+    mesh.materials.append(color_material(obj.name, "Paint"))
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+
+
+def _clay(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.broadcast_to(_CLAY, points.shape)
+
+
+def _chestnut(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return chestnut, darker towards the hooves."""
+    dark = np.clip(1.0 - points[:, 2] / 0.35, 0.0, 1.0)[:, None]
+    return dark * [0.03, 0.012, 0.008] + (1.0 - dark) * [0.33, 0.1, 0.03]
+
+
+def _piebald(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return black patches on white."""
+    rng = np.random.default_rng(5)
+    centers = points[rng.choice(len(points), 14, replace=False)]
+    reach = rng.uniform(0.06, 0.15, len(centers))
+    depth = (np.linalg.norm(points[:, None] - centers, axis=2) - reach).min(axis=1)
+    inside = np.clip(0.5 - depth / 0.015, 0.0, 1.0)[:, None]
+    return inside * [0.015, 0.013, 0.012] + (1.0 - inside) * [0.82, 0.78, 0.72]
+
+
+FILMS = {film.__name__: film for film in (first, hold_together, any_topology, one_mesh)}
+
+
+def main() -> None:
+    """Bake and render."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=FILMS, help="render this one alone")
+    only = parser.parse_args().only
+    for name in [only] if only else FILMS:
+        print(name, flush=True)
+        FILMS[name]()
+
+
+if __name__ == "__main__":
+    main()
