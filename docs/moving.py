@@ -174,9 +174,8 @@ def _wired(material: bpy.types.Material) -> bpy.types.Material:
 
 
 def begin() -> None:
-    """Begin with an empty scene, the add-on switched on."""
+    """Begin with an empty scene."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    convwass_addon.register()
 
 
 def clay_pair(pair: str) -> tuple[str, str]:
@@ -252,6 +251,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--only", choices=FILMS, help="render this one alone")
     only = parser.parse_args().only
+    convwass_addon.register()
     for name in [only] if only else FILMS:
         print(name, flush=True)
         FILMS[name]()
