@@ -2,10 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Sculpt the sample shapes and write them to assets/shapes as binary PLY.
 
-    python assets/build_shapes.py [name ...]
+    PYTHONPATH=. python assets/build_shapes.py [name ...]
 
 Needs bpy, numpy, scipy and scikit-image. Every shape is a closed surface that stands on z = 0 and is 2 units long at
-its longest; animals look along +X, letters are read from -Y. The shapes themselves are dedicated to the public domain
+its longest, except that two poses of one body have one scale; animals look along +X, people along -Y, from where
+letters are read. The shapes themselves are dedicated to the public domain
 (CC0 1.0), see README.md in this folder.
 """
 
@@ -18,7 +19,11 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from sculpting import Clay, Solid, both_sides, ellipsoid, extruded, frustum, ribbon, spline, tube
+
+from assets.sculpting import Clay, Solid, both_sides, ellipsoid, extruded, frustum, ribbon, spline, tube
+from benchmarks.bipeds import MAN, Posture, biped, degrees, straight
+from benchmarks.quadrupeds import DOG, REARING, STANDING, quadruped
+from benchmarks.sculptures import Sculpture
 
 FOLDER = Path(__file__).parent / "shapes"
 LONGEST_SIDE = 2.0
@@ -322,6 +327,29 @@ class Recipe:
     triangles: int
     evening_rounds: int = 0
 
+    def built(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return vertices and triangles."""
+        clay = self.sculpt()
+        vertices, triangles = reduced(*clay.surface(), self.triangles)
+        return placed(clay.relaxed(vertices, triangles, self.evening_rounds)), triangles
+
+
+@dataclass(frozen=True)
+class PoseRecipe:
+    """A body of the benchmarks in one of its poses, with vertices of its own."""
+
+    sculpture: Sculpture
+    triangles: int = 5400
+    genus: int = 0
+    parts: int = 1
+
+    def built(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return vertices and triangles."""
+        mesh = self.sculpture.mesh(self.triangles)
+        return mesh.vertices, mesh.faces
+
+
+_ARMS_RAISED_AND_HANGING = (straight(degrees(out=140)), straight(degrees(out=20)))
 
 SHAPES = {
     "horse": Recipe(horse, genus=0, parts=1, triangles=5400),
@@ -333,6 +361,10 @@ SHAPES = {
     "octopus": Recipe(octopus, genus=0, parts=1, triangles=5000),
     "letter_a": Recipe(letter_a, genus=1, parts=1, triangles=2000),
     "letter_b": Recipe(letter_b, genus=2, parts=1, triangles=2000),
+    "man": PoseRecipe(biped(MAN, Posture(), 1).sculpture),
+    "man_waving": PoseRecipe(biped(MAN, Posture(arms=_ARMS_RAISED_AND_HANGING), 2).sculpture),
+    "dog": PoseRecipe(quadruped(DOG, STANDING, 11).sculpture),
+    "dog_rearing": PoseRecipe(quadruped(DOG, REARING, 12).sculpture),
 }
 
 
@@ -410,9 +442,7 @@ def main(names: list[str]) -> None:
     FOLDER.mkdir(exist_ok=True)
     for name in names or SHAPES:
         recipe = SHAPES[name]
-        clay = recipe.sculpt()
-        vertices, triangles = reduced(*clay.surface(), recipe.triangles)
-        vertices = placed(clay.relaxed(vertices, triangles, recipe.evening_rounds))
+        vertices, triangles = recipe.built()
         genus, parts = checked_genus(vertices, triangles)
         if (genus, parts) != (recipe.genus, recipe.parts):
             raise ValueError(f"{name} came out with genus {genus} in {parts} parts")
