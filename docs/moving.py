@@ -137,7 +137,7 @@ def any_topology() -> None:
     begin()
     for name in ("double_torus", "bird"):
         paint(sample_shape(name), _clay)
-    save("any_topology", Film(bake("double_torus", "bird")).rendered((600, 420)))
+    save("any_topology", Film(bake("double_torus", "bird", "TRANSPORT")).rendered((600, 420)))
 
 
 def one_mesh() -> None:
