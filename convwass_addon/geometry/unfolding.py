@@ -52,20 +52,28 @@ class FoldFinder:
         """Prepare queries."""
         return cls(rest, target, FacingPointFinder(target))
 
-    def agreements(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
-        """Return the cosine, (m,), between the normal of every triangle and the surface's below its center."""
-        corners = vertices[self.rest.faces]
+    def agreements(
+        self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED, some: NDArray[np.int64] | None = None
+    ) -> NDArray[np.float64]:
+        """Return the cosine, (m,), between the normals of triangles, all or some, and the surface's below them."""
+        corners = vertices[self._faces(some)]
         below = self.finder.find_closest(corners.mean(axis=1), control).triangles
-        return np.einsum("md,md->m", triangle_normals(corners), triangle_normals(self.target.corners)[below])
+        return np.einsum("md,md->m", triangle_normals(corners), triangle_normals(self.target.corners[below]))
 
-    def collapsed(self, vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
+    def collapsed(self, vertices: NDArray[np.float64], some: NDArray[np.int64] | None = None) -> NDArray[np.bool_]:
         """Tell which triangles, (m,), have lost nearly all of their area, relative to the areas of both shapes."""
-        expected = _areas(self.rest.corners) * (self.target.area / self.rest.area)
-        return _areas(vertices[self.rest.faces]) < _COLLAPSED * expected
+        faces = self._faces(some)
+        expected = _areas(self.rest.vertices[faces]) * (self.target.area / self.rest.area)
+        return _areas(vertices[faces]) < _COLLAPSED * expected
 
-    def folded(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.bool_]:
+    def folded(
+        self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED, some: NDArray[np.int64] | None = None
+    ) -> NDArray[np.bool_]:
         """Tell which triangles, (m,), are flipped, perpendicular to the surface, or collapsed."""
-        return (self.agreements(vertices, control) < _TURNED) | self.collapsed(vertices)
+        return (self.agreements(vertices, control, some) < _TURNED) | self.collapsed(vertices, some)
+
+    def _faces(self, some: NDArray[np.int64] | None) -> NDArray[np.int64]:
+        return self.rest.faces if some is None else self.rest.faces[some]
 
 
 def unfolded(
@@ -90,8 +98,10 @@ def unfolded(
         control.check()
         if not found.any() or rings > _MOST_RINGS:
             break
-        tried = _relaxed(best, _around(rest.faces[found], neighbors, rings), neighbors, folds)
-        left = folds.folded(tried, control)
+        free = _around(rest.faces[found], neighbors, rings)
+        tried, left = _relaxed(best, free, neighbors, folds), found.copy()
+        touched = np.flatnonzero(np.isin(rest.faces, free).any(axis=1))
+        left[touched] = folds.folded(tried, control, touched)
         if left.sum() < found.sum():
             best, found, rings = tried, left, 1
         else:

@@ -31,6 +31,7 @@ UP, ASIDE = np.array([0.0, 0.0, 2.0]), np.array([1.0, 0.0, 1.0])
 def keyed(make_object, octahedron):
     """Make an octahedron that goes aside and up in frames 3 to 7 by two keys, of which the first is at its half."""
     source = make_object("Shape")
+    source.color = (0.8, 0.2, 0.1, 1.0)
     rest = octahedron.vertices
     path = KeyPath("Up", (0.5, 1.0), np.stack([rest + ASIDE, rest + UP]), 0.9, 0.0, 0.0, 0.0, 0)
     obj = object_with_keys(source, source.data.copy(), [path], bpy.context.scene)
@@ -68,6 +69,9 @@ def test_gltf_has_the_keys_as_morph_targets_and_an_animation_of_their_weights(ke
     for target, shift in zip(targets, (ASIDE, UP), strict=True):
         moved = accessor(head, body, target["POSITION"])
         np.testing.assert_allclose(moved, np.broadcast_to(y_up(shift), moved.shape), atol=1e-6)
+    (material,) = head["materials"]
+    color = material["pbrMetallicRoughness"]["baseColorFactor"]
+    np.testing.assert_allclose(color, [0.8, 0.2, 0.1, 1.0], atol=1e-6)
     (animation,) = head["animations"]
     (channel,) = animation["channels"]
     assert channel["target"]["path"] == "weights"

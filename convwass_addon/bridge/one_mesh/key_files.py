@@ -23,6 +23,7 @@ from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
+from ..morphs.materials import plain_copy, wears_object_color
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
@@ -99,6 +100,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         scene.frame_start, scene.frame_end = 0, len(frames) - 1
         scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
         mesh = obj.data.copy()
+        plain = _wear_plain(mesh, obj)
         copy = bpy.data.objects.new(obj.name, mesh)
         copy.matrix_world = obj.matrix_world
         scene.collection.objects.link(copy)
@@ -118,7 +120,17 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         finally:
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
-            bpy.data.batch_remove(made)
+            bpy.data.batch_remove([*made, *plain])
+
+
+def _wear_plain(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> list[bpy.types.Material]:
+    """Replace materials that read the color of the object by copies with that color; return the copies."""
+    made = []
+    for place, material in enumerate(mesh.materials):
+        if wears_object_color(material):
+            made.append(plain_copy(material, tuple(obj.color)))
+            mesh.materials[place] = made[-1]
+    return made
 
 
 def _write_targets(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Object, range, Path], list[Path]]:
@@ -176,10 +188,12 @@ def _write_textures(obj: bpy.types.Object, frames: range, target: Path) -> list[
     render = bpy.context.scene.render
     moving = sampled_vertices(obj, bpy.context.scene, frames)
     mesh = _without_keys(obj)
+    plain = _wear_plain(mesh, obj)
     try:
         return write_moving_mesh(mesh, moving, target, render.fps / render.fps_base)
     finally:
         bpy.data.meshes.remove(mesh)
+        bpy.data.batch_remove(plain)
 
 
 def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:

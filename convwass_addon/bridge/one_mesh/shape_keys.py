@@ -48,7 +48,7 @@ def object_with_keys(
     wear_material(mesh)
     name = f"{source.name} Morph"
     obj = _copy_with_modifiers(source, mesh, modifiers) if modifiers else bpy.data.objects.new(name, mesh)
-    obj.name = name
+    obj.name, obj.color = name, source.color
     scene.collection.objects.link(obj)
     records = _kept_sliders(source, obj)
     if mesh.shape_keys is None:
