@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators on a mesh with shape keys to other shapes: attach clothes and eyes, make a pad."""
+"""Operators for a mesh with shape keys to other shapes: attach clothes and eyes, create a pad."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
 
     rigid: BoolProperty(
         name="Rigid",
-        description="Only move, turn and scale connected components, for eyes, teeth and buttons",
+        description="Only move, rotate and scale connected components, for eyes, teeth and buttons",
         default=False,
         options={"SKIP_SAVE"},
     )
@@ -55,7 +55,7 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
 
 
 class CONVWASS_OT_make_key_pad(bpy.types.Operator):
-    """Make a pad whose handle drives the sliders of the active mesh; for two or three other shapes"""
+    """Create a pad whose handle drives the sliders of the active mesh; for two or three other shapes"""
 
     bl_idname = "convwass.make_key_pad"
     bl_label = "Make Pad"

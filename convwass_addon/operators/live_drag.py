@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Drag the handle of a live morph with the mouse, in whichever 3D viewport that is pressed."""
+"""Drag the handle of a live morph with the mouse in any 3D viewport."""
 
 from __future__ import annotations
 
@@ -13,15 +13,15 @@ from mathutils import Vector, geometry
 if TYPE_CHECKING:
     from ..bridge.live.live_pad import LivePad
 
-# Pixels around the handle that count as on it, at a scale of 1.
+# Radius around the handle in which it can be grabbed, in pixels at a UI scale of 1.
 _NEAR = 16.0
-# A view along the plane of the pad, in which nothing can be dragged on it: sine of the angle between the two.
+# If the view direction is in the plane of the pad, dragging is impossible: minimum sine of their angle.
 _ALONG = 0.02
 
 
 @dataclass(frozen=True)
 class _View:
-    """A region of a 3D viewport, and how it looks at the scene."""
+    """A region of a 3D viewport and its view."""
 
     region: bpy.types.Region
     view: bpy.types.RegionView3D
@@ -31,12 +31,12 @@ class _View:
 
 
 class HandleDrag:
-    """Takes the left button near the handle, and what the mouse does until that is released.
+    """Handles mouse events from pressing the left button near the handle until it is released.
 
     Parameters
     ----------
     pad : LivePad
-        With the handle.
+        The live morph with the handle.
     """
 
     def __init__(self, pad: LivePad) -> None:
@@ -44,7 +44,7 @@ class HandleDrag:
         self._view: _View | None = None
 
     def takes(self, context: bpy.types.Context, event: bpy.types.Event) -> bool:
-        """Heed an event, and tell whether it is for nobody else."""
+        """Process an event, and return whether to consume it."""
         if event.type == "LEFTMOUSE" and event.value == "PRESS":
             self._view = self._view_on_handle(context, event)
             return self._view is not None
@@ -58,7 +58,7 @@ class HandleDrag:
         return event.type in ("MOUSEMOVE", "INBETWEEN_MOUSEMOVE")
 
     def _view_on_handle(self, context: bpy.types.Context, event: bpy.types.Event) -> _View | None:
-        """Return the view in which the mouse is on the handle."""
+        """Return the view in which the mouse is over the handle."""
         from bpy_extras.view3d_utils import location_3d_to_region_2d
 
         handle, view = self._pad.handle, _view_under(context, event)
@@ -69,7 +69,7 @@ class HandleDrag:
         return view if seen is not None and (seen - view.place_of(event)).length < near else None
 
     def _move(self, event: bpy.types.Event) -> None:
-        """Put the handle under the mouse, on the plane of the pad."""
+        """Move the handle to the mouse position, in the plane of the pad."""
         from bpy_extras.view3d_utils import (
             region_2d_to_location_3d,
             region_2d_to_origin_3d,
@@ -88,13 +88,13 @@ class HandleDrag:
             start = region_2d_to_origin_3d(view.region, view.view, mouse)
             point = geometry.intersect_line_plane(start, start + along, origin, normal)
         if point is None:
-            # A line is dragged along from any side.
+            # A line can be dragged in any view.
             point = region_2d_to_location_3d(view.region, view.view, mouse, handle.matrix_world.translation)
         self._pad.move_to(*self._pad.place_at(pad.matrix_world.inverted() @ point))
 
 
 def _view_under(context: bpy.types.Context, event: bpy.types.Event) -> _View | None:
-    """Return the 3D viewport under the mouse, if it is over one and over none of its other regions."""
+    """Return the 3D viewport under the mouse, unless another of its regions covers it."""
     for area in context.window.screen.areas if context.window else ():
         if area.type != "VIEW_3D" or not _is_in(area, event):
             continue

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live Morph: a shape that follows a handle, until Esc; what it shows can be kept, or baked."""
+"""Live Morph: a shape that follows a handle until Esc; it can be kept as a mesh, or baked."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ if TYPE_CHECKING:
     from ..bridge.live.live_session import LiveSession
 
 _TIMER_SECONDS = 0.015
-# Most seconds that Keep Shape waits for a full solve.
+# Maximum seconds that Keep Shape waits for a complete solve.
 _PATIENCE = 6.0
 _TIMERS: list[bpy.types.Timer] = []
 
 
 class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator):
-    """Blend two to four selected shapes at once: drag the handle and the shape follows; Esc ends it without a trace"""
+    """Blend two to four selected shapes live: drag the handle and the shape follows; Esc ends it and removes it"""
 
     bl_idname = "convwass.live_morph"
     bl_label = "Live Morph"
@@ -58,7 +58,7 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
         return started
 
     def begin(self, context: bpy.types.Context) -> set[str]:
-        """Begin, for an operator that gets a modal handler then."""
+        """Start the live morph; the operator then gets a modal handler."""
         try:
             self._session = begun_session(context, self)
         except (ConvwassError, OSError, MemoryError) as error:
@@ -71,7 +71,7 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
     def modal(self, context, event):
         session = running_live()
         if session is None or session is not self._session:
-            # It was baked, or ended from elsewhere.
+            # It was baked, or ended by another operator.
             return self._ended(context, {"FINISHED"})
         if event.type == "ESC" and event.value == "PRESS":
             return self._ended(context, {"CANCELLED"})
@@ -80,7 +80,7 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
         try:
             goes_on = session.tick()
         except BaseException as error:
-            # Whatever it is, nothing may go on running behind the user's back.
+            # After any error, nothing may keep running in the background.
             self._ended(context, {"CANCELLED"})
             return refuse_if_known(self, error)
         if not goes_on:
@@ -118,13 +118,13 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
 
 
 def begun_session(context: bpy.types.Context, own: CONVWASS_OT_live_morph) -> LiveSession:
-    """Begin a live morph of the chosen shapes; raises InputError, ResourceError where that cannot work."""
+    """Start a live morph of the chosen shapes; raises InputError or ResourceError if that is impossible."""
     from ..bridge.flat.choosing import asks_for_flat
     from ..bridge.live.live_session import LiveRequest, LiveSession
 
     objects = chosen_inputs(context, own).objects
     if not 2 <= len(objects) <= 4:
-        raise InputError("A live morph takes two, three or four shapes, not {count}.", count=len(objects))
+        raise InputError("A live morph requires two, three or four shapes, not {count}.", count=len(objects))
     are_plain = all(is_plain(shape_source(obj, own.grouping)) for obj in objects)
     if are_plain and asks_for_flat(objects, context.evaluated_depsgraph_get(), own.thickness):
         raise InputError("Flat shapes cannot be morphed live; bake them, or give them thickness.")
@@ -143,7 +143,7 @@ class _OnLiveMorph:
 
 
 class CONVWASS_OT_keep_live_shape(_OnLiveMorph, bpy.types.Operator):
-    """Make a mesh object of the blend that is shown; the live morph goes on"""
+    """Create a mesh object from the visible blend; the live morph continues"""
 
     bl_idname = "convwass.keep_live_shape"
     bl_label = "Keep Shape"
@@ -162,7 +162,7 @@ class CONVWASS_OT_keep_live_shape(_OnLiveMorph, bpy.types.Operator):
 
 
 class CONVWASS_OT_bake_live_morph(_OnLiveMorph, bpy.types.Operator):
-    """End the live morph, and bake a morph of its shapes with the settings of the panel"""
+    """End the live morph, and bake its shapes with the settings of the panel"""
 
     bl_idname = "convwass.bake_live_morph"
     bl_label = "Bake"
@@ -185,14 +185,14 @@ class CONVWASS_OT_bake_live_morph(_OnLiveMorph, bpy.types.Operator):
 
 
 def bake_arguments() -> list[str]:
-    """Return the names of the settings that Bake Morph takes over from a scene."""
+    """Return the names of the settings that Bake Morph reads from a scene."""
     from inspect import get_annotations
 
     return [name for base in MorphProperties.__mro__ for name in get_annotations(base)]
 
 
 class CONVWASS_OT_end_live_morph(_OnLiveMorph, bpy.types.Operator):
-    """End the live morph, as Esc in the viewport does, and leave no trace of it"""
+    """End the live morph, like Esc in the viewport, and remove it"""
 
     bl_idname = "convwass.end_live_morph"
     bl_label = "End"
@@ -204,7 +204,7 @@ class CONVWASS_OT_end_live_morph(_OnLiveMorph, bpy.types.Operator):
 
 
 def stop_live(context: bpy.types.Context) -> None:
-    """End a live morph before the operators are taken away; Blender calls nothing of a class that goes."""
+    """End a live morph before its operators are unregistered, because Blender does not notify them."""
     session = running_live()
     if session is not None:
         session.end()

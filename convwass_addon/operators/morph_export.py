@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write a baked morph, or a mesh with shape keys, for other programs."""
+"""Export a baked morph, or a mesh with shape keys."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from .reporting import refuse_if_known, tell
 
 
 class CONVWASS_OT_export_morph(bpy.types.Operator):
-    """Write the active morph or mesh with shape keys for other programs; the ending of the file tells the format"""
+    """Export the active morph or mesh with shape keys; the file extension sets the format"""
 
     bl_idname = "convwass.export_morph"
     bl_label = "Export"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of live morphs: begin one, and what can be done with it while it runs."""
+"""The panel of live morphs."""
 
 from __future__ import annotations
 

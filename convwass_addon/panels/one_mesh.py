@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The panel of a mesh whose shape keys lead to other shapes."""
+"""The panel of a mesh with shape keys to other shapes."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from .sidebar import Sidebar, draw_wrapped
 
 
 class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
-    """Sliders of a mesh that takes other shapes"""
+    """Sliders of a mesh with shape keys to other shapes"""
 
     bl_label = "Shape Keys"
     bl_idname = "CONVWASS_PT_one_mesh"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of live morphs in a scene, and where the handle of the one that is running is."""
+"""Settings of live morphs in a scene, and the position of the handle of the running one."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from .from_schema import values_of, with_properties
 
 @with_properties(LiveSettings)
 class LiveProperties:
-    """What a live morph is asked for: mixed into the scene's settings and into the operator."""
+    """Properties of a live morph, mixed into the scene's settings and the operator."""
 
     def live_settings(self) -> LiveSettings:
         """Return the settings."""
@@ -53,7 +53,7 @@ class CONVWASS_PG_live_handle(bpy.types.PropertyGroup):
 
     morph: FloatProperty(
         name="Morph",
-        description="What is shown: 0 is the first shape, 1 the second",
+        description="Blend to show: 0 is the first shape, 1 the second",
         min=0.0,
         max=1.0,
         subtype="FACTOR",
@@ -62,7 +62,7 @@ class CONVWASS_PG_live_handle(bpy.types.PropertyGroup):
     )
     across: FloatProperty(
         name="Across",
-        description="Where the handle is on the pad, from left to right",
+        description="Position of the handle on the pad, from left to right",
         min=0.0,
         max=1.0,
         subtype="FACTOR",
@@ -71,7 +71,7 @@ class CONVWASS_PG_live_handle(bpy.types.PropertyGroup):
     )
     up: FloatProperty(
         name="Up",
-        description="Where the handle is on the pad, from below to above",
+        description="Position of the handle on the pad, from bottom to top",
         min=0.0,
         max=1.0,
         subtype="FACTOR",
@@ -94,7 +94,7 @@ _HANDLERS = (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post)
 
 
 def register() -> None:
-    """Add the settings to scenes, and the handle to the window manager."""
+    """Register the properties of scenes and of the window manager."""
     _register_classes()
     bpy.types.Scene.convwass_live = PointerProperty(type=CONVWASS_PG_live)
     bpy.types.WindowManager.convwass_live = PointerProperty(type=CONVWASS_PG_live_handle)
@@ -103,7 +103,7 @@ def register() -> None:
 
 
 def unregister() -> None:
-    """Take them away."""
+    """Remove the properties."""
     for handlers in _HANDLERS:
         handlers.remove(_after_undo)
     set_running(None)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Notice that the inputs of a live morph are edited or deleted."""
+"""Detect when the inputs of a live morph are edited or deleted."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class InputWatch:
     Parameters
     ----------
     sources : sequence of ShapeSource
-        Which shapes.
+        The shapes to watch.
     """
 
     def __init__(self, sources: Sequence[ShapeSource]) -> None:
@@ -34,32 +34,32 @@ class InputWatch:
         self.note()
 
     def register(self) -> None:
-        """Begin to listen to Blender."""
+        """Register the handlers."""
         bpy.app.handlers.depsgraph_update_post.append(self._listen)
 
     def unregister(self) -> None:
-        """Listen no more."""
+        """Remove the handlers."""
         if self._listen in bpy.app.handlers.depsgraph_update_post:
             bpy.app.handlers.depsgraph_update_post.remove(self._listen)
 
     @property
     def roots(self) -> list[bpy.types.Object]:
-        """What stands for the shapes, as far as it is there."""
+        """Existing root objects of the shapes."""
         return found(self._roots)
 
     @property
     def lost(self) -> list[str]:
-        """Names of the objects that are gone."""
+        """Names of deleted objects."""
         there = [handle.find() for handle in self._objects]
         return [name for name, obj in zip(self._names, there, strict=True) if obj is None or not obj.users_scene]
 
     def note(self) -> None:
-        """Take the objects as they are now for known."""
+        """Store the current state of the objects."""
         self._known, self._updated = [_state(obj) for obj in found(self._objects)], False
 
     @property
     def may_have_changed(self) -> bool:
-        """Whether an object may be another one than was noted."""
+        """Return whether an object may have changed since its state was stored."""
         return self._updated or [_state(obj) for obj in found(self._objects)] != self._known
 
     def _listen(self, _scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
@@ -70,9 +70,9 @@ class InputWatch:
 
 
 def _state(obj: bpy.types.Object) -> tuple[object, ...]:
-    """Return what changes where an object is edited; Blender tells nothing about objects that are hidden."""
+    """Return a state that changes if an object is edited; Blender does not report changes of hidden objects."""
     points = 0
-    # In Edit Mode the mesh is as it was before; leaving it changes the points.
+    # In Edit Mode the mesh keeps its old state; leaving it changes the points.
     if obj.type == "MESH" and not obj.data.is_editmode:
         places = np.empty(3 * len(obj.data.vertices), np.float32)
         obj.data.attributes["position"].data.foreach_get("vector", places)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The pad of a live morph: a line, a triangle or a square in the scene with a handle, and names at its corners."""
+"""The pad of a live morph: a line, triangle or square in the scene, with a handle and names at its corners."""
 
 from __future__ import annotations
 
@@ -15,24 +15,24 @@ from ...applications.live.pad_places import pad_corners, pad_height, pad_middle
 from ..handles import Handle
 from ..pad_handles import pad_handle
 
-# Side of a pad and its distance from the shapes, in sizes of the largest one; lengths on it, in sides.
+# Side of a pad and distance from the shapes, relative to the largest shape; lengths on the pad, relative to its side.
 _SIDE, _GAP = 1.5, 0.3
 _HANDLE, _TEXT = 0.04, 0.06
 
 
 class LivePad:
-    """A pad that has been drawn.
+    """The objects of a pad.
 
     Parameters
     ----------
     home : bpy.types.Collection
-        Where its objects go.
+        Collection for the objects.
     names : sequence of str
-        Of the shapes, two to four.
+        Names of the two to four shapes.
     bounds : (2, 3) float64
-        Of all shapes together, world space.
+        Bounds of all shapes, world space.
     size : float
-        Of the largest shape.
+        Size of the largest shape.
     """
 
     def __init__(
@@ -53,42 +53,42 @@ class LivePad:
 
     @property
     def handle(self) -> bpy.types.Object | None:
-        """What is dragged; None where it is gone."""
+        """The handle to drag; None if it was deleted."""
         return self._handle.find()
 
     @property
     def pad(self) -> bpy.types.Object | None:
-        """What it is dragged on; None where it is gone."""
+        """The visible pad; None if it was deleted."""
         return self._pad.find()
 
     @property
     def place(self) -> tuple[float, float] | None:
-        """Where the handle is, across and up, 0 to 1; None where it is gone."""
+        """Position of the handle, across and up, from 0 to 1; None if it was deleted."""
         handle = self.handle
         return None if handle is None else self.place_at(handle.location)
 
     def place_at(self, point: Sequence[float]) -> tuple[float, float]:
-        """Return the place of a point in the local space of the pad, (3,)."""
+        """Return the position of a point in local space of the pad, (3,)."""
         extent = np.maximum(self._high - self._low, 1e-9 * self.side)
         place = (np.asarray(point, np.float64) - self._low) / extent
         across, _, up = np.clip(np.nan_to_num(place), 0.0, 1.0)
         return float(across), float(up) if self.count > 2 else 0.0
 
     def move_to(self, across: float, up: float) -> None:
-        """Put the handle to a place."""
+        """Move the handle."""
         handle = self.handle
         if handle is not None:
             (point,) = self._local(np.clip([[across, up]], 0.0, 1.0))
             handle.location = point
 
     def _local(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return places in the local space of the pad, whose X and Z are its plane, (n, 3)."""
+        """Return positions in local space of the pad, in its XZ plane, (n, 3)."""
         across, up = places.T
         height = pad_height(self.count)
         return self.side * np.stack([across - 0.5, np.zeros(len(places)), height * (up - 0.5)], axis=1)
 
     def _location(self, bounds: NDArray[np.float64], size: float) -> NDArray[np.float64]:
-        """Return where the origin of the pad is: a line is below the shapes, a surface to their left."""
+        """Return the origin of the pad: a line is below the shapes, other pads are to their left."""
         middle, (low, _) = bounds.mean(axis=0), bounds
         if self.count == 2:
             return np.array([middle[0], middle[1], low[2] - _GAP * size])
@@ -103,7 +103,7 @@ class LivePad:
     def _labels(
         self, names: Sequence[str], points: NDArray[np.float64], pad: bpy.types.Object
     ) -> list[bpy.types.Object]:
-        """Write the names of the shapes beyond their corners."""
+        """Write the names of the shapes next to their corners."""
         labels = []
         for name, point in zip(names, points, strict=True):
             font = bpy.data.curves.new(name, "FONT")

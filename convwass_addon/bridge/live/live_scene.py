@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a live morph puts into the scene, none of which is saved with the file: a shape, and a pad with a handle."""
+"""The temporary objects of a live morph: a shape, and a pad with a handle. None is saved with the file."""
 
 from __future__ import annotations
 
@@ -19,22 +19,22 @@ if TYPE_CHECKING:
     from ...geometry.mesh import TriangleMesh
 
 LIVE_KEY = "convwass_live"
-"""Custom property of the collection of a live morph: the names of the inputs that it has hidden, one per line."""
+"""Custom property of the collection of a live morph: names of the inputs that it has hidden, one per line."""
 
 
 class LiveScene:
-    """The objects of a live morph: made, shown, and removed without a trace.
+    """Creates, shows and removes the objects of a live morph.
 
     Parameters
     ----------
     scene : bpy.types.Scene
-        Where they go.
+        Scene of the objects.
     view_layer : bpy.types.ViewLayer
-        Where inputs are hidden and the handle is selected.
+        View layer in which inputs are hidden and the handle is selected.
     sources : sequence of ShapeSource
         The shapes.
     meshes : sequence of TriangleMesh
-        The same in world space.
+        Meshes of the shapes in world space.
     """
 
     def __init__(
@@ -76,12 +76,12 @@ class LiveScene:
 
     @property
     def shape(self) -> bpy.types.Object | None:
-        """The object that shows the blend; None where it is gone."""
+        """The object that shows the blend; None if it was deleted."""
         return self._shape.find()
 
     @property
     def is_there(self) -> bool:
-        """Whether undo, or the user, has left its objects."""
+        """Return whether the objects still exist; undo or the user may remove them."""
         return self.shape is not None and self.pad.handle is not None and self.pad.pad is not None
 
     def show(self, blend: LiveShape) -> None:
@@ -92,11 +92,11 @@ class LiveScene:
             shape.location = blend.center
 
     def hide_inputs(self) -> None:
-        """Hide the inputs in the viewport; the blend stands in their place."""
+        """Hide the inputs in the viewport, because the blend replaces them."""
         self._set_hidden(True)
 
     def show_inputs(self) -> None:
-        """Show those inputs again that were seen before."""
+        """Show the inputs that were visible before."""
         self._set_hidden(False)
 
     def _set_hidden(self, hidden: bool) -> None:
@@ -111,7 +111,7 @@ class LiveScene:
         return None if scene is None else scene.view_layers.get(self._layer)
 
     def remove(self) -> None:
-        """Remove all, show the inputs again, and select what was selected."""
+        """Remove all objects, show the inputs, and restore the selection."""
         self.show_inputs()
         remove_live_objects(self._home.find())
         layer = self._view_layer()
@@ -127,7 +127,7 @@ class LiveScene:
 
 
 def write_triangles(mesh: bpy.types.Mesh, triangles: TriangleMesh) -> None:
-    """Replace the geometry of a mesh as quickly as Blender can take it; its materials stay.
+    """Replace the geometry of a mesh as fast as possible; its materials are kept.
 
     Attributes take arrays at a third of the time of the lists of vertices and corners (docs/performance.md, "Live
     blends").
@@ -146,7 +146,7 @@ def write_triangles(mesh: bpy.types.Mesh, triangles: TriangleMesh) -> None:
 
 
 def remove_leftovers() -> None:
-    """Remove live morphs that undo has brought back after they had ended, and show their inputs."""
+    """Remove ended live morphs that undo has restored, and show their inputs."""
     for home in [collection for collection in bpy.data.collections if LIVE_KEY in collection]:
         for name in home[LIVE_KEY].split("\n"):
             obj = bpy.data.objects.get(name)
@@ -158,7 +158,7 @@ def remove_leftovers() -> None:
 
 
 def remove_live_objects(home: bpy.types.Collection | None) -> None:
-    """Remove the collection of a live morph with all that is in it."""
+    """Remove the collection of a live morph with all its objects."""
     if home is None:
         return
     objects = list(home.objects)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A live morph: reads where the handle is, shows the blend there, and keeps a thread at work that makes it better."""
+"""A live morph: reads the handle, shows the blend there, and improves it in a background thread."""
 
 from __future__ import annotations
 
@@ -28,19 +28,19 @@ from .input_watch import InputWatch
 from .live_scene import LiveScene
 from .running import running_live, set_running
 
-# Seconds that the hand does not move before the blend is solved in full, and that edits must be over before they are
-# read; and between two looks at the inputs.
+# Seconds without movement before the blend is solved completely, and without edits before inputs are read; seconds
+# between checks of the inputs.
 _REST, _QUIET, _LOOK = 0.4, 0.3, 0.25
 
 
 @dataclass(frozen=True)
 class LiveRequest:
-    """How a live morph is made.
+    """Settings of a live morph.
 
     Attributes
     ----------
     settings : MorphSettings
-        Of the morph.
+        Settings of the morph.
     live : LiveSettings
         Resolution and memory.
     options : mapping
@@ -53,12 +53,12 @@ class LiveRequest:
 
 
 class LiveSession:
-    """A live morph in a scene. Everything belongs on the main thread; a thread of its own computes.
+    """A live morph in a scene. All methods must be called on the main thread; a background thread computes.
 
     Parameters
     ----------
     context : bpy.types.Context
-        Whose scene and view layer it is in.
+        Provides the scene and view layer.
     inputs : sequence of bpy.types.Object
         Two to four shapes.
     request : LiveRequest
@@ -69,7 +69,7 @@ class LiveSession:
     Raises
     ------
     InputError, ResourceError
-        Another live morph that is running, or inputs or settings that cannot work; nothing is left in the scene.
+        Another live morph is running, or inputs or settings are invalid; nothing is left in the scene.
     """
 
     def __init__(
@@ -113,60 +113,60 @@ class LiveSession:
 
     @property
     def names(self) -> list[str]:
-        """Of the inputs, as they were when they were read."""
+        """Names of the inputs when they were read."""
         return list(self._read.names)
 
     @property
     def objects(self) -> list[str]:
-        """Names of the objects that stand for the inputs, as far as they are there."""
+        """Names of the existing root objects of the inputs."""
         return [obj.name for obj in self.watch.roots]
 
     @property
     def weights(self) -> tuple[float, ...]:
-        """Of the blend that is pointed at."""
+        """Weights at the handle."""
         return self._blends.hand
 
     @property
     def message(self) -> Sentence:
-        """What is going on."""
+        """Message about the current computation."""
         return self._message
 
     @property
     def notices(self) -> list[Sentence]:
-        """What the user should know."""
+        """Messages for the user."""
         return list(self._blends.notices)
 
     @property
     def fraction(self) -> float:
-        """Share of the work that is done."""
+        """Finished fraction of the computation."""
         return self._fraction
 
     @property
     def is_frozen(self) -> bool:
-        """Whether nothing is computed any more, since an input is gone or the work failed."""
+        """Return whether the computation has stopped, because an input was deleted or an error occurred."""
         return self._frozen
 
     @property
     def has_failed(self) -> bool:
-        """Whether the work has failed before anything could be shown; the message says why."""
+        """Return whether an error occurred before anything could be shown; the message gives the reason."""
         return self._frozen and self._shown is None
 
     @property
     def place(self) -> tuple[float, float]:
-        """Where the handle is, across and up."""
+        """Position of the handle, across and up."""
         return self.scene.pad.place or (0.0, 0.0)
 
     def move_to(self, across: float, up: float) -> None:
-        """Put the handle to a place."""
+        """Move the handle."""
         self.scene.pad.move_to(across, up)
 
     def tick(self) -> bool:
-        """Go on: read the handle, show the blend, look after the inputs and the thread.
+        """Read the handle, show the blend, and check the inputs and the thread.
 
         Returns
         -------
         bool
-            Whether it goes on; False where undo or the user has removed its objects.
+            Whether the live morph continues; False if undo or the user has removed its objects.
         """
         if not self.scene.is_there:
             return False
@@ -188,7 +188,7 @@ class LiveSession:
             self._blends.rest()
 
     def _show(self, now: float) -> None:
-        """Show the blend unless it is the one that is shown."""
+        """Show the blend unless it is already shown."""
         if self._blends.version != self._shown_version:
             self._shown_version, self._changing_until = self._blends.version, now + 1.5 * FADE
         if now > self._changing_until:
@@ -199,7 +199,7 @@ class LiveSession:
             self._shown = found
 
     def _look_after_job(self, now: float) -> None:
-        """Take the reports of the thread, and begin again where there is more to do."""
+        """Process the reports of the thread, and restart it if there is more to compute."""
         for report in self._job.poll():
             self._message, self._fraction = report.message, max(report.fraction, self._fraction)
         if not self._job.done or self._frozen:
@@ -220,7 +220,7 @@ class LiveSession:
         self._frozen, self._message = True, message
 
     def _look_after_inputs(self, now: float) -> None:
-        """Fill the lattice anew where an input has been edited; stay with what there is where one has been deleted."""
+        """Recompute the lattice if an input was edited; keep the existing blends if one was deleted."""
         if self._frozen or now - self._looked_at < _LOOK:
             return
         self._looked_at = now
@@ -236,7 +236,7 @@ class LiveSession:
             self._refill()
 
     def _refill(self) -> None:
-        """Read the inputs again, and begin anew where they are others."""
+        """Read the inputs again, and restart if they have changed."""
         request = self._request
         try:
             depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -256,12 +256,12 @@ class LiveSession:
         self._message = Sentence("The shapes have changed; blending anew")
 
     def kept_shape(self, patience: float) -> bpy.types.Object | None:
-        """Make an object of the blend that is shown, solved in full where that takes no longer than so many seconds.
+        """Create an object from the visible blend, solved completely if that takes at most this many seconds.
 
         Returns
         -------
         bpy.types.Object or None
-            In the scene's collection; None where nothing is shown yet.
+            In the scene's collection; None if nothing is shown yet.
         """
         until = self._clock() + patience
         self._blends.rest()
@@ -283,7 +283,7 @@ class LiveSession:
         return obj
 
     def end(self) -> None:
-        """Stop the thread and leave no trace."""
+        """Stop the thread and remove everything temporary."""
         if self._ended:
             return
         self._ended = True
@@ -300,7 +300,7 @@ class LiveSession:
         self.scene.remove()
 
     def _before_saving(self, *_: object) -> None:
-        """Let the file have the inputs as they are without the live morph, which is not saved."""
+        """Show the inputs in the saved file, without the live morph."""
         self.scene.show_inputs()
 
     def _after_saving(self, *_: object) -> None:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames of what a player shows, one for every frame of any frame rate: a morph to write to files or to edit."""
+"""Bake what a player shows to frames at any frame rate: a morph to export or edit."""
 
 from __future__ import annotations
 
@@ -20,14 +20,14 @@ from .stored import INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, stored_morph
 
 
 def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.float64]:
-    """Return the scene frames, whole or not, at which a film of `rate` frames a second is sampled.
+    """Return the scene frames, including fractions, at which a film of `rate` frames per second is sampled.
 
     Parameters
     ----------
     first, last : int
         Scene frames of the first sample and, if a sample falls there, of the last one.
     fps, rate : float
-        Frames a second of the scene, and of the film.
+        Frames per second of the scene and of the film.
     """
     count = int(np.floor((last - first) * rate / fps + 1e-6)) + 1
     return first + np.arange(count) * fps / rate
@@ -36,7 +36,7 @@ def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.f
 def bake_player(
     player: bpy.types.Object, times: Sequence[float], first_frame: int, control: Control = UNINTERRUPTED
 ) -> Work[bpy.types.Collection]:
-    """Make a morph with a frame object for every time, shown in one scene frame after the other.
+    """Create a morph with a frame object for every time, shown in consecutive scene frames.
 
     Nothing is solved. What plays the frames in the place of the player knows nothing of it, so the player stays and
     is hidden.
@@ -44,13 +44,13 @@ def bake_player(
     Parameters
     ----------
     player : bpy.types.Object
-        Of a path.
+        A player of a path.
     times : sequence of float
-        Scene frames, whole or not.
+        Scene frames, including fractions.
     first_frame : int
         Scene frame of the first object.
     control : Control
-        Ends the work when cancelled; then nothing is left behind.
+        Stops the work when cancelled; nothing is left behind then.
 
     Yields
     ------
@@ -101,7 +101,7 @@ def bake_player(
 
 
 def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
-    """Make an object of what a player shows now."""
+    """Create an object from what a player shows now."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = player.evaluated_get(depsgraph)
     mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
@@ -113,7 +113,7 @@ def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
 
 
 def _weights(player: bpy.types.Object) -> list[float]:
-    """Return the shares of the shapes in what a player shows now."""
+    """Return the weights of the shapes in what a player shows now."""
     last = last_value(player)
     value = shown_value(float(morph_value(player).get()), playback_item(player), last)
     before = min(int(value), last - 1)

@@ -35,9 +35,9 @@ class FollowedInputs:
     Attributes
     ----------
     animation : Animation
-        The inputs at every frame of the morph that they take part in.
+        The inputs at every frame of the morph in which they have a weight.
     stations : list of bpy.types.Mesh
-        Copies of the inputs in the frames in which they are shown as they are; without users.
+        Copies of the inputs in the frames in which they are shown unchanged; without users.
     """
 
     animation: Animation
@@ -46,7 +46,7 @@ class FollowedInputs:
 
 @dataclass
 class _Reading:
-    """What has been read of one input."""
+    """Data read from one input."""
 
     times: list[float] = field(default_factory=list)
     meshes: list[TriangleMesh] = field(default_factory=list)
@@ -66,7 +66,7 @@ def followed_inputs(
     moves: Sequence[RigidMove] | None,
     first_frame: int,
 ) -> FollowedInputs:
-    """Read the inputs at every frame at which they have weight; the scene returns to its current frame.
+    """Read the inputs at every frame in which they have a weight; restores the current frame of the scene.
 
     Parameters
     ----------
@@ -118,9 +118,9 @@ def followed_inputs(
 
 
 def keep_animated(obj: bpy.types.Object, source: ShapeSource, move: RigidMove | None) -> None:
-    """Let an end of a morph, which is a copy of an input, show the input itself as it is in every frame.
+    """Make an end of a morph, which is a copy of an input, show the input itself in every frame.
 
-    The copy is what is exported. Inputs with parts that are no meshes as they are, such as texts, stay as they are.
+    The copy is exported. Inputs whose parts are not all meshes, such as texts, are not replaced.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def _returning(scene: bpy.types.Scene) -> Iterator[None]:
 
 @contextmanager
 def _naming_frame(source: ShapeSource, frame: int) -> Iterator[None]:
-    """Say in which frame an input cannot be read."""
+    """Add the frame to the error of an input."""
     try:
         yield
     except InputError as error:
@@ -180,14 +180,14 @@ def _naming_frame(source: ShapeSource, frame: int) -> Iterator[None]:
 
 
 def _refuse_failing_drivers(sources: Sequence[ShapeSource]) -> None:
-    """Raise InputError for drivers that Blender could not evaluate: the shapes would not be what they seem to be."""
+    """Raise InputError for drivers with errors, because the shapes would be wrong."""
     for part in [part for source in sources for part in source.parts]:
         for block in data_of(part):
             data = getattr(block, "animation_data", None)
             for curve in data.drivers if data is not None else ():
                 if not curve.driver.is_valid:
                     raise InputError(
-                        "The driver of {path} on {name} has an error: mend or delete it in the Drivers editor.",
+                        "The driver of {path} on {name} has an error: fix or delete it in the Drivers editor.",
                         path=curve.data_path,
                         name=block.name,
                     )

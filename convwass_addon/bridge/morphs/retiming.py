@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The usual timings of a player, as keys of its value, and the speed that follows from any keys, for motion blur."""
+"""Timings of a player as keys of its value, and the resulting speed for motion blur."""
 
 from __future__ import annotations
 
@@ -15,18 +15,18 @@ from ..keyframes import curves_of
 from ..node_inputs import NodeInput
 from .player import last_value, morph_value, pace, playback_item, speed
 
-# Half of what is seen in slow motion, in shapes.
+# Half of the range shown in slow motion, in shapes.
 _SLOW_HALF = 0.15
 
 
 @dataclass(frozen=True)
 class Retiming(Settings):
-    """How a player goes from shape to shape."""
+    """Settings of the timing of a player."""
 
     style: str = setting(
         "EASE",
         "Style",
-        "How the value goes from shape to shape",
+        "Timing of the value between shapes",
         choices=(
             Choice("LINEAR", "Linear", "At constant speed"),
             Choice("EASE", "Ease", "Slow away from every shape and slow into the next"),
@@ -38,7 +38,7 @@ class Retiming(Settings):
     )
     frames: int = setting(24, "Frames", "Scene frames from each shape to the next", least=1, most=10_000, soft_most=250)
     hold: int = setting(
-        24, "Hold", "Scene frames for which every shape stands still", least=0, most=10_000, soft_most=250
+        24, "Hold", "Scene frames for which every shape is shown unchanged", least=0, most=10_000, soft_most=250
     )
     slowness: float = setting(
         10.0, "Slowness", "How many times slower slow motion is", least=1.0, most=1000.0, soft_most=20.0
@@ -47,14 +47,14 @@ class Retiming(Settings):
 
 @dataclass(frozen=True)
 class Key:
-    """A key of the value, and how it goes on from there.
+    """A key of the value, and the interpolation after it.
 
     Attributes
     ----------
     frame, value : float
-        Where it is.
+        Frame and value of the key.
     interpolation, easing : str
-        Blender's words.
+        Blender's identifiers.
     """
 
     frame: float
@@ -69,13 +69,13 @@ def keys_of(timing: Retiming, start: float, shapes: int, now: float) -> list[Key
     Parameters
     ----------
     timing : Retiming
-        Which one.
+        The style.
     start : float
         Scene frame of the first key.
     shapes : int
-        How many there are.
+        Number of shapes.
     now : float
-        The value about which there is slow motion.
+        Center of the slow motion.
     """
     last, frames = shapes - 1, timing.frames
     if timing.style == "SLOW_MOTION":
@@ -104,12 +104,12 @@ def _slow_keys(timing: Retiming, start: float, last: int, now: float) -> list[Ke
 
 
 def retime(player: bpy.types.Object, timing: Retiming) -> range:
-    """Replace the keys of a player's value; they begin where the old ones did, or else at the scene's frame.
+    """Replace the keys of a player's value, starting where the old ones did, or else at the current frame.
 
     Returns
     -------
     range
-        The scene frames from the first key to the last one.
+        Scene frames of the first and the last key.
     """
     value = morph_value(player)
     curve = _curve(player, value)
@@ -124,10 +124,10 @@ def retime(player: bpy.types.Object, timing: Retiming) -> range:
 
 
 def key_speed(player: bpy.types.Object) -> None:
-    """Key the speed of a player as its value goes from frame to frame now; without keys of the value it stands still.
+    """Key the speed of a player from the change of its value; without keys of the value the speed is 0.
 
-    The speed at a frame is the difference of the value half a frame before and after it. Where the ends stay, beyond
-    them nothing moves.
+    The speed at a frame is the difference of the value half a frame before and after it, and 0 beyond the ends unless
+    they repeat.
     """
     target = speed(player)
     if target is None:
@@ -148,7 +148,7 @@ def key_speed(player: bpy.types.Object) -> None:
 
 
 def keyed_span(player: bpy.types.Object) -> tuple[int, int]:
-    """Return the scene frames of the first key of a player's value and of the last; without keys, the frame now."""
+    """Return the scene frames of the first and last keys of a player's value; without keys, the current frame."""
     curve = _curve(player, morph_value(player))
     if curve is None:
         now = bpy.context.scene.frame_current
@@ -162,7 +162,7 @@ def _curve(player: bpy.types.Object, value: NodeInput) -> bpy.types.FCurve | Non
 
 
 def _written(player: bpy.types.Object, value: NodeInput, points: Sequence[Sequence[float]]) -> bpy.types.FCurve:
-    """Return the curve of a value with keys at points, (n, 2), and no others."""
+    """Return the curve of a value, with keys only at points, (n, 2)."""
     value.owner.keyframe_insert(value.path, frame=points[0][0])
     curve = _curve(player, value)
     curve.keyframe_points.clear()

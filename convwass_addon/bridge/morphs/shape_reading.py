@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read the inputs of a morph from the scene: meshes in world space, parts, guides, and how they are laid on another."""
+"""Read the inputs of a morph from the scene: meshes in world space, parts, guides, and alignment."""
 
 from __future__ import annotations
 
@@ -30,15 +30,15 @@ class ReadShapes:
     Attributes
     ----------
     names : list of str
-        Of the shapes.
+        Names of the shapes.
     meshes : list of TriangleMesh
-        World space, moved onto each other as asked for.
+        World space, aligned as requested.
     labels : list of FaceLabels or None
-        The parts of every mesh; None where there are to be none.
+        The parts of every mesh; None if parts are off.
     guides : list of mappings from int to int
-        Points that belong together.
+        Corresponding points.
     moves : tuple of RigidMove or None
-        How the meshes were moved; None where they were not.
+        The transforms that align the meshes; None if there are none.
     """
 
     names: list[str]
@@ -59,11 +59,11 @@ def read_shapes(
     Parameters
     ----------
     inputs : sequence of bpy.types.Object
-        In order; of shapes of several objects, what stands for them.
+        In order; for shapes of several objects, their root objects.
     depsgraph : bpy.types.Depsgraph
-        For the inputs as modifiers leave them.
+        Used to evaluate the modifiers of the inputs.
     settings : MorphSettings
-        Whether there are parts, and whether guides are heeded.
+        Settings of parts and guides.
     options : mapping
         `grouping`, as for :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for
         :func:`.alignment.aligned`, and `guides`.
@@ -71,7 +71,7 @@ def read_shapes(
     Raises
     ------
     InputError
-        Inputs that have no faces, no size, or are no meshes; no part that all of them have, where parts are asked for.
+        An input has no faces, no size, or is not a mesh; or the requested parts have no match.
     """
     sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
     names, labels, meshes = [source.name for source in sources], None, []
@@ -86,7 +86,7 @@ def read_shapes(
                 read = labeled_mesh(obj, depsgraph, settings.parts, MESHED)
             meshes.append(read.mesh)
             labels.append(read.labels)
-        # Refuse before anything is made.
+        # Checked before anything is created.
         matched(labels, names)
     entries = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
     guides = guides_of_shapes(entries, inputs, meshes, depsgraph)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Clothes, hair and eyes that follow a body whose shape keys lead to other shapes."""
+"""Clothes, hair and eyes that follow a body with shape keys to other shapes."""
 
 from __future__ import annotations
 
@@ -22,27 +22,27 @@ from .shape_keys import drive_key, key_expressions
 def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, rigid: bool) -> list[Sentence]:
     """Give objects shape keys that follow those of a body, driven by the body's sliders.
 
-    Keys are made for the base mesh, before modifiers, as those of the body. Keys of the objects stay; those that follow
-    this body already are made anew.
+    Keys are made for the base mesh, before modifiers, as on the body. Other keys of the objects are kept; keys that
+    already follow this body are replaced.
 
     Parameters
     ----------
     body : bpy.types.Object
-        With shape keys that lead to other shapes.
+        Has shape keys to other shapes.
     parts : iterable of bpy.types.Object
-        Meshes that stand where they belong when all sliders are at 0.
+        Meshes in their correct place when all sliders are at 0.
     rigid : bool
-        Whether every connected component of a part is only moved, turned and scaled.
+        Whether every connected component of a part is only moved, rotated and scaled.
 
     Returns
     -------
     list of Sentence
-        What a user should know.
+        Messages for the user.
 
     Raises
     ------
     InputError
-        An object is no mesh, is linked from another file, or the body has no such keys. Nothing has been changed then.
+        An object is not a mesh or linked from another file, or the body has no such keys. Nothing is changed then.
     """
     records, parts = key_records(body), list(parts)
     for part in parts:
@@ -93,7 +93,7 @@ def _follow(
 
 
 def _own_mesh(part: bpy.types.Object) -> list[Sentence]:
-    """Give an object a mesh of its own, and say what is special about it."""
+    """Give an object its own mesh, and return messages about it."""
     notices = []
     if part.data.users > 1:
         part.data = part.data.copy()
@@ -106,7 +106,7 @@ def _own_mesh(part: bpy.types.Object) -> list[Sentence]:
 
 
 def _key(part: bpy.types.Object, body: bpy.types.Object, name: str) -> bpy.types.ShapeKey:
-    """Return the key of that name that follows the body already, without its driver, or a new one."""
+    """Return the existing key of that name that follows the body, without its driver, or a new key."""
     key = part.data.shape_keys.key_blocks.get(name)
     data = part.data.shape_keys.animation_data
     curve = data.drivers.find(f'key_blocks["{bpy.utils.escape_identifier(name)}"].value') if key and data else None
@@ -121,7 +121,7 @@ def _names(record: dict[str, object]) -> list[str]:
 
 
 def _components(mesh: bpy.types.Mesh, points: NDArray[np.float64]) -> NDArray[np.int64]:
-    """Label the vertices by connected component; those without faces are one more."""
+    """Label the vertices by connected component; all vertices without faces form another one."""
     labels = vertex_components(TriangleMesh(points, _triangles(mesh)))
     return np.where(labels < 0, labels.max() + 1, labels)
 

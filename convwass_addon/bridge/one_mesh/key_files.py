@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Writes a mesh with shape keys in the formats of other programs.
+"""Write a mesh with shape keys in other formats.
 
-glTF and FBX get the keys themselves, as morph targets, with an animation of their weights. USD and Alembic get the
-positions of the vertices in every frame with their velocities, and vertex animation textures positions and normals.
+glTF and FBX contain the keys as morph targets, with an animation of their weights. USD and Alembic contain the
+positions and velocities of the vertices in every frame, and vertex animation textures positions and normals.
 """
 
 from __future__ import annotations
@@ -36,9 +36,9 @@ def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
     Parameters
     ----------
     obj : bpy.types.Object
-        A mesh with shape keys, and keys on what drives them, such as sliders.
+        A mesh with shape keys, and animation on their drivers, such as sliders.
     path : Path
-        Its ending, a key of `KEY_FORMATS`, tells the format.
+        Its extension, a key of `KEY_FORMATS`, sets the format.
 
     Returns
     -------
@@ -48,7 +48,7 @@ def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
     Raises
     ------
     InputError
-        An unknown ending, a folder that does not exist, or an object without shape keys or animation.
+        An unknown extension, a missing folder, or an object without shape keys or animation.
     ConvwassError
         Blender could not write a file.
     """
@@ -63,7 +63,7 @@ def checked_key_target(path: Path) -> Path:
     target = checked_target(path)
     if target.suffix.lower() not in KEY_FORMATS:
         raise InputError(
-            "{name}: a mesh with shape keys is written to files that end in {endings}.",
+            "{name}: a mesh with shape keys can be written to files that end in {endings}.",
             name=target.name,
             endings=", ".join(KEY_FORMATS),
         )
@@ -79,7 +79,7 @@ class _Sampled:
 
 
 def _sampled_keys(obj: bpy.types.Object, frames: range) -> _Sampled:
-    """Read the shape keys as drivers and animation leave them; the scene returns to its own frame."""
+    """Read the shape keys with drivers and animation; restores the current frame of the scene."""
     scene, found = bpy.context.scene, []
     own = scene.frame_current
     try:
@@ -94,7 +94,7 @@ def _sampled_keys(obj: bpy.types.Object, frames: range) -> _Sampled:
 
 @contextmanager
 def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
-    """Show a copy of an object in a scene of its own, its shape keys keyed in every frame from 0 on."""
+    """Link a copy of an object to a temporary scene, with its shape keys keyed in every frame from 0 on."""
     sampled, render = _sampled_keys(obj, frames), bpy.context.scene.render
     with scratch_scene() as scene:
         scene.frame_start, scene.frame_end = 0, len(frames) - 1
@@ -134,7 +134,7 @@ def _wear_plain(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> list[bpy.types.M
 
 
 def _write_targets(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Object, range, Path], list[Path]]:
-    """Return what writes the keys themselves by one of Blender's exporters."""
+    """Return a function that writes the keys with one of Blender's exporters."""
 
     def written(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
         with _keyed_copy(obj, frames), written_whole(target) as draft:
@@ -145,7 +145,7 @@ def _write_targets(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Obje
 
 
 def _write_points(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Object, range, Path], list[Path]]:
-    """Return what writes the vertices of every frame, with velocities, by one of Blender's exporters."""
+    """Return a function that writes the vertices and velocities of every frame with one of Blender's exporters."""
 
     def written(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
         render = bpy.context.scene.render
@@ -171,7 +171,7 @@ def _write_points(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Objec
 
 
 def _frame_meshes(obj: bpy.types.Object, moving: MovingVertices, fps: float) -> list[bpy.types.Mesh]:
-    """Make a mesh for every frame, in world space, with the velocities of its vertices."""
+    """Create a mesh for every frame, in world space, with the velocities of its vertices."""
     velocities = np.gradient(moving.points, axis=0) * fps if len(moving.points) > 1 else np.zeros_like(moving.points)
     meshes = []
     for points, velocity in zip(moving.points, velocities, strict=True):
@@ -257,4 +257,4 @@ KEY_FORMATS: dict[str, Callable[[bpy.types.Object, range, Path], list[Path]]] = 
     ".abc": _write_points(_alembic),
     ".json": _write_textures,
 }
-"""What writes a mesh with shape keys, by the ending of the file."""
+"""Functions that write a mesh with shape keys, by file extension."""

@@ -19,21 +19,21 @@ from ..pad_handles import pad_handle
 from .records import key_records
 from .shape_keys import slider_path
 
-# Corners of the pads in sides, in X and Z; the first one is the mesh as it is.
+# Corners of the pads in X and Z, relative to the side; the first one is the original mesh.
 _TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, math.sqrt(0.75)]])
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
 
 
 @dataclass(frozen=True)
 class KeyPad:
-    """What `make_key_pad` makes.
+    """Result of `make_key_pad`.
 
     Attributes
     ----------
     pad : bpy.types.Object
-        The drawn outline; the others are its children.
+        The visible outline; the other objects are its children.
     handle : bpy.types.Object
-        The empty to drag.
+        The Empty to drag.
     """
 
     pad: bpy.types.Object
@@ -41,21 +41,22 @@ class KeyPad:
 
 
 def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
-    """Let an empty on a pad drive the sliders of an object; their keyframes are removed.
+    """Make an Empty on a pad drive the sliders of an object; their keyframes are removed.
 
-    Drivers are simple expressions, so the file needs no add-on. Outside of the pad the weights are those of its rim.
+    Drivers are simple expressions, so the file does not need the add-on. Outside of the pad, the weights of its edge
+    are used.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        With shape keys that lead to two or three other shapes.
+        Has shape keys to two or three other shapes.
     scene : bpy.types.Scene
         The scene to add the pad to.
 
     Raises
     ------
     InputError
-        Another number of shapes.
+        Any other number of shapes.
     """
     names = [record["name"] for record in key_records(obj)]
     if len(names) not in (2, 3):
@@ -77,7 +78,7 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
 
 
 def _expressions(count: int, side: float) -> list[str]:
-    """Return the sliders as functions of x and z, where the handle is on the pad."""
+    """Return the sliders as functions of x and z, the position of the handle on the pad."""
     if count == 2:
         height = _TRIANGLE[2, 1] * side
         across, up = f"max(0, x / {side:.6g} - z / {2.0 * height:.6g})", f"max(0, z / {height:.6g})"
@@ -89,7 +90,7 @@ def _expressions(count: int, side: float) -> list[str]:
 def _drive(obj: bpy.types.Object, slider: str, handle: bpy.types.Object, expression: str) -> None:
     path = slider_path(slider)
     obj.driver_remove(path)
-    # Keys of a driven property would have no effect.
+    # Keyframes of a driven property would have no effect.
     remove_curve(obj, path)
     driver = obj.driver_add(path).driver
     for name, kind in (("x", "LOC_X"), ("z", "LOC_Z")):
@@ -109,7 +110,7 @@ def _outline(name: str, points: np.ndarray, edges: Sequence[tuple[int, int]]) ->
 
 
 def _label(text: str, point: np.ndarray, side: float, pad: bpy.types.Object) -> bpy.types.Object:
-    """Write the name of a shape beside its corner."""
+    """Write the name of a shape next to its corner."""
     font = bpy.data.curves.new(text, "FONT")
     font.body, font.size, font.align_x = text, TEXT * side, "CENTER"
     shift = -1.9 * TEXT * side if point[2] == 0.0 else 1.1 * TEXT * side

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animated objects and baked morphs as the vertices of all their frames."""
+"""Read the vertices of animated objects and baked morphs in all their frames."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ from ...errors import InputError
 from ..keyframes import curves_of
 from ..morphs.appearance import seen_colors
 
-# From here on, sRGB is a power law; below, it is linear (IEC 61966-2-1).
+# Above this value sRGB is a power law, below it is linear (IEC 61966-2-1).
 _SRGB_KNEE = 0.0031308
 
 
 @dataclass(frozen=True)
 class MovingVertices:
-    """What vertices of constant number do over scene frames.
+    """Vertices of constant number over scene frames.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class MovingVertices:
 
 
 def keyed_span(obj: bpy.types.Object) -> range:
-    """Return the scene frames from the first to the last keyframe of an object, or of what drives it.
+    """Return the scene frames from the first to the last keyframe of an object, or of its drivers' inputs.
 
     Raises
     ------
@@ -66,12 +66,12 @@ def _with_drivers(obj: bpy.types.Object) -> list[bpy.types.ID]:
 
 
 def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: range) -> MovingVertices:
-    """Read the vertices of an object, modifiers applied, in every frame; the scene returns to its own frame.
+    """Read the vertices of an object, with modifiers, in every frame; restores the current frame of the scene.
 
     Raises
     ------
     InputError
-        A modifier changes the number of vertices on the way.
+        A modifier changes the number of vertices over time.
     """
     own, points, normals = scene.frame_current, [], []
     try:
@@ -86,12 +86,14 @@ def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: rang
     finally:
         scene.frame_set(own)
     if len({len(one) for one in points}) > 1:
-        raise InputError("{name}: the number of its vertices changes with time; remove that modifier.", name=obj.name)
+        raise InputError(
+            "The number of vertices of {name} changes over time; remove the modifier that changes it.", name=obj.name
+        )
     return MovingVertices(np.stack(points), np.stack(normals), frames)
 
 
 def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
-    """Read the triangles of frame objects, one after the other, with their normals and colors, in world space."""
+    """Read the triangles of frame objects in order, with normals and colors, in world space."""
     corners, normals, colors = [], [], []
     for obj in objects:
         mesh, matrix = obj.data, np.array(obj.matrix_world, dtype=np.float64)
@@ -108,7 +110,7 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
 
 
 def srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encode scene-linear values for images of 8 bits; those beyond 0 and 1 are clipped."""
+    """Encode scene-linear values for 8-bit images; values outside of 0 to 1 are clipped."""
     values = np.clip(linear, 0.0, 1.0)
     curved = 1.055 * np.power(np.maximum(values, _SRGB_KNEE), 1.0 / 2.4) - 0.055
     return np.where(values <= _SRGB_KNEE, 12.92 * values, curved)

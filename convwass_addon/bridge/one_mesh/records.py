@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept on an object whose shape keys lead to other shapes."""
+"""Records stored on an object with shape keys to other shapes."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ RECORD_KEY = "convwass_shape_keys"
 
 
 def has_key_record(obj: bpy.types.Object | None) -> bool:
-    """Tell whether an object has shape keys that lead to other shapes."""
+    """Return whether an object has shape keys to other shapes."""
     return obj is not None and RECORD_KEY in obj and obj.type == "MESH" and obj.data.shape_keys is not None
 
 
 def key_records(obj: bpy.types.Object) -> list[dict[str, object]]:
-    """Return what is known of every path of an object.
+    """Return the stored records of every path of an object.
 
     Raises
     ------
     InputError
-        There is nothing, or it has been damaged.
+        There are none, or they are damaged.
     """
     try:
         records = json.loads(obj[RECORD_KEY])
@@ -38,10 +38,10 @@ def key_records(obj: bpy.types.Object) -> list[dict[str, object]]:
 
 
 def key_names(name: str, count: int) -> list[str]:
-    """Return what the shape keys of a path are called."""
+    """Return the names of the shape keys of a path."""
     return [name] if count == 1 else [f"{name} {number}" for number in range(1, count + 1)]
 
 
 def store_records(obj: bpy.types.Object, records: Sequence[dict[str, object]]) -> None:
-    """Keep what is known of the paths on the object."""
+    """Store the records of the paths on the object."""
     obj[RECORD_KEY] = json.dumps(list(records))

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mesh that gets shape keys, and how what is seen of it in the scene becomes coordinates of its keys.
+"""The mesh that gets shape keys, and the conversion of positions in the scene to coordinates of keys.
 
-Shape keys move vertices before modifiers do. A mesh with an armature keeps it and all modifiers after it: with L_v the
-linear part of what armature and object do to vertex v, a motion from x to p in the scene is the key
-b + L_v^-1 (p - x), where b is the vertex in the first key. Other modifiers are applied.
+Shape keys move vertices before modifiers do. A mesh with an armature keeps it and all modifiers after it. With L_v, the
+linear part of the transforms of armature and object at vertex v, a motion from x to p in the scene becomes the key b +
+L_v^-1 (p - x), where b is the vertex in the first key. Other modifiers are applied.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...errors import InputError
 from ...sentence import Sentence
 from ..objects import evaluated_object, frozen_copy, triangle_mesh
 
-# Vertices that the pose flattens to less than this have no inverse.
+# Vertices that the pose flattens more than this have no inverse.
 _LEAST = 1e-6
 
 
@@ -32,15 +32,15 @@ class RestMesh:
     Attributes
     ----------
     mesh : bpy.types.Mesh
-        A copy without users; of a mesh without armature in world space, otherwise in that of its object.
+        A copy without users; in world space for a mesh without armature, otherwise in local space of its object.
     seen : (n, 3) float64
-        Where the vertices are seen in the scene, in world space.
+        Positions of the vertices in the scene, in world space.
     linear : (n, 3, 3) float64 or None
         Linear parts of armature and object; None for the identity.
     modifiers : tuple of str
-        Modifiers that stay.
+        Modifiers that are kept.
     notices : list of Sentence
-        What a user should know.
+        Messages for the user.
     """
 
     mesh: bpy.types.Mesh
@@ -50,7 +50,7 @@ class RestMesh:
     notices: list[Sentence]
 
     def key_coordinates(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return coordinates of keys, (k, n, 3), that lead to positions in the scene, (k, n, 3)."""
+        """Return coordinates of keys, (k, n, 3), for positions in the scene, (k, n, 3)."""
         moved = positions - self.seen
         if self.linear is not None:
             moved = np.linalg.solve(self.linear, moved.transpose(1, 2, 0)).transpose(2, 0, 1)
@@ -59,7 +59,7 @@ class RestMesh:
 
 @contextmanager
 def armature_last(obj: bpy.types.Object) -> Iterator[int | None]:
-    """Hide modifiers after the first armature for a while; give its place among all, or None without an armature."""
+    """Hide modifiers after the first armature temporarily; yields its index, or None without an armature."""
     place = armature_place(obj)
     hidden = [] if place is None else [own for own in list(obj.modifiers)[place + 1 :] if own.show_viewport]
     for modifier in hidden:
@@ -72,7 +72,7 @@ def armature_last(obj: bpy.types.Object) -> Iterator[int | None]:
 
 
 def armature_place(obj: bpy.types.Object) -> int | None:
-    """Return the place of the first armature that deforms an object among its modifiers."""
+    """Return the index of the first modifier of an object that is a deforming armature."""
     places = (
         place
         for place, own in enumerate(obj.modifiers)
@@ -115,7 +115,7 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
 
 
 def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply: bool) -> bpy.types.Mesh:
-    """Copy a mesh to world space; without modifiers, its shape keys stay."""
+    """Copy a mesh to world space; its shape keys are kept if there are no modifiers."""
     if apply or obj.data.shape_keys is None:
         return frozen_copy(obj, depsgraph)
     mesh = obj.data.copy()

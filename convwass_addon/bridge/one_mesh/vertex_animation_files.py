@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertex animation textures with the mesh that wears them, for game engines and browsers."""
+"""Write vertex animation textures with their mesh, for game engines and browsers."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from ..scratch_scene import scratch_scene
 from .moving_meshes import MovingVertices
 
 UV_MAP = "VAT"
-"""Name of the UV map that says where a vertex is in the textures."""
+"""Name of the UV map with the positions of vertices in the textures."""
 
 _EXR = ImageFormat("OPEN_EXR", "RGB", "32")
 
@@ -33,11 +33,11 @@ def write_moving_mesh(mesh: bpy.types.Mesh, moving: MovingVertices, target: Path
     Parameters
     ----------
     mesh : bpy.types.Mesh
-        With as many vertices as are moving; it becomes the file's, in its first frame, and gets another UV map.
+        Has as many vertices as `moving`. It is written in its first frame, with another UV map, and modified.
     moving : MovingVertices
-        What they do.
+        Positions of the vertices in all frames.
     target : Path
-        The .json file, beside which the others go under names that begin like it.
+        The .json file; the names of the other files start with its name.
     fps : float
         Frames per second.
 
@@ -70,7 +70,7 @@ def write_changing_mesh(animation: VertexAnimation, target: Path, fps: float) ->
     animation : VertexAnimation
         World space, corners of triangles.
     target, fps
-        As for `write_moving_mesh`, which says what is returned and raised.
+        As for `write_moving_mesh`, which also documents the result and the errors.
     """
     corners = animation.points[0].astype(np.float32)
     mesh = bpy.data.meshes.new(target.stem)
@@ -92,7 +92,7 @@ def write_changing_mesh(animation: VertexAnimation, target: Path, fps: float) ->
 
 
 def _add_coordinates(mesh: bpy.types.Mesh, coordinates: NDArray[np.float64]) -> None:
-    """Add the UV map to the corners, (k, 2); Blender's V goes up, that of glTF down."""
+    """Add the UV map to the corners, (k, 2); V points up in Blender, and down in glTF."""
     layer = mesh.uv_layers.new(name=UV_MAP, do_init=False)
     upward = np.stack([coordinates[:, 0], 1.0 - coordinates[:, 1]], axis=1)
     layer.uv.foreach_set("vector", np.ascontiguousarray(upward, dtype=np.float32).ravel())
@@ -130,7 +130,7 @@ def _written(animation: VertexAnimation, mesh: bpy.types.Mesh, target: Path, fps
 
 
 def _write_png(pixels: NDArray[np.uint8], path: Path) -> None:
-    """Write an image of 8 bits, (height, width, 3), top row first."""
+    """Write an 8-bit image, (height, width, 3), top row first."""
     opaque = np.ones((*pixels.shape[:2], 4), np.float32)
     opaque[..., :3] = pixels / np.float32(255.0)
     with written_whole(path) as draft:
@@ -146,7 +146,7 @@ def _write_exr(pixels: NDArray[np.float32], path: Path) -> None:
 
 
 def _write_glb(mesh: bpy.types.Mesh, path: Path) -> None:
-    """Write a mesh as it is, with its materials and UV maps."""
+    """Write a mesh unchanged, with its materials and UV maps."""
     with _alone(mesh, path.stem), written_whole(path) as draft:
         finished = bpy.ops.export_scene.gltf(
             filepath=str(draft),
@@ -161,7 +161,7 @@ def _write_glb(mesh: bpy.types.Mesh, path: Path) -> None:
 
 @contextmanager
 def _alone(mesh: bpy.types.Mesh, name: str) -> Iterator[None]:
-    """Show a mesh in a scene of its own."""
+    """Link a mesh to a temporary scene."""
     with scratch_scene() as scene:
         obj = bpy.data.objects.new(name, mesh)
         scene.collection.objects.link(obj)
