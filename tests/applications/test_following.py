@@ -19,6 +19,7 @@ from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.posed_motion import PosedMotion
 from convwass_addon.applications.motions.shape_deformations import split_deformation
+from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -181,3 +182,16 @@ def test_following_can_be_cancelled():
     still = animated(*(lambda _, own=own: own for own in shapes))
     with pytest.raises(Cancelled):
         drained(morph(shapes, ["A", "B"], path_blends(2, 4), MorphSettings(32), control, animation=still))
+
+
+def test_a_warp_follows_the_poses():
+    """Shapes that turn and move alike: what the warp does turns and moves with them."""
+    shapes = [rod(0.0), box((1.5, 1.0, 0.6))]
+    chosen = drained(warp_motion(shapes, ["A", "B"], [(0, 1)], 0.5, Control(), WarpEffort(24, 4)))
+    motion = PosedMotion.of(chosen, shapes, ["A", "B"], [(0, 1)], 0.5, Control())
+    poses = [turned(shape, 0.7, (1.0, 2.0, 0.0)) for shape in shapes]
+    found = motion.at(poses, [0, 1], Control()).moved((0.4, 0.6))
+    for own, expected in zip(found, chosen.moved((0.4, 0.6)), strict=True):
+        assert own.rest is expected.rest
+        placed = turned(expected.mesh, 0.7, (1.0, 2.0, 0.0))
+        assert np.linalg.norm(own.vertices - placed.vertices, axis=1).max() < 0.03
