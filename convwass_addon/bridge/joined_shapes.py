@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
 import bpy
@@ -57,26 +57,26 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
         bpy.data.batch_remove([obj, mesh])
 
 
-def shown_live(tree: bpy.types.NodeTree, source: ShapeSource) -> bpy.types.NodeSocket | None:
+def shown_live(tree: bpy.types.NodeTree, parts: Sequence[bpy.types.Object]) -> bpy.types.NodeSocket | None:
     """Return the geometry of a shape in every frame, in world space, for a node group on an object there.
 
     Parameters
     ----------
     tree : bpy.types.NodeTree
         Node group of the new nodes.
-    source : ShapeSource
-        The shape.
+    parts : sequence of bpy.types.Object
+        What the shape is made of.
 
     Returns
     -------
     bpy.types.NodeSocket or None
         None if a part has no mesh that nodes could show.
     """
-    if any(part.type not in ("MESH", "META") and not shows_collection(part) for part in source.parts):
+    if any(part.type not in ("MESH", "META") and not shows_collection(part) for part in parts):
         return None
     join = tree.nodes.new("GeometryNodeJoinGeometry")
     # The last link comes first.
-    for part in reversed(source.parts):
+    for part in reversed(parts):
         tree.links.new(_realized(tree, part), join.inputs["Geometry"])
     return join.outputs["Geometry"]
 

@@ -112,6 +112,14 @@ def test_a_morph_that_is_deleted_takes_its_ends_along(bare_scene, movers, invent
     assert inventory() - before == {("MATERIAL", "Convwass Morph")}
 
 
+def test_an_input_that_is_deleted_meanwhile_stays_as_it_was(bare_scene, movers):
+    made = job(bare_scene, movers)
+    bpy.data.objects.remove(movers[1])
+    finished(made)
+    for frame in (FIRST + 3, FIRST + 8):
+        np.testing.assert_allclose(seen(bare_scene, frame).mean(axis=0), [0, 0, 3], atol=1e-4)
+
+
 def test_shapes_that_are_laid_on_each_other_stay_so(bare_scene, movers):
     """The second one is moved to where the first one is when the bake begins, and moves on from there."""
     bare_scene.frame_set(FIRST + 2)

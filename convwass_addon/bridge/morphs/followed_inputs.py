@@ -17,11 +17,13 @@ from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
+from ..handles import found
 from ..joined_shapes import joined_shape, shown_live
 from ..objects import MESHED, frozen_copy, triangle_mesh
 from ..sequence import MODIFIER, frame_group
 from ..shape_sources import ShapeSource
 from .animated_inputs import data_of
+from .frozen_inputs import FrozenInput
 from .materials import wears_object_color
 
 FOLLOW = "FOLLOW"
@@ -117,7 +119,7 @@ def followed_inputs(
     return FollowedInputs(animation, [stations[index] for index in everything])
 
 
-def keep_animated(obj: bpy.types.Object, source: ShapeSource, move: RigidMove | None) -> None:
+def keep_animated(obj: bpy.types.Object, own: FrozenInput, move: RigidMove | None) -> None:
     """Make an end of a morph, which is a copy of an input, show the input itself in every frame.
 
     The copy is exported. Inputs whose parts are not all meshes, such as texts, are not replaced.
@@ -126,13 +128,16 @@ def keep_animated(obj: bpy.types.Object, source: ShapeSource, move: RigidMove | 
     ----------
     obj : bpy.types.Object
         The frame object, in world space.
-    source : ShapeSource
+    own : FrozenInput
         The input.
     move : RigidMove, optional
         Its transform.
     """
-    tree = frame_group(f"{source.name} Live")
-    geometry = shown_live(tree, source)
+    parts = found(list(own.objects))
+    if len(parts) < len(own.objects):
+        return
+    tree = frame_group(f"{own.name} Live")
+    geometry = shown_live(tree, parts)
     if geometry is None:
         bpy.data.node_groups.remove(tree)
         return
@@ -149,10 +154,10 @@ def keep_animated(obj: bpy.types.Object, source: ShapeSource, move: RigidMove | 
         tree.links.new(matrix.outputs["Matrix"], place.inputs["Transform"])
         tree.links.new(geometry, place.inputs["Geometry"])
         geometry = place.outputs["Geometry"]
-    own = obj.data.materials[0] if len(obj.data.materials) else None
-    if wears_object_color(own) and not any(part.material_slots for part in source.parts):
+    material = obj.data.materials[0] if len(obj.data.materials) else None
+    if wears_object_color(material) and not any(part.material_slots for part in parts):
         dress = tree.nodes.new("GeometryNodeSetMaterial")
-        dress.inputs["Material"].default_value = own
+        dress.inputs["Material"].default_value = material
         tree.links.new(geometry, dress.inputs["Geometry"])
         geometry = dress.outputs["Geometry"]
     tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])

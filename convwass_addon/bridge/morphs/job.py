@@ -82,7 +82,7 @@ class MorphJob:
         self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
         followed = followed_inputs(scene, sources, blends, read.moves, first_frame) if self._follows else None
         self._animation = None if followed is None else followed.animation
-        self._sources, self._moves = sources, read.moves
+        self._moves = read.moves
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
         if followed is not None:
             self._bake.show_copies(followed.stations)
@@ -167,7 +167,7 @@ class MorphJob:
             obj = self._bake.add(found)
             if self._follows and found.blend in (self._blends[0], self._blends[-1]):
                 index = found.blend.source
-                keep_animated(obj, self._sources[index], None if self._moves is None else self._moves[index])
+                keep_animated(obj, self._bake.inputs[index], None if self._moves is None else self._moves[index])
             if self._carrying is not None:
                 self._carrying.write(obj.data, found)
             self._records[found.blend] = found.record
