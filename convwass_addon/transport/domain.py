@@ -42,8 +42,7 @@ class Domain(Protocol):
         Whether propagation starts from coarser domains and takes longer steps under an entropy bound, which was
         measured to be several times faster on meshes.
     has_fast_balance : bool
-        Whether Sinkhorn's iteration converges in so few rounds that starting from coarser domains was not measured to
-        help.
+        Whether Sinkhorn's iteration converges so fast that starting from coarser domains did not help in measurements.
     relaxation : float
         Over-relaxation that was measured to speed up the plain iterations here; 1 for none.
     far_numerics : str

@@ -217,7 +217,8 @@ def test_the_work_can_be_cancelled():
     mesh, _ = arm()
     with pytest.raises(Cancelled):
         list(soft_map_steps(MapSide(mesh, "A"), MapSide(mesh, "B"), [], QUICK, control))
-    assert control.count == 4
+    # Both sides are coarsened in parallel, and each thread ends at its next check.
+    assert 4 <= control.count <= 5
 
 
 @pytest.mark.parametrize(

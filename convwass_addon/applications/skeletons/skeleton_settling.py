@@ -23,11 +23,11 @@ from .skeleton_links import chains
 
 # Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
 # Weight that holds a branching joint where it was laid out, relative to the pull of its bones.
-_LOYALTY = 0.25
+_ANCHOR_WEIGHT = 0.25
 _ROUNDS = 10
 # Paths from ball to ball are smoothed over the first of these fractions of their length that keeps joints inside, on
 # this many points.
-_EVENING, _POINTS = (0.12, 0.06, 0.02), 400
+_SMOOTHING, _POINTS = (0.12, 0.06, 0.02), 400
 
 
 def settled(
@@ -49,20 +49,20 @@ def settled(
         Inside tests of the body.
     """
     bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
-    ways = [
-        _Way(chain, np.array([bones[min(a, b), max(a, b)] for a, b in pairwise(chain.tolist())]))
+    limbs = [
+        _Limb(chain, np.array([bones[min(a, b), max(a, b)] for a, b in pairwise(chain.tolist())]))
         for chain in chains(graph)
     ]
-    keys = np.unique([joint for way in ways for joint in (way.joints[0], way.joints[-1])])
+    keys = np.unique([joint for limb in limbs for joint in (limb.joints[0], limb.joints[-1])])
     places = _Places(graph, initial, balls, keys)
-    places.improve(ways)
+    places.improve(limbs)
     positions = initial.copy()
-    for way in ways:
-        way.lay(positions, places, inside)
+    for limb in limbs:
+        limb.place(positions, places, inside)
     return positions
 
 
-class _Way:
+class _Limb:
     """A chain of bones from one pinned or branching joint to another."""
 
     def __init__(self, joints: NDArray[np.int64], lengths: NDArray[np.float64]) -> None:
@@ -74,12 +74,12 @@ class _Way:
         """Total length of the bones."""
         return float(self.reached[-1])
 
-    def lay(self, positions: NDArray[np.float64], places: _Places, inside: Inside) -> None:
+    def place(self, positions: NDArray[np.float64], places: _Places, inside: Inside) -> None:
         """Set the positions of the joints."""
         first, last = self.joints[0], self.joints[-1]
         curve = places.curve(first, last)
         positions[first], positions[last] = curve[0], curve[-1]
-        for share in (*_EVENING, 0.0):
+        for share in (*_SMOOTHING, 0.0):
             joints = self._along(_smoothed_path(curve, share))
             if inside.contains(joints).all():
                 break
@@ -112,21 +112,21 @@ class _Places:
     def _from(self, joint: int) -> NDArray[np.float64]:
         return dijkstra(self._links, indices=self._node[joint])
 
-    def improve(self, ways: list[_Way]) -> None:
+    def improve(self, limbs: list[_Limb]) -> None:
         """Move each branching joint in turn to the ball where the pull of its bones is least."""
-        about = {hub: [way for way in ways if hub in (way.joints[0], way.joints[-1])] for hub in self._hubs}
-        scale = sum(way.length for way in ways) / sum(
-            self._distances[way.joints[0]][self._node[way.joints[-1]]] for way in ways
+        about = {hub: [limb for limb in limbs if hub in (limb.joints[0], limb.joints[-1])] for hub in self._hubs}
+        scale = sum(limb.length for limb in limbs) / sum(
+            self._distances[limb.joints[0]][self._node[limb.joints[-1]]] for limb in limbs
         )
         for _ in range(_ROUNDS):
             moved = False
             for hub, own in about.items():
                 away = np.square(self.points - self._initial[hub]).sum(axis=1)
-                pull = _LOYALTY * away * scale / (sum(way.length for way in own) / len(own))
-                for way in own:
-                    other = way.joints[0] if way.joints[-1] == hub else way.joints[-1]
+                pull = _ANCHOR_WEIGHT * away * scale / (sum(limb.length for limb in own) / len(own))
+                for limb in own:
+                    other = limb.joints[0] if limb.joints[-1] == hub else limb.joints[-1]
                     if other != hub:
-                        pull += np.square(self._distances[other]) * scale / way.length
+                        pull += np.square(self._distances[other]) * scale / limb.length
                 best = int(np.argmin(np.where(self._free, pull, np.inf)))
                 if best != self._node[hub]:
                     self._node[hub], moved = best, True
@@ -161,19 +161,19 @@ def _with_pins(balls: InnerBalls, pins: NDArray[np.float64]) -> csr_array:
     return coo_array(entries, shape=(size, size)).tocsr()
 
 
-def _smoothed_path(way: NDArray[np.float64], share: float) -> NDArray[np.float64]:
+def _smoothed_path(path: NDArray[np.float64], share: float) -> NDArray[np.float64]:
     """Smooth a path from ball to ball over a fraction of its length, keeping its ends."""
-    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(way, axis=0), axis=1))])
-    if not (gone[-1] > 0 and share > 0):
-        return way
-    places = np.linspace(0.0, gone[-1], _POINTS)
-    curve = np.stack([np.interp(places, gone, axis) for axis in way.T], axis=1)
+    covered = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    if not (covered[-1] > 0 and share > 0):
+        return path
+    places = np.linspace(0.0, covered[-1], _POINTS)
+    curve = np.stack([np.interp(places, covered, axis) for axis in path.T], axis=1)
     # Extend the curve by point reflection at its ends, which keeps them fixed.
     width = max(1, round(share * _POINTS))
     before, after = 2 * curve[0] - curve[width:0:-1], 2 * curve[-1] - curve[-2 : -width - 2 : -1]
     padded = np.concatenate([before, curve, after])
     for _ in range(2):
         padded = uniform_filter1d(padded, width | 1, axis=0, mode="nearest")
-    evened = padded[width:-width]
-    evened[0], evened[-1] = way[0], way[-1]
-    return evened
+    smoothed = padded[width:-width]
+    smoothed[0], smoothed[-1] = path[0], path[-1]
+    return smoothed
