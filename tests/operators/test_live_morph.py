@@ -78,6 +78,25 @@ def test_escape_leaves_no_trace(press):
     assert CONVWASS_OT_live_morph.poll(bpy.context)
 
 
+def test_undo_ends_it_and_redo_brings_nothing_back(press):
+    bpy.ops.ed.undo_push(message="empty")
+    operator, context = press()
+    goes_on(operator, context, is_shown)
+    handle = bpy.context.window_manager.convwass_live
+    for place in (0.25, 0.75):
+        handle.morph = place
+        bpy.ops.ed.undo_push(message="moved")
+    bpy.ops.ed.undo()
+    assert operator.modal(context, TIMER) == {"PASS_THROUGH"}
+    assert handle.morph == pytest.approx(0.25)
+    bpy.ops.ed.undo()
+    assert operator.modal(context, TIMER) == {"CANCELLED"}
+    assert running_live() is None
+    bpy.ops.ed.redo()
+    assert {obj.name for obj in bpy.data.objects} == {"Cube", "Sphere"}
+    assert not any(obj.hide_get() for obj in bpy.data.objects)
+
+
 def test_another_one_has_to_wait(press):
     press()
     assert not bpy.ops.convwass.live_morph.poll()
