@@ -93,9 +93,14 @@ class Remaking:
         yield Progress(1.0, Sentence("Blends fit each other"))
 
     def _evened(self, chain: Chain, topology: SteadyTopology) -> Work[None]:
-        """Make blends near to the ones before them, until one would be there anyway."""
+        """Make blends near to the ones before them, until one would be there anyway.
+
+        Where none would, the jump would only be moved to the end of the chain: all stay as they are.
+        """
         near = self._surfaces.get(chain.beside, chain.near)
-        for done, blend in enumerate(chain.blends):
+        demands: dict[Blend, Demand] = {}
+        frames: list[MorphFrame] = []
+        for blend in chain.blends:
             if blend in self._demands:
                 break
             demand = Demand(topology.most(blend), near, chain.reach)
@@ -103,11 +108,18 @@ class Remaking:
             held = frame.record.get("held")
             if not isinstance(held, int) or held <= _HELD:
                 break
-            self._demands[blend], self._surfaces[blend], near = demand, frame.mesh, frame.mesh
-            topology.hear(frame)
+            demands[blend], near = demand, frame.mesh
+            frames.append(frame)
             yield Progress(
-                done / len(chain.blends), Sentence("Surface of blend {blend}", {"blend": blend.frame}), frame
+                len(frames) / len(chain.blends), Sentence("Surface of blend {blend}", {"blend": blend.frame})
             )
+        else:
+            return
+        self._demands |= demands
+        for frame in frames:
+            self._surfaces[frame.blend] = frame.mesh
+            topology.hear(frame)
+            yield Progress(1.0, Sentence("Surface of blend {blend}", {"blend": frame.blend.frame}), frame)
 
     def _steadied(self, topology: SteadyTopology) -> Work[None]:
         """Make blends with fewer pieces and handles."""
