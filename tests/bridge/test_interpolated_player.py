@@ -22,7 +22,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.moving_balls import CELLS, FIRST, FRAMES, TRAVEL, bake
-from tests.shapes import ball
+from tests.shapes import ball, joined
 
 STEPS = 10
 """Frames of the balls that part."""
@@ -141,6 +141,31 @@ def test_colors_are_mixed(moving):
         found = attribute(player, "Color", 4)
         assert np.allclose(found[:, 0], red, atol=1e-3)
         assert np.allclose(found[:, 1], 0.5 + 0.5 * height, atol=0.03)
+
+
+def test_parts_that_move_by_more_than_they_are_thick_stay(bare_scene, make_object):
+    """A small ball flies past a large one, five times as far in a frame as it is thick."""
+
+    def place(weights):
+        return np.array((-1.5 + 3.0 * weights[1], 1.6, 0.0))
+
+    def solved(weights):
+        return joined(ball(points=800), ball(0.2, place(weights), points=300))
+
+    blends = path_blends(2, FRAMES)
+    collection = bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], blends, solved)
+    pace = 3.0 / FRAMES * bare_scene.render.fps
+    for obj in frame_objects(collection)[1:-1]:
+        velocity = [(pace * (vertex.co.y > 1.2), 0.0, 0.0) for vertex in obj.data.vertices]
+        obj.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", np.ravel(velocity))
+    player = still_player(collection)
+    # The shapes themselves have no velocity: next to them the blend beside them moves.
+    for value in (0.07, 0.5, 0.53, 0.9):
+        morph_value(player).set(value)
+        points = shown(player).vertices
+        small = points[points[:, 1] > 1.2]
+        assert np.allclose(small.mean(axis=0), place((1.0 - value, value)), atol=0.01)
+        assert np.isclose(attribute(player, "velocity", 3)[:, 0].max(), pace)
 
 
 def test_custom_normals_are_taken_from_the_meshes(moving):

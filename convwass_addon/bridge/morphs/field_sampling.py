@@ -10,7 +10,7 @@ from types import ModuleType
 import bpy
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import gaussian_filter
+from scipy.ndimage import gaussian_filter, maximum_filter
 
 from ...errors import InputError
 from ...geometry.centroid import centroid
@@ -27,11 +27,13 @@ from ..objects import triangle_mesh
 from ..openvdb_module import openvdb_module
 from .field_sampler import SampleGrid, field_sampler
 from .stored import WEIGHTS_KEY
-from .stored_fields import BAND, COLOR, FIELD, OFFSET, SCALE, VOLUME, Column, StoredFields
+from .stored_fields import BAND, COLOR, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
 
 _PROPERTIES = {"FLOAT": "value", "FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color"}
 # Samples around all blends.
 _MARGIN = 3
+# A part is missing where so many samples in it are lost, at least so deep inside of it, in cells.
+_LEAST_LOST, _LEAST_HALF = 4, 0.4
 # More samples take more than a second for each moment (docs/performance.md, "Moments of players").
 _MOST_SAMPLES = 4_000_000
 # As blends are read from a density (applications/morphs/reading.py).
@@ -87,7 +89,7 @@ def store_fields(
     grid = _grid(meshes, offsets, cells)
     data = bpy.data.meshes.new(f"{name} Fields")
     data.vertices.add(int(np.prod(grid.shape)))
-    volumes = []
+    volumes, lost, last = [], [], None
     try:
         for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, weights, strict=True), start=1):
             inner = TriangleMesh((mesh.vertices - offset - grid.low) / grid.spacing, mesh.faces)
@@ -96,6 +98,9 @@ def store_fields(
             attribute = data.attributes.new(FIELD.format(number - 1), "INT8", "POINT")
             attribute.data.foreach_set("value", steps.ravel())
             volumes.append(counted_volume(steps / SCALE))
+            if last is not None:
+                lost.append(float(_loses_parts(last, field)))
+            last = field
             done = {"done": number, "total": len(meshes)}
             yield Progress(number / len(meshes), Sentence("Blend {done} of {total}", done))
     except BaseException:
@@ -104,6 +109,7 @@ def store_fields(
     own = [
         Column(OFFSET, "FLOAT_VECTOR", offsets),
         Column(VOLUME, "FLOAT", np.array(volumes)),
+        Column(LOSES_PARTS, "FLOAT", np.array([*lost, 0.0])),
         Column(COLOR, "FLOAT_COLOR", np.array([tuple(obj.color) for obj in frames])),
     ]
     table = _table(name, places, [*own, *columns])
@@ -125,6 +131,15 @@ def _grid(meshes: Sequence[TriangleMesh], offsets: NDArray[np.float64], cells: f
 def counted_volume(field: NDArray[np.floating]) -> float:
     """Volume inside a field of signed distances in cells, as the nodes count it: cells at the surface in part."""
     return float(np.clip(field + 0.5, 0.0, 1.0).sum())
+
+
+def _loses_parts(first: NDArray[np.float32], second: NDArray[np.float32]) -> bool:
+    """Tell whether halfway between two fields a part is missing, since it moves by more than it is thick.
+
+    What is inside of one of the blends there has nothing of the mixture within `BAND` cells.
+    """
+    empty = maximum_filter(0.5 * (first + second), 2 * int(BAND) + 1) <= 0.0
+    return np.count_nonzero(empty & (np.maximum(first, second) > _LEAST_HALF)) >= _LEAST_LOST
 
 
 def signed_distances(

@@ -32,7 +32,7 @@ INTERPOLATE = "Interpolate"
 """Input of a modifier: whether blends are mixed; otherwise the nearest baked one is seen."""
 
 # Columns of the table of steps: which blends have an attribute, and which are a shape itself.
-_HAS, _SHAPE = "has {}", "shape"
+HAS, _SHAPE = "has {}", "shape"
 # As much of one weight is the blend itself.
 _ALONE = 1.0 - 1e-3
 # A baked mesh that is further away than this, in cells, says nothing; nor one that lies beside a vertex instead of
@@ -76,7 +76,7 @@ def columns_of(frames: Sequence[bpy.types.Object]) -> list[Column]:
     columns.append(Column(_SHAPE, "FLOAT", shapes))
     for name in carried_attributes(frames):
         has = [float(name in obj.data.attributes) for obj in frames]
-        columns.append(Column(_HAS.format(name), "FLOAT", np.array(has)))
+        columns.append(Column(HAS.format(name), "FLOAT", np.array(has)))
     return columns
 
 
@@ -243,7 +243,7 @@ class MixedFrames:
     def _shares(self, name: str) -> list[bpy.types.NodeSocket]:
         """Return how much the meshes count for an attribute: those that do not have it count nothing."""
         tree = self.tree
-        has = [self.mixture.of_step("FLOAT", _HAS.format(name), term) for term in self.mixture.terms]
+        has = [self.mixture.of_step("FLOAT", HAS.format(name), term) for term in self.mixture.terms]
         own = [math_node(tree, "MULTIPLY", one, weight) for one, weight in zip(has, self.weights, strict=True)]
         whole = math_node(tree, "MAXIMUM", total(tree, own), 1e-6)
         return [math_node(tree, "DIVIDE", one, whole) for one in own]

@@ -34,6 +34,10 @@ _FALLBACK_RESOLUTION = 100
 _FINER = 1.25
 
 
+LOSES_PARTS = "loses_parts"
+"""Point attribute of the table of steps: 1 where the mixture of a blend and the next one misses a part, else 0."""
+
+
 @dataclass(frozen=True)
 class Column:
     """A column of a table with one row per step: name and type of an attribute, and its values, (n,) or (n, d)."""
