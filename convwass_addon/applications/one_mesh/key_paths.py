@@ -182,7 +182,11 @@ class _Way:
         drawn = drawn_along_normals(guided, target, control)
         heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
         laid = guided.vertices + heights[:, None] * normals
-        offsets = unfolded(mesh, laid, target, control) - laid
+        final = unfolded(mesh, laid, target, control)
+        # Normals turn abruptly where the guided mesh folds, so vertices there get all of their offset in another way.
+        mended = (final != laid).any(axis=1)
+        heights[mended] = 0.0
+        offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
         return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
 
     def guided(self, t: float) -> TriangleMesh:
