@@ -247,7 +247,7 @@ def test_a_deleted_frame_leaves_a_gap_and_nothing_worse(bake):
 def test_only_whole_sheets(bake, inventory, blends, count):
     collection = bake(blends, count)
     before = inventory()
-    with pytest.raises(InputError, match="no whole sheet"):
+    with pytest.raises(InputError, match="not a complete sheet"):
         make_blend_pad(collection)
     assert inventory() == before
 

@@ -133,7 +133,7 @@ def test_undo_of_a_pad(sheet):
 
 
 def test_each_refuses_the_work_of_the_other(path):
-    with pytest.raises(RuntimeError, match="no whole sheet"):
+    with pytest.raises(RuntimeError, match="not a complete sheet"):
         bpy.ops.convwass.make_blend_pad()
     bpy.ops.convwass.make_player()
     with pytest.raises(RuntimeError, match="already"):

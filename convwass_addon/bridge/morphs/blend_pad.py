@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A sheet of blends as a pad: an empty is dragged inside a square or a triangle, and one object shows the blend there.
+"""A sheet of blends as a pad: an Empty is dragged in a square or triangle, and one object shows the blend there.
 
-Geometry nodes read the empty's place, so that a file needs no add-on for it, and keys on the empty animate the blend.
+Geometry Nodes read the position of the Empty, so a file does not need the add-on, and keys on the Empty animate the
+blend.
 """
 
 from __future__ import annotations
@@ -27,28 +28,28 @@ from .stored import WEIGHTS_KEY, frame_objects, is_solid, stored_morph
 from .stored_fields import StoredFields, field_cells
 
 SIDE = 1.5
-"""Length of a side of the pad, in sizes of the largest shape."""
+"""Length of a side of the pad, relative to the largest shape."""
 
 GAP = 0.5
-"""Distance between the pad and what it shows, in sizes of the largest shape."""
+"""Distance between the pad and the shown blend, relative to the largest shape."""
 
 TEXT = 0.07
-"""Height of the names at the corners, in sides of the pad."""
+"""Height of the names at the corners, relative to the side of the pad."""
 
 COPY = 0.22
-"""Size of the shapes at the corners, in sides of the pad."""
+"""Size of the shapes at the corners, relative to the side of the pad."""
 
 
 @dataclass(frozen=True)
 class BlendPad:
-    """What `make_blend_pad` makes.
+    """Result of `make_blend_pad`.
 
     Attributes
     ----------
     pad : bpy.types.Object
-        The drawn lattice; one vertex per blend. All but `result` hang on it.
+        The visible lattice with one vertex per blend; parent of all objects except `result`.
     handle : bpy.types.Object
-        The empty to drag.
+        The Empty to drag.
     result : bpy.types.Object
         Shows the blend.
     """
@@ -60,28 +61,28 @@ class BlendPad:
 
 @dataclass(frozen=True)
 class _Sheet:
-    """A sheet of blends and the pad it becomes."""
+    """A sheet of blends and the layout of its pad."""
 
     names: list[str]
-    """Of the inputs."""
+    """Names of the inputs."""
     frames: list[bpy.types.Object]
     blends: list[Blend]
-    """One per frame object."""
+    """One blend per frame object."""
     corners: list[int]
-    """The frame of each input itself."""
+    """The frame of each unchanged input."""
     feet: np.ndarray
-    """Middle of the underside of each input, local space of its frame, (k, 3)."""
+    """Center of the underside of each input, local space of its frame, (k, 3)."""
     size: float
-    """Of the largest input."""
+    """Size of the largest input."""
     points: np.ndarray
-    """Where each blend is on the pad, in its local space, (n, 3); the origin is in the middle of the corners."""
+    """Position of each blend in local space of the pad, (n, 3); the origin is the center of the corners."""
 
     @property
     def side(self) -> float:
         return SIDE * self.size
 
     def is_below(self, number: int) -> bool:
-        """Tell whether a blend is at the lower edge of the pad."""
+        """Return whether a blend is at the lower edge of the pad."""
         return bool(self.points[number, 2] < 0.0)
 
     @property
@@ -97,28 +98,28 @@ class _Sheet:
 
 
 def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> BlendPad:
-    """Do all of :func:`build_blend_pad`."""
+    """Run :func:`build_blend_pad` to its end."""
     return drained(build_blend_pad(collection, between=between))
 
 
 def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> Work[BlendPad]:
-    """Make a pad of a sheet of four or three shapes, and hide the sheet's own objects.
+    """Create a pad from a sheet of four or three shapes, and hide the sheet's own objects.
 
-    The blend at the empty is seen, standing where the first shape stands; the pad is to its left, upright like the
-    sheet. Outside of the pad a blend of its rim is seen.
+    The blend at the Empty is shown at the position of the first shape; the pad is to its left, upright like the sheet.
+    Outside of the pad, the blend at its edge is shown.
 
     Parameters
     ----------
     collection : bpy.types.Collection
         A finished sheet in the layout grid or triangle.
     between : "NEAREST" or "INTERPOLATED"
-        What is seen between blends: the nearest one, or a mixture of the three around the empty, for which the file
-        stores fields. Of flat shapes the nearest one is seen in any case.
+        What to show between blends: the nearest one, or a mixture of the three around the Empty, for which the file
+        stores fields. Flat shapes always show the nearest one.
 
     Yields
     ------
     Progress
-        After each blend whose field is stored.
+        Yielded after storing the field of each blend.
 
     Returns
     -------
@@ -137,10 +138,10 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST
     for parent in homes(collection):
         parent.children.link(home)
     pad = _linked(home, _pad(sheet))
-    # Its right edge and its lower one.
+    # The right and lower edges.
     corner = np.array([sheet.points[:, 0].max(), 0.0, sheet.points[:, 2].min()])
     pad.location = sheet.feet[0] - (GAP + 0.5) * np.array([sheet.size, 0.0, 0.0]) - corner
-    # It begins in the middle.
+    # The initial position is the center.
     handle = _linked(home, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
     for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
         _linked(home, drawn)
@@ -154,12 +155,12 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST
 
 
 def require_sheet(collection: bpy.types.Collection) -> None:
-    """Refuse a morph that no pad can be made of; its frames need not be meshes.
+    """Raise InputError if no pad can be created for a morph; its frames need not be meshes.
 
     Raises
     ------
     InputError
-        No such sheet, one that was stopped early, or something that shows it already.
+        Not a sheet, a sheet whose bake was stopped, or another object already shows it.
     """
     require_none(collection)
     _sheet_blends(collection, frame_objects(collection))
@@ -171,7 +172,7 @@ def _linked(home: bpy.types.Collection, obj: bpy.types.Object) -> bpy.types.Obje
 
 
 def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
-    """Find out which blends the frame objects are, and how large the shapes are."""
+    """Find the blends of the frame objects, and the size of the shapes."""
     frames, names = frame_objects(collection), stored_morph(collection).inputs
     blends = _sheet_blends(collection, frames)
     corners = [next(place for place, blend in enumerate(blends) if blend.source == i) for i in range(len(names))]
@@ -186,19 +187,19 @@ def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
 
 
 def _sheet_blends(collection: bpy.types.Collection, frames: list[bpy.types.Object]) -> list[Blend]:
-    """Return the blend of every frame object; raises InputError where they are no whole sheet."""
+    """Return the blend of every frame object; raises InputError if they are not a complete sheet."""
     blends = _layout(np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) if frames else np.empty((0, 0)))
     if blends is None:
         raise InputError(
-            "{name} is no whole sheet of four shapes in a grid or three in a triangle; bake one with that layout, "
-            "to its end.",
+            "{name} is not a complete sheet of four shapes in a grid or three in a triangle; bake one with that "
+            "layout, to its end.",
             name=collection.name,
         )
     return blends
 
 
 def _layout(weights: np.ndarray) -> list[Blend] | None:
-    """Return the blends of the sheet that has these weights (n, k) in this order, or None where there is none."""
+    """Return the blends of the sheet with these weights (n, k) in this order, or None if there is none."""
     count, shapes = weights.shape
     if shapes == 4:
         steps = math.isqrt(count)
@@ -221,7 +222,7 @@ def _bounds(obj: bpy.types.Object) -> np.ndarray:
 
 
 def _pad(sheet: _Sheet) -> bpy.types.Object:
-    """Draw the lattice of the blends: every one joined to its neighbors."""
+    """Draw the lattice of the blends, with an edge between neighbors."""
     spans = np.linalg.norm(sheet.points[:, None] - sheet.points[None], axis=2)
     step = spans[spans > 0].min()
     edges = np.argwhere(np.triu((spans > 0) & (spans < 1.01 * step)))
@@ -236,7 +237,7 @@ def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:
     for name, corner in zip(sheet.names, sheet.corners, strict=True):
         font = bpy.data.curves.new(name, "FONT")
         font.body, font.size, font.align_x = name, TEXT * sheet.side, "CENTER"
-        # Not the object is moved but its text: Blender draws a line from every child to its parent.
+        # Move the text instead of the object: Blender draws a line from every child to its parent.
         shift = -1.9 * TEXT if sheet.is_below(corner) else 1.1 * TEXT
         font.offset_x, font.offset_y = sheet.points[corner, 0], sheet.points[corner, 2] + shift * sheet.side
         text = _only_drawn(bpy.data.objects.new(f"{name} Label", font), pad)
@@ -246,7 +247,7 @@ def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:
 
 
 def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
-    """Put small copies of the inputs beyond their names."""
+    """Add small copies of the inputs next to their names."""
     tree = frame_group("Blend Corners")
     join = tree.nodes.new("GeometryNodeJoinGeometry")
     scale = COPY * sheet.side / sheet.size
@@ -268,7 +269,7 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
 
 
 def _only_drawn(obj: bpy.types.Object, pad: bpy.types.Object | None = None) -> bpy.types.Object:
-    """Keep an object out of renders; one that hangs on the pad is not selected by a click either."""
+    """Hide an object in renders; children of the pad cannot be selected by a click either."""
     obj.hide_render = True
     if pad is not None:
         obj.parent, obj.hide_select = pad, True
@@ -289,7 +290,7 @@ def _stored(collection: bpy.types.Collection, sheet: _Sheet) -> Work[StoredField
 def _result(
     sheet: _Sheet, pad: bpy.types.Object, handle: bpy.types.Object, fields: StoredFields | None
 ) -> bpy.types.Object:
-    """Make the object that shows the blend at the empty, with its foot at its origin."""
+    """Create the object that shows the blend at the Empty, with its foot at its origin."""
     tree = frame_group("Blend")
     drawn = object_info(tree, pad)
     place = _place_on(tree, drawn, handle)
@@ -313,7 +314,7 @@ def _result(
 
 
 def _place_on(tree: bpy.types.NodeTree, pad: bpy.types.Node, handle: bpy.types.Object) -> bpy.types.NodeSocket:
-    """Return where the empty is in the local space of the pad, about which there is a node already."""
+    """Return the position of the Empty, given as a node, in local space of the pad."""
     inverse = tree.nodes.new("FunctionNodeInvertMatrix")
     tree.links.new(pad.outputs["Transform"], inverse.inputs["Matrix"])
     place = tree.nodes.new("FunctionNodeTransformPoint")

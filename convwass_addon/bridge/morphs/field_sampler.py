@@ -17,16 +17,16 @@ from ..node_math import feed, math_node, vector_math_node
 
 @dataclass(frozen=True)
 class SampleGrid:
-    """Where samples are.
+    """Positions of samples.
 
     Attributes
     ----------
     low : (3,) float64
-        The first one.
+        The first sample.
     spacing : float
         Size of a cell.
     shape : (int, int, int)
-        Samples along the axes; they are numbered in the order of `ravel`.
+        Samples along the axes, numbered in the order of `ravel`.
     """
 
     low: NDArray[np.float64]
@@ -35,18 +35,18 @@ class SampleGrid:
 
     @property
     def high(self) -> NDArray[np.float64]:
-        """The last one, (3,)."""
+        """The last sample, (3,)."""
         return self.low + self.spacing * (np.array(self.shape) - 1)
 
     @property
     def strides(self) -> tuple[float, float, float]:
-        """By how much the number of a sample grows along the axes."""
+        """Change of the sample index per step along the axes."""
         _, ny, nz = self.shape
         return (float(ny * nz), float(nz), 1.0)
 
 
 def field_sampler(name: str, grid: SampleGrid) -> bpy.types.NodeTree:
-    """Make the node group that interpolates a field of samples between the eight that surround a position."""
+    """Create the node group that interpolates a field between the eight samples around a position."""
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
     for label, kind in (("Samples", "Geometry"), ("Field", "Float"), ("Position", "Vector")):
         tree.interface.new_socket(label, in_out="INPUT", socket_type=f"NodeSocket{kind}")
@@ -78,7 +78,7 @@ def _interpolated(
     corners: dict[tuple[int, ...], bpy.types.NodeSocket],
     shares: Sequence[bpy.types.NodeSocket],
 ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeSocket]]:
-    """Return the trilinear interpolation of values at the corners of a cell, and its derivatives by the shares."""
+    """Return the trilinear interpolation of values at the corners of a cell, and its derivatives."""
     if not shares:
         return corners[()], []
     low = {key[1:]: value for key, value in corners.items() if key[0] == 0}
@@ -95,7 +95,7 @@ def _interpolated(
 
 
 def position_node(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
-    """Return the field of positions."""
+    """Return the position field."""
     return tree.nodes.new("GeometryNodeInputPosition").outputs["Position"]
 
 
@@ -106,7 +106,7 @@ def set_position(
     position: bpy.types.NodeSocket | None = None,
     offset: bpy.types.NodeSocket | None = None,
 ) -> bpy.types.NodeSocket:
-    """Return a geometry whose points are moved to positions, or by offsets."""
+    """Return a geometry with points moved to positions, or by offsets."""
     node = tree.nodes.new("GeometryNodeSetPosition")
     tree.links.new(geometry, node.inputs["Geometry"])
     for socket, value in (("Position", position), ("Offset", offset)):
@@ -123,7 +123,7 @@ def sample_index(
     index: bpy.types.NodeSocket,
     domain: str = "POINT",
 ) -> bpy.types.NodeSocket:
-    """Return a value of the point, or face, of a geometry that has a number."""
+    """Return a value at a point or face of a geometry, by index."""
     node = tree.nodes.new("GeometryNodeSampleIndex")
     node.data_type, node.domain = kind, domain
     for name, source in (("Geometry", geometry), ("Value", value), ("Index", index)):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Samples the signed distances of baked blends for :mod:`.stored_fields`."""
+"""Sample the signed distances of baked blends for :mod:`.stored_fields`."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ from .stored import WEIGHTS_KEY
 from .stored_fields import BAND, COLOR, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
 
 _PROPERTIES = {"FLOAT": "value", "FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color"}
-# Samples around all blends.
+# Margin of samples around all blends.
 _MARGIN = 3
 # A part is missing where so many samples in it are lost, at least so deep inside of it, in cells.
 _LEAST_LOST, _LEAST_HALF = 4, 0.4
@@ -47,25 +47,25 @@ def store_fields(
     places: NDArray[np.float64],
     columns: Sequence[Column] = (),
 ) -> Work[StoredFields]:
-    """Sample the signed distances of blends, and store them.
+    """Sample and store the signed distances of blends.
 
     Parameters
     ----------
     name : str
-        Of the objects.
+        Name of the objects.
     frames : sequence of bpy.types.Object
         Frame objects of one morph.
     cells : float
-        How many lie along the longest side of all blends.
+        Number of samples along the longest side of all blends.
     places : (n, 3)
-        Where the table has its vertices, one per blend.
+        Vertices of the table, one per blend.
     columns : sequence of Column
-        What else the table says of every blend.
+        Further columns of the table.
 
     Yields
     ------
     Progress
-        After every blend.
+        Yielded after every blend.
 
     Returns
     -------
@@ -74,13 +74,13 @@ def store_fields(
     Raises
     ------
     InputError
-        A Blender without OpenVDB's Python module; nothing is left behind.
+        Blender lacks OpenVDB's Python module; nothing is left behind.
     """
     openvdb = openvdb_module()
     if openvdb is None:
         raise InputError(
-            "Interpolation needs OpenVDB for Python, which this Blender was built without; use another Blender, or set "
-            "In Between to Nearest Blend."
+            "Interpolation requires OpenVDB for Python, which this Blender lacks; use another Blender, or set In "
+            "Between to Nearest Blend."
         )
     depsgraph = bpy.context.evaluated_depsgraph_get()
     weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
@@ -118,7 +118,7 @@ def store_fields(
 
 
 def _grid(meshes: Sequence[TriangleMesh], offsets: NDArray[np.float64], cells: float) -> SampleGrid:
-    """Lay a grid around meshes about their centers, of larger cells where it would have more than `_MOST_SAMPLES`."""
+    """Return a grid around meshes at their centers, with larger cells if it would exceed `_MOST_SAMPLES`."""
     bounds = np.array([mesh.bounds - offset for mesh, offset in zip(meshes, offsets, strict=True)])
     low, high = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
     spacing = float((high - low).max()) / cells
@@ -129,7 +129,7 @@ def _grid(meshes: Sequence[TriangleMesh], offsets: NDArray[np.float64], cells: f
 
 
 def counted_volume(field: NDArray[np.floating]) -> float:
-    """Volume inside a field of signed distances in cells, as the nodes count it: cells at the surface in part."""
+    """Return the volume of a field of signed distances in cells, as the nodes do, with partial cells at the surface."""
     return float(np.clip(field + 0.5, 0.0, 1.0).sum())
 
 
@@ -145,18 +145,18 @@ def _loses_parts(first: NDArray[np.float32], second: NDArray[np.float32]) -> boo
 def signed_distances(
     openvdb: ModuleType, mesh: TriangleMesh, shape: tuple[int, int, int], *, repaired: bool = False
 ) -> NDArray[np.float32]:
-    """Sample the signed distance of a mesh, (nx, ny, nz), positive inside, as far as `BAND`.
+    """Sample the signed distance of a mesh, (nx, ny, nz), positive inside, up to `BAND`.
 
     Parameters
     ----------
     openvdb : module
         See :func:`.openvdb_module.openvdb_module`.
     mesh : TriangleMesh
-        In cells: sample (i, j, k) is at that point.
+        In cells: sample (i, j, k) is at this point.
     shape : (int, int, int)
         Samples along the axes.
     repaired : bool
-        Whether the mesh may be open, or may intersect or contain itself, as shapes of users do.
+        Whether the mesh may be open, self-intersecting or nested, like shapes of users.
     """
     closed = _closed(mesh, shape) if repaired else mesh
     grid = openvdb.FloatGrid.createLevelSetFromPolygons(
@@ -171,7 +171,7 @@ def signed_distances(
 
 
 def _closed(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleMesh:
-    """Return a mesh that is the boundary of a solid: itself, or the surface that its cells have at this resolution."""
+    """Return a mesh that bounds a solid: the mesh itself, or the surface of its cells at this resolution."""
     whole = welded(mesh)
     if len(whole.faces) and topology(whole, edge_use(whole.faces)).closed:
         outward = orient_outward(whole)
@@ -195,13 +195,13 @@ def _local_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Triang
 
 
 def _centers(meshes: Sequence[TriangleMesh], weights: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the weighted means of the centers of the shapes, (n, 3), as the blends show where those are."""
+    """Return the weighted means of the centers of the shapes, (n, 3), as the blends define them."""
     found = np.array([centroid(mesh) for mesh in meshes])
     return weights @ np.linalg.lstsq(weights, found, rcond=None)[0]
 
 
 def _table(name: str, places: NDArray[np.float64], columns: Sequence[Column]) -> bpy.types.Object:
-    """Make the object that says where the blends are and what they have."""
+    """Create the object whose mesh is the table of the blends."""
     mesh = bpy.data.meshes.new(f"{name} Steps")
     mesh.vertices.add(len(places))
     mesh.vertices.foreach_set("co", np.asarray(places, np.float32).ravel())

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry nodes that show any mixture of baked blends: the surface of the mixed fields, laid onto the baked meshes.
+"""Geometry Nodes that show mixtures of baked blends: the surface of mixed fields, projected onto the baked meshes.
 
-The fields know nothing that is smaller than their cells. Every vertex is therefore moved along its normal by what the
-distances to the baked meshes differ from the fields there, so that a mixture of a single blend is that blend; and it
-takes colors, weights and velocities from where it is on the meshes.
+Fields contain nothing smaller than their cells. Every vertex is therefore moved along its normal by the difference
+between the distances to the baked meshes and the fields, so that a mixture of a single blend equals that blend. It
+takes colors, weights and velocities from the closest points of the meshes.
 """
 
 from __future__ import annotations
@@ -24,32 +24,32 @@ from .stored import WEIGHTS_KEY
 from .stored_fields import COLOR, OFFSET, Column, StoredFields
 
 DETAIL = "Detail"
-"""Input: whether the surface is laid onto the baked meshes."""
+"""Input: whether the surface is projected onto the baked meshes."""
 
 DETAIL_TIP = "Lay the surface onto the baked meshes; without it, it is coarser and plays two to three times as fast"
 
 INTERPOLATE = "Interpolate"
-"""Input of a modifier: whether blends are mixed; otherwise the nearest baked one is seen."""
+"""Input of a modifier: whether blends are mixed, or the nearest baked one is shown."""
 
 # Columns of the table of steps: which blends have an attribute, and which are a shape itself.
 HAS, _SHAPE = "has {}", "shape"
 # As much of one weight is the blend itself.
 _ALONE = 1.0 - 1e-3
-# A baked mesh that is further away than this, in cells, says nothing; nor one that lies beside a vertex instead of
-# above or below it, by this cosine.
+# Baked meshes farther away than this, in cells, are ignored, and points beside a vertex rather than above or below it,
+# by this cosine.
 _FAR, _ASIDE = 1.5, 0.5
-# Normals that differ by less than this cosine are mixed.
+# Normals are mixed if the cosine of their angle exceeds this.
 _AGREES = 0.4
-# Distances are corrected by so many cells at the most.
+# Largest correction of distances, in cells.
 _MOST_CORRECTED = 1.0
 _KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
 _OWN = ("position", CUSTOM_NORMAL)
 
 
 def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
-    """Return the names of what the meshes of blends carry at their points, and the data types that nodes have for it.
+    """Return the names of the point attributes of the meshes of blends, with their data types in nodes.
 
-    The shares of the shapes are left out: they are the same at all points.
+    The weights of the shapes are left out, because they are the same at all points.
     """
     share = SOURCE_WEIGHT.format("")
     return {
@@ -64,12 +64,12 @@ def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
 
 
 def is_shape(frame: bpy.types.Object) -> bool:
-    """Tell whether a frame object shows a shape itself."""
+    """Return whether a frame object shows an unchanged shape."""
     return max(frame[WEIGHTS_KEY]) == 1.0
 
 
 def columns_of(frames: Sequence[bpy.types.Object]) -> list[Column]:
-    """Return what the table of steps has to say about blends for :class:`MixedFrames`."""
+    """Return the columns of the table of steps for :class:`MixedFrames`."""
     weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
     shapes = np.array([float(is_shape(obj)) for obj in frames])
     columns = [Column(SOURCE_WEIGHT.format(number), "FLOAT", own) for number, own in enumerate(weights.T, start=1)]
@@ -82,16 +82,16 @@ def columns_of(frames: Sequence[bpy.types.Object]) -> list[Column]:
 
 @dataclass(frozen=True)
 class SeenMixture:
-    """What is seen of a mixture.
+    """A visible mixture.
 
     Attributes
     ----------
     geometry : bpy.types.NodeSocket
-        Its mesh, in the materials of the blends.
+        Its mesh, with the materials of the blends.
     color : bpy.types.NodeSocket
-        That of the frame objects, mixed.
+        The mixed color of the frame objects.
     is_shape : bpy.types.NodeSocket
-        1 where it is a shape itself, which has a mesh of its own; else 0.
+        1 if it is an unchanged shape, which has its own mesh; otherwise 0.
     """
 
     geometry: bpy.types.NodeSocket
@@ -106,15 +106,15 @@ class MixedFrames:
     Attributes
     ----------
     tree : bpy.types.NodeTree
-        Where the nodes go.
+        Node group of the new nodes.
     fields : StoredFields
-        Of the blends, with the columns of `columns_of`.
+        Table of the blends, with the columns of `columns_of`.
     frames : sequence of bpy.types.Object
         The blends.
     meshes : sequence of bpy.types.NodeSocket
-        Their meshes in their local space.
+        Meshes of the blends in local space.
     mixture : FieldMixture
-        What is mixed.
+        Terms of the mixture.
     """
 
     tree: bpy.types.NodeTree
@@ -129,16 +129,16 @@ class MixedFrames:
         velocity: bpy.types.NodeSocket | None = None,
         pace: bpy.types.NodeSocket | None = None,
     ) -> bpy.types.NodeSocket:
-        """Return the mesh about the center of the blends, with what the meshes carry.
+        """Return the mesh around the center of the blends, with the attributes of the meshes.
 
         Parameters
         ----------
         detail : bpy.types.NodeSocket
-            Whether it is laid onto the baked meshes.
+            Whether it is projected onto the baked meshes.
         velocity : bpy.types.NodeSocket or None
-            Of points whose meshes have none.
+            Velocity of points whose meshes have none.
         pace : bpy.types.NodeSocket or None
-            What velocities are multiplied by; without it there are none.
+            Factor for velocities; without it there are none.
         """
         laid = _Laid(self, self.mixture.terms)
         surface = self.mixture.surface()
@@ -169,12 +169,12 @@ class MixedFrames:
 
     @property
     def color(self) -> bpy.types.NodeSocket:
-        """That of the frame objects."""
+        """Return the mixed color of the frame objects."""
         return self.mixed_column("FLOAT_COLOR", COLOR)
 
     @property
     def is_shape(self) -> bpy.types.NodeSocket:
-        """1 where the whole mixture is a shape itself, else 0."""
+        """Return 1 if the whole mixture is an unchanged shape, otherwise 0."""
         tree, found = self.tree, []
         for term in self.mixture.terms:
             alone = math_node(tree, "GREATER_THAN", term.weight, _ALONE)
@@ -182,12 +182,12 @@ class MixedFrames:
         return total(tree, found)
 
     def mixed_column(self, kind: str, name: str) -> bpy.types.NodeSocket:
-        """Return the mean of vectors or colors that the table of steps has."""
+        """Return the mean of vectors or colors in the table of steps."""
         values = [self.mixture.of_step(kind, name, term) for term in self.mixture.terms]
         return weighted_vectors(self.tree, values, self.weights)
 
     def dressed(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return a mesh about the center in the materials of the blends, or of several in that of the nearest face."""
+        """Return a mesh with the material of the blends; if there are several, with that of the nearest face."""
         blends = [obj for obj in self.frames if not is_shape(obj)] or self.frames
         worn = dict.fromkeys(slot.material for obj in blends for slot in obj.material_slots if slot.material)
         if len(worn) < 2:
@@ -199,7 +199,7 @@ class MixedFrames:
         return geometry
 
     def _largest_blend(self) -> Term:
-        """Return the term of the largest weight among those that are no shapes."""
+        """Return the term with the largest weight among those that are not unchanged shapes."""
         tree, best = self.tree, None
         for term in self.mixture.terms:
             shape = self.mixture.of_step("FLOAT", _SHAPE, term)
@@ -233,7 +233,7 @@ class MixedFrames:
     def stored(
         self, geometry: bpy.types.NodeSocket, name: str, kind: str, value: bpy.types.NodeSocket
     ) -> bpy.types.NodeSocket:
-        """Return a geometry with an attribute of its points."""
+        """Return a geometry with a point attribute."""
         node = self.tree.nodes.new("GeometryNodeStoreNamedAttribute")
         node.data_type, node.domain = kind, "POINT"
         node.inputs["Name"].default_value = name
@@ -241,7 +241,7 @@ class MixedFrames:
         return node.outputs["Geometry"]
 
     def _shares(self, name: str) -> list[bpy.types.NodeSocket]:
-        """Return how much the meshes count for an attribute: those that do not have it count nothing."""
+        """Return the weights of the meshes for an attribute: 0 for those without it."""
         tree = self.tree
         has = [self.mixture.of_step("FLOAT", HAS.format(name), term) for term in self.mixture.terms]
         own = [math_node(tree, "MULTIPLY", one, weight) for one, weight in zip(has, self.weights, strict=True)]
@@ -254,7 +254,7 @@ class MixedFrames:
         return (weighted_sum if kind == "FLOAT" else weighted_vectors)(self.tree, values, shares)
 
     def _shaded(self, mesh: bpy.types.NodeSocket, normal: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return a mesh that is shown with other normals of its points."""
+        """Return a mesh with other point normals."""
         node = self.tree.nodes.new("GeometryNodeSetMeshNormal")
         node.mode, node.domain = "FREE", "POINT"
         feed(self.tree, [node.inputs["Mesh"], node.inputs["Custom Normal"]], [mesh, normal])
@@ -267,7 +267,7 @@ class MixedFrames:
 
 
 class _Laid:
-    """Where the elements of a mixture are on the baked meshes of some terms."""
+    """Closest points of a mixture on the baked meshes of some terms."""
 
     def __init__(self, mixed: MixedFrames, terms: Sequence[Term]) -> None:
         self._tree, self._mixed, self._terms = mixed.tree, mixed, terms
@@ -280,7 +280,7 @@ class _Laid:
             self._targets.append(pick(self._tree, "GEOMETRY", term.index, mixed.meshes))
 
     def correction(self) -> bpy.types.NodeSocket:
-        """Return by which vector a vertex is moved so that it has the mixed distance to the meshes themselves."""
+        """Return the vector that moves a vertex to the mixed distance from the meshes."""
         tree, terms = self._tree, self._terms
         normal = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
         own = [self._missing(*each, normal) for each in zip(terms, self._places, self._targets, strict=True)]
@@ -288,7 +288,7 @@ class _Laid:
         return vector_math_node(tree, "SCALE", normal, length)
 
     def normal(self) -> bpy.types.NodeSocket:
-        """Return the mixed normal of the meshes; of those that face another way, that of the mixture."""
+        """Return the mixed normal of the meshes; where they face another way, that of the mixture."""
         tree = self._tree
         own = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
         found, shares = [], []
@@ -309,7 +309,7 @@ class _Laid:
     def with_nearest(
         self, geometry: bpy.types.NodeSocket, domain: str
     ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeSocket]]:
-        """Return a geometry that knows the number of the nearest point or face of every mesh, and these numbers."""
+        """Return a geometry that stores the index of the nearest point or face of every mesh, and these indices."""
         tree, found = self._tree, []
         capture = tree.nodes.new("GeometryNodeCaptureAttribute")
         capture.domain = domain
@@ -325,7 +325,7 @@ class _Laid:
         return capture.outputs["Geometry"], found
 
     def wears(self, material: bpy.types.Material, face: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return whether a face of the first mesh, by its number, has a material."""
+        """Return whether a face of the first mesh, by index, has a material."""
         selection = self._tree.nodes.new("GeometryNodeMaterialSelection")
         selection.inputs["Material"].default_value = material
         worn = selection.outputs["Selection"]
@@ -344,7 +344,7 @@ class _Laid:
         target: bpy.types.NodeSocket,
         normal: bpy.types.NodeSocket,
     ) -> bpy.types.NodeSocket:
-        """Return by how many cells the distance to a mesh is larger than its field says; 0 where it is not known."""
+        """Return by how many cells the distance to a mesh exceeds its field; 0 if unknown."""
         tree = self._tree
         node = tree.nodes.new("GeometryNodeProximity")
         node.target_element = "FACES"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A node group that shows a path of blends at any value: the two baked blends beside it, mixed."""
+"""A node group that shows a path of blends at any value, as a mixture of two baked blends."""
 
 from __future__ import annotations
 
@@ -23,38 +23,38 @@ VALUE = "Morph"
 """Input: 0 is the first shape, 1 the second, and so on."""
 
 SPEED = "Speed"
-"""Input for motion blur: how fast the value changes, as a multiple of the pace of the bake."""
+"""Input for motion blur: speed of the value, as a multiple of its speed in the bake."""
 
 MOMENT = (
-    (VALUE, "Float", 0.0, "What is seen: 0 is the first shape, 1 the second, and so on"),
+    (VALUE, "Float", 0.0, "Blend to show: 0 is the first shape, 1 the second, and so on"),
     (DETAIL, "Bool", True, DETAIL_TIP),
-    (SPEED, "Float", 1.0, "How fast the value changes, as a multiple of the pace of the bake, for motion blur"),
+    (SPEED, "Float", 1.0, "Speed of the value as a multiple of its speed in the bake, for motion blur"),
 )
-"""Inputs of the group that shows a moment: names, types, first values and descriptions."""
+"""Inputs of the group: names, types, initial values and descriptions."""
 
 PACE = "pace"
-"""Column of the table of steps: how many steps the bake makes in a second, from every blend to the next."""
+"""Column of the table of steps: steps per second in the bake, from every blend to the next."""
 
 
 def path_columns(frames: Sequence[bpy.types.Object], per_second: float) -> list[Column]:
-    """Return what the table of steps says of the blends of a path, baked with so many frames per second."""
+    """Return the columns of the table of steps of a path, baked at a number of frames per second."""
     numbers = np.array([obj[INDEX_KEY] for obj in frames], dtype=np.float64)
     steps = np.diff(numbers, append=2 * numbers[-1] - numbers[-2])
     return [*columns_of(frames), Column(PACE, "FLOAT", per_second / steps)]
 
 
 def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Object]) -> bpy.types.NodeTree:
-    """Make a node group that shows a path at any value; it needs no modifier of its own, and is marked as an asset.
+    """Create a node group that shows a path at any value; it can be used without a modifier, and is marked as an asset.
 
-    Its inputs are those of `MOMENT`, its output is a mesh where the frame objects stand. A shape itself is seen with
-    its own mesh.
+    Its inputs are those of `MOMENT`, its output is a mesh at the position of the frame objects. Unchanged shapes are
+    shown with their own mesh.
 
     Parameters
     ----------
     name : str
-        Of the group.
+        Name of the group.
     fields : StoredFields
-        Of the blends, with `path_columns` and its vertices at the values on the X axis.
+        Table of the blends, with `path_columns` and its vertices at the values on the X axis.
     frames : sequence of bpy.types.Object
         The blends.
     """
@@ -128,7 +128,7 @@ def _moved_frame(
 def _neighbors(
     tree: bpy.types.NodeTree, steps: bpy.types.NodeSocket, value: bpy.types.NodeSocket, count: int
 ) -> tuple[Term, Term]:
-    """Return the blends before and after a value, with their shares."""
+    """Return the blends before and after a value, with their weights."""
     along = tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(position_node(tree), along.inputs[0])
     passed = math_node(tree, "SUBTRACT", 1.0, math_node(tree, "LESS_THAN", value, along.outputs["X"]))
@@ -145,9 +145,9 @@ def _neighbors(
 
 
 def _velocity(tree: bpy.types.NodeTree, mixture: FieldMixture, spacing: float) -> bpy.types.NodeSocket:
-    """Return how fast points move along their normals at the pace of the bake, and with the center.
+    """Return the speed of points along their normals and with the center, at the speed of the bake.
 
-    On the level of a field f(x, s) a point moves by -df/ds / |grad f| along the gradient.
+    On a level of a field f(x, s), a point moves by -df/ds / |grad f| along the gradient.
     """
     before, after = mixture.terms
     position = position_node(tree)

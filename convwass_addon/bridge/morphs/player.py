@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One object that plays a morph: its *Morph* value says which of the baked blends is seen.
+"""One object that plays a morph: its value *Morph* selects the visible blend.
 
-Geometry nodes choose, so that a file needs no add-on to play, in the viewport as in renders.
+Geometry Nodes select the blend, so a file does not need the add-on to play in the viewport and in renders.
 """
 
 from __future__ import annotations
@@ -39,10 +39,10 @@ from .stored import INDEX_KEY, WEIGHTS_KEY, frame_objects, is_solid, stored_morp
 from .stored_fields import field_cells
 
 PLAYBACK = "Playback"
-"""The modifier's input that says what is beyond the last shape and before the first: one of `PLAYBACKS`."""
+"""The modifier's input for values beyond the last shape and before the first: one of `PLAYBACKS`."""
 
 PLAYBACKS = {"ONCE": "Once", "LOOP": "Loop", "PING_PONG": "Ping-Pong"}
-"""The items of that menu as the user sees them."""
+"""The items of that menu in the user interface."""
 
 OVERRIDE = "Override Material"
 MATERIAL = "Material"
@@ -51,41 +51,41 @@ MATERIAL = "Material"
 def make_player(
     collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
 ) -> bpy.types.Object:
-    """Do all of :func:`build_player`."""
+    """Run :func:`build_player` to its end."""
     return drained(build_player(collection, playback=playback, easing=easing, between=between))
 
 
 def build_player(
     collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
 ) -> Work[bpy.types.Object]:
-    """Make an object that shows the blends of a path, and hide the objects that were baked.
+    """Create an object that shows the blends of a path, and hide the baked objects.
 
-    Its `VALUE` is keyed over the frames of the bake, so that what is seen is at first what was seen before. Under
-    `Once` the ends stay beyond the ends. `Loop` starts again at the first shape past the last one, and `Ping-Pong` goes
-    back and forth; to see either, add keys or extrapolate the curve.
+    Its `VALUE` is keyed over the frames of the bake, so that the animation is unchanged at first. With `Once`, the
+    first and last shapes are also shown outside of the path. `Loop` continues with the first shape after the last one,
+    and `Ping-Pong` goes back and forth; to see either, add keys or extrapolate the curve.
 
     Parameters
     ----------
     collection : bpy.types.Collection
         A morph along a path.
     playback : str
-        One of `PLAYBACKS`; to be changed later in the modifier.
+        One of `PLAYBACKS`; can be changed in the modifier.
     easing : str
         One of `keyframes.EASINGS`.
     between : "NEAREST" or "INTERPOLATED"
-        What is seen between two blends: the nearer one, or their mixture, for which the file stores fields. Of flat
-        shapes the nearer one is seen in any case.
+        What to show between two blends: the nearer one, or their mixture, for which the file stores fields. Flat shapes
+        always show the nearer one.
 
     Yields
     ------
     Progress
-        After each blend whose field is stored.
+        Yielded after storing the field of each blend.
 
     Returns
     -------
     bpy.types.Object
-        Beside the collection, where the frame objects stand. Its own mesh is a table: one vertex per blend, at the
-        value of that blend on the X axis.
+        In the same collection as the frame objects. Its own mesh is a table with one vertex per blend, at the value of
+        that blend on the X axis.
 
     Raises
     ------
@@ -113,24 +113,24 @@ def build_player(
 
 
 def require_path(collection: bpy.types.Collection) -> None:
-    """Refuse a morph that no player can be made of.
+    """Raise InputError if no player can be created for a morph.
 
     Raises
     ------
     InputError
-        No path, too little of it, or something that plays the morph already.
+        Not a path, a path that is too short, or another object already plays the morph.
     """
     require_none(collection)
     _path_objects(collection)
 
 
 def refresh_player(collection: bpy.types.Collection) -> None:
-    """Let the player of a morph, if there is one, show the frame objects that there are now; its keys stay.
+    """Make the player of a morph, if there is one, show its current frame objects; its keys are kept.
 
     Raises
     ------
     InputError
-        As `make_player`, where the morph is no longer a path.
+        As `make_player`, if the morph is no longer a path.
     """
     for player in [obj for obj in stand_ins(collection) if is_player(obj)]:
         frames = _path_objects(collection)
@@ -144,7 +144,7 @@ def refresh_player(collection: bpy.types.Collection) -> None:
 
 
 def is_player(obj: bpy.types.Object | None) -> bool:
-    """Tell whether an object plays a morph."""
+    """Return whether an object plays a morph."""
     if obj is None or obj.get(SHOWS_KEY) is None or MODIFIER not in obj.modifiers:
         return False
     try:
@@ -160,7 +160,7 @@ def morph_value(player: bpy.types.Object) -> NodeInput:
 
 
 def interpolation(player: bpy.types.Object) -> NodeInput | None:
-    """Return the switch of a player between mixtures and baked blends; None where there are baked blends only."""
+    """Return the input of a player that enables interpolation; None if there are only baked blends."""
     try:
         return node_input(player.modifiers[MODIFIER], INTERPOLATE)
     except InputError:
@@ -168,29 +168,29 @@ def interpolation(player: bpy.types.Object) -> NodeInput | None:
 
 
 def detail(player: bpy.types.Object) -> NodeInput | None:
-    """Return whether mixtures are laid onto the baked meshes; None where there are baked blends only."""
+    """Return the input that projects mixtures onto the baked meshes; None if there are only baked blends."""
     return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], DETAIL)
 
 
 def speed(player: bpy.types.Object) -> NodeInput | None:
-    """Return what velocities are multiplied by; None where there are baked blends only."""
+    """Return the factor for velocities; None if there are only baked blends."""
     return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], SPEED)
 
 
 def playback(player: bpy.types.Object) -> NodeInput:
-    """Return the choice of a player of what is seen beyond the last shape and before the first."""
+    """Return the input of a player for values beyond the last shape and before the first."""
     return node_input(player.modifiers[MODIFIER], PLAYBACK)
 
 
 def playback_item(player: bpy.types.Object) -> str:
-    """Return the key of `PLAYBACKS` that a player has."""
+    """Return the key of `PLAYBACKS` of a player."""
     stored = playback(player).get()
     names = list(PLAYBACKS.values())
     return list(PLAYBACKS)[stored if isinstance(stored, int) else names.index(stored)]
 
 
 def shown_value(value: float, item: str, last: float) -> float:
-    """Bring a value to 0 ... `last` as an item of `PLAYBACKS` says."""
+    """Map a value to the range from 0 to `last` by an item of `PLAYBACKS`."""
     if item == "ONCE" or 0.0 <= value <= last:
         return min(max(value, 0.0), last)
     return value % last if item == "LOOP" else last - abs(value % (2.0 * last) - last)
@@ -202,14 +202,14 @@ def last_value(player: bpy.types.Object) -> int:
 
 
 def pace(player: bpy.types.Object) -> float:
-    """Return by how much the value changes in a frame as a path was baked."""
+    """Return the change of the value per frame of the bake."""
     frames = _path_objects(player[SHOWS_KEY])
     values = _values(frames)
     return float((values[-1] - values[0]) / (frames[-1][INDEX_KEY] - frames[0][INDEX_KEY]))
 
 
 def _path_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the frame objects of a path in their order."""
+    """Return the frame objects of a path in order."""
     frames = frame_objects(collection)
     if len(frames) < 2 or not all(_is_on_path(obj) for obj in frames):
         raise InputError(
@@ -219,13 +219,13 @@ def _path_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
 
 
 def _is_on_path(obj: bpy.types.Object) -> bool:
-    """Tell whether a frame object belongs to a path: it has its time, and blends at most two shapes in a row."""
+    """Return whether a frame object belongs to a path: it has a time, and blends at most two consecutive shapes."""
     mixed = np.flatnonzero(obj[WEIGHTS_KEY])
     return obj.animation_data is not None and mixed.size > 0 and mixed[-1] - mixed[0] <= 1
 
 
 def _values(frames: Sequence[bpy.types.Object]) -> np.ndarray:
-    """Return the value at which each blend is exact, (n,)."""
+    """Return the value of each blend, (n,)."""
     weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
     return weights @ np.arange(weights.shape[1])
 
@@ -236,13 +236,13 @@ def _table(frames: Sequence[bpy.types.Object]) -> np.ndarray:
 
 
 def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
-    """Give the node group what the user sets in the modifier."""
+    """Add the inputs of the modifier to the node group."""
     value, *others = ((name, f"NodeSocket{kind}", start, description) for name, kind, start, description in MOMENT)
     interpolate = "Mix the two baked blends beside the value instead of showing the nearer one"
     mixing = ((INTERPOLATE, "NodeSocketBool", True, interpolate), *others)
     for name, kind, start, description in (
         value,
-        (PLAYBACK, "NodeSocketMenu", None, "What is seen beyond the last shape and before the first"),
+        (PLAYBACK, "NodeSocketMenu", None, "What to show beyond the last shape and before the first"),
         *(mixing if interpolates else ()),
         (OVERRIDE, "NodeSocketBool", False, "Use one material instead of those of the baked meshes"),
         (MATERIAL, "NodeSocketMaterial", None, "The material to use instead"),
@@ -259,9 +259,9 @@ def _fill(
     shapes: int,
     moment: bpy.types.NodeTree | None,
 ) -> None:
-    """Make the nodes: value, number of the nearest blend, its mesh where its object stands, its material.
+    """Create the nodes: value, index of the nearest blend, its mesh at its object's position, its material.
 
-    With a group that shows a moment, that is seen instead as long as the user wants it.
+    If there is a group that interpolates, it is shown while interpolation is enabled.
     """
     inputs = tree.nodes.new("NodeGroupInput").outputs
     value = _played(tree, inputs[VALUE], inputs[PLAYBACK], shapes - 1.0)
@@ -279,7 +279,7 @@ def _fill(
 
 
 def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> Work[bpy.types.NodeTree]:
-    """Store the fields of the blends of a path, and make the group that shows it at any value."""
+    """Store the fields of the blends of a path, and create the group that shows it at any value."""
     from .field_sampling import store_fields
 
     scene = bpy.context.scene
@@ -297,7 +297,7 @@ def _dressed(
     override: bpy.types.NodeSocket,
     material: bpy.types.NodeSocket,
 ) -> bpy.types.NodeSocket:
-    """Return the geometry in its own materials, or all of it in another one."""
+    """Return the geometry with its own materials, or with another one."""
     other = tree.nodes.new("GeometryNodeSetMaterial")
     tree.links.new(geometry, other.inputs["Geometry"])
     tree.links.new(material, other.inputs["Material"])
@@ -307,7 +307,7 @@ def _dressed(
 def _played(
     tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, playback: bpy.types.NodeSocket, last: float
 ) -> bpy.types.NodeSocket:
-    """Bring a value to 0 ... `last`, as the menu says; the ends stay as they are."""
+    """Map a value to the range from 0 to `last`, as the menu selects; both ends are included."""
     clamped = tree.nodes.new("ShaderNodeClamp")
     clamped.inputs["Max"].default_value = last
     tree.links.new(value, clamped.inputs["Value"])
@@ -316,12 +316,12 @@ def _played(
     outside.inputs["Epsilon"].default_value = 0.0
     tree.links.new(value, outside.inputs["A"])
     tree.links.new(clamped.outputs["Result"], outside.inputs["B"])
-    # A value that is neither, the last shape's, is kept: it would wrap to the first shape.
+    # The value of the last shape is kept, because it would wrap to the first shape.
     wrapped = math_node(tree, "WRAP", value, last, 0.0)
     looped = switch(tree, "FLOAT", outside.outputs["Result"], value, wrapped)
     menu = tree.nodes.new("GeometryNodeMenuSwitch")
     menu.data_type = "FLOAT"
-    # The two items that a new menu has keep their numbers 0 and 1, so those of all are their places.
+    # The two items of a new menu keep their numbers 0 and 1, so all numbers are positions.
     texts = list(PLAYBACKS.values())
     for item, text in zip(menu.enum_items, texts, strict=False):
         item.name = text
@@ -335,7 +335,7 @@ def _played(
 
 
 def _key(value: NodeInput, frames: Sequence[bpy.types.Object], first_frame: int, easing: str) -> None:
-    """Key the value at every shape that was baked and at the two ends of what was."""
+    """Key the value at every baked shape and at both ends of the bake."""
     values = _values(frames)
     corners = {0, len(frames) - 1, *np.flatnonzero(values == np.round(values)).tolist()}
     for place in sorted(corners):

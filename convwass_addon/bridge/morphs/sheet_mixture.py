@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry nodes that show a sheet of blends at any place: the three baked blends around it, mixed."""
+"""Geometry Nodes that show a sheet of blends at any position, as a mixture of three baked blends."""
 
 from __future__ import annotations
 
@@ -23,20 +23,21 @@ _SHOWN = "shown"
 
 @dataclass(frozen=True)
 class SheetLattice:
-    """Where the blends of a sheet are on a pad whose plane is X and Z.
+    """Positions of the blends of a sheet on a pad in the XZ plane.
 
     Attributes
     ----------
     first : (3,) float64
-        The blend in the first row and column.
+        Position of the blend in the first row and column.
     step : float
-        From a blend to the next along a row.
+        Step between blends of a row.
     rise : float
-        From a row to the next, in steps.
+        Offset between rows, in steps.
     last : int
-        Number of the last row.
+        Index of the last row.
     is_triangle : bool
-        Whether rows get longer by one, half a step to both sides, instead of being equally long.
+        Whether each row is longer than the previous one by one blend, half a step on both sides, instead of equally
+        long.
     """
 
     first: NDArray[np.float64]
@@ -47,7 +48,7 @@ class SheetLattice:
 
 
 def sheet_columns(frames: Sequence[bpy.types.Object], feet: NDArray[np.float64]) -> list[Column]:
-    """Return what the table of steps says of the blends of a sheet whose feet, (n, 3), go to the origin."""
+    """Return the columns of the table of steps of a sheet whose feet, (n, 3), are moved to the origin."""
     return [*columns_of(frames), Column(_SHOWN, "FLOAT_VECTOR", -feet)]
 
 
@@ -59,22 +60,22 @@ def mixed_sheet(
     place: bpy.types.NodeSocket,
     detail: bpy.types.NodeSocket,
 ) -> SeenMixture:
-    """Return what is seen of a sheet at a place on its pad; outside of it, at a place of its rim.
+    """Return the blend of a sheet at a position on its pad; outside of the pad, at its edge.
 
     Parameters
     ----------
     tree : bpy.types.NodeTree
-        Where the nodes go.
+        Node group of the new nodes.
     fields : StoredFields
-        Of the blends, with `sheet_columns`.
+        Table of the blends, with `sheet_columns`.
     frames : sequence of bpy.types.Object
         The blends.
     lattice : SheetLattice
-        Where they are.
+        Positions of the blends.
     place : bpy.types.NodeSocket
-        In the local space of the pad.
+        Position in local space of the pad.
     detail : bpy.types.NodeSocket
-        Whether the surface is laid onto the baked meshes.
+        Whether the surface is projected onto the baked meshes.
     """
     meshes = [object_info(tree, obj).outputs["Geometry"] for obj in frames]
     mixture = FieldMixture(tree, fields, _corners(tree, lattice, place))
@@ -86,10 +87,10 @@ def mixed_sheet(
 
 
 def _corners(tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.types.NodeSocket) -> list[Term]:
-    """Return the corners of the triangle of blends that holds a place, with its barycentric coordinates.
+    """Return the corners of the triangle of blends around a position, with its barycentric coordinates.
 
-    Every cell of rows and columns is cut from its first to its last corner, which in a triangular sheet are as close to
-    each other as neighbors along a row.
+    Every cell of rows and columns is cut from its first to its last corner, which in a triangular sheet are as close as
+    neighbors in a row.
     """
     row, column = _row_and_column(tree, lattice, place)
     last = lattice.last - 1.0
@@ -111,7 +112,7 @@ def _corners(tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.types.N
 def _row_and_column(
     tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.types.NodeSocket
 ) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
-    """Return in which row and column a place is, between the first and the last."""
+    """Return the row and column of a position, clamped to the sheet."""
     axes = tree.nodes.new("ShaderNodeSeparateXYZ")
     tree.links.new(place, axes.inputs[0])
     row = math_node(tree, "SUBTRACT", float(lattice.first[2]), axes.outputs["Z"])
@@ -132,7 +133,7 @@ def _clamped(
 def _number(
     tree: bpy.types.NodeTree, lattice: SheetLattice, row: bpy.types.NodeSocket, column: bpy.types.NodeSocket
 ) -> bpy.types.NodeSocket:
-    """Return the number of the blend in a row and a column."""
+    """Return the index of the blend in a row and a column."""
     if not lattice.is_triangle:
         return math_node(tree, "MULTIPLY_ADD", row, lattice.last + 1.0, column)
     before = math_node(tree, "MULTIPLY", math_node(tree, "MULTIPLY", row, math_node(tree, "ADD", row, 1.0)), 0.5)
