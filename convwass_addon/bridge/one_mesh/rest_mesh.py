@@ -94,10 +94,9 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
     notices = []
     if before:
         values = {"name": obj.name, "modifiers": ", ".join(before)}
-        text = "The modifiers of {name} ({modifiers}) are applied to the copy."
+        notices.append(Sentence("The modifiers of {name} ({modifiers}) are applied to the copy.", values))
         if obj.data.shape_keys is not None:
-            text = "The modifiers ({modifiers}) and shape keys of {name} are applied to the copy."
-        notices.append(Sentence(text, values))
+            notices.append(Sentence("The shape keys of {name} are applied to the copy, too.", {"name": obj.name}))
     if place is None:
         return RestMesh(_world_copy(obj, depsgraph, apply=bool(before)), seen, None, (), notices)
     kept = tuple(own.name for own in list(obj.modifiers)[place:])
@@ -109,8 +108,12 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
         bpy.data.meshes.remove(mesh)
         raise
     if obj.modifiers[place].use_deform_preserve_volume and _is_posed(obj.modifiers[place].object):
-        text = "{name} is posed with Preserve Volume; at joints its keys are approximate. Use the rest pose."
-        notices.append(Sentence(text, {"name": obj.name}))
+        notices.append(
+            Sentence(
+                "{name} is posed with Preserve Volume; at joints its keys are approximate. Use the rest pose.",
+                {"name": obj.name},
+            )
+        )
     return RestMesh(mesh, seen, linear, kept, notices)
 
 
