@@ -184,7 +184,7 @@ def test_automatic_weights(rig, capfd):
     # Again, on what is bound and posed by now.
     assert call("fit_armature", auto_weights=True) == {"FINISHED"}
     assert len(body.modifiers) == 1
-    assert "Rig is posed, and was fitted at rest" in capfd.readouterr().out
+    assert "Rig is posed, but the fit applies to its rest position" in capfd.readouterr().out
 
 
 def test_weights_without_a_solution_are_told(rig, monkeypatch, capfd):
@@ -247,7 +247,7 @@ def test_a_pose_is_told_and_kept(rig, capfd):
     bpy.context.scene.frame_set(5)
     call("fit_armature")
     assert is_straight(rig)
-    assert "Rig is posed, and was fitted at rest, as Edit Mode shows it" in capfd.readouterr().out
+    assert "Rig is posed, but the fit applies to its rest position, as in Edit Mode" in capfd.readouterr().out
     bpy.context.scene.frame_set(9)
     assert rig.pose.bones["B"].rotation_euler.z == pytest.approx(1)
 
@@ -320,7 +320,7 @@ def test_two_pins_in_one_place(rig):
 
 def test_hidden_and_running(rig):
     rig.hide_set(True)
-    with pytest.raises(RuntimeError, match="Rig is hidden"):
+    with pytest.raises(RuntimeError, match="Rig or its collection is hidden"):
         call("fit_armature")
     progress = bpy.context.window_manager.convwass_progress
     progress.running = True

@@ -83,7 +83,7 @@ def test_what_cannot_be_pinned(rig):
     with pytest.raises(RuntimeError, match="No joint is pinned"):
         call("clear_pins")
     rig.hide_set(True)
-    with pytest.raises(RuntimeError, match="Rig is hidden"):
+    with pytest.raises(RuntimeError, match="Rig or its collection is hidden"):
         call("pin_joints", joints="A.head")
 
 

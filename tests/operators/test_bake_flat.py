@@ -150,7 +150,7 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
     bpy.ops.mesh.primitive_cube_add(size=1, location=(3, 0, 0))
     cube, word = bpy.context.object, text("A")
     choose(cube, word)
-    with pytest.raises(RuntimeError, match="A is flat and Cube is solid"):
+    with pytest.raises(RuntimeError, match="A is flat but Cube is solid"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=32)
     assert not any(collection.name.startswith("Morph") for collection in bpy.data.collections)
     word.data.extrude = 0.2

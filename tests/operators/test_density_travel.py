@@ -173,7 +173,7 @@ def test_undo_takes_it_away(obj):
         ({**PAIR, "frames": "1, x"}, "Frames and weights must be numbers"),
         ({**PAIR, "frames": "9, 3"}, "each later than the one before"),
         ({**PAIR, "frames": "1, 2, 3"}, "2 groups and 3 key times"),
-        ({**PAIR, "density": "A"}, "has a vertex group or an attribute A already"),
+        ({**PAIR, "density": "A"}, "already has a vertex group or an attribute A"),
         ({**PAIR, "density": ""}, "cannot be the name of a density"),
         ({**PAIR, "blur": 1e-4}, "finer than the mesh can carry"),
         ({**PAIR, "blur": 100.0}, "longer than the whole surface"),
@@ -364,7 +364,7 @@ def test_another_mesh_than_before_is_told(obj, press):
     pressed = press(context, **QUICK)
     obj.data.vertices.add(1)
     assert until(pressed, context) == {"CANCELLED"}
-    assert "other vertices than when the work on it began" in pressed.reports[-1][1]
+    assert "vertices of Sphere have changed since the start" in pressed.reports[-1][1]
     assert played_densities(obj) == []
 
 
