@@ -180,7 +180,7 @@ def test_a_vertex_that_is_deleted_is_shown_and_refused_before_the_bake(cubes):
     cubes[0].data = small
     assert [item.problem is None for item in guides().items] == [True, False]
     before = inventory()
-    with pytest.raises(RuntimeError, match="Guide 2 is at vertex 7 of One, which has 4 vertices"):
+    with pytest.raises(RuntimeError, match="Guide 2 refers to vertex 7 of One, which has 4 vertices"):
         bake(motion="GUIDED")
     assert inventory() == before
     # What takes no guides does not mind.

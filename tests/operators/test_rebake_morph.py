@@ -285,7 +285,7 @@ def test_a_guide_whose_vertex_has_gone_refuses_and_keeps_the_morph(empty_scene, 
     bpy.ops.mesh.primitive_cube_add()
     first.data = bpy.context.object.data
     bpy.context.view_layer.objects.active = frame_objects(morph)[0]
-    with pytest.raises(RuntimeError, match="Guide top is at vertex 40 of Icosphere, which has 8 vertices"):
+    with pytest.raises(RuntimeError, match="Guide top refers to vertex 40 of Icosphere, which has 8 vertices"):
         bpy.ops.convwass.rebake_morph()
     morph = bpy.data.collections[name]
     assert (morph["convwass_morph"], [obj.name for obj in frame_objects(morph)]) == before

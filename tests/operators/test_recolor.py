@@ -97,7 +97,7 @@ def test_what_is_missing_is_said(own):
         call("recolor_image", image="Nobody")
     own.mask = own.palette
     red_image()
-    with pytest.raises(RuntimeError, match="The mask Blue is 30 x 40"):
+    with pytest.raises(RuntimeError, match="The mask Blue has 30 x 40"):
         call("recolor_image", image="Red")
     own.mask = None
     own.weight = 0.0
