@@ -416,11 +416,11 @@ def test_hidden_armatures_are_refused():
     obj = chain(2)
     require_movable(obj)
     obj.hide_set(True)
-    with pytest.raises(InputError, match="Rig is hidden, or in a collection that is; show it"):
+    with pytest.raises(InputError, match="Rig or its collection is hidden; show it"):
         require_movable(obj)
     obj.hide_set(False)
     bpy.context.collection.objects.unlink(obj)
-    with pytest.raises(InputError, match="Rig is hidden"):
+    with pytest.raises(InputError, match="Rig or its collection is hidden"):
         require_movable(obj)
 
 

@@ -241,7 +241,7 @@ def test_names_that_cannot_be(obj, densities, name):
 def test_names_that_are_taken(obj, densities, name, inventory):
     obj.vertex_groups.new(name="Paint")
     before = inventory()
-    with pytest.raises(InputError, match=f"A has a vertex group or an attribute {name} already"):
+    with pytest.raises(InputError, match=f"A already has a vertex group or an attribute {name}"):
         animate_density(obj, densities, TIMES, name)
     assert inventory() == before
 

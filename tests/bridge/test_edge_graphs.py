@@ -72,7 +72,7 @@ def test_selected_vertices_count_in_edit_mode_alone(path):
 
 def test_what_is_no_skeleton_is_refused():
     bpy.ops.mesh.primitive_cube_add()
-    with pytest.raises(InputError, match="Cube has faces; a skeleton is an armature"):
+    with pytest.raises(InputError, match="Cube has faces; a skeleton must be an armature"):
         edge_graph(bpy.context.object)
     with pytest.raises(InputError, match="Dots has no edges"):
         edge_graph(lines(POINTS, [], "Dots"))
@@ -91,5 +91,5 @@ def test_other_vertices_than_before_are_refused(path):
 def test_an_attribute_of_that_name_may_be_the_users(path):
     path.data.attributes.new(PINNED, "FLOAT", "POINT")
     assert pinned_ends(path) == []
-    with pytest.raises(InputError, match="Pinned is an attribute of other values already"):
+    with pytest.raises(InputError, match="An attribute named Pinned already exists"):
         pin_joints(path, rig_graph(path), [0])

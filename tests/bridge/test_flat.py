@@ -260,7 +260,7 @@ def test_shapes_are_laid_onto_the_first_one():
 def test_flat_and_solid_shapes_are_not_mixed_without_a_thickness(make_object):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     solid, flat, plane = make_object("Solid"), text("A"), make_object("Plane", SQUARE, faces=[(0, 1, 2, 3)])
-    with pytest.raises(InputError, match=r"A is flat and Solid is solid; .* set Thickness"):
+    with pytest.raises(InputError, match=r"A is flat but Solid is solid; .* set Thickness"):
         asks_for_flat([solid, flat], depsgraph, 0.0)
     assert not asks_for_flat([solid, flat, plane], depsgraph, 0.1)
     assert asks_for_flat([flat, plane], depsgraph, 0.0)

@@ -346,7 +346,7 @@ def test_refresh_takes_new_objects_and_keeps_the_keys(collection, octahedron):
 
 def test_a_second_player_is_refused(collection):
     make_player(collection)
-    with pytest.raises(InputError, match="is shown by Morph A to B to C Player already"):
+    with pytest.raises(InputError, match="is already shown by Morph A to B to C Player"):
         make_player(collection)
 
 
