@@ -206,7 +206,7 @@ def test_a_cluster_that_lacks_the_package_is_told_what_it_needs(cluster):
     missing = ModuleNotFoundError(name="convwass_addon")
     for error, cause in ((missing, None), (RuntimeError("Error during deserialization"), missing)):
         with (
-            pytest.raises(ConvwassError, match="does not know convwass_addon"),
+            pytest.raises(ConvwassError, match="does not have convwass_addon"),
             cluster_workers(cluster.scheduler_address),
         ):
             raise error from cause

@@ -219,7 +219,7 @@ def test_invalid_lookups_are_refused():
     grain = tabulated(Ggx(0.4, 0.1), incoming_directions(2, 2), 8)
     with pytest.raises(InputError, match="anisotropic"):
         half_angle_table(grain)
-    with pytest.raises(InputError, match="other directions"):
+    with pytest.raises(InputError, match="different directions"):
         LobeBlend([grain, tabulated(Ggx(0.4, 0.1), incoming_directions(3, 2), 8)], QUICK)
 
 

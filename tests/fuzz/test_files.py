@@ -108,7 +108,7 @@ def test_pictures_with_signaling_nans_are_refused():
     picture = table_picture(tabulated(Ggx(0.4, 0.2), incoming_directions(3, 2), 8)).astype(np.float32)
     # A signaling NaN.
     picture.view(np.uint32)[-1, 0, 0] = 0x7F800001
-    with pytest.raises(InputError, match="values that no table"):
+    with pytest.raises(InputError, match="values that are invalid for a table"):
         table_of_picture(picture, "x.exr")
 
 
