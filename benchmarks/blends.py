@@ -100,7 +100,8 @@ def surface_at(
     whole = SplitShapes(("all",), (list(densities),), densities.sum(axis=(1, 2, 3), dtype=np.float64)[None], ())
     transport = TransportProblem.of(whole, lattice, settings)
     part = replace(transport.parts[0], volumes=np.asarray(volumes, np.float64))
-    problem = MorphProblem(replace(transport, parts=(part,))).with_connectivity()
+    # The shapes themselves have the volumes of their densities, whatever the blend is to have.
+    problem = replace(MorphProblem(transport).with_connectivity(), transport=replace(transport, parts=(part,)))
     (frame,) = blending.solve_blends(problem, [Blend((1.0 - t, t))])
     return frame.mesh
 
