@@ -3,7 +3,7 @@
 """Draw the motions of morphs into docs/pictures: ``python3 run.py python docs/motions.py``.
 
 Pairs of the coherence benchmark, seven frames each: transport alone above, a motion below. ``--only NAME`` draws one of
-the pictures: first (of the README), motions, pairs_one_build, pairs_other or pairs_held_back.
+the pictures: motions, pairs_one_build, pairs_other or pairs_held_back.
 """
 
 from __future__ import annotations
@@ -68,7 +68,6 @@ class Block:
 def drawn_pictures() -> dict[str, list[Block]]:
     """Return the blocks of every picture by its name."""
     return {
-        "first": [Block("horse to cow", ("automatic",))],
         "motions": [Block.compared(pair) for pair in ("man raises arm", "dog rears", "chair to man")],
         "pairs_one_build": [Block.compared(pair.name) for pair in TUNED if pair.build == ONE_BUILD],
         "pairs_other": [Block.compared(pair.name) for pair in TUNED if pair.build != ONE_BUILD],
