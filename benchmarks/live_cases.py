@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 from convwass_addon.applications.live.field_sources import StandInSource, TransportSource, box_of_shapes
 from convwass_addon.applications.live.filling_lattice import LEVELS, count_of_nodes
 from convwass_addon.applications.live.level_fields import mixed
-from convwass_addon.applications.live.live_blends import FADE, LiveBlends, LiveShape, LiveShapes, quick_settings
+from convwass_addon.applications.live.live_blends import FADE, LiveBlends, quick_settings
 from convwass_addon.applications.live.live_settings import LiveSettings
+from convwass_addon.applications.live.live_shapes import LiveShape, LiveShapes
 from convwass_addon.applications.live.weight_layouts import layout_of
 from convwass_addon.applications.morphs.extraction import LevelDensity, estimated_level_density, level_density
 from convwass_addon.applications.morphs.morph_settings import MorphSettings

@@ -24,7 +24,8 @@ APPLICATIONS = {
         "motion": ("Motion", "MovedShape"),
     },
     "live": {
-        "live_blends": ("LiveBlends", "LiveShapes", "LiveShape"),
+        "live_blends": ("LiveBlends",),
+        "live_shapes": ("LiveShapes", "LiveShape"),
         "live_settings": ("LiveSettings",),
         "field_lattice": ("FieldLattice", "PathNodes", "SheetNodes"),
         "level_fields": ("LevelField", "MixedField", "FieldBox", "mixed"),

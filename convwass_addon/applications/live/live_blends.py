@@ -9,10 +9,9 @@ motion of the shapes and fills a lattice of moved shapes, and solves the blend i
 
 from __future__ import annotations
 
-import threading
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,15 +29,15 @@ from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphFrame, MorphProblem
 from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovingProblem
-from ..morphs.part_labels import Matching
 from ..morphs.preparing import sketchable_problem, with_connectivity
 from ..morphs.volumes import Lattice
 from ..motions.choosing import MotionChoice, chosen_motion
-from ..motions.guides import Guide
 from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
-from .filling_lattice import FAR, LEVELS, FillingLattice, count_of_nodes, fitting_levels
-from .level_fields import FieldBox, LevelField, mixed
+from .filling_lattice import FAR, LEVELS, FillingLattice, Mixture, count_of_nodes, fitting_levels
+from .layered_fields import LEAST_REST, LayeredFields
+from .level_fields import FieldBox, mixed
 from .live_settings import LiveSettings
+from .live_shapes import LiveShape, LiveShapes
 from .weight_layouts import checked_weights, layout_of
 
 FADE = 0.4
@@ -48,8 +47,6 @@ FADE = 0.4
 _FINE, _STAND_IN = 64, 48
 # Smaller weights are zero: a frame of a long bake has no smaller ones.
 _LEAST_WEIGHT = 1.0 / 500.0
-# Below this share of a blend, what is not in the lattice is left out.
-_LEAST_REST = 1e-3
 # Share of the free memory that fields may take.
 _MEMORY_SHARE = 0.25
 # On pads 12 steps are true to 0.03 cells (docs/performance.md, "Live blends"); to refine them takes four times the
@@ -61,55 +58,6 @@ _HAND_TOLERANCE = 2e-2
 _WITHOUT_MOTION = LEVELS[:2]
 # Shares of the progress: until the plain lattice is filled, and until the motion is found.
 _PLAIN_SHARE, _MOTION_SHARE = 0.3, 0.5
-
-
-@dataclass(frozen=True)
-class LiveShapes:
-    """What is blended.
-
-    Attributes
-    ----------
-    meshes : tuple of TriangleMesh
-        Two to four, in one space.
-    names : tuple of str
-        What messages call them.
-    matching : Matching
-        Their parts that travel together.
-    guides : tuple of mappings from int to int
-        Points that belong together; see :func:`.morph.morph`.
-    """
-
-    meshes: tuple[TriangleMesh, ...]
-    names: tuple[str, ...]
-    matching: Matching
-    guides: tuple[Guide, ...] = ()
-
-
-@dataclass(frozen=True)
-class LiveShape:
-    """A blend to be shown.
-
-    Attributes
-    ----------
-    mesh : TriangleMesh
-        In scene units about `center`.
-    center : (3,) float64
-        Where the blend is in the scene.
-    is_solved : bool
-        Whether it was solved in full; otherwise it was mixed.
-    """
-
-    mesh: TriangleMesh
-    center: NDArray[np.float64]
-    is_solved: bool = False
-
-
-@dataclass(frozen=True)
-class _SolvedHand:
-    """The blend that was pointed at, as a field."""
-
-    weights: tuple[float, ...]
-    field: LevelField
 
 
 class LiveBlends:
@@ -147,16 +95,12 @@ class LiveBlends:
         self._shapes, self._live, self._choice, self._clock = shapes, live, choice, clock
         self._settings = replace(settings, resolution=live.live_resolution, carry=False)
         self._lattice = Lattice.around(shapes.meshes, self._settings.resolution, self._settings.sigma)
-        self._box = box_of_shapes(shapes.meshes, self._lattice)
-        self._lock = threading.Lock()
-        # The newest first; older ones go once it has taken over.
-        self._layers: list[FillingLattice] = []
+        self._fields = LayeredFields(box_of_shapes(shapes.meshes, self._lattice))
         self._problem: MorphProblem | None = None
         self._finished: MorphProblem | None = None
         self._moving: MovingProblem | None = None
         self._nodes: FieldSource | None = None
         self._at_hand: FieldSource | None = None
-        self._hand_field: _SolvedHand | None = None
         self._hand = tuple(np.full(len(shapes.meshes), 1.0 / len(shapes.meshes)).tolist())
         self._motion_is_known = settings.motion == "transport" or settings.coherence == 0.0
         self._rests = self._solved_hand_last = False
@@ -203,34 +147,24 @@ class LiveBlends:
     @property
     def coverage(self) -> float:
         """Share of the blend that is pointed at that comes from a lattice, 0 to 1."""
-        rest, now = 1.0, self._clock()
-        for layer in self._layers:
-            rest *= layer.mixture(self._hand, now).rest
-        return 1.0 - rest
+        return self._fields.coverage(self._hand, self._clock())
 
     def settle(self) -> None:
         """Forget what finer levels and newer lattices have taken over from."""
-        now = self._clock()
-        with self._lock:
-            newest = self._layers[:1]
-            if len(self._layers) > 1 and newest[0].has_taken_over(now):
-                self._layers = newest
-        for layer in newest:
-            layer.settle(now)
+        self._fields.settle(self._clock())
 
     def shown(self) -> LiveShape | None:
         """Return the blend that is pointed at as well as it is known by now; None before the first one is there.
 
         While that is the same as at the last call, so is the object that is returned.
         """
-        now, hand, solved = self._clock(), self._hand, self._solved
+        hand, solved = self._hand, self._solved
         if solved is not None and solved.blend.weights == hand:
             return self._remembered((solved,), lambda center: self._solved_shape(solved, center))
-        with self._lock:
-            fields, shares = self._ingredients(hand, now)
-        if not fields:
+        found = self._fields.mixture(hand, self._clock())
+        if not found.fields:
             return None
-        return self._remembered((hand, *fields, *shares), lambda center: self._mixed_shape(fields, shares, center))
+        return self._remembered((hand, *found.fields, *found.shares), lambda center: self._mixed_shape(found, center))
 
     def _remembered(self, made_of: tuple[object, ...], make: Callable[[NDArray[np.float64]], LiveShape]) -> LiveShape:
         """Make a shape at its center, unless the last one was made of the same."""
@@ -244,38 +178,19 @@ class LiveBlends:
         mesh = solved.mesh if solved.mesh is not None else self._shapes.meshes[solved.blend.source]
         return LiveShape(mesh.moved(-center), center, is_solved=True)
 
-    def _mixed_shape(
-        self, fields: Sequence[LevelField], shares: Sequence[float], center: NDArray[np.float64]
-    ) -> LiveShape:
-        mesh = mixed(fields, np.array(shares) / sum(shares)).surface()
+    def _mixed_shape(self, found: Mixture, center: NDArray[np.float64]) -> LiveShape:
+        mesh = mixed(found.fields, np.array(found.shares) / sum(found.shares)).surface()
         return LiveShape(TriangleMesh(mesh.vertices * self._lattice.spacing + self._lattice.origin, mesh.faces), center)
-
-    def _ingredients(self, hand: Sequence[float], now: float) -> tuple[list[LevelField], list[float]]:
-        """Return fields and shares of a blend: of the newest lattice what it covers, and so on, and of the hand's."""
-        fields: list[LevelField] = []
-        shares: list[float] = []
-        rest = 1.0
-        for layer in self._layers:
-            found = layer.mixture(hand, now)
-            fields += found.fields
-            shares += [rest * share for share in found.shares]
-            rest *= found.rest
-            if rest < _LEAST_REST:
-                return fields, shares
-        if self._hand_field is not None:
-            fields.append(self._hand_field.field)
-            shares.append(rest)
-        return fields, shares
 
     @property
     def bytes(self) -> int:
         """Memory that the fields take."""
-        return sum(layer.bytes for layer in self._layers)
+        return self._fields.bytes
 
     @property
     def filled(self) -> int:
         """Blends in the lattice."""
-        return sum(layer.filled for layer in self._layers)
+        return self._fields.filled
 
     # For the thread that works.
 
@@ -296,19 +211,19 @@ class LiveBlends:
         urgent = self._urgent_task()
         if urgent is not None:
             return urgent
-        if self._layers[0].next_wanted(self._hand) is not None:
+        if self._fields.newest.next_wanted(self._hand) is not None:
             return self._fill_node
         return None if self._motion_is_known else self._find_motion
 
     def _urgent_task(self) -> Callable[[Control], Work[None]] | None:
         """Return what the user is waiting for."""
-        hand = self._hand
-        if not self._layers or self._layers[-1].mixture(hand, self._clock()).rest >= _LEAST_REST:
-            known = self._hand_field is not None and self._hand_field.weights == hand
-            is_base_there = bool(self._layers) and self._layers[-1].is_whole(LEVELS[0])
+        hand, base, solved = self._hand, self._fields.oldest, self._fields.hand
+        if base is None or base.mixture(hand, self._clock()).rest >= LEAST_REST:
+            known = solved is not None and solved.weights == hand
+            is_base_there = base is not None and base.is_whole(LEVELS[0])
             # Between two blends at the hand, one for the lattice: the hand may never stand still.
             return None if known or is_base_there or self._solved_hand_last else self._solve_hand
-        waits = self._rests and self._motion_is_known and self._layers[0].is_whole(LEVELS[0])
+        waits = self._rests and self._motion_is_known and self._fields.newest.is_whole(LEVELS[0])
         known = self._solved is not None and self._solved.blend.weights == hand
         return self._solve_rest if waits and not known else None
 
@@ -319,18 +234,19 @@ class LiveBlends:
         if self._settings.resolution > _FINE:
             coarse = replace(quick_settings(self._settings), resolution=_STAND_IN, blur=None)
             problem = yield from self._voxelized(coarse, control)
-            self._at_hand = StandInSource(problem, self._lattice, self._box)
+            self._at_hand = StandInSource(problem, self._lattice, self._fields.box)
             yield from self._solve_hand(control)
         self._problem = yield from self._voxelized(self._settings, control)
         if self._at_hand is None:
             quick = replace(self._problem.transport, settings=quick_settings(self._settings))
             problem = replace(self._problem, transport=quick)
-            self._at_hand = TransportSource(problem, self._box, control, estimated_level_density)
-        self._nodes = TransportSource(self._problem, self._box, control)
-        levels = self._fitting(self._box)
+            self._at_hand = TransportSource(problem, self._fields.box, control, estimated_level_density)
+        box = self._fields.box
+        self._nodes = TransportSource(self._problem, box, control)
+        levels = self._fitting(box)
         if not self._motion_is_known:
             levels = tuple(steps for steps in levels if steps in _WITHOUT_MOTION)
-        self._layers = [self._empty_lattice(levels, self._box)]
+        self._fields.cover(self._empty_lattice(levels, box), box)
 
     def _empty_lattice(self, levels: Sequence[int], box: FieldBox) -> FillingLattice:
         far = FAR if self.layout.count == 2 else _FAR_ON_PADS
@@ -370,17 +286,14 @@ class LiveBlends:
     def _solve_hand(self, control: Control) -> Work[None]:
         """Solve the blend that is pointed at."""
         hand = self._hand
-        field = self._at_hand.field(hand, control)
-        with self._lock:
-            # The box may have grown since.
-            self._hand_field = _SolvedHand(hand, field.within(self._box))
+        self._fields.set_hand(hand, self._at_hand.field(hand, control))
         self._solved_hand_last = True
         self.version += 1
         yield self._report(Sentence("Blending"))
 
     def _fill_node(self, control: Control) -> Work[None]:
         """Solve the blend at the next node of the newest lattice."""
-        layer = self._layers[0]
+        layer = self._fields.newest
         wanted = layer.next_wanted(self._hand)
         self._solved_hand_last = False
         layer.add(wanted.node, self._nodes.field(wanted.weights, control), self._clock())
@@ -432,7 +345,7 @@ class LiveBlends:
                 self._choice = MotionChoice("transport", "FAILED")
         self._motion_is_known = True
         if self._choice.motion is None:
-            self._layers[0].extend(self._fitting(self._box), self._clock())
+            self._fields.newest.extend(self._fitting(self._fields.box), self._clock())
             return
         still = with_connectivity(replace(self._problem, motion=self._choice.record()), 1)
         names, matching = self._shapes.names, self._shapes.matching
@@ -449,15 +362,9 @@ class LiveBlends:
     def _begin_motion(self, moving: MovingProblem) -> None:
         """Lay a lattice of moved shapes over the one of plain transport, in a box that holds both."""
         source = MovingSource(moving)
-        box = self._box.union(source.box)
+        box = self._fields.box.union(source.box)
         source.box = box
-        layer = self._empty_lattice(self._fitting(box), box)
-        with self._lock:
-            for plain in self._layers:
-                plain.enlarge(box)
-            if self._hand_field is not None:
-                self._hand_field = replace(self._hand_field, field=self._hand_field.field.within(box))
-            self._box, self._layers = box, [layer, *self._layers]
+        self._fields.cover(self._empty_lattice(self._fitting(box), box), box)
         self._nodes, self._moving = source, moving
 
     def _attended(self, work: Work[Result], control: Control) -> Work[Result]:

@@ -15,7 +15,7 @@ from ..shape_sources import ShapeSource
 from .live_pad import LivePad
 
 if TYPE_CHECKING:
-    from ...applications.live.live_blends import LiveShape
+    from ...applications.live.live_shapes import LiveShape
     from ...geometry.mesh import TriangleMesh
 
 LIVE_KEY = "convwass_live"

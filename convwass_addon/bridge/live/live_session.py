@@ -12,8 +12,9 @@ import bpy
 import numpy as np
 
 from ...applications.background import BackgroundJob
-from ...applications.live.live_blends import FADE, LiveBlends, LiveShape, LiveShapes
+from ...applications.live.live_blends import FADE, LiveBlends
 from ...applications.live.live_settings import LiveSettings
+from ...applications.live.live_shapes import LiveShape, LiveShapes
 from ...applications.live.pad_places import pad_weights
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import matched, unparted

@@ -9,8 +9,9 @@ import pytest
 
 from convwass_addon.applications.live.field_sources import MovingSource
 from convwass_addon.applications.live.level_fields import mixed
-from convwass_addon.applications.live.live_blends import FADE, LiveBlends, LiveShapes
+from convwass_addon.applications.live.live_blends import FADE, LiveBlends
 from convwass_addon.applications.live.live_settings import LiveSettings
+from convwass_addon.applications.live.live_shapes import LiveShapes
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lattices of level fields in layers, each of which covers the older ones as it is filled.
+
+The oldest layer covers the field of a single blend, the one that was pointed at last. One thread adds layers and
+fields while another one asks what a blend is mixed from.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from .filling_lattice import FillingLattice, Mixture
+from .level_fields import FieldBox, LevelField
+
+LEAST_REST = 1e-3
+"""Below this share, what the layers do not cover of a blend is left out."""
+
+
+@dataclass(frozen=True)
+class HandField:
+    """The field of the blend that was pointed at last.
+
+    Attributes
+    ----------
+    weights : tuple of float
+        Weights of the blend, (k,).
+    field : LevelField
+        Its field.
+    """
+
+    weights: tuple[float, ...]
+    field: LevelField
+
+
+class LayeredFields:
+    """Layers of lattices over the field of a single blend, all in one box.
+
+    Parameters
+    ----------
+    box : FieldBox
+        Box of the fields; it grows with the layers.
+
+    Attributes
+    ----------
+    hand : HandField or None
+        The field of the single blend.
+    """
+
+    def __init__(self, box: FieldBox) -> None:
+        self.hand: HandField | None = None
+        self._box = box
+        self._lock = threading.Lock()
+        # The newest first.
+        self._layers: list[FillingLattice] = []
+
+    @property
+    def box(self) -> FieldBox:
+        """Box of the fields."""
+        return self._box
+
+    @property
+    def newest(self) -> FillingLattice | None:
+        """The layer that covers the others; None before the first one."""
+        return self._layers[0] if self._layers else None
+
+    @property
+    def oldest(self) -> FillingLattice | None:
+        """The layer below the others; None before the first one."""
+        return self._layers[-1] if self._layers else None
+
+    @property
+    def bytes(self) -> int:
+        """Memory that the fields of the layers take."""
+        return sum(layer.bytes for layer in self._layers)
+
+    @property
+    def filled(self) -> int:
+        """Number of fields in the layers."""
+        return sum(layer.filled for layer in self._layers)
+
+    def set_hand(self, weights: tuple[float, ...], field: LevelField) -> None:
+        """Replace the field of the single blend."""
+        with self._lock:
+            # The box may have grown since the field was begun.
+            self.hand = HandField(weights, field.within(self._box))
+
+    def cover(self, layer: FillingLattice, box: FieldBox) -> None:
+        """Add a layer above the others, and bring all fields to its box, which contains the present one."""
+        with self._lock:
+            for older in self._layers:
+                older.enlarge(box)
+            if self.hand is not None:
+                self.hand = HandField(self.hand.weights, self.hand.field.within(box))
+            self._box, self._layers = box, [layer, *self._layers]
+
+    def mixture(self, weights: Sequence[float], now: float) -> Mixture:
+        """Return what a blend is mixed from at a time in seconds: each layer takes its share of what newer ones leave.
+
+        The field of the single blend, whatever its weights are, takes what is left of all layers.
+        """
+        with self._lock:
+            found = self._covered(weights, now)
+            if found.rest < LEAST_REST or self.hand is None:
+                return found
+            return Mixture((*found.fields, self.hand.field), (*found.shares, found.rest), 0.0)
+
+    def coverage(self, weights: Sequence[float], now: float) -> float:
+        """Return the share of a blend that comes from the layers, 0 to 1."""
+        with self._lock:
+            return 1.0 - self._covered(weights, now).rest
+
+    def _covered(self, weights: Sequence[float], now: float) -> Mixture:
+        """Return what a blend is mixed from, of the layers only."""
+        fields: list[LevelField] = []
+        shares: list[float] = []
+        rest = 1.0
+        for layer in self._layers:
+            found = layer.mixture(weights, now)
+            fields += found.fields
+            shares += [rest * share for share in found.shares]
+            rest *= found.rest
+            if rest < LEAST_REST:
+                break
+        return Mixture(tuple(fields), tuple(shares), rest)
+
+    def settle(self, now: float) -> None:
+        """Drop layers and levels that newer ones have taken over from."""
+        with self._lock:
+            newest = self._layers[:1]
+            if len(self._layers) > 1 and newest[0].has_taken_over(now):
+                self._layers = newest
+        for layer in newest:
+            layer.settle(now)
