@@ -15,7 +15,7 @@ from .labelling import Pieces
 from .level_topology import euler_numbers_within, hollows_below, pieces_above
 from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 
-# Chosen by eye; docs/performance.md, "Barycenters on grids", and `python3 run.py bench quality` tell how many false
+# Chosen by eye; docs/performance.md, "Voxels and topology", and `python3 run.py bench quality` tell how many false
 # handles remain.
 # Density to which cells are raised or lowered, relative to the level, and the radii of the change in cells.
 RAISED, LOWERED = 1.1, 0.85
