@@ -31,7 +31,7 @@ _LLOYD_ROUNDS = 3
 _DIVIDING_ROUNDS = 16
 # Least number of seeds of a connected component, if it has that many vertices.
 _FEWEST_SEEDS = 24
-# A coarser mesh with more than this fraction of the vertices is rejected.
+# By default, a coarser mesh with more than this fraction of the vertices is rejected.
 _LARGEST_SHARE = 0.5
 # Pairs of a vertex and a triangle processed together.
 _PAIRS_AT_ONCE = 1 << 18
@@ -75,6 +75,8 @@ def coarsened(
     count: int,
     kept: NDArray[np.int64] | None = None,
     control: Control = UNINTERRUPTED,
+    *,
+    most: float = _LARGEST_SHARE,
 ) -> Coarsening | None:
     """Return a mesh of about `count` vertices that follows the surface of `mesh`, or None if there is no useful one.
 
@@ -91,16 +93,18 @@ def coarsened(
         Vertices that the coarser mesh must contain; vertices without triangles are ignored.
     control : Control
         Stops the work when cancelled.
+    most : float
+        Largest fraction of the vertices that the coarser mesh may keep.
 
     Returns
     -------
     Coarsening or None
-        None if the coarser mesh would keep more than half of the vertices or change the connected components.
+        None if the coarser mesh would keep more than `most` of the vertices or change the connected components.
     """
     fine = _Fine.of(mesh, areas, control)
     if fine is None:
         return None
-    limit = _LARGEST_SHARE * len(fine.points)
+    limit = most * len(fine.points)
     seeds = fine.spread(count)
     for _ in range(_LLOYD_ROUNDS):
         control.check()

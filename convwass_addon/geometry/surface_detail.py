@@ -34,8 +34,8 @@ from .normals import triangle_normals, unit_vectors, vertex_normals
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
 
-# Edges are halved where the surface would leave a shape by more than this many cells, unless they are this short, and
-# so often. The surface gets no more than so many times its triangles.
+# Edges of a cell are halved where the surface would leave a shape by more than this many cells, unless they are this
+# short, and so often. The surface gets no more than so many times its triangles.
 _DEVIATION, _SHORTEST, _ROUNDS = 0.03, 0.25, 2
 _MOST_TRIANGLES = 3.0
 # Offsets are trusted up to so many cells, and not at all from so many on.
@@ -112,6 +112,7 @@ def with_detail(
     amount: float,
     volume: float,
     control: Control = UNINTERRUPTED,
+    face_size: float = 1.0,
 ) -> DetailedSurface:
     """Lay the detail of shapes onto a surface.
 
@@ -129,13 +130,15 @@ def with_detail(
         That the detailed surface should enclose.
     control : Control
         Ends the work when cancelled.
+    face_size : float
+        Length of the edges of the surface in cells: edges that are twice as long may deviate four times as much.
     """
     normals = _even_normals(surface)
     laid = _Laid(surface, normals, [_Carried.found(source, normals, control) for source in sources])
     most = int(_MOST_TRIANGLES * len(surface.faces))
     for _ in range(_ROUNDS):
         control.check()
-        finer = laid.refined(cell, most)
+        finer = laid.refined(cell, face_size, most)
         if finer is None:
             break
         laid = finer
@@ -276,7 +279,7 @@ class _Laid:
         facing = unit_vectors(self.normals[self.mesh.faces].sum(axis=1))
         return replace(self, carried=[own.relaxed(self.mesh.faces, facing, means) for own in self.carried])
 
-    def refined(self, cell: float, most: int) -> _Laid | None:
+    def refined(self, cell: float, face_size: float, most: int) -> _Laid | None:
         """Halve edges between whose ends the shapes bend; None where there are none, or no room for them."""
         use = edge_use(self.mesh.faces)
         ends = edge_ends(self.mesh.faces, use)
@@ -287,10 +290,10 @@ class _Laid:
             longest = np.maximum(longest, apart)
             trust = own.trust(self.normals, cell)[ends].min(axis=1)
             deviations += own.source.weight * trust * own.deviations(ends)
-        deviations[longest < _SHORTEST * cell] = 0.0
+        deviations[longest < _SHORTEST * face_size * cell] = 0.0
         # A halved edge adds two triangles.
         room = max((most - len(self.mesh.faces)) // 2, 0)
-        chosen = deviations > _DEVIATION * cell
+        chosen = deviations > _DEVIATION * face_size**2 * cell
         if np.count_nonzero(chosen) > room:
             chosen[np.argsort(-deviations, kind="stable")[room:]] = False
         if not chosen.any():

@@ -86,7 +86,8 @@ def detailed_blend(
         for i in np.flatnonzero(frame.blend.weights)
     ]
     amount, volume = problem.settings.carried_detail, frame.record["volume_wanted"]
-    return with_detail(frame.mesh, sources, lattice.spacing, amount, volume, control)
+    face_size = problem.settings.face_size
+    return with_detail(frame.mesh, sources, lattice.spacing, amount, volume, control, face_size)
 
 
 def reliability_of(shape: MovedShape) -> NDArray[np.float64]:

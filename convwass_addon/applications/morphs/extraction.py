@@ -14,6 +14,7 @@ from scipy.ndimage import gaussian_filter
 from ...errors import InputError
 from ...geometry.connectivity import Connectivity
 from ...geometry.even_surface import even_surface
+from ...geometry.face_size import with_face_size
 from ...geometry.handle_removal import GENTLE, Effort
 from ...geometry.isosurface import (
     LevelSurface,
@@ -22,7 +23,7 @@ from ...geometry.isosurface import (
     surface_at_level,
     surface_enclosing,
 )
-from ...geometry.mending import mended_surface
+from ...geometry.mending import Mending, mended_surface
 from ...geometry.surface_bounds import SurfaceBounds
 from ...geometry.thin_parts import locally_normalized, lost_parts
 from .coinciding_solids import CoincidingSolids
@@ -160,7 +161,8 @@ def extract_surface(
         surface = surface_at_level(density, float(density.max()) / 2)
         lost = lost_parts(density, density > surface.level, _REACH * sigma)
         return Extraction(
-            even_surface(surface, density), {"found": asdict(Connectivity.of(surface)), "lost": lost.record()}
+            with_face_size(even_surface(surface, density), density, settings.face_size),
+            {"found": asdict(Connectivity.of(surface)), "lost": lost.record()},
         )
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
@@ -193,20 +195,25 @@ def _mended(
     """Return the surface in the box of a density, mended as far as the settings ask for it."""
     if not settings.mend:
         surface = surface_enclosing(prepared.density, volume)
-        return Extraction(even_surface(surface, prepared.density), {"found": asdict(Connectivity.of(surface))})
+        even = with_face_size(even_surface(surface, prepared.density), prepared.density, settings.face_size)
+        return Extraction(even, {"found": asdict(Connectivity.of(surface))})
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)
     mending = mended_surface(prepared.density, volume, most, constraint.effort)
     if constraint.bounds is None:
-        return Extraction(mending.surface, mending.record())
+        return Extraction(_sized(mending, settings), mending.record())
     # What was repaired may be further away than what was there.
     level = mending.surface.level
     limited = constraint.bounds.limited(mending.density, level, prepared.box)
     held = int(np.count_nonzero((limited > level) != (mending.density > level)))
     if held:
         mending = mended_surface(limited, volume, most, constraint.effort)
-    return Extraction(mending.surface, {**mending.record(), "held": held})
+    return Extraction(_sized(mending, settings), {**mending.record(), "held": held})
+
+
+def _sized(mending: Mending, settings: MorphSettings) -> LevelSurface:
+    return with_face_size(mending.surface, mending.density, settings.face_size)
 
 
 @dataclass(frozen=True)

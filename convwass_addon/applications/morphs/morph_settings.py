@@ -216,6 +216,16 @@ class MorphSettings(Settings):
     max_iterations: int = setting(
         200, "Iterations", "Most iterations on each level of the solver", least=1, prop=None, option=None
     )
+    face_size: float = setting(
+        1.0,
+        "Face Size",
+        "Length of the edges of blends; twice the length gives a quarter of the faces, and more where surfaces bend",
+        least=0.5,
+        most=3.0,
+        unit="cells",
+        note="Has no effect on flat shapes",
+        panel="output",
+    )
     carry: bool = setting(
         True,
         "Carry Attributes",
