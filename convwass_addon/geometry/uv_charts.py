@@ -54,17 +54,20 @@ class SharedEdges:
 
 
 def chart_labels(
-    faces: NDArray[np.int64], uvs: NDArray[np.floating], shared: SharedEdges | None = None
+    faces: NDArray[np.int64], uvs: NDArray[np.floating], shared: SharedEdges | None = None, repeats: bool = False
 ) -> NDArray[np.int64]:
     """Label triangles, (m, 3), by their island in a UV map, (m, 3, 2): (m,), starting at 0.
 
     Triangles that share an edge belong to the same island if their UVs agree at both of its ends, up to float32
-    rounding.
+    rounding; where the texture repeats, if they agree up to the same integers.
     """
     shared = shared or SharedEdges.of(faces)
     ends = shared.values(uvs)
     size = float(np.abs(uvs).max(initial=0.0))
-    joined = (np.abs(ends[:, 0] - ends[:, 1]) <= 1e-6 * size).all(axis=(1, 2))
+    apart = ends[:, 0] - ends[:, 1]
+    if repeats:
+        apart -= np.rint(apart[:, :1])
+    joined = (np.abs(apart) <= 1e-6 * size).all(axis=(1, 2))
     pairs = shared.faces[joined]
     graph = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(len(faces),) * 2)
     return connected_components(graph, directed=False)[1].astype(np.int64)

@@ -15,6 +15,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals, unit_vectors, vertex_normals
 
@@ -130,25 +131,12 @@ def _carried(
     """
     known = (triangles >= 0) & (triangles < len(shading.corners))
     chosen = np.where(known, triangles, 0)
-    normals = _shares(shading.corners[chosen], origins) @ shading.normals[chosen]
+    shares = clamped_to_triangle(barycentric_coordinates(shading.corners[chosen], origins))
+    normals = shares @ shading.normals[chosen]
     turned = normals @ np.swapaxes(_bases(origins), 1, 2) @ bases
     turned = unit_vectors(turned.reshape(-1, 3)).reshape(-1, 3, 3)
     agreement = np.einsum("mkd,md->mk", turned, bases[:, 2])
     return np.where((known[:, None] & (agreement > _LEAST_COSINE))[..., None], turned, own)
-
-
-def _shares(corners: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return barycentric coordinates of three points in each triangle, (m, 3, 3), not negative and of sum one."""
-    edges = corners[:, 1:] - corners[:, :1]
-    offsets = points - corners[:, :1]
-    (one, mixed), (_, other) = np.moveaxis(edges @ np.swapaxes(edges, 1, 2), 0, 2)
-    at_one, at_other = np.moveaxis(offsets @ np.swapaxes(edges, 1, 2), 2, 0)
-    area = (one * other - np.square(mixed))[:, None]
-    area = np.where(area > 0.0, area, 1.0)
-    second = (other[:, None] * at_one - mixed[:, None] * at_other) / area
-    third = (one[:, None] * at_other - mixed[:, None] * at_one) / area
-    shares = np.maximum(np.stack([1.0 - second - third, second, third], axis=2), 0.0)
-    return shares / shares.sum(axis=2, keepdims=True)
 
 
 def _bases(corners: NDArray[np.float64]) -> NDArray[np.float64]:

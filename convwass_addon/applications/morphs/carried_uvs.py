@@ -1,0 +1,230 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""UV maps of the shapes, transferred to the corners of a blend's triangles.
+
+Every triangle of the blend belongs to one triangle of the shape, its home. Its corners have the UVs of the places that
+they come from, as long as these are on the home's side of all seams. The other corners get those of the nearest place
+on the home's side, so that no triangle of the blend reaches across the texture.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
+from ...geometry.uv_charts import chart_labels, uv_sizes
+
+# A corner is beyond a seam if its distance in the texture from the middle of its triangle exceeds this multiple of what
+# its distance on the surface predicts. The same factor tells seams in `soft_maps.transfer_uvs`.
+_DETOUR = 3.0
+# Triangles of the shape tried for each corner beyond a seam.
+_CANDIDATES = 8
+# How far the texture is continued beyond the border of an island, relative to its width: 10 pixels at 2K. Textures are
+# usually painted some way beyond the islands; Blender's bakes, 16 pixels.
+_MARGIN = 0.005
+# Triangles of a blend that are transferred together, which limits the memory.
+_AT_ONCE = 1 << 15
+
+
+@dataclass(frozen=True)
+class UvMap:
+    """A UV map of a shape.
+
+    Attributes
+    ----------
+    corners : (m, 3, 3) float64
+        Triangles of the shape, in the space of origins.
+    faces : (m, 3) int64
+        Their vertices.
+    uvs : (m, 3, 2) float64
+        UVs of their corners.
+    repeats : bool
+        Whether all textures that use it repeat, so that UVs that differ by integers are equal. Seams between such UVs
+        vanish.
+    """
+
+    corners: NDArray[np.float64]
+    faces: NDArray[np.int64]
+    uvs: NDArray[np.float64]
+    repeats: bool = False
+
+    @cached_property
+    def charts(self) -> NDArray[np.int64]:
+        """The island of every triangle, (m,)."""
+        return chart_labels(self.faces, self.uvs, repeats=self.repeats)
+
+    @cached_property
+    def sizes(self) -> NDArray[np.float64]:
+        """The length in the texture of a unit of length on every triangle, (m,)."""
+        return uv_sizes(self.corners, self.uvs)
+
+    @cached_property
+    def scale(self) -> float:
+        """The length on the shape of a unit of length in the texture, in the mean."""
+        areas = np.linalg.norm(np.cross(*np.moveaxis(self.corners[:, 1:] - self.corners[:, :1], 1, 0)), axis=1)
+        mean = float(np.average(self.sizes, weights=areas)) if areas.any() else 0.0
+        return 1.0 / mean if mean > 0.0 else 0.0
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """The triangles' centers, in space and in the texture, at the same scale: (m, 5)."""
+        return cKDTree(np.concatenate([self.corners.mean(axis=1), self.scale * self.uvs.mean(axis=1)], axis=1))
+
+    def at(
+        self,
+        places: ClosestPoints,
+        faces: NDArray[np.int64],
+        origins: NDArray[np.floating],
+        homes: NDArray[np.int64],
+    ) -> NDArray[np.float32]:
+        """Return the UVs of the corners of a blend's triangles.
+
+        Parameters
+        ----------
+        places : ClosestPoints
+            Where on the shape the vertices of the blend come from.
+        faces : (f, 3) int64
+            Triangles of the blend.
+        origins : (n, 3)
+            Points from which the vertices come, on or beside the shape.
+        homes : (f,) int64
+            The triangle of the shape that each triangle of the blend belongs to; see :func:`home_triangles`.
+
+        Returns
+        -------
+        (f, 3, 2) float32
+            Triangles within one triangle of the shape, or within several of one island, have its UVs exactly.
+        """
+        own = places.interpolated(self.uvs)
+        found = np.empty((len(faces), 3, 2), np.float32)
+        for start in range(0, len(faces), _AT_ONCE):
+            some = slice(start, start + _AT_ONCE)
+            found[some] = self._of_triangles(places.triangles, own, faces[some], origins, homes[some])
+        return found
+
+    def _of_triangles(
+        self,
+        triangles: NDArray[np.int64],
+        own: NDArray[np.float64],
+        faces: NDArray[np.int64],
+        origins: NDArray[np.floating],
+        homes: NDArray[np.int64],
+    ) -> NDArray[np.float64]:
+        points = origins[faces].astype(np.float64)
+        means = points.mean(axis=1, keepdims=True)
+        middles = clamped_to_triangle(barycentric_coordinates(self.corners[homes], means))
+        middle_uvs = middles @ self.uvs[homes]
+        distances = np.linalg.norm(points - middles @ self.corners[homes], axis=2)
+        there = triangles[faces]
+        found = own[faces]
+        if self.repeats:
+            found -= np.rint(found - middle_uvs)
+        reach = _DETOUR * np.maximum(self.sizes[homes][:, None], self.sizes[there]) * distances
+        near = np.linalg.norm(found - middle_uvs, axis=2) <= reach
+        beyond = ~((near & (self.charts[there] == self.charts[homes][:, None])) | (there == homes[:, None]))
+        row, corner = np.nonzero(beyond)
+        if len(row):
+            asked = _Beyond(points[row, corner], homes[row], middle_uvs[row, 0], reach[row, corner])
+            found[row, corner] = self._on_this_side(asked)
+        return found
+
+    def _on_this_side(self, asked: _Beyond) -> NDArray[np.float64]:
+        """Return the UVs of corners beyond a seam as if the island went on, (n, 2).
+
+        Of the places that are close in space and in the texture together to where the home triangle would put the
+        corner, the closest is taken. From there the texture is continued as far as the margin.
+        """
+        shares = barycentric_coordinates(self.corners[asked.homes], asked.points[:, None])
+        expected = (shares @ self.uvs[asked.homes])[:, 0]
+        expected = asked.middle_uvs + _shortened(expected - asked.middle_uvs, asked.reach)
+        count = min(_CANDIDATES, len(self.corners))
+        joint = np.concatenate([asked.points, self.scale * expected], axis=1)
+        near = self.tree.query(joint, count)[1].reshape(-1, count)
+        candidates = np.concatenate([asked.homes[:, None], near], axis=1)
+        flat, each = candidates.ravel(), np.repeat(np.arange(len(asked.points)), candidates.shape[1])
+        closest = closest_in_triangles(self.corners[flat], asked.points[each])
+        uvs = np.einsum("nc,ncd->nd", closest.shares, self.uvs[flat])
+        costs = np.square(closest.distances) + np.square(self.scale * np.linalg.norm(uvs - expected[each], axis=1))
+        best = np.arange(len(candidates)) * candidates.shape[1] + costs.reshape(candidates.shape).argmin(axis=1)
+        shares = barycentric_coordinates(self.corners[flat[best]], asked.points[:, None])
+        ahead = (shares @ self.uvs[flat[best]])[:, 0] - uvs[best]
+        return uvs[best] + _shortened(ahead, np.minimum(asked.reach, _MARGIN))
+
+
+@dataclass(frozen=True)
+class _Beyond:
+    """Corners whose places are beyond a seam.
+
+    Attributes
+    ----------
+    points : (n, 3) float64
+        Where they come from.
+    homes : (n,) int64
+        The homes of their triangles.
+    middle_uvs : (n, 2) float64
+        UVs of the middles of their triangles.
+    reach : (n,) float64
+        How far from these in the texture the corners may be.
+    """
+
+    points: NDArray[np.float64]
+    homes: NDArray[np.int64]
+    middle_uvs: NDArray[np.float64]
+    reach: NDArray[np.float64]
+
+
+def home_triangles(
+    finder: ClosestPointFinder,
+    labels: NDArray[np.int64],
+    places: ClosestPoints,
+    faces: NDArray[np.int64],
+    origins: NDArray[np.floating],
+    known: NDArray[np.integer] | None = None,
+    owners: NDArray[np.int64] | None = None,
+) -> NDArray[np.int64]:
+    """Return the triangle of a shape that each triangle of a blend belongs to, (f,).
+
+    Parameters
+    ----------
+    finder : ClosestPointFinder
+        Of the shape.
+    labels : (m,) int64
+        Part of the shape, such as an island or a material, of each of its triangles.
+    places : ClosestPoints
+        Where on the shape the vertices of the blend come from.
+    faces : (f, 3) int64
+        Triangles of the blend.
+    origins : (n, 3)
+        Points from which its vertices come, on or beside the shape.
+    known : (f,) int, optional
+        Homes that are known, otherwise -1. They are the homes of a corner if all corners are on one part of the shape,
+        and else what is closest to the middle of the triangle.
+    owners : (f,) int64, optional
+        Polygon of each triangle; all triangles of a polygon get the home of the first.
+    """
+    corners = places.triangles[faces]
+    homes = corners[:, 0].copy()
+    parts = labels[corners]
+    unsure = (parts != parts[:, :1]).any(axis=1)
+    if known is not None:
+        homes = np.where(known >= 0, known, homes)
+        unsure &= known < 0
+    if unsure.any():
+        homes[unsure] = finder.find_about(origins[faces[unsure]].mean(axis=1)).triangles
+    if owners is None:
+        return homes
+    _, first, polygon = np.unique(owners, return_index=True, return_inverse=True)
+    return homes[first][polygon.reshape(-1)]
+
+
+def _shortened(vectors: NDArray[np.float64], most: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Shorten vectors, (n, d), to at most some lengths, (n,)."""
+    lengths = np.linalg.norm(vectors, axis=1)
+    factors = np.where(lengths > most, most / np.where(lengths > 0.0, lengths, 1.0), 1.0)
+    return factors[:, None] * vectors

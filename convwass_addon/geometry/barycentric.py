@@ -1,0 +1,41 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Barycentric coordinates in given triangles."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+def barycentric_coordinates(corners: NDArray[np.floating], points: NDArray[np.floating]) -> NDArray[np.float64]:
+    """Return barycentric coordinates of points in the plane of a triangle each.
+
+    Parameters
+    ----------
+    corners : (m, 3, 3)
+        Triangles.
+    points : (m, p, 3)
+        The points of each triangle; they are projected onto its plane.
+
+    Returns
+    -------
+    (m, p, 3) float64
+        Of sum 1; negative beyond an edge. (1, 0, 0) in triangles without area.
+    """
+    edges = corners[:, 1:] - corners[:, :1]
+    offsets = points - corners[:, :1]
+    (one, mixed), (_, other) = np.moveaxis(edges @ np.swapaxes(edges, 1, 2), 0, 2)
+    at_one, at_other = np.moveaxis(offsets @ np.swapaxes(edges, 1, 2), 2, 0)
+    area = (one * other - np.square(mixed))[:, None]
+    sound = area > 1e-12 * (one * other)[:, None]
+    area = np.where(sound, area, 1.0)
+    second = np.where(sound, (other[:, None] * at_one - mixed[:, None] * at_other) / area, 0.0)
+    third = np.where(sound, (one[:, None] * at_other - mixed[:, None] * at_one) / area, 0.0)
+    return np.stack([1.0 - second - third, second, third], axis=2)
+
+
+def clamped_to_triangle(shares: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Move barycentric coordinates, (..., 3), into the triangle by dropping negative ones."""
+    positive = np.maximum(shares, 0.0)
+    return positive / positive.sum(axis=-1, keepdims=True)
