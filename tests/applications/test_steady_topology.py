@@ -20,11 +20,11 @@ def frame(blend, found, most=RINGS):
     return MorphFrame(blend, None, record)
 
 
-def heard(handles, pieces=None, most=RINGS):
-    """What is asked for, of six blends, after frames with so many handles and pieces."""
+def topology_of(handles, pieces=None, most=RINGS):
+    """Return the topology after a path of six frames with these numbers of handles and pieces."""
     topology = SteadyTopology(legs_of(BLENDS))
     for blend, holes, parts in zip(BLENDS, handles, pieces or [1] * len(handles), strict=True):
-        topology.hear(frame(blend, Connectivity(parts, holes, 0), most))
+        topology.add(frame(blend, Connectivity(parts, holes, 0), most))
     return topology
 
 
@@ -37,28 +37,28 @@ def test_legs_lie_between_shapes():
 
 
 def test_a_hole_that_comes_and_goes_is_asked_away():
-    assert heard([1, 1, 0, 1, 0, 0, 1]).asked() == {BLENDS[3]: Connectivity(1, 0, 0)}
-    assert heard([1, 1, 1, 0, 0, 1, 1]).asked() == {}
+    assert topology_of([1, 1, 0, 1, 0, 0, 1]).asked() == {BLENDS[3]: Connectivity(1, 0, 0)}
+    assert topology_of([1, 1, 1, 0, 0, 1, 1]).asked() == {}
 
 
 def test_a_piece_that_comes_and_goes_is_asked_away():
     two = Connectivity(2, 0, 0)
-    assert heard([0] * 7, [1, 1, 2, 1, 2, 2, 2], two).asked() == {BLENDS[2]: Connectivity(1, 0, 0)}
+    assert topology_of([0] * 7, [1, 1, 2, 1, 2, 2, 2], two).asked() == {BLENDS[2]: Connectivity(1, 0, 0)}
 
 
 def test_more_than_the_shapes_have_is_asked_away_too():
-    assert heard([1, 1, 1, 2, 1, 0, 1]).asked() == {BLENDS[3]: RINGS}
+    assert topology_of([1, 1, 1, 2, 1, 0, 1]).asked() == {BLENDS[3]: RINGS}
 
 
 def test_what_cannot_be_made_is_asked_for_once():
-    topology = heard([1, 1, 0, 1, 0, 0, 1])
+    topology = topology_of([1, 1, 0, 1, 0, 0, 1])
     ((blend, most),) = topology.asked().items()
     assert topology.better(frame(blend, RINGS, most), most) is None
     assert topology.asked() == {}
 
 
 def test_what_is_made_again_keeps_what_its_shapes_have():
-    topology = heard([1, 1, 0, 1, 0, 0, 1])
+    topology = topology_of([1, 1, 0, 1, 0, 0, 1])
     ((blend, most),) = topology.asked().items()
     better = topology.better(frame(blend, Connectivity(1, 0, 0), most), most)
     assert better.record["most"] == asdict(RINGS)
@@ -69,7 +69,5 @@ def test_what_is_made_again_keeps_what_its_shapes_have():
 def test_nothing_is_asked_for_where_a_frame_is_not_known(record):
     topology = SteadyTopology(legs_of(BLENDS))
     for blend, handles in zip(BLENDS, [1, 1, 0, 1, 0, 0, 1], strict=True):
-        topology.hear(
-            frame(blend, Connectivity(1, handles, 0)) if blend.frame != 2 else MorphFrame(blend, None, record)
-        )
+        topology.add(frame(blend, Connectivity(1, handles, 0)) if blend.frame != 2 else MorphFrame(blend, None, record))
     assert topology.asked() == {}

@@ -13,13 +13,13 @@ from tests.shapes import ball, joined
 BLENDS = path_blends(2, 12)
 
 
-def heard(places, extra=()):
-    """Chains after balls at some places along x; there is a second ball in some of them."""
+def chains_of(places, extra=()):
+    """Return the chains of balls at positions along x, with a second ball in some blends."""
     steps = SurfaceSteps(legs_of(BLENDS))
     for index, (blend, x) in enumerate(zip(BLENDS, places, strict=True)):
         here = ball(1.0, (x, 0, 0))
         mesh = joined(here, ball(0.3, (x + 2.0, 0, 0))) if index in extra else here
-        steps.hear(MorphFrame(blend, None if blend.source is not None else mesh, {}))
+        steps.add(MorphFrame(blend, None if blend.source is not None else mesh, {}))
     return steps.chains()
 
 
@@ -30,20 +30,20 @@ def test_distances_of_balls():
 
 
 def test_even_steps_are_left_as_they_are():
-    assert heard([0.2 * i for i in range(13)]) == []
+    assert chains_of([0.2 * i for i in range(13)]) == []
 
 
 def test_what_appears_grows_afterwards_and_what_vanishes_has_shrunk():
-    (grows,) = heard([0.2 * i for i in range(13)], extra=range(4, 13))
+    (grows,) = chains_of([0.2 * i for i in range(13)], extra=range(4, 13))
     assert (grows.beside, grows.blends) == (BLENDS[3], tuple(BLENDS[4:12]))
     assert len(grows.near.vertices) == len(ball().vertices)
     # Over the eight steps that are left the small ball goes 1.3 and seven times 0.2.
     assert grows.reach == pytest.approx(2.7 / 8, abs=0.03)
-    (shrinks,) = heard([0.2 * i for i in range(13)], extra=range(9))
+    (shrinks,) = chains_of([0.2 * i for i in range(13)], extra=range(9))
     assert (shrinks.beside, shrinks.blends) == (BLENDS[9], tuple(BLENDS[8:0:-1]))
     assert len(shrinks.near.vertices) == len(ball().vertices)
 
 
 def test_what_is_there_once_grows_and_shrinks():
-    grows, shrinks = heard([0.2 * i for i in range(13)], extra=[4])
+    grows, shrinks = chains_of([0.2 * i for i in range(13)], extra=[4])
     assert (grows.blends[0], shrinks.blends[0]) == (BLENDS[4], BLENDS[4])

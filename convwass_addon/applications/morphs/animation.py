@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Inputs that change their shape while they are morphed: what each is like at any time."""
+"""Animated inputs: the mesh of each input at any time of a morph."""
 
 from __future__ import annotations
 
@@ -16,14 +16,14 @@ from ...geometry.mesh import TriangleMesh
 
 @dataclass(frozen=True)
 class ShapeAnimation:
-    """One input at some times.
+    """An input at several times.
 
     Attributes
     ----------
     times : tuple of float
         Ascending, in frames after the first one of the morph.
     meshes : tuple of TriangleMesh
-        The input at these times, in the scene.
+        The input at these times, in scene space.
     """
 
     times: tuple[float, ...]
@@ -36,9 +36,9 @@ class ShapeAnimation:
         return all(len(own.vertices) == len(first.vertices) and _same(own.faces, first.faces) for own in self.meshes)
 
     def at(self, time: float) -> TriangleMesh:
-        """Return the input at a time; between two that are known vertices move evenly, beyond them nothing moves.
+        """Return the input at a time, interpolated linearly between known times and constant beyond them.
 
-        Without the same triangles, the mesh of the nearest time before.
+        If the triangles change, return the mesh of the nearest earlier time.
         """
         place = int(np.clip(np.searchsorted(self.times, time, side="right") - 1, 0, len(self.times) - 1))
         mesh = self.meshes[place]
@@ -48,20 +48,20 @@ class ShapeAnimation:
         return TriangleMesh((1.0 - share) * mesh.vertices + share * self.meshes[place + 1].vertices, mesh.faces)
 
     def velocity(self, time: float) -> NDArray[np.float64]:
-        """Return how the vertices move at a time, (n, 3) per frame; for meshes with the same triangles."""
+        """Return the velocity of the vertices at a time, (n, 3) per frame; only for meshes with the same triangles."""
         return self.at(time + 0.5).vertices - self.at(time - 0.5).vertices
 
 
 @dataclass(frozen=True)
 class Animation:
-    """All inputs of a path.
+    """All inputs of a path, animated.
 
     Attributes
     ----------
     shapes : tuple of ShapeAnimation
         One per input.
     stations : tuple of float
-        When each input is shown as it is.
+        Times at which each input is shown unblended.
     """
 
     shapes: tuple[ShapeAnimation, ...]
@@ -69,11 +69,11 @@ class Animation:
 
     @property
     def keeps_topology(self) -> bool:
-        """Whether that of every input stays the same."""
+        """Whether every input keeps its triangles."""
         return all(shape.keeps_topology for shape in self.shapes)
 
     def facing(self, faces: Sequence[NDArray[np.int64]]) -> Animation:
-        """Return the same with other triangles of the same vertices, one array per input."""
+        """Return the same animation with other triangles of the same vertices, one array per input."""
         shapes = [
             replace(shape, meshes=tuple(TriangleMesh(mesh.vertices, own) for mesh in shape.meshes))
             for shape, own in zip(self.shapes, faces, strict=True)
@@ -82,11 +82,11 @@ class Animation:
 
     @property
     def meshes(self) -> list[TriangleMesh]:
-        """All of them."""
+        """The meshes of all inputs at all times."""
         return [mesh for shape in self.shapes for mesh in shape.meshes]
 
     def time_of(self, weights: Sequence[float]) -> float:
-        """Return when the blend of a path with these weights is shown."""
+        """Return the time at which the blend of a path with these weights is shown."""
         return float(np.dot(weights, self.stations))
 
 

@@ -16,15 +16,15 @@ from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 
 
 class Paint(Protocol):
-    """The color of a material all over a shape."""
+    """The color of a material everywhere on a shape."""
 
     def at(self, places: ClosestPoints) -> NDArray[np.float32]:
-        """Return RGBA in scene linear at places of the shape, (n, 4)."""
+        """Return scene linear RGBA at points of the shape, (n, 4)."""
 
 
 @dataclass(frozen=True)
 class Plain:
-    """One color.
+    """A single color.
 
     Attributes
     ----------
@@ -35,13 +35,13 @@ class Plain:
     color: tuple[float, float, float, float]
 
     def at(self, places: ClosestPoints) -> NDArray[np.float32]:
-        """Return the color for every place."""
+        """Return the color for every point."""
         return np.tile(np.array(self.color, dtype=np.float32), (len(places.triangles), 1))
 
 
 @dataclass(frozen=True)
 class Painted:
-    """Colors of the corners of triangles.
+    """Colors stored at the corners of triangles.
 
     Attributes
     ----------
@@ -52,22 +52,22 @@ class Painted:
     corners: NDArray[np.float32]
 
     def at(self, places: ClosestPoints) -> NDArray[np.float32]:
-        """Interpolate in the triangles."""
+        """Interpolate within the triangles."""
         return places.interpolated(self.corners).astype(np.float32)
 
 
 @dataclass(frozen=True)
 class Textured:
-    """An image that is laid over the triangles.
+    """An image mapped to the triangles by UV coordinates.
 
     Attributes
     ----------
     pixels : (h, w, 4) float32
-        RGBA, scene linear; the lowest row first.
+        RGBA, scene linear; the bottom row first.
     uvs : (m, 3, 2) float32
         Texture coordinates of the corners of triangles.
     repeats : bool
-        Whether the image goes on beyond its edges as from the start, or as its last pixels.
+        Whether the image repeats beyond its edges; otherwise its edge pixels are extended.
     """
 
     pixels: NDArray[np.float32]
@@ -75,9 +75,9 @@ class Textured:
     repeats: bool = True
 
     def at(self, places: ClosestPoints) -> NDArray[np.float32]:
-        """Look up the image, between the centers of pixels.
+        """Sample the image bilinearly.
 
-        Coordinates are taken from the corners of one triangle: means over several would cross seams.
+        Coordinates are interpolated within one triangle: means over several triangles would cross seams.
         """
         height, width = self.pixels.shape[:2]
         where = places.interpolated(self.uvs) * (width, height) - 0.5
@@ -103,7 +103,7 @@ class Appearance:
     Attributes
     ----------
     corners : (m, 3, 3) float64
-        Triangles, in the space that origins are in.
+        Triangles, in the same space as the origins of blends.
     materials : (m,) int64
         Material of every triangle.
     paints : tuple of Paint
@@ -122,16 +122,16 @@ class Appearance:
 
     @cached_property
     def finder(self) -> ClosestPointFinder:
-        """Finds places on the shape; made when it is first asked for."""
+        """The closest-point finder of the shape, created on first use."""
         return ClosestPointFinder(self.corners)
 
     @property
     def is_even(self) -> bool:
-        """Whether all places look the same."""
+        """Whether the appearance is the same everywhere."""
         return len(self.paints) == 1 and isinstance(self.paints[0], Plain) and not self.groups
 
     def at(self, points: NDArray) -> Seen:
-        """Sample the surface at the places closest to some points, (n, 3)."""
+        """Sample the appearance at the points of the surface closest to given points, (n, 3)."""
         if self.is_even:
             nowhere = ClosestPoints(np.zeros(len(points), np.int64), np.empty((0, 3)), np.empty(0))
             return Seen(self.paints[0].at(nowhere), nowhere.triangles, {})
@@ -151,14 +151,14 @@ class Appearance:
 
 @dataclass(frozen=True)
 class Seen:
-    """What there is at some places of a shape.
+    """The appearance of a shape at some points.
 
     Attributes
     ----------
     colors : (n, 4) float32
         RGBA, scene linear.
     materials : (n,) int64
-        Which material.
+        Index of the material.
     groups : dict of str to (n,) float32
         Weights of vertex groups.
     """
@@ -170,14 +170,14 @@ class Seen:
 
 @dataclass(frozen=True)
 class Carried:
-    """What the vertices of a blend bring from where they come from.
+    """The appearance that the vertices of a blend take from the inputs.
 
     Attributes
     ----------
     weights : tuple of float
-        Share of every input.
+        Weight of every input.
     inputs : dict of int to Seen
-        By the number of the input; those of weight 0 are left out.
+        By the index of the input; inputs of weight 0 are left out.
     """
 
     weights: tuple[float, ...]
@@ -185,12 +185,12 @@ class Carried:
 
     @property
     def color(self) -> NDArray[np.float32]:
-        """Mean of the colors of the inputs, with the weights, (n, 4)."""
+        """Weighted mean of the inputs' colors, (n, 4)."""
         return sum(np.float32(self.weights[index]) * seen.colors for index, seen in self.inputs.items())
 
     @property
     def groups(self) -> dict[str, NDArray[np.float32]]:
-        """Means of the weights of vertex groups that all of these inputs have, (n,) each."""
+        """Weighted means of the vertex groups that all of these inputs have, (n,) each."""
         names = set.intersection(*(set(seen.groups) for seen in self.inputs.values()))
         first = next(iter(self.inputs.values()))
         return {
@@ -205,18 +205,18 @@ def carried(
 ) -> Carried:
     """Transfer the appearance of the inputs to the vertices of a blend.
 
-    Colors are means over the faces about every vertex: edges of an image finer than the vertices would be jagged.
+    Colors are averaged over the faces around every vertex: image edges finer than the mesh would become jagged.
 
     Parameters
     ----------
     origins : (k, n, 3) float32
-        As :func:`.origins.blend_origins` gives them.
+        From :func:`.origins.blend_origins`.
     faces : (m, 3) int64
-        Of the blend.
+        Triangles of the blend.
     appearances : sequence of Appearance
         One per input.
     weights : (k,)
-        Of the blend.
+        Weights of the blend.
     """
     seen = {
         index: _softened(appearance.at(own), faces)
@@ -228,14 +228,14 @@ def carried(
 
 @dataclass(frozen=True)
 class FaceSlots:
-    """Which material slots of the inputs meet on the triangles of a blend.
+    """The material slots of the inputs on the triangles of a blend.
 
     Attributes
     ----------
     combinations : list of tuple of int
         One slot of every input; 0 for those without weight.
     faces : (m,) int64
-        The combination of every triangle.
+        Index of the combination of every triangle.
     """
 
     combinations: list[tuple[int, ...]]
@@ -245,17 +245,17 @@ class FaceSlots:
 def face_slots(
     taken: Carried, faces: NDArray[np.int64], triangles: NDArray[np.int32] | None, appearances: Sequence[Appearance]
 ) -> FaceSlots:
-    """Tell from which material slots the triangles of a blend come.
+    """Determine the material slots that the triangles of a blend get from the inputs.
 
     Parameters
     ----------
     taken : Carried
-        What the vertices of the blend bring.
+        The appearance at the vertices of the blend.
     faces : (m, 3) int64
-        Of the blend.
+        Triangles of the blend.
     triangles : (k, m) int32 or None
-        The triangle of every input that each triangle lies on, -1 for none; without it, the slot that most corners of a
-        triangle come from.
+        The triangle of every input that each triangle lies on, -1 for none. Without it, a triangle takes the slot of
+        most of its corners.
     appearances : sequence of Appearance
         One per input.
     """
@@ -273,7 +273,7 @@ def face_slots(
 
 
 def _softened(seen: Seen, faces: NDArray[np.int64]) -> Seen:
-    """Replace colors by their means over the faces about every vertex; of faces, by those over their corners."""
+    """Average colors over the faces around every vertex, where a face has the mean color of its corners."""
     corners, count = faces.ravel(), len(seen.colors)
     about = np.bincount(corners, minlength=count)
     colors = seen.colors.copy()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Begin a bake: prepare the shapes, choose a motion, show previews, and hand the runs to whoever computes them."""
+"""Start a bake: prepare the shapes, choose a motion, show previews, and start computing the runs."""
 
 from __future__ import annotations
 
@@ -44,18 +44,18 @@ from .runs import (
 from .solving_again import Asked, again_elsewhere, again_in_threads
 from .volumes import fitting_workers
 
-# Shares of the progress that previews take, where there are any, and the motion.
+# Fractions of the progress bar for previews, if there are any, and for the motion.
 _PREVIEW_SHARE, _MOTION_SHARE = 0.12, 0.3
 
 
 @dataclass(frozen=True)
 class MorphPreview:
-    """What a frame that is not finished yet will look like.
+    """A preview of a frame that is not finished yet.
 
     Attributes
     ----------
     frame : MorphFrame
-        Its blend, with a coarse mesh.
+        The blend with a coarse mesh.
     """
 
     frame: MorphFrame
@@ -70,9 +70,9 @@ class BegunRuns:
     pending : dict
         The index of the run for each future.
     fraction : float
-        Share of the work that is done by then.
+        Fraction of the work that is done when they have been started.
     problem : MorphProblem or MovingProblem
-        What they are runs of, perhaps without the connectivity of the shapes.
+        The problem that the runs solve, possibly without the connectivity of the shapes.
     """
 
     pending: Pending
@@ -82,16 +82,16 @@ class BegunRuns:
 
 @dataclass(frozen=True)
 class BakePlan:
-    """What is to be computed, and by whom; for the attributes that are not told here see :func:`.morph.morph`.
+    """What is to be computed, and how; attributes not listed here are described at :func:`.morph.morph`.
 
     Attributes
     ----------
     matching : Matching
         The parts of the shapes that travel together.
     runs : dict
-        Those that have to be computed.
+        The runs that have to be computed.
     keeps_potentials : bool
-        Whether frames bring what blends next to them can be had from.
+        Whether frames keep potentials, from which blends next to them can be solved.
     """
 
     shapes: Sequence[TriangleMesh]
@@ -109,7 +109,7 @@ class BakePlan:
     animation: Animation | None = None
 
     def begun(self, stack: ExitStack, control: Control) -> Work[BegunRuns]:
-        """Begin all runs; the stack ends what computes them."""
+        """Start all runs; closing the stack stops what computes them."""
         if self._shows and self.animation is None:
             yield from self._first_preview(control)
         problem = yield from self.prepared(control)
@@ -126,7 +126,7 @@ class BakePlan:
         return BegunRuns(pending, self._chosen_at, problem)
 
     def prepared(self, control: Control) -> Work[MorphProblem | MovingProblem]:
-        """Return what all blends have in common; of shapes that do not move, without their connectivity."""
+        """Return the problem shared by all blends; without the connectivity of the shapes if they do not move."""
         side_by_side = min(self.workers or 1, len(self.runs))
         problem = yield from sketchable_problem(
             self.shapes, self.names, self.matching, self.settings, side_by_side, self._threads, control
@@ -145,7 +145,7 @@ class BakePlan:
         return moving
 
     def _following(self, problem: MorphProblem, choice: MotionChoice, control: Control) -> FollowingProblem:
-        """Return what blends of animated inputs have in common."""
+        """Return the problem shared by all blends of animated inputs."""
         outward = [orient_outward(shape) for shape in self.shapes]
         animation, motion = self.animation, None
         if animation.keeps_topology:
@@ -162,7 +162,7 @@ class BakePlan:
     def again(
         self, problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, control: Control
     ) -> Iterator[Pending]:
-        """Make blends of some runs once more; see :func:`.solving_again.solve_again`."""
+        """Compute blends of some runs again; see :func:`.solving_again.solve_again`."""
         if self.executor is None:
             work = again_in_threads(problem, runs, asked, control, self._fitting(problem))
         else:
@@ -172,7 +172,7 @@ class BakePlan:
 
     @property
     def _shows(self) -> bool:
-        """Whether there are previews."""
+        """Whether previews are shown."""
         return self.previews and self.executor is None
 
     @property
@@ -181,23 +181,23 @@ class BakePlan:
 
     @property
     def _chosen_at(self) -> float:
-        """Share of the work that is done when the motion is chosen."""
+        """Fraction of the work that is done when the motion has been chosen."""
         return VOXEL_SHARE + (0.0 if self.settings.motion == "transport" else _MOTION_SHARE)
 
     def _fitting(self, problem: MorphProblem | MovingProblem) -> int:
-        """Return how many threads can solve at once."""
+        """Return how many threads can solve at the same time."""
         return self.workers or fitting_workers(problem.lattice, self.shapes, self.matching.count, self._threads)
 
     def _motion(self, control: Control) -> Work[MotionChoice]:
         """Choose how the shapes move."""
         asked, coherence = self.settings.motion, self.settings.coherence
-        # Transport orients shapes where it voxelizes them.
+        # With "transport" the shapes are oriented when they are voxelized.
         outward = self.shapes if asked == "transport" else [orient_outward(shape) for shape in self.shapes]
         work = chosen_motion(outward, self.names, pairs_of(self.blends), asked, coherence, self.guides, control)
         return (yield from within(work, VOXEL_SHARE, self._chosen_at))
 
     def _moving(self, moving: MovingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
-        """Begin runs of inputs that move."""
+        """Start runs of moving inputs."""
         fraction = self._chosen_at
         if self._shows:
             yield from self._moved_previews(moving, control)
@@ -209,7 +209,7 @@ class BakePlan:
         return BegunRuns(stack.enter_context(runs), fraction, moving)
 
     def _sketched(self, problem: MorphProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
-        """Begin runs by their coarse levels, and show these."""
+        """Start runs with their coarse levels, and show these."""
         most = self._fitting(problem)
         needed = problem.lattice.memory(self.shapes, most, self.matching.count)
         chosen = self._previewed(problem.transport.sketch_bytes, needed)
@@ -218,7 +218,7 @@ class BakePlan:
         return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem)
 
     def _first_preview(self, control: Control) -> Work[None]:
-        """Show one blend at once, more coarsely than the other previews."""
+        """Show one blend first, more coarsely than the other previews."""
         blend = self._seen_blend()
         seen = None
         if blend is not None:
@@ -227,7 +227,7 @@ class BakePlan:
             yield Progress(0.0, Sentence("First preview"), MorphPreview(seen))
 
     def _seen_blend(self) -> Blend | None:
-        """Return the blend nearest to the one that is looked at which is no shape as it is, if there is any."""
+        """Return the blend nearest to the displayed one that is not an unblended shape, or None."""
         blends = {
             index * RUN_LENGTH + place: blend for index, run in self.runs.items() for place, blend in enumerate(run)
         }
@@ -235,7 +235,7 @@ class BakePlan:
         return blends[min(mixed, key=lambda index: abs(index - self.looked_at))] if mixed else None
 
     def _previewed(self, bytes_each: int, needed: int) -> list[int]:
-        """Choose the runs to sketch, as many as there is memory for beside the job, the nearest to a blend first."""
+        """Choose the runs to preview, nearest to the displayed blend first, as many as fit in memory."""
         nearest = sorted(self.runs, key=lambda index: abs(index - self.looked_at // RUN_LENGTH))
         fitting = fitting_beside(needed, bytes_each, sum(map(len, self.runs.values())))
         return nearest[
@@ -248,7 +248,7 @@ class BakePlan:
             yield self._preview(done, total, frame)
 
     def _moved_previews(self, problem: MovingProblem, control: Control) -> Work[None]:
-        """Show the moved inputs in place of blends that are not finished yet."""
+        """Show the moved inputs in place of unfinished blends."""
         blends = [blend for run in self.runs.values() for blend in run if blend.source is None]
         for done, blend in enumerate(blends, start=1):
             control.check()
@@ -260,6 +260,6 @@ class BakePlan:
 
 
 def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:
-    """Return which inputs occur together in some blend, the smaller number first."""
+    """Return the pairs of inputs that occur together in a blend, smaller index first."""
     active = {tuple(np.flatnonzero(blend.weights).tolist()) for blend in blends}
     return sorted({pair for together in active for pair in combinations(together, 2)})

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends between the frames of a path, such as 7.35: from the potentials of the frames about them, not by fading.
+"""Blends between the frames of a path, such as 7.35, solved from the potentials of the frames around them.
 
-The potentials of a barycenter are smooth functions of its weights, so those in between are nearly right, and a round or
-two at the finest level does the rest. A mixture of the densities would be a cross-fade. A shape itself has no
-potentials: beside it, blends start from the one neighbor that has.
+The potentials of a barycenter are smooth functions of its weights, so interpolated potentials are nearly right, and one
+or two rounds at the finest level are enough. Interpolating densities instead would give a cross-fade. An unblended
+shape has no potentials; next to it, blends start from their only neighbor that has some.
 """
 
 from __future__ import annotations
@@ -37,24 +37,24 @@ from .runs import Run, as_solved, runs_elsewhere, runs_in_threads, runs_of
 from .transport_problem import MorphPart
 from .volumes import fitting_workers
 
-# Share of the progress at which frames that were missing are there.
+# Fraction of the progress at which the missing frames have been computed.
 _ABOUT_SHARE = 0.6
-# Rounds from two neighbors; where they are so far apart that these do not do, a solve from coarse to fine is cheaper.
+# Limit for rounds from two neighbors. If they are too far apart for that, a solve from coarse to fine is cheaper.
 _MOST_ROUNDS = 8
 
 
 @dataclass(frozen=True)
 class Place:
-    """A place on a path.
+    """A position on a path.
 
     Attributes
     ----------
     blend : Blend
-        What is there, for a sheet.
+        The blend at this position, with its place on a sheet.
     about : tuple of int
-        The frame that it is, or the two that it lies between.
+        The index of the frame at this position, or of the two frames around it.
     share : float
-        How far it is from the first of these to the second; 0 at a frame.
+        Position between these two, from 0 to 1; 0 at a frame.
     """
 
     blend: Blend
@@ -63,19 +63,19 @@ class Place:
 
 
 def places_at(path: Sequence[Blend], numbers: Sequence[float]) -> list[Place]:
-    """Find the places with these frame numbers, side by side on a sheet of one row.
+    """Return the positions of these frame numbers, arranged in one row of a sheet.
 
     Parameters
     ----------
     path : sequence of Blend
-        The frames of a path, from 0.
+        The frames of a path; the first has number 0.
     numbers : sequence of float
         Such as 7.35, which lies between the frames 7 and 8.
 
     Raises
     ------
     InputError
-        Numbers that are not on the path or that are there twice, or none at all.
+        No numbers, duplicate ones, or numbers outside the path.
     """
     last = len(path) - 1
     if not numbers:
@@ -112,31 +112,31 @@ def between_frames(
     workers: int | None = None,
     executor: Executor | None = None,
 ) -> Work[None]:
-    """Make the blends at some places of a path, from the frames about them.
+    """Compute the blends at some positions of a path from the frames around them.
 
-    Frames that the cache does not hold are computed and put there first. A place that is a frame gets that frame. Where
-    the inputs move, every moment has a motion of its own, and the blends are made and cached like any others.
+    Frames that the cache does not hold are computed and stored first. A position at a frame gets that frame. If the
+    inputs move, every moment has its own motion, and the blends are computed and cached like any others.
 
     Parameters
     ----------
     shapes, names, settings, control, labels, guides, workers
         As for :func:`.morph.morph`.
     path, numbers
-        As for :func:`places_at`, whose blends are made.
+        As for :func:`places_at`; the blends at these positions are computed.
     cache : FrameCache
-        With all frames of the path, or some, or none.
+        May hold all frames of the path, some, or none.
     executor : concurrent.futures.Executor, optional
-        Where to compute frames that are missing; what lies between frames is always computed here.
+        Where to compute missing frames; blends between frames are always computed here.
 
     Yields
     ------
     Progress
-        The payloads are every :class:`.morph_problem.MorphFrame` once, in the order of the numbers.
+        The payloads are the :class:`.morph_problem.MorphFrame` of every number, in the order of the numbers.
 
     Raises
     ------
     InputError, ResourceError
-        Before the first frame, where the numbers, the inputs or the settings cannot work.
+        Before the first frame, if the numbers, the inputs or the settings are invalid.
     """
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")
@@ -166,7 +166,7 @@ def between_frames(
 
 
 def _runs_about(places: Sequence[Place], path: Sequence[Blend]) -> list[Run]:
-    """Return the runs that hold the frames about some places, each once and in order."""
+    """Return the runs that hold the frames around some positions, without duplicates and in order."""
     frames = sorted({index for place in places for index in place.about})
     return list(dict.fromkeys(run for index in frames for run in runs_of(path, range(index, index + 1))))
 
@@ -179,7 +179,7 @@ def _complete(
     workers: int,
     executor: Executor | None,
 ) -> Work[None]:
-    """Compute the runs that the cache does not hold."""
+    """Compute the runs that are not in the cache."""
     if not missing:
         return
     keeping = replace(problem, keeps_potentials=True)
@@ -210,7 +210,7 @@ def _frame_itself(place: Place, frames: dict[int, MorphFrame]) -> MorphFrame:
 
 
 def _frame_at(problem: MorphProblem, place: Place, frames: dict[int, MorphFrame], control: Control) -> MorphFrame:
-    """Return what is at a place: a frame, or a blend that starts from its neighbors."""
+    """Return the frame at a position, or a blend that starts from its neighbors."""
     if len(place.about) == 1:
         return _frame_itself(place, frames)
     known = [frames[index] for index in place.about if _usable(frames[index], problem)]
@@ -221,7 +221,7 @@ def _frame_at(problem: MorphProblem, place: Place, frames: dict[int, MorphFrame]
 
 
 def _usable(frame: MorphFrame, problem: MorphProblem) -> bool:
-    """Whether a frame has potentials that can be of this problem; inputs have none."""
+    """Whether a frame has potentials that fit this problem; unblended inputs have none."""
     lattice, least = problem.lattice, problem.settings.sigma
     return len(frame.potentials) == len(problem.transport.parts) and all(
         part.suit(lattice.shape, frame.blend.weights) and least <= part.sigma <= max(lattice.shape)
@@ -230,12 +230,12 @@ def _usable(frame: MorphFrame, problem: MorphProblem) -> bool:
 
 
 def _agree(known: Sequence[MorphFrame]) -> bool:
-    """Whether there is something to start from, and all of it was solved with the same blur."""
+    """Whether there are frames to start from, all solved with the same blur."""
     return len({tuple(part.sigma for part in frame.potentials) for frame in known}) == 1
 
 
 def _started(problem: MorphProblem, place: Place, known: Sequence[MorphFrame], control: Control) -> MorphFrame | None:
-    """Solve from the potentials of one or two neighbors; None where that does not end soon."""
+    """Solve from the potentials of one or two neighbors; return None if that does not converge quickly."""
     solved, sigmas = [], [part.sigma for part in known[0].potentials]
     volumes = problem.transport.blend_volumes(place.blend)
     limits = problem.transport.entropy_limits(volumes)
@@ -263,13 +263,13 @@ def _solve_from(
     settings: MorphSettings,
     control: Control,
 ) -> Barycenter:
-    """Solve one part from what is known of its neighbors: both, or one beside a shape, which has no potentials."""
+    """Solve one part from both neighbors, or from one next to a shape, which has no potentials."""
     options = {
         "sharpness": settings.sharpness_at(place.blend.weights),
         "entropy_limit": limit,
         "reach": settings.reach,
         "tolerance": settings.stopping_error,
-        # As in a bake: an automatic blur rather grows.
+        # As in a bake, an automatic blur is widened instead of continuing in logarithms.
         "numerics": "scaling" if settings.blur is None else "automatic",
         "control": control,
     }

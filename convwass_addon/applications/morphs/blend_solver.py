@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycenters of the parts of blends, a run of neighbors at a time; what is read from them is said elsewhere."""
+"""Barycenters of the parts of blends, for runs of neighboring blends."""
 
 from __future__ import annotations
 
@@ -18,10 +18,10 @@ from .layouts import Blend
 from .merging import MergedParts, merged_parts
 from .transport_problem import MorphPart, TransportProblem
 
-# By how much the automatic blur grows where it does not reach.
+# Factor by which the automatic blur grows if it is too narrow for float64.
 _WIDEN = 1.25
-# What a start leaves goes away slowly: a blend that is further than this from the one it starts from is solved to half
-# of the automatic tolerance, and one that starts from none to this share (docs/performance.md, "Few frames").
+# The errors of a distant start decay slowly. A blend further than this from the one it starts from is solved to half of
+# the automatic tolerance, and one without a start to this fraction (docs/performance.md, "Few frames").
 _FAR, _FROM_AFAR, _FROM_NOTHING = 1.0 / 12.0, 0.5, 0.7
 
 
@@ -32,11 +32,11 @@ class PartSketch:
     Attributes
     ----------
     solved : Barycenter
-        On a coarser grid.
+        The barycenter on a coarser grid.
     sigma : float
-        Its blur in cells of any level.
+        Its blur in cells, on every level.
     initial : Barycenter or None
-        The sketch that it was started from.
+        The sketch that it was started from, if any.
     """
 
     solved: Barycenter
@@ -48,19 +48,19 @@ class PartSketch:
 class SolvedBlend:
     """A blend as the barycenters of its parts.
 
-    A transport that sends every part to itself is block-diagonal, so the barycenter under it is the sum of the
-    barycenters of the parts.
+    A transport that maps every part to itself is block-diagonal, so the barycenter is the sum of the barycenters of the
+    parts.
 
     Attributes
     ----------
     blend : Blend
-        Which one; no input as it is.
+        Its weights; not an unblended input.
     parts : tuple of Barycenter
-        One per part.
+        The barycenter of every part.
     sigmas : tuple of float
-        The blur of each in cells.
+        The blur of every part in cells.
     volumes : (p,) float64
-        The volume that each is to have, in cells.
+        The volume that every part should have, in cells.
     """
 
     blend: Blend
@@ -73,7 +73,7 @@ class SolvedBlend:
         return merged_parts([part.density for part in self.parts], self.volumes)
 
     def figures(self) -> dict[str, object]:
-        """Say for a record how the parts were solved: figures of the worst of them, iterations of all."""
+        """Return convergence figures for a record: those of the worst part, and the total of iterations."""
         records = [part.record() for part in self.parts]
         if len(records) == 1:
             return records[0]
@@ -81,7 +81,7 @@ class SolvedBlend:
         return {**worst, "iterations": tuple(map(sum, zip(*(part.iterations for part in self.parts), strict=True)))}
 
     def part_figures(self, problem: TransportProblem, merged: MergedParts) -> dict[str, object]:
-        """Say for a record what there is of every part; nothing of one alone."""
+        """Return figures of every part for a record; empty if there is only one."""
         if len(self.parts) == 1 and not problem.notices:
             return {}
         names = (part.name for part in problem.parts)
@@ -93,7 +93,7 @@ class SolvedBlend:
 
 
 class BlendSolver:
-    """Solves blend after blend, each started from the one before.
+    """Solves blends one after the other; each starts from the previous one.
 
     Parameters
     ----------
@@ -108,26 +108,26 @@ class BlendSolver:
         self._parts = [_PartSolver(part, problem, control) for part in problem.parts]
 
     def branched(self) -> BlendSolver:
-        """Return another solver that starts its next blend from the same one."""
+        """Return another solver whose next blend starts from the same blend."""
         other = copy(self)
         other._parts = [copy(part) for part in self._parts]
         return other
 
     def solve(self, blend: Blend, volumes: NDArray[np.float64], sketch: Sequence[PartSketch] = ()) -> SolvedBlend:
-        """Solve a blend whose parts have `volumes`, (p,) cells, going on from its sketch where there is one."""
+        """Solve a blend whose parts have `volumes`, (p,) cells, continuing from its sketch if there is one."""
         limits = self._problem.entropy_limits(volumes)
         known = sketch or [None] * len(self._parts)
         solved = tuple(part.solve(blend, *own) for part, *own in zip(self._parts, limits, known, strict=True))
         return SolvedBlend(blend, solved, tuple(part.sigma for part in self._parts), volumes)
 
     def sketch(self, blend: Blend, volumes: NDArray[np.float64]) -> tuple[PartSketch, ...]:
-        """Solve the coarse levels of the same; for a problem with a `sketch_depth`."""
+        """Solve the coarse levels of a blend; the problem must have a `sketch_depth`."""
         limits = self._problem.entropy_limits(volumes)
         return tuple(part.sketch(blend, limit) for part, limit in zip(self._parts, limits, strict=True))
 
 
 class _PartSolver:
-    """Solves one part of blend after blend, each started from what the ones before teach."""
+    """Solves one part of successive blends, starting from previous solutions."""
 
     def __init__(self, part: MorphPart, problem: TransportProblem, control: Control) -> None:
         self._inputs = part.inputs
@@ -136,12 +136,12 @@ class _PartSolver:
         self._control = control
         self._depth = problem.sketch_depth
         self._last: Barycenter | None = None
-        # The sketch that the last one went on from.
+        # The sketch that the last solve continued from.
         self._begun: Barycenter | None = None
         self.sigma = problem.settings.sigma
 
     def solve(self, blend: Blend, limit: Literal["max"] | float | None, sketch: PartSketch | None = None) -> Barycenter:
-        """Solve with the blur of the settings; where that was left open, with the least that is needed above it."""
+        """Solve with the blur of the settings; an automatic blur is widened as far as needed."""
 
         def finished(inputs: Inputs, options: dict[str, object]) -> Barycenter:
             begun = self._usable(sketch, inputs.domain.sigma, options["initial"])
@@ -152,7 +152,7 @@ class _PartSolver:
         return self._widening(blend, limit, finished)
 
     def sketch(self, blend: Blend, limit: Literal["max"] | float | None) -> PartSketch:
-        """Solve the coarse levels in the same way."""
+        """Solve the coarse levels with the same blur."""
         started_from: list[Barycenter | None] = []
 
         def sketched(inputs: Inputs, options: dict[str, object]) -> Barycenter:
@@ -165,7 +165,7 @@ class _PartSolver:
         return PartSketch(solved, self.sigma, *started_from)
 
     def _usable(self, sketch: PartSketch | None, sigma: float, initial: Barycenter | None) -> Barycenter | None:
-        """Return the sketch if it is what would be solved here: of the same blur, and started in the same way."""
+        """Return the sketch if a solve would give the same coarse levels: same blur, and same start."""
         if sketch is None or sketch.sigma != sigma:
             return None
         if initial is None:
@@ -215,7 +215,7 @@ class _PartSolver:
         return solved
 
     def _tolerance(self, blend: Blend, initial: Barycenter | None) -> float:
-        """Return the tolerance that was asked for; where that was left open, a tighter one for a start from afar."""
+        """Return the tolerance of the settings; an automatic one is tighter for a distant start."""
         asked = self._settings.stopping_error
         if self._settings.tolerance is not None:
             return asked

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends of voxelized shapes: barycenters and their surfaces, a run of neighbors at a time."""
+"""Blends of voxelized shapes: barycenters and their surfaces, for runs of neighboring blends."""
 
 from __future__ import annotations
 
@@ -33,14 +33,15 @@ HandOver = Callable[[Callable[[], "MorphFrame"]], Callable[[], "MorphFrame"]]
 
 @dataclass(frozen=True)
 class Sketch:
-    """What comes before a finished blend, and what that goes on from.
+    """The coarse levels of a blend: a preview, and the start of the final solve.
 
     Attributes
     ----------
     frame : MorphFrame
-        To look at: the surface at a coarser resolution, not mended; without a surface where it is too coarse for one.
+        The preview: its surface is extracted on a coarser grid and not repaired. It has no surface if the grid is too
+        coarse.
     parts : tuple of PartSketch
-        None for an input as it is.
+        The coarse levels of every part; None for an unblended input.
     """
 
     frame: MorphFrame
@@ -48,12 +49,12 @@ class Sketch:
 
 
 def sketch_blends(problem: MorphProblem, blends: Sequence[Blend], control: Control = UNINTERRUPTED) -> Iterator[Sketch]:
-    """Solve the coarse levels of a run of blends, each when it is asked for and started from the one before.
+    """Solve the coarse levels of a run of blends lazily, each started from the previous one.
 
     Parameters
     ----------
     problem, blends, control
-        As for :func:`solve_blends`, which takes the sketches of the same run; a problem with a `sketch_depth`.
+        As for :func:`solve_blends`, which takes the sketches of the same run; the problem must have a `sketch_depth`.
     """
     solver = BlendSolver(problem.transport, control)
     return (_sketch(problem, solver, blend) for blend in blends)
@@ -73,7 +74,7 @@ def solve_blends(
     sketches: Sequence[Sketch] | None = None,
     hand_over: HandOver = at_once,
 ) -> list[MorphFrame]:
-    """Solve a run of blends, each started from the one before.
+    """Solve a run of blends, each started from the previous one.
 
     Parameters
     ----------
@@ -84,10 +85,10 @@ def solve_blends(
     control : Control
         Ends the run when cancelled.
     sketches : sequence of Sketch, optional
-        Of these blends: what was solved for them is not solved again. The frames are the same without.
+        Sketches of these blends, which are continued. The frames are the same without them.
     hand_over : callable, optional
-        Sees to it that a surface is read, here or by another thread while the next blend is solved, and returns what
-        gives the frame; see :class:`.spare_threads.SpareThreads`.
+        Extracts a surface, here or in another thread while the next blend is solved, and returns a function that waits
+        for the frame; see :class:`.spare_threads.SpareThreads`.
 
     Returns
     -------
@@ -106,17 +107,17 @@ def solve_some_blends(
     problems: Sequence[MorphProblem | None],
     control: Control = UNINTERRUPTED,
 ) -> list[MorphFrame]:
-    """Solve a run of blends, each started from the one before, and make the frames of some of them.
+    """Solve a run of blends, each started from the previous one, and compute the frames of some of them.
 
     Parameters
     ----------
     transport : TransportProblem
-        What the blends are barycenters of.
+        The distributions whose barycenters are solved.
     blends : sequence of Blend
         Neighbors, in order.
     problems : sequence of MorphProblem or None
-        For the first of the blends, how to make the frame of each, or None where it is not wanted; those after them are
-        not solved.
+        For each of the first blends, the problem that gives its frame, or None if the frame is not needed. Blends
+        beyond the end of this sequence are not solved.
     control : Control
         Ends the work when cancelled.
     """
@@ -132,7 +133,7 @@ def solve_some_blends(
 def _solved(
     problem: MorphProblem, solver: BlendSolver, blend: Blend, sketch: Sequence[PartSketch]
 ) -> Callable[[], MorphFrame]:
-    """Solve a blend, and return what makes its frame: that no longer needs the solver."""
+    """Solve a blend, and return a function that computes its frame without the solver."""
     if blend.source is not None:
         return partial(_input_measured, problem, blend)
     return partial(surfaced_frame, problem, solver.solve(blend, problem.transport.blend_volumes(blend), sketch))
@@ -156,14 +157,14 @@ def _input_measured(problem: MorphProblem, blend: Blend) -> MorphFrame:
 
 
 def _sketched_frame(problem: MorphProblem, blend: Blend, parts: Sequence[PartSketch]) -> MorphFrame:
-    """Read the surface of a blend from the coarse levels of its parts, as the surface of a shape itself is read."""
+    """Extract the surface of a blend from the coarse levels of its parts, in the same way as the surface of a shape."""
     factor = 2**problem.transport.sketch_depth
     volumes = problem.transport.blend_volumes(blend) / factor**3
     merged = merged_parts([part.solved.density for part in parts], volumes)
     try:
         surface = own_surface(merged.density * (merged.volume / merged.density.sum()), problem.settings)
     except InputError:
-        # Too few of the coarse cells for a surface: the finished blend will have one.
+        # The coarse grid has too few cells for a surface; the finished blend will have one.
         return MorphFrame(blend, None, {"weights": blend.weights})
     lattice = replace(problem.lattice, shape=merged.density.shape, spacing=problem.lattice.spacing * factor)
     mesh = lattice.to_scene(surface.mesh, np.array(blend.weights))
@@ -171,7 +172,7 @@ def _sketched_frame(problem: MorphProblem, blend: Blend, parts: Sequence[PartSke
 
 
 def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: CoincidingSolids | None = None) -> MorphFrame:
-    """Read the surface of a blend from the barycenters of its parts.
+    """Extract the surface of a blend from the barycenters of its parts.
 
     Parameters
     ----------
@@ -211,7 +212,7 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
 
 
 def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame) -> MorphFrame:
-    """Lay the detail of the inputs onto a blend of inputs that do not move."""
+    """Add the detail of the inputs to a blend of inputs that do not move."""
     occupancies = [problem.transport.occupancy(i) for i in range(len(problem.shapes))]
     surface = detailed_blend(problem, frame, problem.shapes, occupancies, starts_of_transport(frame))
     detailed = replace(frame, mesh=surface.mesh, record={**frame.record, "volume": surface.mesh.volume})
@@ -227,6 +228,6 @@ def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame) -> MorphFra
 
 
 def _origins(problem: MorphProblem, solved: SolvedBlend, surface: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Follow the vertices of a surface, (n, 3) in cells, back to the inputs."""
+    """Map the vertices of a surface, (n, 3) in cells, back to the inputs."""
     transports = part_transports(solved, problem.transport)
     return blend_origins(surface, transports, problem.lattice, solved.blend.weights)

@@ -11,7 +11,7 @@ from pathlib import Path
 from ...errors import InputError
 
 PACKAGE = Path(__file__).resolve().parents[2]
-# All that the applications import of the package.
+# Everything that the applications import from the package.
 _DIGESTED = (
     "transport",
     "geometry",
@@ -28,7 +28,7 @@ _DIGESTED = (
 
 
 def digested_files(package: Path) -> list[Path]:
-    """Return the sources that decide what a frame is.
+    """Return the source files that determine the frames.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def digested_files(package: Path) -> list[Path]:
     Raises
     ------
     InputError
-        A folder or file is missing: a hash of what is left would not tell two versions apart.
+        A folder or file is missing: a hash of the rest would not distinguish versions.
     """
     found: list[Path] = []
     for name in _DIGESTED:
@@ -60,7 +60,7 @@ def digested_files(package: Path) -> list[Path]:
 
 
 def digest_of(package: Path) -> bytes:
-    """Return the SHA-256 of the code of a package that computes frames, whatever its line endings.
+    """Return the SHA-256 of the code that computes frames, independent of line endings.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ def digest_of(package: Path) -> bytes:
 
 @cache
 def code_digest() -> bytes:
-    """Return the SHA-256 of this code: frames that another version computed are not taken for this one's.
+    """Return the SHA-256 of this code, which distinguishes frames computed by different versions.
 
-    It takes about 30 ms of CPU time, once per process, in the thread that computes.
+    It takes about 30 ms of CPU time, once per process, in the computing thread.
     """
     return digest_of(PACKAGE)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The mean of solids that nearly coincide: their signed distances are averaged, which keeps every detail they share.
+"""The mean of solids that nearly coincide: averaging signed distances keeps all shared detail.
 
-Next to a flat face, a solid that is blurred by sigma has the density Phi(d / sigma) at the signed distance d, so
-d = sigma Phi^-1(density), which for densities of exact volume fractions is smooth to a hundredth of a cell. Where the
-solids are further apart than the blur, distances say nothing, and the barycenter is taken instead.
+Next to a flat face, a solid blurred by sigma has the density Phi(d / sigma) at the signed distance d, so d = sigma
+Phi^-1(density), which is smooth to a hundredth of a cell if the densities are exact volume fractions. Where the solids
+are further apart than the blur, the distances are unknown, and the barycenter is used instead.
 """
 
 from __future__ import annotations
@@ -20,29 +20,29 @@ from scipy.special import ndtr, ndtri
 
 from ...geometry.thin_parts import locally_normalized
 
-# Blur in cells by which distances are told; they are known up to so many times as much.
+# Blur in cells from which distances are computed, and the largest known distance in units of the blur.
 _BLUR, _KNOWN = 0.7, 2.6
-# Solids agree where their distances differ by so many cells at the most; beyond, agreement falls off like a Gaussian of
-# this width, and is smoothed over so many cells, so that no seam is seen.
+# Solids agree where their distances differ by at most this many cells. Beyond that, agreement falls off like a Gaussian
+# of the second width, and is smoothed over the third, so that no seam is visible.
 _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
-# Below this share of agreeing surface the barycenter is needed somewhere.
+# A point of the surface belongs to no agreeing part if its agreement is below this.
 _AGREED = 0.5
-# Solids that differ on no more than this share of the surface coincide.
+# Solids coincide if they disagree on at most this fraction of the surface.
 _LEAST_REST = 1e-3
 
 
 @dataclass(frozen=True)
 class CoincidingSolids:
-    """What is known of the mean of several solids.
+    """The mean of several solids, and where they agree.
 
     Attributes
     ----------
     density : (nx, ny, nz) float32
-        That of the mean solid, blurred as surfaces are read, one half on its surface.
+        The mean solid, blurred like densities before surface extraction; one half on its surface.
     agreement : (nx, ny, nz) float32
-        1 where the solids nearly coincide, falling to 0 where they do not.
+        1 where the solids nearly coincide, falling to 0 elsewhere.
     depths : (k, nx, ny, nz) float32
-        Distance into every solid in cells, as far as it is known.
+        Signed distance to the surface of every solid in cells, positive inside, clipped where it is unknown.
     """
 
     density: NDArray[np.float32]
@@ -56,14 +56,14 @@ class CoincidingSolids:
         Parameters
         ----------
         occupancies : sequence of (nx, ny, nz)
-            Share of every cell that each solid fills.
+            Fraction of every cell that each solid fills.
         weights : (k,)
-            Of the mean, of sum 1.
+            Weights of the mean, of sum 1.
         """
         depths = np.stack([_depth(occupancy) for occupancy in occupancies])
         mean = np.tensordot(np.asarray(weights, np.float32), depths, 1)
         spread = np.ptp(depths, axis=0)
-        # Far from all surfaces everybody agrees that there is none.
+        # Far from all surfaces, all solids agree.
         near = np.abs(mean) < _KNOWN * _BLUR
         apart = gaussian_filter(np.where(near, spread, np.float32(0)), _SMOOTH)
         about = gaussian_filter(near.astype(np.float32), _SMOOTH)
@@ -73,7 +73,7 @@ class CoincidingSolids:
 
     @cached_property
     def disagreement(self) -> float:
-        """Share of the mean surface where the solids do not coincide."""
+        """Fraction of the mean surface where the solids do not coincide."""
         band = (self.density > 0.2) & (self.density < 0.8)
         return float((self.agreement[band] < _AGREED).mean()) if band.any() else 1.0
 
@@ -83,26 +83,26 @@ class CoincidingSolids:
         return self.disagreement <= _LEAST_REST
 
     def mixed(self, density: NDArray[np.floating], box: tuple[slice, ...]) -> NDArray[np.float32]:
-        """Return a density that is this one where the solids agree, and another one where they do not.
+        """Combine this density where the solids agree with another density elsewhere.
 
         Parameters
         ----------
         density : (mx, my, mz)
-            Of the barycenter, about one in solid parts and about one half on the surface.
+            The barycenter, about one inside and one half on the surface.
         box : tuple of slice
-            Where it is on the grid.
+            Its box on the grid.
         """
         own, agreement = self.density[box], self.agreement[box]
         return agreement * own + (np.float32(1) - agreement) * density.astype(np.float32)
 
 
 def _depth(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Signed distance in cells into a solid, as far as its blurred occupancy tells."""
+    """Signed distance to the surface of a solid in cells, positive inside, clipped where it is unknown."""
     blurred = gaussian_filter(occupancy.astype(np.float32), _BLUR)
-    # Thin parts, whose density never reaches one half, count as surfaces as well.
+    # Thin parts, whose density never reaches one half, count as surfaces, too.
     density = locally_normalized(blurred, float(occupancy.sum(dtype=np.float64)))
     least = float(ndtr(-_KNOWN))
-    # Away from the surface distances are not known, and most cells are.
+    # Distances far from the surface are unknown, which concerns most cells.
     depth = np.where(density > 0.5, np.float32(_KNOWN * _BLUR), np.float32(-_KNOWN * _BLUR))
     near = np.flatnonzero((density > least) & (density < 1.0 - least))
     depth.ravel()[near] = _BLUR * ndtri(density.ravel()[near])

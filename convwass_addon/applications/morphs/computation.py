@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the frames of a bake are computed, whatever they show."""
+"""Where and how the frames of a bake are computed."""
 
 from __future__ import annotations
 
@@ -12,23 +12,23 @@ from .frame_cache import FrameCache
 
 @dataclass(frozen=True)
 class Computation:
-    """By whom frames are computed, where they are kept, and which of them are wanted.
+    """Which frames are computed, by which threads or processes, and where they are cached.
 
-    See :func:`.morph.morph`. Frames of flat shapes are there soon: they are neither cached nor sent to other machines,
-    nor previewed.
+    See :func:`.morph.morph`. Flat shapes are computed quickly: their frames are neither cached, nor sent to other
+    machines, nor previewed.
 
     Attributes
     ----------
     workers : int or None
-        Threads; None for one per processor.
+        Number of threads; None for one per processor.
     executor : concurrent.futures.Executor or None
-        Other processes or machines instead.
+        Other processes or machines to use instead.
     cache : FrameCache or None
-        What keeps frames.
+        Stores finished frames.
     wanted : range or None
-        Indices of blends; None for all.
+        Indices of the blends to compute; None for all.
     previews : bool
-        Whether what can be seen early is yielded.
+        Whether previews are yielded.
     """
 
     workers: int | None = None

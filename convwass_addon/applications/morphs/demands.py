@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the other blends of a bake demand of one that is made again."""
+"""Constraints on a blend that is computed again, from the other blends of a bake."""
 
 from __future__ import annotations
 
@@ -21,16 +21,16 @@ from .volumes import Lattice
 
 @dataclass(frozen=True)
 class Demand:
-    """What a blend should be like.
+    """Constraints on a blend.
 
     Attributes
     ----------
     most : Connectivity
-        The most pieces, handles and bubbles that it should have.
+        The maximum numbers of pieces, handles and bubbles.
     near : TriangleMesh or None
-        The surface of the blend beside it, in the scene; None where that does not matter.
+        The surface of a neighboring blend, in scene space; None if there is no limit on the distance to it.
     reach : float
-        How far the surface may be from that one, in scene units.
+        The largest allowed distance to that surface, in scene units.
     """
 
     most: Connectivity
@@ -38,7 +38,7 @@ class Demand:
     reach: float = 0.0
 
     def constraint(self, lattice: Lattice, weights: Sequence[float]) -> Constraint:
-        """Return what that means for the surface of the blend with these weights, on its grid."""
+        """Return the constraint for the surface of the blend with these weights, on the grid."""
         if self.near is None:
             return Constraint(FIRM)
         corner = np.asarray(weights) @ lattice.centers + lattice.origin
@@ -46,7 +46,7 @@ class Demand:
         return Constraint(FIRM, SurfaceBounds.of(corners, lattice.shape, reach))
 
     def digest(self) -> str:
-        """Return a hash of all of it."""
+        """Return a hash of all values."""
         hashed = hashlib.sha256(json.dumps([vars(self.most), self.reach]).encode())
         if self.near is not None:
             for array in (self.near.vertices.astype("<f8"), self.near.faces.astype("<i8")):

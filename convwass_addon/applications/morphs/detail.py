@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The detail of the shapes on the blends between them, which are read at the resolution of a grid."""
+"""Add the detail of the shapes to blends, whose surfaces are extracted at the resolution of a grid."""
 
 from __future__ import annotations
 
@@ -21,24 +21,24 @@ from ..motions.motion import MovedShape
 from .coinciding_solids import CoincidingSolids
 from .morph_problem import MorphFrame, MorphProblem
 
-# Transport is trusted to tell where detail belongs on a shape of the larger weight, and not at all of the smaller.
+# Confidence in the origins given by transport: none up to the first weight of a shape, full from the second on.
 _UNKNOWN, _KNOWN = 0.5, 0.9
 
-# Distortions up to the first leave the detail of a moved shape as it is, from the second on it is none any more. Half
-# way 1 to 5 % of the vertices are above the first of a horse and a cow, 10 to 20 % of a chair and a man.
+# The detail of a moved shape is kept up to the first distortion, and lost from the second on. Halfway, 1 to 5 % of the
+# vertices exceed the first for a horse and a cow, and 10 to 20 % for a chair and a man.
 _SOUND, _CRUMPLED = 1.3, 2.0
 
 
 @dataclass(frozen=True)
 class Starts:
-    """Where on its shapes a blend comes from, as far as the grid tells.
+    """Points of the shapes that the vertices of a blend come from, as far as the grid shows.
 
     Attributes
     ----------
     points : (k, n, 3)
-        For every shape, the places of the vertices of the blend on its reading.
+        For every shape, points on its extracted surface, one per vertex of the blend.
     certainty : (k, n) float64
-        How far they are known, from 0 to 1.
+        Confidence in these points, from 0 to 1.
     """
 
     points: NDArray[np.floating]
@@ -54,24 +54,24 @@ def detailed_blend(
     control: Control = UNINTERRUPTED,
     reliabilities: Sequence[NDArray[np.float64]] | None = None,
 ) -> DetailedSurface:
-    """Lay the detail of shapes onto a blend of them.
+    """Add the detail of shapes to a blend of them.
 
     Parameters
     ----------
     problem : MorphProblem
-        Of these shapes.
+        The problem of these shapes.
     frame : MorphFrame
-        The blend, with the volume that it should have in its record.
+        The blend; its record holds the volume that it should have.
     shapes : sequence of FacingShape
-        In the scene, outward.
+        The shapes in scene space, oriented outward.
     occupancies : sequence of (nx, ny, nz)
-        Of the shapes.
+        Occupancies of the shapes.
     starts : Starts
         Where the vertices of the blend come from.
     control : Control
         Ends the work when cancelled.
     reliabilities : sequence of (v,), optional
-        For every shape and every vertex of it, how far its surface is still its own, from 0 to 1.
+        For every vertex of every shape, how reliable the detail around it is, from 0 to 1.
     """
     lattice = problem.lattice
     sources = [
@@ -91,29 +91,29 @@ def detailed_blend(
 
 
 def reliability_of(shape: MovedShape) -> NDArray[np.float64]:
-    """Return how far a moved shape still has its own surface at its vertices, (n,): where it is not crumpled."""
+    """Return the reliability of a moved shape's detail at its vertices, (n,): high where it is little distorted."""
     distortions = vertex_distortions(shape.rest, shape.vertices)
     return np.clip((_CRUMPLED - distortions) / (_CRUMPLED - _SOUND), 0.0, 1.0)
 
 
 def starts_of_transport(frame: MorphFrame) -> Starts:
-    """Return where transport takes the vertices of a blend from; it is sure of that next to the shapes only."""
+    """Return the origins of the vertices according to transport, which is certain only next to the shapes."""
     certainty = np.repeat(_certainty(frame.blend.weights)[:, None], frame.origins.shape[1], axis=1)
     return Starts(frame.origins, certainty)
 
 
 def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: CoincidingSolids) -> Starts:
-    """Return where on moved shapes the vertices of a blend come from.
+    """Return the points of moved shapes that the vertices of a blend come from.
 
-    Where the shapes coincide that is straight above or below; elsewhere it is where transport takes them from. The mean
-    of all, with the weights, is the vertex.
+    Where the shapes coincide, a point is straight above or below the vertex; elsewhere transport gives it. The weighted
+    mean of all points is the vertex.
 
     Parameters
     ----------
     problem : MorphProblem
-        Of the moved shapes, whose centers are one point.
+        The problem of the moved shapes, which have a common center.
     frame : MorphFrame
-        The blend; without origins where the shapes coincide everywhere.
+        The blend; it has no origins if the shapes coincide everywhere.
     solids : CoincidingSolids
         The shapes.
     """
@@ -130,7 +130,7 @@ def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: Coincid
 
 
 def _certainty(weights: Sequence[float]) -> NDArray[np.float64]:
-    """Return how sure transport is of where on every shape matter comes from, (k,): the more, the nearer the blend."""
+    """Return how certain transport is of origins on every shape, (k,): more for shapes of larger weight."""
     share = np.clip((np.asarray(weights) - _UNKNOWN) / (_KNOWN - _UNKNOWN), 0.0, 1.0)
     return share**2 * (3.0 - 2.0 * share)
 
@@ -138,5 +138,5 @@ def _certainty(weights: Sequence[float]) -> NDArray[np.float64]:
 def _sampled(
     values: NDArray[np.floating], low: NDArray[np.float64], spacing: float, points: NDArray[np.float64]
 ) -> NDArray[np.floating]:
-    """Interpolate values of cells at points in the scene, (n, 3); `low` is the corner of the first cell."""
+    """Interpolate values of cells at points in scene space, (n, 3); `low` is the corner of the first cell."""
     return map_coordinates(values, ((points - low) / spacing - 0.5).T, order=1, mode="nearest")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the solver knows about a bake, in sentences that an artist can act on."""
+"""Diagnostics of a bake, from the solver's figures, in sentences that an artist can act on."""
 
 from __future__ import annotations
 
@@ -72,31 +72,31 @@ SEVERITIES: dict[str, Severity] = {
     "GOOD": "INFO",
 }
 
-# Parts at least so many cells thick survive a morph.
+# Parts of at least this thickness in cells survive a morph.
 KEPT_CELLS = 2.0
-# What holds less of a shape than this is no part of it.
+# Components below this fraction of a shape are ignored.
 LEAST_SHARE = 1e-3
-# Shares of the shape that are worth a word.
+# Fractions of the shape below this are not reported.
 _SHARE = 0.002
 _WALL_SHARE = 0.001
-# Blur beyond what was asked for, as a factor.
+# A blur is reported as widened if it exceeds the requested one by this factor.
 _WIDER = 1.01
-# Resolutions that are proposed are multiples of the first and not above the second.
+# Suggested resolutions are multiples of the first number, up to the second.
 _STEP, _FINEST = 8, 512
-# By how much finer a resolution must be to make a difference, and how much finer to try where nothing was measured.
+# The smallest increase of the resolution that makes a difference, and the one to try if nothing was measured.
 _LEAST_FINER, _MUCH_FINER = 1.25, 1.5
 
 
 @dataclass(frozen=True)
 class Diagnostic:
-    """One thing to know about a bake.
+    """One message about a bake.
 
     Attributes
     ----------
     kind : str
         A key of `TEXTS`.
     values : dict
-        What its template is filled with.
+        Values for its template.
     """
 
     kind: str
@@ -104,17 +104,17 @@ class Diagnostic:
 
     @property
     def severity(self) -> Severity:
-        """How bad it is."""
+        """The severity of this kind."""
         return SEVERITIES[self.kind]
 
     @property
     def sentence(self) -> Sentence:
-        """What to tell."""
+        """The message."""
         return Sentence(TEXTS[self.kind], self.values)
 
     @property
     def text(self) -> str:
-        """Return the sentence in English; raises KeyError or ValueError for what is no note."""
+        """Return the message in English; raises KeyError or ValueError for an invalid diagnostic."""
         return TEXTS[self.kind].format(**self.values)
 
 
@@ -125,21 +125,20 @@ def diagnose(
     numbers: Sequence[int] | None = None,
     dropped: Sequence[Diagnostic] = (),
 ) -> list[Diagnostic]:
-    """Say what is wrong with a bake and what to do about it, the worst first.
+    """Return what is wrong with a bake and what to do about it, the worst first.
 
     Parameters
     ----------
     records : sequence of dict
-        The solver's figures of every frame, whole or as `diagnostic_figures` leaves them; figures that are missing are
-        taken as good.
+        The solver's figures of every frame, complete or reduced by `diagnostic_figures`; missing figures count as good.
     settings : dict
-        What the bake was asked for: its ``resolution``, and ``blur`` where that was set.
+        The settings of the bake: ``resolution``, and ``blur`` if it was set.
     names : sequence of str
-        Of the shapes.
+        Names of the shapes.
     numbers : sequence of int, optional
-        What to call the frames; 1, 2, ... by default.
+        Numbers of the frames; 1, 2, ... by default.
     dropped : sequence of Diagnostic
-        What frames do not show of the materials of the shapes.
+        What frames do not show of the shapes' materials.
     """
     if any(record.get("preview") for record in records):
         return [Diagnostic("PREVIEWS", {})]
@@ -161,7 +160,7 @@ def diagnose(
 
 
 def diagnostic_figures(record: Mapping[str, object]) -> dict[str, str | float]:
-    """Return what `diagnose` needs of the nested parts of a record, as single figures."""
+    """Return the figures in nested parts of a record that `diagnose` needs, as a flat dictionary."""
     result: dict[str, str | float] = {}
     motion = record.get("motion")
     if isinstance(motion, Mapping):
@@ -184,13 +183,13 @@ def diagnostic_figures(record: Mapping[str, object]) -> dict[str, str | float]:
 
 @dataclass(frozen=True)
 class _Frames:
-    """Figures of all frames, and what to call these."""
+    """Figures of all frames, and the frame numbers."""
 
     figures: list[dict[str, object]]
     numbers: list[int]
 
     def where(self, holds: Callable[[dict[str, object]], bool]) -> _Frames:
-        """Return those of which something holds."""
+        """Return the frames that satisfy a condition."""
         chosen = [index for index, figure in enumerate(self.figures) if holds(figure)]
         return _Frames([self.figures[index] for index in chosen], [self.numbers[index] for index in chosen])
 
@@ -203,7 +202,7 @@ class _Frames:
 
 
 def listed(numbers: Iterable[int]) -> str:
-    """Return frame numbers as short as can be: 3-7, 9."""
+    """Abbreviate frame numbers as ranges: 3-7, 9."""
     runs: list[list[int]] = []
     for number in sorted(numbers):
         if runs and number == runs[-1][1] + 1:
@@ -219,7 +218,7 @@ def _number(figure: Mapping[str, object], name: str) -> float:
 
 
 def finer(resolution: int, cells: float) -> int:
-    """Return the resolution at which something that is so many cells thick will be thick enough to survive."""
+    """Return the resolution at which a part of this thickness in cells becomes thick enough to survive."""
     wanted = resolution * (max(KEPT_CELLS / cells, _LEAST_FINER) if cells > 0.0 else _MUCH_FINER)
     return min(math.ceil(wanted / _STEP) * _STEP, max(_FINEST, resolution))
 
@@ -295,7 +294,7 @@ def _widened(frames: _Frames, settings: Mapping[str, object], resolution: int) -
 
 
 def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
-    """Say what motion was chosen automatically, and why; of one that was asked for there is nothing to say."""
+    """Return the automatically chosen motion with the reason; nothing if the user chose one."""
     chosen = next((figure for figure in figures if figure.get("motion_reason") not in (None, "ASKED")), None)
     if chosen is None:
         return []

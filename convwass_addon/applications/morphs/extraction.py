@@ -29,13 +29,13 @@ from ...geometry.thin_parts import locally_normalized, lost_parts
 from .coinciding_solids import CoincidingSolids
 from .morph_settings import MorphSettings
 
-# Cells over which a density is averaged before its surface is read: less than the grid can show of a shape, and enough
-# for crumbs and false handles of a cell's size to vanish. The enclosed volume is chosen afterwards.
+# Blur of a density before its surface is extracted, in cells: finer than a shape's representation on the grid, and
+# enough to remove fragments and false handles of the size of a cell. The enclosed volume is chosen afterwards.
 _EXTRACTION_BLUR = 0.7
 _EXTRACTION_REACH = 4.0
-# Below this share of the densest cell there is nothing.
+# Below this fraction of the maximum, a density counts as zero.
 _NEGLIGIBLE = 1e-7
-# Mass that a blur carries out of a surface lies within so many of its standard deviations.
+# Mass that a blur moves out of a surface stays within this many of its standard deviations.
 _REACH = 3.0
 
 
@@ -48,7 +48,7 @@ class Extraction:
     surface : LevelSurface
         In cells.
     record : dict
-        What it has, what was mended and what is not shown, ready for JSON.
+        Figures of the surface, its repairs and what it leaves out, ready for JSON.
     """
 
     surface: LevelSurface
@@ -57,18 +57,18 @@ class Extraction:
 
 @dataclass(frozen=True)
 class LevelDensity:
-    """A density as it is prepared for its surface, with the level of that.
+    """A density prepared for surface extraction, and the level of the surface.
 
     Attributes
     ----------
     density : (mx, my, mz) float32
-        In a box of the grid that holds all of it.
+        Restricted to a box of the grid that holds all of it.
     low : (3,) int64
         First cell of the box.
     level : float
-        On the surface.
+        Density on the surface.
     volume : float
-        Cells that the surface encloses.
+        Volume enclosed by the surface, in cells.
     """
 
     density: NDArray[np.float32]
@@ -80,7 +80,7 @@ class LevelDensity:
 def level_density(
     density: NDArray[np.floating], volume: float, settings: MorphSettings, solids: CoincidingSolids | None = None
 ) -> LevelDensity:
-    """Prepare a density, and find the level of its surface, which is not mended; parameters as `extract_surface`."""
+    """Prepare a density and find the level of its surface, without repairs; parameters as for `extract_surface`."""
     prepared = _Prepared.of(density, volume, settings)
     if settings.level == "half-max":
         surface = surface_at_level(prepared.density, float(prepared.density.max()) / 2)
@@ -91,7 +91,7 @@ def level_density(
 
 
 def estimated_level_density(density: NDArray[np.floating], volume: float, settings: MorphSettings) -> LevelDensity:
-    """Return :func:`level_density` with the level estimated without a surface, in half of the time."""
+    """Return :func:`level_density` with an estimated level, which needs no surface and takes half of the time."""
     if settings.level == "half-max":
         return level_density(density, volume, settings)
     prepared = _Prepared.of(density, volume, settings)
@@ -100,14 +100,14 @@ def estimated_level_density(density: NDArray[np.floating], volume: float, settin
 
 @dataclass(frozen=True)
 class Constraint:
-    """What the surface of a blend has to observe besides its density.
+    """Constraints on the surface of a blend besides its density.
 
     Attributes
     ----------
     effort : Effort
-        How large the changes are that remove handles.
+        How much may change to remove handles.
     bounds : SurfaceBounds or None
-        Where the surface may be.
+        Limits for the position of the surface.
     """
 
     effort: Effort = GENTLE
@@ -118,14 +118,14 @@ UNCONSTRAINED = Constraint()
 
 
 def own_surface(occupancy: NDArray[np.floating], settings: MorphSettings) -> LevelSurface:
-    """Surface of a shape, extracted from its occupancy as the surfaces of blends are."""
+    """Extract the surface of a shape from its occupancy, in the same way as for blends."""
     volume = float(occupancy.sum(dtype=np.float64))
     prepared = _Prepared.of(occupancy, volume, settings)
     return prepared.placed(surface_enclosing(prepared.density, volume))
 
 
 def connectivity_of(occupancy: NDArray[np.floating], settings: MorphSettings) -> Connectivity:
-    """Pieces, handles and bubbles of the surface extracted from an occupancy."""
+    """Count pieces, handles and bubbles of the surface extracted from an occupancy."""
     return Connectivity.of(own_surface(occupancy, settings))
 
 
@@ -145,17 +145,18 @@ def extract_surface(
     density : (nx, ny, nz) float64
         The barycenter.
     volume : float
-        Cells that it should enclose.
+        Volume that it should enclose, in cells.
     sigma : float
         The solver's blur in cells.
     shapes : sequence of Connectivity
-        Of the shapes that are blended: a blend has no more pieces, handles and bubbles than the one that has most.
+        Connectivity of the blended shapes: a blend gets at most as many pieces, handles and bubbles as the shape that
+        has most.
     settings : MorphSettings
-        Which level, and whether to keep thin parts and to mend.
+        Determines the level, whether thin parts are kept, and whether the surface is repaired.
     solids : CoincidingSolids, optional
-        The shapes, where they have been moved onto each other: where they coincide, their mean is taken instead.
+        The shapes, if they have been moved onto each other: where they coincide, their mean replaces the barycenter.
     constraint : Constraint
-        What else the surface has to observe, where it is mended.
+        Further constraints, applied during repair.
     """
     if settings.level == "half-max":
         surface = surface_at_level(density, float(density.max()) / 2)
@@ -192,7 +193,7 @@ def _mended(
     settings: MorphSettings,
     constraint: Constraint,
 ) -> Extraction:
-    """Return the surface in the box of a density, mended as far as the settings ask for it."""
+    """Return the surface in the box of a density, repaired as the settings demand."""
     if not settings.mend:
         surface = surface_enclosing(prepared.density, volume)
         even = with_face_size(even_surface(surface, prepared.density), prepared.density, settings.face_size)
@@ -203,7 +204,7 @@ def _mended(
     mending = mended_surface(prepared.density, volume, most, constraint.effort)
     if constraint.bounds is None:
         return Extraction(_sized(mending, settings), mending.record())
-    # What was repaired may be further away than what was there.
+    # Repairs may extend beyond the previous surface.
     level = mending.surface.level
     limited = constraint.bounds.limited(mending.density, level, prepared.box)
     held = int(np.count_nonzero((limited > level) != (mending.density > level)))
@@ -218,16 +219,16 @@ def _sized(mending: Mending, settings: MorphSettings) -> LevelSurface:
 
 @dataclass(frozen=True)
 class _Prepared:
-    """What the surface of a density is taken of.
+    """A density in the form from which its surface is extracted.
 
     Attributes
     ----------
     density : (mx, my, mz) float32
-        Where there is any, in the unit given below.
+        Restricted to a box, in the unit given below.
     box : tuple of slice
-        Of the density's grid.
+        The box on the density's grid.
     unit : float
-        One, or the densest cell.
+        One, or the maximum of the density.
     """
 
     density: NDArray[np.float32]
@@ -236,7 +237,7 @@ class _Prepared:
 
     @classmethod
     def of(cls, density: NDArray[np.floating], volume: float, settings: MorphSettings) -> _Prepared:
-        # Sums of very large or very small densities may overflow or vanish, in single precision above all.
+        # Sums of very large or very small densities may overflow or vanish, especially in single precision.
         peak = float(density.max())
         if not 0.0 < peak < np.inf:
             raise InputError("A density without mass has no surface.")
@@ -255,5 +256,5 @@ class _Prepared:
         return np.array([span.start for span in self.box])
 
     def placed(self, surface: LevelSurface) -> LevelSurface:
-        """Return a surface of the density in the box as one of the grid."""
+        """Convert a surface from the coordinates of the box to those of the grid."""
         return LevelSurface(surface.mesh.moved(self.low), surface.level * self.unit)

@@ -23,7 +23,7 @@ def fewest_changes(least: Sequence[int], most: Sequence[int], first: int, last: 
     """
     lower, upper = np.array([*least, last]), np.array([*most, last])
     values = np.arange(min(first, lower.min()), max(first, upper.max()) + 1)
-    # A change weighs more than all by which the counts could fall short of their bounds together.
+    # A change costs more than the largest possible total shortfall below the upper bounds.
     weight = len(lower) * len(values)
     changes = weight * np.abs(np.subtract.outer(values, values))
     forbidden = np.iinfo(np.int64).max // 4

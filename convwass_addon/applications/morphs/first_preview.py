@@ -37,7 +37,7 @@ def first_preview(
     shapes, names, settings, control
         As for :func:`.morph.morph`.
     blend : Blend
-        Which one.
+        The blend to preview.
     matching : Matching
         The parts of the shapes that travel together.
 

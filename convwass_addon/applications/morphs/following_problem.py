@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Morphs of animated inputs: every blend is made of the shapes as they are at its frame."""
+"""Morphs of animated inputs: every blend uses the shapes as they are at its frame."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ from .moving_problem import MovingProblem
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
 
-# Room in cells around the poses that are known, for those in between.
+# Margin in cells around the known poses, for those in between.
 _SLACK_CELLS = 1
 
 
 @dataclass(frozen=True)
 class FollowingProblem(MovingProblem):
-    """What all blends of animated inputs have in common.
+    """The problem shared by all blends of animated inputs.
 
     Attributes
     ----------
     still : MorphProblem
-        The inputs as they were when they were read: `rests`. It gives the spacing of the cells, and the connectivity
-        and the volumes of inputs that keep their triangles, whose volumes are scaled with the meshes.
+        The inputs as they were when they were read: `rests`. It determines the spacing of the cells, and the
+        connectivity and volumes of inputs that keep their triangles; volumes are scaled with the meshes.
     motion : PosedMotion or None
-        How the inputs move towards each other, in any pose; None where they do not.
+        How the inputs move towards each other, in any pose; None if they do not.
     animation : Animation
         The inputs at any time.
     rests : tuple of TriangleMesh
@@ -59,20 +59,20 @@ class FollowingProblem(MovingProblem):
         names: Sequence[str],
         matching: Matching,
     ) -> FollowingProblem:
-        """Lay out a grid that holds the inputs at all times, each about its center then; see the attributes."""
+        """Lay out a grid that holds the inputs at all times, relative to their current centers; see the attributes."""
         boxes = np.stack([mesh.bounds - centroid(mesh) for mesh in animation.meshes])
         room = Room(boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0), _SLACK_CELLS)
         lattice = still.lattice.holding(room)
         return cls(still, motion, lattice, tuple(names), matching, animation, tuple(rests))
 
     def preview(self, blend: Blend) -> MorphFrame:
-        """Show the input of the largest weight, as it is then, in place of a blend."""
+        """Show the input of the largest weight, in its current pose, in place of a blend."""
         time, largest = self.animation.time_of(blend.weights), int(np.argmax(blend.weights))
         mesh = self.animation.shapes[largest].at(time)
         return MorphFrame(blend, mesh, {"weights": blend.weights, "volume": mesh.volume})
 
     def frame(self, blend: Blend, control: Control) -> MorphFrame:
-        """Solve one blend; an input with a weight of one is shown as it is."""
+        """Solve one blend; an input with a weight of one is shown unchanged."""
         if blend.source is not None:
             return solve_blends(self.still, [blend], control)[0]
         time = self.animation.time_of(blend.weights)
@@ -84,7 +84,7 @@ class FollowingProblem(MovingProblem):
         return replace(frame, tangents=self._tangents(frame, time))
 
     def _moved(self, blend: Blend, time: float, shapes: list[TriangleMesh], control: Control) -> MorphFrame:
-        """Solve a blend of inputs that move towards each other from their poses."""
+        """Solve a blend of inputs that move towards each other, starting from their current poses."""
         motion = self.motion.at(shapes, np.flatnonzero(blend.weights).tolist(), control)
         growth = [_volume_ratio(shape, rest) for shape, rest in zip(shapes, self.rests, strict=True)]
         parts = tuple(replace(part, volumes=part.volumes * growth) for part in self.still.transport.parts)
@@ -94,7 +94,7 @@ class FollowingProblem(MovingProblem):
         return problem.frame(blend, control)
 
     def _transported(self, blend: Blend, time: float, shapes: list[TriangleMesh], control: Control) -> MorphFrame:
-        """Solve a blend of inputs that are transported from their poses."""
+        """Solve a blend of inputs by transport between their current poses."""
         active = np.flatnonzero(blend.weights)
         posed = [shapes[i] for i in active]
         problem = self._problem_at(posed, active, control)
@@ -114,7 +114,7 @@ class FollowingProblem(MovingProblem):
         return replace(frame, origins=origins, tangents=tangents, triangles=_of_all(solved.triangles, active, shapes))
 
     def _problem_at(self, posed: Sequence[TriangleMesh], active: NDArray[np.int64], control: Control) -> MorphProblem:
-        """Return the problem of some inputs in their poses."""
+        """Return the problem of some inputs in their current poses."""
         settings = self.still.settings
         lattice = replace(self.lattice, centers=np.stack([centroid(shape) for shape in posed]))
         faces = self.matching.faces
@@ -130,10 +130,10 @@ class FollowingProblem(MovingProblem):
         return replace(problem, connectivity=tuple(self.still.connectivity[i] for i in active), meshes=())
 
     def _tangents(self, frame: MorphFrame, time: float) -> NDArray[np.float32]:
-        """Add to what velocities are read from how the inputs themselves move; see :func:`.origins.velocities`.
+        """Add the inputs' own motion to the points that determine velocities; see :func:`.origins.velocities`.
 
-        Along a path one weight grows as the time does, by `rate`, and the other falls: what the first has more in the
-        tangents counts `rate` times.
+        On a path, the weight of the second input grows by `rate` per frame while the other falls, so whatever is added
+        to its tangents counts `rate` times.
         """
         weights = frame.blend.weights
         animated = np.zeros(frame.mesh.vertices.shape)
@@ -151,7 +151,7 @@ class FollowingProblem(MovingProblem):
 def _of_all(
     triangles: NDArray[np.int32] | None, active: NDArray[np.int64], shapes: Sequence[TriangleMesh]
 ) -> NDArray[np.int32] | None:
-    """Return triangles of all inputs, (k, m), from those of some; -1 for the others."""
+    """Expand triangle indices of some inputs to all inputs, (k, m); -1 for the others."""
     if triangles is None:
         return None
     found = np.full((len(shapes), triangles.shape[1]), -1, np.int32)
@@ -160,6 +160,6 @@ def _of_all(
 
 
 def _volume_ratio(shape: TriangleMesh, rest: TriangleMesh) -> float:
-    """Return by how much a pose fills more than the rest; open meshes that enclose next to nothing stay as they are."""
+    """Return the volume of a pose relative to the rest mesh; 1 for open meshes that enclose almost nothing."""
     least = 1e-3 * rest.area**1.5
     return abs(shape.volume) / abs(rest.volume) if min(abs(rest.volume), abs(shape.volume)) > least else 1.0

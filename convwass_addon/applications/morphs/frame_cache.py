@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A folder of finished frames: a bake that was interrupted goes on there, and several machines can share one."""
+"""A folder of finished frames, from which an interrupted bake continues and which several machines can share."""
 
 from __future__ import annotations
 
@@ -27,32 +27,32 @@ from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels
 
-# What a file keeps of a frame.
+# The fields of a frame that a file stores.
 _KEPT = tuple(one.name for one in fields(StoredFrame))
 
 
 class FrameCache:
-    """A folder with one file per frame, named by a hash of all that the frame depends on.
+    """A folder with one file per frame, named by a hash of everything that the frame depends on.
 
-    Files are replaced as a whole, so machines that write the same frame at the same time do no harm. Nothing is ever
-    deleted: the folder may be thrown away when the morph is done.
+    Files are replaced atomically, so machines that write the same frame at the same time do no harm. Nothing is ever
+    deleted; the folder may be deleted when the morph is finished.
 
     Parameters
     ----------
     folder : Path
-        Made where it is missing.
+        Created if it does not exist.
 
     Attributes
     ----------
     notices : list of Sentence
-        What the user should know: files that could not be used.
+        Warnings for the user about unusable files.
     reused : int
-        Frames that have been read instead of being computed.
+        Number of frames that were read instead of computed.
 
     Raises
     ------
     InputError
-        The folder cannot be made or written to.
+        The folder cannot be created or written to.
     """
 
     keeps_potentials = True
@@ -81,16 +81,16 @@ class FrameCache:
         settings: MorphSettings,
         guides: Sequence[Guide] = (),
     ) -> BakeCache:
-        """Return the part of the cache that belongs to one bake; for the parameters see :func:`.morph.morph`."""
+        """Return the part of the cache that belongs to one bake; parameters as for :func:`.morph.morph`."""
         return BakeCache(self, _bake_digest(shapes, names, labels, settings, guides))
 
     def missed(self, error: OSError) -> None:
-        """Hear that a frame could not be written.
+        """Handle a frame that could not be written.
 
         Raises
         ------
         ConvwassError
-            Always: whoever names a folder wants the frames there.
+            Always: a user who names a folder wants the frames in it.
         """
         raise ConvwassError(
             "A frame could not be written to {folder} ({reason}); make room there, or choose another folder.",
@@ -100,21 +100,21 @@ class FrameCache:
 
 
 class SpareFrameCache(FrameCache):
-    """A folder of frames for the case that a bake is interrupted, which nobody has asked for.
+    """An automatic folder of frames, for the case that a bake is interrupted.
 
-    It never grows beyond a size for long: the oldest frames are dropped. A bake goes on where it cannot be written to.
+    The oldest frames are deleted when it exceeds its size. If it cannot be written to, the bake continues without it.
 
     Parameters
     ----------
     folder : Path
-        Made where it is missing; everything in it that is a frame belongs to the cache.
+        Created if it does not exist; all frames in it belong to the cache.
     most_bytes : int
-        How large it may be when a bake begins.
+        Maximum size at the start of a bake.
 
     Raises
     ------
     InputError
-        The folder cannot be made or written to.
+        The folder cannot be created or written to.
     """
 
     keeps_potentials = False
@@ -124,7 +124,7 @@ class SpareFrameCache(FrameCache):
         _drop_oldest(self.folder, most_bytes)
 
     def missed(self, error: OSError) -> None:
-        """Note that a frame could not be written, once."""
+        """Add a notice that a frame could not be written, once."""
         notice = Sentence(
             "Frames are not kept in {folder} for the case of an interruption ({reason}).",
             {"folder": str(self.folder), "reason": error.strerror or type(error).__name__},
@@ -134,7 +134,7 @@ class SpareFrameCache(FrameCache):
 
 
 def _drop_oldest(folder: Path, most_bytes: int) -> None:
-    """Delete the frames that were written first until the others fit; what another program holds open stays."""
+    """Delete the oldest frames until the others fit; files that another program holds open stay."""
     found = []
     for path in folder.glob("*.frame"):
         with suppress(OSError):
@@ -156,7 +156,7 @@ class BakeCache:
     cache : FrameCache
         The folder.
     digest : bytes
-        What tells the bake from all others.
+        Hash that identifies the bake.
     """
 
     def __init__(self, cache: FrameCache, digest: bytes) -> None:
@@ -165,26 +165,26 @@ class BakeCache:
 
     @property
     def keeps_potentials(self) -> bool:
-        """Whether frames are to bring their potentials along."""
+        """Whether frames should be stored with their potentials."""
         return self._cache.keeps_potentials
 
     def paths(self, run: Sequence[Blend]) -> list[Path]:
-        """Return the files of a run's frames, which may or may not be there."""
+        """Return the files of a run's frames, whether or not they exist."""
         return [self._cache.folder / f"{key}.frame" for key in self._keys(run)]
 
     def holds(self, run: Sequence[Blend]) -> bool:
-        """Whether all frames of a run are there and sound; those that are not are put among the notices."""
+        """Whether all frames of a run exist and are valid; a notice is added for damaged ones."""
         keys = self._keys(run)
         files = zip(self.paths(run), keys, run, strict=True)
         return all(self._read(path, key, blend) is not None for path, key, blend in files)
 
     def load(self, run: Sequence[Blend]) -> list[MorphFrame]:
-        """Return the frames of a run that the cache holds.
+        """Return the frames of a run from the cache.
 
         Raises
         ------
         ConvwassError
-            A file has been changed or removed since.
+            A file has since been changed or removed.
         """
         frames = []
         for blend, path, key in zip(run, self.paths(run), self._keys(run), strict=True):
@@ -198,7 +198,7 @@ class BakeCache:
         return frames
 
     def save(self, run: Sequence[Blend], frames: Sequence[MorphFrame]) -> None:
-        """Put all frames of a run into the cache.
+        """Store all frames of a run.
 
         Raises
         ------
@@ -212,12 +212,12 @@ class BakeCache:
         try:
             write_frame(path, key, StoredFrame(**{name: vars(frame)[name] for name in _KEPT}))
         except OSError as error:
-            # Windows replaces no file that another machine is reading, which then is the same frame.
+            # On Windows, a file that another machine is reading cannot be replaced; if so, it holds the same frame.
             if self._read(path, key, frame.blend) is None:
                 self._cache.missed(error)
 
     def load_again(self, run: Sequence[Blend], blend: Blend, demand: Demand) -> MorphFrame | None:
-        """Return a blend of a run that was made once more as demanded, if that is there."""
+        """Return a blend of a run that was computed again for a demand, if it is stored."""
         stored = self._read(*self._again(run, blend, demand), blend)
         if stored is None:
             return None
@@ -225,17 +225,17 @@ class BakeCache:
         return MorphFrame(blend=blend, **vars(stored))
 
     def save_again(self, run: Sequence[Blend], frame: MorphFrame, demand: Demand) -> None:
-        """Put one into the cache; raises ConvwassError where a file cannot be written."""
+        """Store a blend that was computed again; raises ConvwassError if a file cannot be written."""
         self._write(*self._again(run, frame.blend, demand), frame)
 
     def _again(self, run: Sequence[Blend], blend: Blend, demand: Demand) -> tuple[Path, str]:
-        """Return the file and the key of a blend that is made once more."""
+        """Return the file and the key of a blend that is computed again."""
         own = self._keys(run)[run.index(blend)]
         key = hashlib.sha256(f"{own} {demand.digest()}".encode()).hexdigest()
         return self._cache.folder / f"{key}.frame", key
 
     def _keys(self, run: Sequence[Blend]) -> list[str]:
-        """Name every frame of a run; it depends on the blends before it, from which its solve was started."""
+        """Return a key for every frame of a run; it depends on earlier blends of the run, which were its starts."""
         hashed = hashlib.sha256(self._digest)
         keys = []
         for blend in run:
@@ -268,7 +268,7 @@ class BakeCache:
 
 
 def _is_moved(record: Mapping[str, object]) -> bool:
-    """Whether a frame is one of moving inputs, which brings no potentials; the record may be of any file."""
+    """Whether a frame is one of moving inputs, which has no potentials; the record may come from any file."""
     motion = record.get("motion")
     return isinstance(motion, Mapping) and motion.get("kind") in ("guided", "combined", "warp")
 
@@ -280,13 +280,13 @@ def _bake_digest(
     settings: MorphSettings,
     guides: Sequence[Guide],
 ) -> bytes:
-    """SHA-256 of all that decides every frame of a bake: the code, the settings, the shapes and their parts."""
+    """SHA-256 of everything that determines the frames of a bake: code, settings, shapes and their parts."""
     hashed = hashlib.sha256(code_digest())
     description = {"settings": settings.as_dict(), "shapes": len(shapes)}
     description["guides"] = [sorted(guide.items()) for guide in guides]
     arrays = [array for shape in shapes for array in (shape.vertices.astype("<f8"), shape.faces.astype("<i8"))]
     if labels is not None:
-        # Only what is said about parts names the shapes.
+        # Names of shapes occur only in messages about parts.
         description |= {"names": list(names), "parts": [label.names for label in labels]}
         arrays += [label.faces.astype("<i8") for label in labels]
     description["sizes"] = [array.shape for array in arrays]

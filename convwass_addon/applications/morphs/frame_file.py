@@ -1,12 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One finished frame as a file: a surface, where it comes from, figures and potentials, checked when they are read.
+"""A finished frame as a file: surface, origins, figures and potentials, validated when they are read.
 
-The file is one of :mod:`.array_files`. Its header has the ``key``, which says what frame it is, the ``record`` of
-figures, and for every part of the blend the ``sharpness`` and ``sigma`` of its ``potentials``; an input that is shown
-as it is has none. A surface has the arrays ``vertices`` (n, 3) and ``faces`` (m, 3), where that was asked for
-``origins`` and, where the inputs move, ``tangents`` (k, n, 3), and where it carries detail ``triangles`` (k, m). Part i
-has ``inside.i``, which tells for all cells whether they have potentials, and these, ``columns.i``.
+The format is that of :mod:`.array_files`. The header has the ``key``, which identifies the frame, the ``record`` of
+figures, and the ``sharpness`` and ``sigma`` of the ``potentials`` of every part of the blend; an unblended input has no
+potentials. A surface has the arrays ``vertices`` (n, 3) and ``faces`` (m, 3); ``origins`` (k, n, 3), if they were
+requested; ``tangents`` (k, n, 3), if the inputs move; and ``triangles`` (k, m), if it carries detail. Part i has
+``inside.i``, a mask of the cells with potentials, and ``columns.i``, the potentials.
 """
 
 from __future__ import annotations
@@ -25,9 +25,9 @@ from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from .part_potentials import PartPotentials
 
-# Far above any surface of the finest grid; what is larger is no frame, and is not even read.
+# Far larger than any surface of the finest grid; larger files are not even read.
 _MOST_BYTES = 2 << 30
-# What is said of a frame elsewhere, and must be of this type where it is there.
+# Figures of a record that other modules read, and their types.
 _TYPES: dict[str, tuple[type, ...]] = {
     "weights": (tuple,),
     "converged": (bool,),
@@ -37,12 +37,12 @@ _TYPES: dict[str, tuple[type, ...]] = {
 
 
 class DamagedFrameError(Exception):
-    """The file is not the frame that it should be; the message says in a few words why."""
+    """The file is not the expected frame; the message states the reason in a few words."""
 
 
 @dataclass(frozen=True)
 class StoredFrame:
-    """What a file holds.
+    """The contents of a frame file.
 
     Attributes
     ----------
@@ -50,14 +50,14 @@ class StoredFrame:
         The surface, if there is one.
     record : dict
         The solver's figures.
-    potentials : tuple of PartPotentials
+    One per part; empty for an unblended input.
         One per part; none of an input that is shown as it is.
-    origins : (k, n, 3) float32 or None
+    Origins of the surface's vertices.
         Where the vertices of the surface come from.
-    tangents : (k, n, 3) float32 or None
+    Points that determine the velocities of the vertices, if the inputs move.
         What their velocities are read from, where the inputs move.
     triangles : (k, m) int32 or None
-        Which triangles of the inputs the triangles of the surface lie on, where they carry detail.
+        The triangles of the inputs on which the triangles of the surface lie, if it carries detail.
     """
 
     mesh: TriangleMesh | None
@@ -69,16 +69,16 @@ class StoredFrame:
 
 
 def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
-    """Write a frame so that the file is there as a whole or not at all.
+    """Write a frame atomically.
 
     Parameters
     ----------
     path : Path
-        The file; one that is there already is replaced.
+        The file; an existing one is replaced.
     key : str
-        Which frame it is.
+        Identifies the frame.
     frame : StoredFrame
-        What to write.
+        The frame.
 
     Raises
     ------
@@ -90,18 +90,18 @@ def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
 
 
 def read_frame(path: Path, key: str) -> StoredFrame:
-    """Read a frame and check all of it; nothing in the file is trusted.
+    """Read a frame and validate all of it.
 
     Raises
     ------
     FileNotFoundError
-        There is none.
+        The file does not exist.
     OSError
         The file cannot be read.
     DamagedFrameError
-        It is no regular file, too large, cut off, changed, another frame, or not what a frame must be.
+        Not a regular file, too large, truncated, modified, another frame, or with invalid contents.
     """
-    # A link could lead out of the folder, and a pipe would never end.
+    # A link could lead out of the folder, and reading a pipe would never end.
     if not stat.S_ISREG(os.lstat(path).st_mode):
         raise DamagedFrameError("it is no regular file")
     try:
@@ -198,7 +198,7 @@ def _record(value: object) -> dict[str, object]:
 
 
 def _tupled(value: object) -> object:
-    """Return lists, which JSON makes of tuples, as tuples again."""
+    """Convert lists, which JSON makes of tuples, back to tuples."""
     if isinstance(value, list):
         return tuple(map(_tupled, value))
     if isinstance(value, dict):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which blends of the shapes are made, and where each belongs: along a path, on a sheet, or alone."""
+"""Layouts of blends: along a path, on a sheet, or a single one."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ class Blend:
     weights : tuple of float
         One per input, sum 1.
     frame : int or None
-        Scene frame after the first one, in an animation; None on a sheet.
+        Scene frame relative to the first one, in an animation; None on a sheet.
     place : (float, float)
         Column and row on a sheet, in steps; (0, 0) in an animation.
     """
@@ -32,20 +32,20 @@ class Blend:
 
     @property
     def source(self) -> int | None:
-        """Index of the input that is shown as it is, because its weight is 1."""
+        """Index of the input that is shown unblended because its weight is 1."""
         return self.weights.index(1.0) if 1.0 in self.weights else None
 
 
 def path_blends(count: int, frames: int, step: int = 1) -> list[Blend]:
-    """Walk through `count` shapes in order, `frames` scene frames from each to the next.
+    """Blend `count` shapes in order, with `frames` scene frames from each to the next.
 
-    The first shape stands at frame 0, the second at `frames`, and so on; between two of them there is a blend every
-    `step` frames.
+    The first shape is shown at frame 0, the second at `frames`, and so on, with a blend at every `step` frames in
+    between.
 
     Raises
     ------
     InputError
-        Fewer than two shapes or frames, or a step of no frame.
+        Fewer than two shapes or frames, or a step below one.
     """
     if count < 2:
         raise InputError("A morph needs at least two shapes; select or name one more.")
@@ -64,7 +64,7 @@ def path_blends(count: int, frames: int, step: int = 1) -> list[Blend]:
 
 
 def grid_blends(count: int, steps: int) -> list[Blend]:
-    """Bilinear sheet of four shapes, `steps` by `steps`: top left, top right, bottom left, bottom right.
+    """Return a bilinear sheet of four shapes, `steps` by `steps`: top left, top right, bottom left, bottom right.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def grid_blends(count: int, steps: int) -> list[Blend]:
 
 
 def triangle_blends(count: int, steps: int) -> list[Blend]:
-    """Triangular sheet of three shapes with `steps` blends along each side: bottom left, bottom right, top.
+    """Return a triangular sheet of three shapes, `steps` blends along each side: bottom left, bottom right, top.
 
     Raises
     ------
@@ -106,12 +106,12 @@ def triangle_blends(count: int, steps: int) -> list[Blend]:
 
 
 def single_blend(weights: Sequence[float], count: int) -> list[Blend]:
-    """One blend with the given weights, scaled to sum 1.
+    """Return one blend with the given weights, scaled to sum 1.
 
     Raises
     ------
     InputError
-        Another number of weights than shapes, negative weights, or weights that are all zero.
+        The number of weights differs from that of shapes, or weights are negative or all zero.
     """
     values = np.asarray(weights, dtype=np.float64)
     if values.shape != (count,):

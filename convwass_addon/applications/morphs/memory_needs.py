@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory a bake takes; quick to ask, before any shape is read."""
+"""Estimates of the memory that a bake needs, without reading any shape."""
 
 from __future__ import annotations
 
@@ -8,27 +8,27 @@ from collections.abc import Sequence
 
 import numpy as np
 
-# Most bytes per cell at the peak (tests/applications/test_memory_estimates.py), of every shape and of every thread that
-# solves: for all cells of the grid, for those that the largest shape fills, and for every further part.
+# Maximum bytes per cell at the peak (tests/applications/test_memory_estimates.py), for every shape and for every
+# solving thread: for all cells of the grid, for those that the largest shape fills, and for every further part.
 _BYTES_PER_SHAPE, _BYTES_PER_SHAPE_FILLED, _BYTES_PER_SHAPE_PART = 18, 80, 4
 _BYTES_PER_WORKER, _BYTES_PER_WORKER_FILLED, _BYTES_PER_WORKER_PART = 90, 330, 12
-# Thin shapes fill little of the grid; what the solver keeps of them does not fall below this.
+# Thin shapes fill little of the grid; the solver's memory does not fall below that of this fraction.
 _LEAST_FILLED = 0.03
-# Share of its bounding box that a shape is taken to fill before it is read: more than the animals of assets/shapes do.
+# Assumed fraction of its bounding box that a shape fills: more than the animals of assets/shapes do.
 _FILLED = 0.4
 
 
 def peak_bytes(cells: float, filled: float, shapes: int, workers: int, parts: int = 1) -> int:
-    """Return the bytes at the peak of a bake.
+    """Return the peak memory of a bake in bytes.
 
     Parameters
     ----------
     cells : float
-        Of the grid.
+        Number of cells of the grid.
     filled : float
-        Share of them that the largest shape fills.
+        Fraction of them that the largest shape fills.
     shapes, workers, parts : int
-        How many shapes, threads that solve, and parts of every shape.
+        Number of shapes, of solving threads, and of parts of every shape.
     """
     filled = float(np.clip(filled, _LEAST_FILLED, 1.0))
     of_shape = _BYTES_PER_SHAPE + _BYTES_PER_SHAPE_FILLED * filled + _BYTES_PER_SHAPE_PART * (parts - 1)

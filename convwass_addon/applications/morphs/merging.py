@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The densities of parts that travel together, as one."""
+"""Combine the densities of parts that travel together."""
 
 from __future__ import annotations
 
@@ -10,22 +10,22 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Densities waver by this share about the value they should have; only what is above lies in two parts at once.
+# Densities vary by this fraction around their proper value; only what exceeds it counts as overlap of two parts.
 _WAVER = 0.1
 
 
 @dataclass(frozen=True)
 class MergedParts:
-    """Barycenters of parts as one density.
+    """Barycenters of parts, combined into one density.
 
     Attributes
     ----------
     density : (nx, ny, nz) float64
         In any unit.
     volume : float
-        What its surface should enclose, in cells.
+        Volume that the surface should enclose, in cells.
     overlap : float
-        Volume that parts have in common, in cells.
+        Volume shared by several parts, in cells.
     """
 
     density: NDArray[np.float64]
@@ -34,21 +34,21 @@ class MergedParts:
 
 
 def merged_parts(densities: Sequence[NDArray[np.float64]], volumes: NDArray[np.float64]) -> MergedParts:
-    """Add up the barycenters of parts; where several fill the same cells, these count once.
+    """Add up the barycenters of parts; cells that several parts fill count once.
 
-    Otherwise a surface that is to enclose the volume of all would have to swell wherever one part passes through
+    Without this correction, a surface enclosing the total volume would have to swell wherever one part passes through
     another.
 
     Parameters
     ----------
     densities : sequence of (nx, ny, nz) float64
-        Of mass 1 each; one alone is left as it is.
+        Of mass 1 each; a single one is not changed.
     volumes : (p,) float64
-        Volumes of the parts in cells: what they weigh.
+        Volumes of the parts in cells, used as weights.
     """
     if len(densities) == 1:
         return MergedParts(densities[0], float(volumes[0]))
-    # Times their volume in cells, so that a cell that is full of a part holds one.
+    # Scaled by their volume, so that a cell filled by a part has density one.
     cells = [density * (volume / density.size) for density, volume in zip(densities, volumes, strict=True)]
     full = (1.0 + _WAVER) * max(1.0, typical_density(cells))
     total, separate = np.zeros_like(cells[0]), 0.0
@@ -61,7 +61,7 @@ def merged_parts(densities: Sequence[NDArray[np.float64]], volumes: NDArray[np.f
 
 
 def typical_density(densities: Sequence[NDArray[np.float64]]) -> float:
-    """Density of which half of all mass has more: that inside the large parts, above one where they are compressed."""
+    """Return the density above which half of the mass lies: that in large parts, over one where it is compressed."""
     values = np.concatenate([density[density > 0] for density in densities])
     values.sort()
     mass = np.cumsum(values)

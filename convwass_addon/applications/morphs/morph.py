@@ -28,7 +28,7 @@ from .part_labels import FaceLabels, matched, unparted
 from .remaking import BakeReview, Remaking
 from .runs import Run, SolvedRun, as_solved, runs_of
 
-# Share of the progress at which all blends are there for the first time.
+# Fraction of the progress at which all blends have been computed once.
 _REVIEWED_FROM = 0.95
 
 
@@ -49,58 +49,56 @@ def morph(
     looked_at: int = 0,
     animation: Animation | None = None,
 ) -> Work[None]:
-    """Make the blends of the shapes, one after the other.
+    """Compute the blends of shapes.
 
     Parameters
     ----------
     shapes : sequence of TriangleMesh
-        The inputs in one space; open, self-intersecting, disconnected and inside-out ones are welcome.
+        The inputs in a common space; they may be open, self-intersecting, disconnected or inside-out.
     names : sequence of str
-        What messages call them.
+        Names of the shapes, for messages.
     blends : sequence of Blend
-        In an order in which neighbors are similar: each solve starts from the one before.
+        In an order in which neighbors are similar: each solve starts from the previous blend.
     settings : MorphSettings
-        How.
+        How the morph is made.
     control : Control
-        Ends the job when cancelled; checked between iterations, in whatever thread computes.
+        Cancels the job; checked between iterations, in every computing thread.
     labels : sequence of FaceLabels, optional
-        Parts of the shapes; those of the same name travel together.
+        Parts of the shapes; parts of the same name travel together.
     guides : sequence of mappings from int to int, optional
-        Points that belong together: for some of the shapes, by their numbers, a vertex of each. They guide the motion.
+        Points that correspond: each maps indices of shapes to one of their vertices. They guide the motion.
     workers : int, optional
-        Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
+        Threads that compute short runs of blends in parallel; by default one per processor, as far as memory allows.
     executor : concurrent.futures.Executor, optional
-        Where to compute the runs instead, in other processes or on other machines;
-        `control` is then checked by the one who waits for them, and runs that have begun are left to end by themselves.
-        The frames are the same wherever they are computed.
+        Computes the runs in other processes or on other machines instead. `control` is then checked by the waiting
+        thread only, and runs that have started are left to finish. The frames are the same wherever they are computed.
     cache : FrameCache, optional
-        Frames that are in it are not computed again, and those that are computed are put into it at once.
+        Frames in the cache are not computed again; new frames are stored at once.
     wanted : range, optional
-        Indices of blends to make; all of a run is made where one of its blends is wanted, so that frames do not depend
-        on how a morph was split.
+        Indices of the blends to compute. Runs are always computed as a whole, so that frames do not depend on how a
+        morph is split.
     previews : bool
-        Whether to solve the coarse levels of all blends first, and yield what can be seen of them; not where an
-        executor of the caller's computes, nor on a grid that has no coarser one, nor of more runs than there is memory
-        for. The frames are the same.
+        Whether to solve the coarse levels of all blends first and yield previews. There are none if an executor is
+        given, if the grid has no coarser level, and for runs beyond the available memory. The frames are the same.
     looked_at : int
-        Number of the blend that is being looked at, of those that are made: previews near to it come first.
+        Index of the displayed blend, among those to compute: previews near it come first.
 
     animation : Animation, optional
-        The inputs of a path at all of its frames, in the order of their vertices in `shapes`: every blend takes them as
-        they are at its frame. Motions are chosen for `shapes`, and keep their maps; where the triangles of an input
-        change from frame to frame, there is none.
+        The inputs of a path at all of its frames, with the vertices in the order of `shapes`: every blend uses them as
+        they are at its frame. Motions are determined for `shapes`. If the triangles of an input change from frame to
+        frame, there is no motion.
 
     Yields
     ------
     Progress
         The payloads are every finished :class:`.morph_problem.MorphFrame` in the order of the blends, and every
-        :class:`.bake_plan.MorphPreview`. A frame that is changed once all frames between two shapes are known comes
-        again after them, and takes the place of the one before; see :mod:`.remaking`.
+        :class:`.bake_plan.MorphPreview`. A frame that is revised once all frames between two shapes are known is
+        yielded again at the end, and replaces the earlier one; see :mod:`.remaking`.
 
     Raises
     ------
     InputError, ResourceError
-        Before the first frame, where the inputs or the settings cannot work.
+        Before the first frame, if the inputs or the settings are invalid.
     """
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")
@@ -128,7 +126,7 @@ def morph(
         looked_at=looked_at,
         animation=animation,
     )
-    # Part of a morph may be made elsewhere: only whoever has all of it decides over all of it.
+    # If other parts of the morph are computed elsewhere, no decisions over all of it are possible here.
     review = BakeReview(blends if wanted is None else ())
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
@@ -139,7 +137,7 @@ def morph(
         total = sum(map(len, runs))
         span = (_REVIEWED_FROM if review.is_needed else 1.0) - fraction
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
-            review.hear(frame)
+            review.add(frame)
             ends = done == total and review.is_done()
             share = 1.0 if ends else fraction + span * done / total
             yield Progress(share, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
@@ -150,7 +148,7 @@ def morph(
 def in_order(
     runs: Sequence[Run], missing: dict[int, Run], solved: Iterator[SolvedRun], store: BakeCache | None
 ) -> Iterator[MorphFrame]:
-    """Yield the frames of all runs in their order, from the cache or as they are solved, which may be in any order."""
+    """Yield the frames of all runs in order, from the cache or as they are solved, which may be in any order."""
     ready: dict[int, list[MorphFrame]] = {}
     for index, run in enumerate(runs):
         if index not in missing:

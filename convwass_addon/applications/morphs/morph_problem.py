@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all blends of a morph have in common, and what a finished one is."""
+"""The problem shared by all blends of a morph, and a finished blend."""
 
 from __future__ import annotations
 
@@ -36,22 +36,22 @@ class MorphFrame:
     Attributes
     ----------
     blend : Blend
-        Which one.
+        Its weights and place.
     mesh : TriangleMesh or None
-        Its surface in the scene, closed and outward; None where an input is shown as it is.
+        Its surface in scene space, closed and oriented outward; None for an unblended input.
     record : dict
-        The solver's figures, the level, volume wanted and reached; ready for JSON.
+        The solver's figures, the level, and the wanted and actual volume; ready for JSON.
     potentials : tuple of PartPotentials
-        One per part, where they are kept: what blends next to it can be had from.
+        One per part, if they are kept: neighboring blends can be solved from them.
     origins : (k, n, 3) float32 or None
-        Where in the scene the matter at every vertex of `mesh` comes from, on every input; None where that was not
-        asked for. See :func:`.origins.blend_origins`.
+        For every input, the point in scene space that the matter at every vertex of `mesh` comes from; None if not
+        requested. See :func:`.origins.blend_origins`.
     tangents : (k, n, 3) float32 or None
-        What velocities are read from in place of the origins, where the inputs move; see
+        Points that determine velocities instead of the origins, if the inputs move; see
         :func:`.moved_origins.moved_tangents`.
     triangles : (k, m) int32 or None
-        The triangle of every input that each triangle of `mesh` lies on, -1 for inputs without weight; None where the
-        blend does not carry the detail of its inputs along.
+        The triangle of every input that each triangle of `mesh` lies on, -1 for inputs without weight; None if the
+        blend does not carry the detail of its inputs.
     """
 
     blend: Blend
@@ -66,31 +66,30 @@ class MorphFrame:
 
     @property
     def velocity_points(self) -> NDArray[np.float32] | None:
-        """What :func:`.origins.velocities` takes, (k, n, 3)."""
+        """The points for :func:`.origins.velocities`, (k, n, 3)."""
         return self.origins if self.tangents is None else self.tangents
 
 
 @dataclass(frozen=True)
 class MorphProblem:
-    """What all blends of a morph have in common; can be sent to another process.
+    """The problem shared by all blends of a morph; can be sent to another process.
 
     Attributes
     ----------
     transport : TransportProblem
         The shapes as distributions, and how to blend them.
     connectivity : tuple of Connectivity
-        How every shape is connected, as far as it can be told at this resolution; empty where there are to be sketches
-        only.
+        Connectivity of every shape, as far as this resolution shows it; empty if only sketches are needed.
     meshes : tuple of TriangleMesh
         The shapes, until their connectivity is known.
     keeps_potentials : bool
-        Whether frames bring what blends next to them can be had from.
+        Whether frames keep potentials, from which blends next to them can be solved.
     motion : dict
         What the record of every frame says about the choice of a motion.
     shapes : tuple of FacingShape
-        The shapes themselves, outward, where blends get their detail from them; empty where they do not.
+        The shapes themselves, oriented outward, if blends get detail from them; else empty.
     demand : Demand or None
-        What the other blends demand of those that are made now.
+        Constraints on blends that are computed again, from the other blends.
     """
 
     transport: TransportProblem
@@ -103,51 +102,51 @@ class MorphProblem:
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings) -> MorphProblem:
-        """Prepare voxelized shapes for many blends of them."""
+        """Prepare voxelized shapes for blends."""
         return cls.for_sketches(shapes, lattice, settings).with_connectivity()
 
     @classmethod
     def for_sketches(
         cls, shapes: SplitShapes, lattice: Lattice, settings: MorphSettings, meshes: Sequence[TriangleMesh] = ()
     ) -> MorphProblem:
-        """Prepare voxelized shapes for sketches of their blends, which are not mended."""
+        """Prepare voxelized shapes for sketches of their blends, which are not repaired."""
         return cls(TransportProblem.of(shapes, lattice, settings), meshes=tuple(meshes))
 
     @property
     def lattice(self) -> Lattice:
-        """Where the cells of the shapes are."""
+        """The common grid of the shapes."""
         return self.transport.lattice
 
     @property
     def settings(self) -> MorphSettings:
-        """How to blend the shapes."""
+        """The settings of the morph."""
         return self.transport.settings
 
     def with_detail_of(self, shapes: Sequence[TriangleMesh]) -> MorphProblem:
-        """Return what blends need that carry the detail of the shapes; the same problem where they are not to."""
+        """Return the problem with the shapes that give blends their detail; unchanged if the settings ask for none."""
         if not self.settings.carried_detail:
             return self
         return replace(self, shapes=tuple(FacingShape(orient_outward(shape)) for shape in shapes))
 
     def with_connectivity(self, executor: Executor | None = None) -> MorphProblem:
-        """Return what finished blends need; an executor's threads, if there is one, read the shapes side by side."""
+        """Return the problem with the connectivity of its shapes, extracted in parallel if there is an executor."""
         each = map if executor is None else executor.map
         shapes = range(len(self.transport.volumes))
         return replace(self, connectivity=tuple(each(self.shape_connectivity, shapes)), meshes=())
 
     def demanding(self, demand: Demand) -> MorphProblem:
-        """Return the same for blends of which something is demanded, whatever pieces and handles the shapes have."""
+        """Return the problem with a demand on its blends, which overrides the connectivity of the shapes."""
         connectivity = (demand.most,) * len(self.transport.volumes)
         return replace(self, connectivity=connectivity, meshes=(), demand=demand)
 
     def constraint(self, weights: Sequence[float]) -> Constraint:
-        """Return how the surface of the blend with these weights is to be extracted."""
+        """Return the constraint for the surface of the blend with these weights."""
         return UNCONSTRAINED if self.demand is None else self.demand.constraint(self.lattice, weights)
 
     def shape_connectivity(self, index: int) -> Connectivity:
-        """Tell how shape `index` is connected: what its cells show, less what only they show.
+        """Return the connectivity of shape `index`: that of its cells, without what is due to the grid.
 
-        Fingers that touch in the cells make handles which the shape does not have.
+        For example, fingers that touch on the grid make handles that the shape does not have.
         """
         seen = connectivity_of(self.transport.occupancy(index), self.settings)
         if not self.meshes or seen == _SIMPLE:

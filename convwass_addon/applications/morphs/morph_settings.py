@@ -12,22 +12,22 @@ import numpy as np
 from ...errors import InputError
 from ...schema import Choice, Companion, Settings, setting
 
-# Automatic sharpness: whole in the middle, exact towards the ends (where the weight of one shape exceeds the second).
+# Automatic sharpness: the first value, rising to 1 where the largest weight exceeds the second.
 _SHARPNESS = 0.75
 _CRISP_FROM = 0.85
-# Automatic blur: one cell, and no narrower than float64 carries across a grid. With one cell of a hundred the frames
-# next to a far shape need scalings beyond it, with 1.25 none did; other pairs widen it by themselves (`blend_solver`).
+# Automatic blur: one cell, but no narrower than float64 permits across a grid. With one cell of a hundred, frames next
+# to a distant shape exceed its range; with 1.25 none did. Other pairs widen it automatically (`blend_solver`).
 _CELLS_PER_BLUR = 80.0
-# The automatic tolerance, that of full sharpness, and the sharpness from which it goes there.
+# The automatic tolerance, that for full sharpness, and the sharpness from which it falls to the latter.
 _TOLERANCE, _CRISP_TOLERANCE, _SLOW_FROM = 1e-2, 1e-3, 0.9
-# Mass goes a quarter of the longest side at a locality of a half, and at least this many cells.
+# At a locality of one half, mass moves a quarter of the longest side, and at least this many cells.
 _REACHES = 4.0
 _LEAST_REACH = 1.0
 
 
 @dataclass(frozen=True)
 class MorphSettings(Settings):
-    """How a morph is made."""
+    """The settings of a morph."""
 
     resolution: int = setting(
         100,
@@ -235,12 +235,12 @@ class MorphSettings(Settings):
     )
 
     def __post_init__(self) -> None:
-        """Refuse settings that make no sense.
+        """Check the settings.
 
         Raises
         ------
         InputError
-            With the name of the setting and what it must be.
+            States the name of the setting and what it must be.
         """
         super().__post_init__()
         if self.locality > 0 and self.entropy_limit is not None:
@@ -248,12 +248,12 @@ class MorphSettings(Settings):
 
     @property
     def heeds_guides(self) -> bool:
-        """Whether guides make a difference."""
+        """Whether the motion depends on guides."""
         return self.motion in ("automatic", "guided") and self.coherence > 0.0
 
     @property
     def carried_detail(self) -> float:
-        """Share of the detail that blends carry along, with the automatic choice made."""
+        """Fraction of the detail that blends carry, after the automatic choice."""
         if self.level != "volume":
             return 0.0
         if self.detail is not None:
@@ -262,18 +262,18 @@ class MorphSettings(Settings):
 
     @property
     def sigma(self) -> float:
-        """Blur in cells, with the automatic choice made."""
+        """Blur in cells, after the automatic choice."""
         return max(1.0, self.resolution / _CELLS_PER_BLUR) if self.blur is None else self.blur
 
     @property
     def reach(self) -> float | None:
-        """How far mass goes before it fades, in cells; None where all of it travels."""
+        """Distance in cells beyond which mass fades instead of moving; None if all of it moves."""
         if self.locality == 0:
             return None
         return max(self.resolution / _REACHES * (1.0 / self.locality - 1.0), _LEAST_REACH)
 
     def sharpness_at(self, weights: Sequence[float]) -> float:
-        """Sharpness of the blend with these weights, with the automatic choice made."""
+        """Sharpness of the blend with these weights, after the automatic choice."""
         if self.sharpness is not None:
             return self.sharpness
         near = np.clip((max(weights) - _CRISP_FROM) / (1.0 - _CRISP_FROM), 0.0, 1.0)
@@ -281,7 +281,7 @@ class MorphSettings(Settings):
 
     @property
     def stopping_error(self) -> float:
-        """The tolerance, with the automatic choice made."""
+        """The tolerance, after the automatic choice."""
         if self.tolerance is not None:
             return self.tolerance
         crisp = 0.0 if self.sharpness is None else max(self.sharpness - _SLOW_FROM, 0.0) / (1.0 - _SLOW_FROM)

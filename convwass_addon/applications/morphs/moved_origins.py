@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the matter of a blend of moving inputs comes from, and where it is going.
+"""Origins and velocities of a blend of moving inputs.
 
-A vertex of the blend belongs to one place on every moved input: a triangle and barycentric coordinates. The same place
-on the input at rest is its origin; the same places on the inputs moved a little further tell its velocity.
+A vertex of the blend belongs to one point on every moved input, given by a triangle and barycentric coordinates. The
+same point on the input at rest is its origin. Moving the inputs a little further gives its velocity.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ...geometry.closest_points import ClosestPoints
 from ..motions.motion import Motion, MovedShape
 
-# Change of the weights over which motion is differentiated: forward differences are then right to about as much.
+# Change of the weights for forward differences; their error is of about this relative size.
 _STEP = 1e-4
 
 
@@ -27,25 +27,25 @@ def moved_origins(
     vertices: NDArray[np.float64],
     count: int,
 ) -> NDArray[np.float32]:
-    """Return where on the inputs at rest the vertices of a blend come from.
+    """Return the points on the inputs at rest that the vertices of a blend come from.
 
     Parameters
     ----------
     places : sequence of ClosestPoints
-        For every input of positive weight, where on it the vertices are.
+        For every input of positive weight, the points on it that belong to the vertices.
     shapes : sequence of MovedShape
         These inputs.
     active : (a,) int64
         Their indices.
     vertices : (n, 3) float64
-        Of the blend, in the scene.
+        Vertices of the blend in scene space.
     count : int
-        Number of all inputs.
+        Number of inputs.
 
     Returns
     -------
     (count, n, 3) float32
-        In the scene; the vertices themselves for inputs without weight.
+        In scene space; the vertices themselves for inputs without weight.
     """
     origins = np.tile(vertices.astype(np.float32), (count, 1, 1))
     for index, own, shape in zip(active, places, shapes, strict=True):
@@ -60,11 +60,11 @@ def moved_tangents(
     weights: Sequence[float],
     vertices: NDArray[np.float64],
 ) -> NDArray[np.float32]:
-    """Return points that the vertices of a blend move towards or away from as the weights change.
+    """Return points that the vertices of a blend move towards or away from when the weights change.
 
-    With x(w) the place of a vertex, D_i = d/ds x(w + s (e_i - w)) is how it moves as weight i grows and the others
-    shrink in proportion. For weights that change at the rates r, of sum zero and none of them of an input without
-    weight, the velocity is sum_i r_i (x + D_i).
+    With x(w) the position of a vertex, D_i = d/ds x(w + s (e_i - w)) is its motion when weight i grows and the others
+    shrink in proportion. If the weights change at the rates r, with sum zero and r_i = 0 for inputs without weight, the
+    velocity is sum_i r_i (x + D_i).
 
     Parameters
     ----------
@@ -73,9 +73,9 @@ def moved_tangents(
     motion : Motion
         How the inputs move.
     weights : (k,)
-        Of the blend.
+        Weights of the blend.
     vertices : (n, 3) float64
-        Of the blend, in the scene.
+        Vertices of the blend in scene space.
 
     Returns
     -------
@@ -92,7 +92,7 @@ def moved_tangents(
     for index in active[active != largest]:
         direction = -alphas
         direction[index] += 1.0
-        # Towards the input itself no more than half of the way.
+        # At most half of the way to the input itself.
         step = min(_STEP, 0.5 * alphas[active].min())
         ahead = alphas + step * direction
         moved = motion.moved(tuple(ahead.tolist()))
@@ -106,7 +106,7 @@ def moved_tangents(
 def _followed(
     places: Sequence[ClosestPoints], shapes: Sequence[MovedShape], weights: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the mean of places on moved shapes, (n, 3)."""
+    """Return the mean of points on moved shapes, (n, 3)."""
     return sum(
         weight * own.interpolated(shape.mesh.corners)
         for weight, own, shape in zip(weights, places, shapes, strict=True)

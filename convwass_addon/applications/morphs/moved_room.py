@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grids with room for shapes that move, solid and flat."""
+"""Enlarge grids so that they hold moving shapes, in space and in a plane."""
 
 from __future__ import annotations
 
@@ -14,14 +14,15 @@ from numpy.typing import NDArray
 from ...progress import Control
 from .layouts import Blend
 
-# Free cells around moved shapes, for the blur.
+# Empty cells around moved shapes, for the blur.
 _MARGIN = 4
-# Moved shapes are looked at for so many blends, evenly spread, and room in cells for what lies between two of them.
+# Number of evenly spread blends at which the extent of moved shapes is measured, and the margin in cells for blends in
+# between.
 _SAMPLED_BLENDS, _SLACK_CELLS = 33, 2
 
 
 class Cells(Protocol):
-    """A grid, as a frozen dataclass: cells per axis, their size, and where the low corner is."""
+    """A grid as a frozen dataclass: cells per axis, cell size, and position of the low corner."""
 
     shape: tuple[int, ...]
     spacing: float
@@ -33,14 +34,14 @@ AnyLattice = TypeVar("AnyLattice", bound=Cells)
 
 @dataclass(frozen=True)
 class Room:
-    """What moved shapes need.
+    """The space that moved shapes need.
 
     Attributes
     ----------
     low, high : (d,) float64
         Corners of a box around them relative to the centers of the shapes, scene units.
     slack : int
-        Cells that are to be free around it besides the margin for the blur.
+        Further empty cells around it, besides the margin for the blur.
     """
 
     low: NDArray[np.float64]
@@ -48,7 +49,7 @@ class Room:
     slack: int = 0
 
     def in_lattice(self, lattice: AnyLattice, multiple: int) -> AnyLattice:
-        """Return a lattice with the same cells and as many more as the box needs; sides are multiples of `multiple`."""
+        """Return a lattice with the same cells and enough further ones; sides are multiples of `multiple`."""
         margin = _MARGIN + self.slack
         below = np.ceil((lattice.origin - self.low) / lattice.spacing + margin).clip(min=0)
         end = np.maximum((self.high - lattice.origin) / lattice.spacing + margin, lattice.shape)
@@ -62,23 +63,23 @@ def room_of_moved(
     blends: Sequence[Blend],
     control: Control,
 ) -> Room | None:
-    """Find the room that moved shapes need in all blends.
+    """Find the space that moved shapes need in all blends.
 
     Parameters
     ----------
     bounds : callable
-        Gives the low and the high corners, (2, d), of all that moves in the blend with some weights, scene units.
+        Returns the low and high corners, (2, d), of all moved shapes in the blend with given weights, in scene units.
     centers : (k, d)
-        Of the shapes.
+        Centers of the shapes.
     blends : sequence of Blend
-        All of them; of many, some are looked at.
+        All blends; if there are many, a sample is used.
     control : Control
         Stops the work.
 
     Returns
     -------
     Room or None
-        None where no shapes are mixed.
+        None if no blend mixes shapes.
     """
     mixed = [blend for blend in blends if blend.source is None]
     if not mixed:

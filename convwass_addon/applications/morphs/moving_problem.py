@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Morphs whose inputs move towards each other: every blend transports only what still differs between them."""
+"""Morphs whose inputs move towards each other: each blend transports only the remaining difference."""
 
 from __future__ import annotations
 
@@ -44,17 +44,17 @@ class MovedBlend:
     Attributes
     ----------
     blend : Blend
-        Its weights, without those that are zero.
+        The blend, without zero weights.
     problem : MorphProblem
         The moved inputs of positive weight.
     shapes : list of MovedShape
-        Those.
+        The same inputs.
     active : (a,) int64
-        Which of all inputs they are.
+        Their indices among all inputs.
     occupancies : list of (nx, ny, nz) float64
-        Share of every cell that each fills.
+        Fraction of every cell that each fills.
     solids : CoincidingSolids
-        Their mean where they coincide.
+        Their mean, where they coincide.
     """
 
     blend: Blend
@@ -72,20 +72,20 @@ class MovedBlend:
 
 @dataclass(frozen=True)
 class MovingProblem:
-    """What all blends of moving inputs have in common; can be sent to another process.
+    """The problem shared by all blends of moving inputs; can be sent to another process.
 
     Attributes
     ----------
     still : MorphProblem
-        The inputs where they stand: their volumes and connectivity are those that blends get.
+        The inputs at rest: blends get their volumes and connectivity.
     motion : Motion
-        Where the inputs are in every blend.
+        The inputs' positions in every blend.
     lattice : Lattice
-        Of the cells of `still`, with room for the moved inputs.
+        The grid of `still`, enlarged for the moved inputs.
     names : tuple of str
-        What messages call the inputs.
+        Names of the inputs, for messages.
     matching : Matching
-        Which of their triangles travel together.
+        The triangles that travel together.
     """
 
     still: MorphProblem
@@ -109,11 +109,11 @@ class MovingProblem:
         Parameters
         ----------
         still : MorphProblem
-            The inputs where they stand, with their connectivity.
+            The inputs at rest, with their connectivity.
         motion : Motion
-            How they move.
+            The motion.
         blends : sequence of Blend
-            All blends of the morph, also those that are computed elsewhere: the grid is the same for all.
+            All blends of the morph, including those computed elsewhere: all share one grid.
         names, matching
             As for the attributes.
         control : Control
@@ -127,20 +127,20 @@ class MovingProblem:
         return cls(still, motion, still.lattice.holding(room), tuple(names), matching)
 
     def demanding(self, demand: Demand) -> MovingProblem:
-        """Return the same for blends of which something is demanded, whatever pieces and handles the inputs have."""
+        """Return the problem with a demand on its blends, which overrides the connectivity of the inputs."""
         return replace(self, still=self.still.demanding(demand))
 
     def effort(self, blend: Blend) -> float:
-        """Estimate how long a blend takes beside others."""
+        """Estimate the relative time that a blend takes."""
         return 0.0 if blend.source is not None else 1.0
 
     def preview(self, blend: Blend) -> MorphFrame:
-        """Show one of the moved inputs in place of a blend: that of the largest weight."""
+        """Show the moved input of the largest weight in place of a blend."""
         shape = self.motion.moved(blend.weights)[int(np.argmax(blend.weights))]
         return MorphFrame(blend, shape.mesh, {"weights": blend.weights, "volume": shape.mesh.volume})
 
     def frame(self, blend: Blend, control: Control) -> MorphFrame:
-        """Solve one blend; an input with a weight of one is shown as it is."""
+        """Solve one blend; an input with a weight of one is shown unchanged."""
         if blend.source is not None:
             return solve_blends(self.still, [blend], control)[0]
         moved = self.moved_blend(blend, control)
@@ -177,14 +177,14 @@ class MovingProblem:
     def _of_inputs(
         self, triangles: Sequence[NDArray[np.int64]], shapes: Sequence[MovedShape], active: NDArray[np.int64]
     ) -> NDArray[np.int32]:
-        """Return triangles of all inputs, (k, m), from those of moved ones; -1 for inputs without weight."""
+        """Expand triangle indices of moved inputs to all inputs, (k, m); -1 for inputs without weight."""
         found = np.full((len(self.names), len(triangles[0])), -1, np.int32)
         for index, own, shape in zip(active, triangles, shapes, strict=True):
             found[index] = own if shape.parents is None else shape.parents[own]
         return found
 
     def _coinciding(self, problem: MorphProblem, blend: Blend, solids: CoincidingSolids) -> MorphFrame:
-        """Return the frame of shapes that coincide: nothing is left to transport."""
+        """Return the frame of shapes that coincide, without transport."""
         volume = float(problem.transport.blend_volumes(blend).sum())
         constraint = problem.constraint(blend.weights)
         extracted = extract_coinciding(solids, volume, problem.connectivity, problem.settings, constraint)
@@ -207,7 +207,7 @@ class MovingProblem:
         solids: CoincidingSolids,
         control: Control,
     ) -> _PlacedSurface:
-        """Return the surface of a frame with as much detail as the settings ask for, and where it is on the shapes."""
+        """Return the surface of a frame with the detail that the settings demand, and its points on the shapes."""
         mesh, searched = solved.mesh, [FacingShape(shape.mesh) for shape in shapes]
         if problem.settings.carried_detail > 0:
             starts = starts_on_readings(problem, solved, solids)
@@ -225,7 +225,7 @@ class MovingProblem:
     def _problem_of(
         self, blend: Blend, shapes: Sequence[MovedShape], active: NDArray[np.int64], control: Control
     ) -> MorphProblem:
-        """Return the problem of the moved inputs of one blend, with the volumes and connectivity of the still ones."""
+        """Return the problem of the moved inputs of one blend; volumes and connectivity are those at rest."""
         center = np.asarray(blend.weights) @ self.lattice.centers
         lattice = replace(self.lattice, centers=np.tile(center, (len(active), 1)))
         matching = replace(
@@ -246,7 +246,7 @@ class MovingProblem:
 
 @dataclass(frozen=True)
 class _PlacedSurface:
-    """The surface of a frame, and for every moved shape where on it its vertices, and perhaps its triangles, are."""
+    """The surface of a frame, and the points (and triangles, for detail) of every moved shape that it lies on."""
 
     mesh: TriangleMesh
     places: list[ClosestPoints]
@@ -254,15 +254,15 @@ class _PlacedSurface:
 
 
 def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int64]:
-    """Return labels of the triangles of a moved shape from those of the input's; all of one label may be none."""
+    """Return labels of a moved shape's triangles from those of the input; a single label may be an empty array."""
     return labels if shape.parents is None or not len(labels) else labels[shape.parents]
 
 
 class FrameMaker(Protocol[Made]):
-    """What makes the frames of a morph one by one."""
+    """Computes the frames of a morph one by one."""
 
     def frame(self, blend: Blend, control: Control) -> Made:
-        """Make the frame of one blend."""
+        """Compute the frame of one blend."""
         ...
 
 
@@ -272,6 +272,6 @@ def solve_moving_blends(
     control: Control = UNINTERRUPTED,
     hand_over: HandOver = at_once,
 ) -> list[Made]:
-    """Solve blends of moving inputs, solid or flat; for the parameters see :func:`.blending.solve_blends`."""
+    """Solve blends of moving inputs, in space or in a plane; parameters as for :func:`.blending.solve_blends`."""
     frames = [hand_over(partial(problem.frame, blend, control)) for blend in blends]
     return [frame() for frame in frames]

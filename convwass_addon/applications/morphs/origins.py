@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the matter of a blend comes from: its transport maps onto the inputs, read off the potentials of the solve.
+"""Origins of the matter of a blend: its transport maps to the inputs, computed from the potentials of the solve.
 
-The barycentric map of a blend onto input i, T_i = H(a w_i y) / H(a w_i), has with a Gaussian kernel a closed form in
-the potentials: T_i(x) = x + gamma / 2 grad ln H(a w_i)(x), and of a solved blend ln H(a w_i) = ln mu - ln v_i / e,
-where e is 1 if all mass travels. Entropic maps shrink towards the middle of the shapes. All of them do so by about as
-much, and what they share is known: the matter of a blend lies at the mean of where it comes from, sum_i alpha_i T_i(x)
-= x. So the mean displacement is taken off, ln mu with it, and
+With a Gaussian kernel, the barycentric map of a blend to input i, T_i = H(a w_i y) / H(a w_i), has a closed form in the
+potentials: T_i(x) = x + gamma / 2 grad ln H(a w_i)(x). For a solved blend ln H(a w_i) = ln mu - ln v_i / e, where e is
+1 if all mass travels. Entropic maps shrink towards the middle of the shapes, all by about the same amount. Since the
+matter of a blend lies at the mean of its origins, sum_i alpha_i T_i(x) = x, the mean displacement can be subtracted,
+which also removes ln mu:
 
     T_i(x) = x - gamma / (2 e) grad (ln v_i - sum_j alpha_j ln v_j)(x)
 
-The potentials gamma ln v_i are smooth, so the next coarser level of the solve has all there is to know.
+The potentials gamma ln v_i are smooth, so the second finest level of the solve represents them well enough.
 """
 
 from __future__ import annotations
@@ -30,24 +30,24 @@ from .blend_solver import SolvedBlend
 from .transport_problem import TransportProblem
 from .volumes import Lattice
 
-# Interpolated values count where cells that are known have at least this share of them.
+# Interpolated values are valid where known cells have at least this fraction of the weight.
 _LEAST_KNOWN = 1e-3
 
 
 @dataclass(frozen=True)
 class PartTransport:
-    """What the maps of one part of a blend are read from.
+    """The data from which the maps of one part of a blend are computed.
 
     Attributes
     ----------
     solved : Barycenter
-        On the grid.
+        The solved part.
     grid : Grid
-        Its finest domain, with the blur that it needed.
+        The finest domain, with the blur that was needed.
     volume : float
-        Of the part in the blend, in cells.
+        Volume of the part in the blend, in cells.
     reach : float or None
-        As the blend was solved with, in cells.
+        The reach that the blend was solved with, in cells.
     """
 
     solved: Barycenter
@@ -57,7 +57,7 @@ class PartTransport:
 
 
 def part_transports(solved: SolvedBlend, problem: TransportProblem) -> list[PartTransport]:
-    """Return what the maps of every part of a blend are read from."""
+    """Return the data from which the maps of every part of a blend are computed."""
     return [
         PartTransport(part, problem.lattice.grid(sigma), float(volume), problem.settings.reach)
         for part, sigma, volume in zip(solved.parts, solved.sigmas, solved.volumes, strict=True)
@@ -67,25 +67,24 @@ def part_transports(solved: SolvedBlend, problem: TransportProblem) -> list[Part
 def blend_origins(
     surface: NDArray[np.float64], parts: Sequence[PartTransport], lattice: Lattice, weights: Sequence[float]
 ) -> NDArray[np.float32]:
-    """Places in the scene that the vertices of a blend come from.
+    """Return the points in scene space that the vertices of a blend come from.
 
     Parameters
     ----------
     surface : (n, 3) float64
         Vertices of the blend in cells of the lattice.
     parts : sequence of PartTransport
-        Every vertex goes with the part that has most of the mass about it.
+        Every vertex follows the part that has most of the mass around it.
     lattice : Lattice
-        Where the cells of the shapes are.
+        The grid of the shapes.
     weights : (k,)
-        Of the blend.
+        Weights of the blend.
 
     Returns
     -------
     (k, n, 3) float32
-        On or a little beside the surface of every input as it stands in the scene. The mean of all, with the weights,
-        is the vertex. For an input of weight 0, which no map leads to, it is the vertex itself, moved as the centers of
-        mass are.
+        On or close to the surface of every input as it stands in the scene. Their weighted mean is the vertex. For an
+        input of weight 0, which has no map, it is the vertex itself, displaced like the centers of mass.
     """
     alphas = np.asarray(weights, dtype=np.float64)
     moves = np.zeros((len(alphas), *surface.shape))
@@ -101,7 +100,7 @@ def blend_origins(
 
 
 def displacements(points: NDArray[np.float64], part: PartTransport) -> NDArray[np.float64]:
-    """How far away matter at some points comes from, on every input of positive weight.
+    """Return the displacements from points to their origins, on every input of positive weight.
 
     Parameters
     ----------
@@ -113,22 +112,22 @@ def displacements(points: NDArray[np.float64], part: PartTransport) -> NDArray[n
     Returns
     -------
     (k, n, 3) float64
-        T_i(x) - x in cells; the mean of all, with the weights, is zero. Beyond the cells where the blend may have mass
-        it is that of the nearest of them.
+        T_i(x) - x in cells; the weighted mean is zero. Outside the cells where the blend may have mass, the
+        displacement is that of the nearest such cell.
     """
     return Displacements.of(part).at(points)
 
 
 def velocities(origins: NDArray[np.float32], rates: Sequence[float]) -> NDArray[np.float32]:
-    """Velocities of the vertices of a blend whose weights change.
+    """Return the velocities of the vertices of a blend whose weights change.
 
-    Matter moves on straight lines between the places that it comes from, sum_i alpha_i T_i, as if the maps stayed; they
-    are those of the blend at this moment, and the matter at a vertex keeps its own.
+    Matter moves on straight lines between its origins, sum_i alpha_i T_i, as if the maps were constant in time; they
+    are those of the blend at this moment.
 
     Parameters
     ----------
     origins : (k, n, 3) float32
-        As `blend_origins` gives them.
+        From `blend_origins`.
     rates : (k,)
         Change of the weights per unit of time, of sum 0.
 
@@ -141,7 +140,7 @@ def velocities(origins: NDArray[np.float32], rates: Sequence[float]) -> NDArray[
 
 
 def _owners(surface: NDArray[np.float64], parts: Sequence[PartTransport]) -> NDArray[np.int64]:
-    """Index of the part that has most of the mass about every vertex, (n,)."""
+    """Return the index of the part that has most of the mass around every vertex, (n,)."""
     if len(parts) == 1:
         return np.zeros(len(surface), np.int64)
     places = surface.T - 0.5
@@ -151,14 +150,14 @@ def _owners(surface: NDArray[np.float64], parts: Sequence[PartTransport]) -> NDA
 
 @dataclass(frozen=True)
 class Displacements:
-    """Displacements of a part of a blend, in space or in a plane, without what they were read from.
+    """Displacements of a part of a blend, in space or in a plane, without the data that they were computed from.
 
     Attributes
     ----------
     alphas : (k,) float64
         Weights of the inputs, all positive.
     field : _Field or None
-        Those onto all inputs but the one of the largest weight; None where there is one input only.
+        Displacements to all inputs except the one of the largest weight; None if there is only one input.
     """
 
     alphas: NDArray[np.float64]
@@ -166,16 +165,16 @@ class Displacements:
 
     @classmethod
     def of(cls, part: PartTransport) -> Displacements:
-        """Read them off the potentials of a part."""
+        """Compute displacements from the potentials of a part."""
         alphas = part.solved.weights[part.solved.active]
         others = np.delete(np.arange(len(alphas)), np.argmax(alphas))
         return cls(alphas, _Field.of(part, others) if len(others) else None)
 
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Look up the displacements of points, (n, d) in cells, onto all inputs, (k, n, d)."""
+        """Return the displacements of points, (n, d) in cells, to all inputs, (k, n, d)."""
         found = np.zeros((len(self.alphas), *points.shape))
         if self.field is not None:
-            # The mean of all is known to be zero: what is hardest to tell from it is had from the others.
+            # Since the weighted mean is zero, the displacement of the largest weight follows from the others.
             last = int(np.argmax(self.alphas))
             others = np.delete(np.arange(len(self.alphas)), last)
             found[others] = self.field.at(points)
@@ -198,7 +197,7 @@ class _Field:
 
     @classmethod
     def of(cls, part: PartTransport, chosen: NDArray[np.int64]) -> _Field:
-        """Differentiate the potentials of some of the inputs on the level before the finest, if there is one."""
+        """Differentiate the potentials of some inputs on the second finest level, if there is one."""
         levels, grid = part.solved.levels, part.grid
         size, half_gamma = 1.0, grid.sigma**2
         length = None if part.reach is None else part.reach * grid.spacing
@@ -221,7 +220,7 @@ class _Field:
         return cls(values, known, np.array([span.start for span in box]), size)
 
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Interpolate between the centers of cells that are known, (k, n, 3)."""
+        """Interpolate between the centers of known cells, (k, n, 3)."""
         places = (points / self.size - 0.5 - self.low).T
         found = np.empty((len(self.values), *points.shape))
         for values, target in zip(self.values, found, strict=True):
@@ -238,7 +237,7 @@ class _Field:
 
 
 def _slope(values: NDArray[np.float64], axis: int) -> NDArray[np.float64]:
-    """Central differences along an axis; not a number at its ends, and next to what is not."""
+    """Return central differences along an axis; NaN at its ends and next to NaN."""
     slopes = np.full(values.shape, np.nan)
     along, source = np.moveaxis(slopes, axis, 0), np.moveaxis(values, axis, 0)
     along[1:-1] = 0.5 * (source[2:] - source[:-2])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which parts shapes have, and which of them belong together."""
+"""Parts of shapes, and which of them correspond."""
 
 from __future__ import annotations
 
@@ -24,21 +24,21 @@ NOTICES: dict[str, str] = {
 
 @dataclass(frozen=True)
 class FaceLabels:
-    """To which part every triangle of a shape belongs.
+    """The part of every triangle of a shape.
 
     Attributes
     ----------
     names : tuple of str
-        Parts of the shape, each once.
+        Names of the parts, without duplicates.
     faces : (m,) int64
-        Indices in `names`; -1 in no part.
+        Indices in `names`; -1 for triangles in no part.
     """
 
     names: tuple[str, ...]
     faces: NDArray[np.int64]
 
     def renumbered(self, names: Sequence[str]) -> NDArray[np.int64]:
-        """Return indices in other names, (m,); ``len(names)`` for what has none of them."""
+        """Return indices in other names, (m,); ``len(names)`` for parts not among them."""
         places = {name: index for index, name in enumerate(names)}
         table = np.array([*(places.get(name, len(names)) for name in self.names), len(names)])
         return table[self.faces]
@@ -46,14 +46,14 @@ class FaceLabels:
 
 @dataclass(frozen=True)
 class PartNotice:
-    """One thing that the user should know about the parts.
+    """A message to the user about the parts.
 
     Attributes
     ----------
     kind : str
         A key of `NOTICES`.
     name : str
-        Of the part that it is about.
+        The part that it is about.
     """
 
     kind: str
@@ -61,7 +61,7 @@ class PartNotice:
 
     @property
     def sentence(self) -> Sentence:
-        """What to tell."""
+        """The message."""
         return Sentence(NOTICES[self.kind], {"name": self.name})
 
     def __str__(self) -> str:
@@ -70,7 +70,7 @@ class PartNotice:
 
 @dataclass(frozen=True)
 class Matching:
-    """Which triangles of all shapes belong together.
+    """The corresponding parts of all shapes.
 
     Attributes
     ----------
@@ -79,7 +79,7 @@ class Matching:
     faces : tuple of (m,) int64
         For every shape the part of every triangle; ``len(names)`` is the rest.
     notices : tuple of PartNotice
-        What the user should know about it.
+        Messages to the user.
     """
 
     names: tuple[str, ...]
@@ -88,12 +88,12 @@ class Matching:
 
     @property
     def count(self) -> int:
-        """Number of parts, with the rest."""
+        """Number of parts, including the rest."""
         return len(self.names) + 1
 
 
 def part_notices(record: Mapping[str, object]) -> list[PartNotice]:
-    """Return the notices in the record of a frame, which may come from a file; what is none is left out."""
+    """Return the notices in the record of a frame, which may come from a file; invalid ones are left out."""
     found = record.get("notices")
     entries = found if isinstance(found, (list, tuple)) else ()
     return [
@@ -107,7 +107,7 @@ def part_notices(record: Mapping[str, object]) -> list[PartNotice]:
 
 
 def unparted(count: int) -> Matching:
-    """All of `count` shapes is the rest: one part."""
+    """Return a matching in which each of `count` shapes is one part, the rest."""
     return Matching((), tuple(np.zeros(0, np.int64) for _ in range(count)))
 
 
@@ -119,12 +119,12 @@ def matched(labels: Sequence[FaceLabels], shape_names: Sequence[str]) -> Matchin
     labels : sequence of FaceLabels
         One per shape.
     shape_names : sequence of str
-        What messages call the shapes.
+        Names of the shapes, for messages.
 
     Raises
     ------
     InputError
-        No name is on all shapes.
+        No part name is on all shapes.
     """
     found = [{label.names[i] for i in np.unique(label.faces) if i >= 0} for label in labels]
     common = set.intersection(*found)

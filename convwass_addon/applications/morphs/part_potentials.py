@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is kept of a solved part of a blend: enough to solve the blends next to it in a round or two."""
+"""The stored part of a solve: enough to solve neighboring blends in a round or two."""
 
 from __future__ import annotations
 
@@ -17,18 +17,18 @@ from ...transport.region import Region
 
 @dataclass(frozen=True)
 class PartPotentials:
-    """The finest level of the solve of one part, in single precision, which is far finer than the solve is exact.
+    """The finest level of the solve of one part, in single precision, which far exceeds the accuracy of the solve.
 
     Attributes
     ----------
     inside : (nx, ny, nz) bool
-        Cells where the barycenter may have mass.
+        Mask of the cells where the barycenter may have mass.
     columns : (k + 1, n) float32
-        At these cells ln v of the k shapes whose weight is not zero, and ln d of the debiasing density.
+        ln v at these cells for the k shapes of positive weight, and ln d of the debiasing density.
     sharpness : float
-        Of the solve.
+        Sharpness of the solve.
     sigma : float
-        The blur that it needed, in cells.
+        The blur that was needed, in cells.
     """
 
     inside: NDArray[np.bool_]
@@ -37,12 +37,12 @@ class PartPotentials:
     sigma: float
 
     def __post_init__(self) -> None:
-        """Refuse what no solve can have left.
+        """Check the values.
 
         Raises
         ------
         ValueError
-            Says in a few words what is wrong.
+            Values that no solve can produce; the message states in a few words what is wrong.
         """
         if self.inside.ndim != 3 or not self.inside.any():
             raise ValueError("its potentials have no cells")
@@ -55,16 +55,16 @@ class PartPotentials:
 
     @classmethod
     def of(cls, solved: Barycenter, sigma: float) -> PartPotentials:
-        """Keep the finest level of a barycenter that was solved with a blur of `sigma` cells."""
+        """Store the finest level of a barycenter that was solved with a blur of `sigma` cells."""
         finest = solved.levels[-1]
         return cls(finest.region.inside, finest.columns.astype(np.float32), solved.sharpness, sigma)
 
     def suit(self, shape: tuple[int, ...], weights: ArrayLike) -> bool:
-        """Whether they can be of a blend with these weights on a grid of this shape."""
+        """Whether the potentials can belong to a blend with these weights on a grid of this shape."""
         return self.inside.shape == tuple(shape) and len(self.columns) == np.count_nonzero(weights) + 1
 
     def barycenter(self, weights: ArrayLike) -> Barycenter:
-        """Return a barycenter with these potentials to start others from; its density and figures are not known."""
+        """Return a barycenter with these potentials as a start for others; its density and figures are not known."""
         columns = self.columns.astype(np.float64)
         return Barycenter(
             density=np.broadcast_to(np.float64(np.nan), self.inside.shape),

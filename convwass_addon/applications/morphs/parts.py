@@ -18,29 +18,29 @@ from ...progress import UNINTERRUPTED, Control
 from .part_labels import Matching, PartNotice
 from .volumes import Lattice, voxelized
 
-# A part of fewer cells is no shape of its own any more.
+# Parts of fewer cells are merged with the rest.
 _LEAST_CELLS = 20.0
-# One part fades into the next over this share of the longest side, a cell at least. Parts that come to lie a little
-# apart, or a little inside each other, leave cracks and ridges where they end at once, and few where they fade.
+# One part fades into the next over this fraction of the longest side, at least a cell. Parts that end abruptly leave
+# cracks and ridges where they come to lie slightly apart or inside each other; fading leaves few.
 _FADE = 1.0 / 40.0
-# What messages call all that is in no part.
+# Name of everything that is in no part.
 _REST = "the rest"
 
 
 @dataclass(frozen=True)
 class SplitShapes:
-    """Shapes in parts.
+    """Shapes divided into parts.
 
     Attributes
     ----------
     names : tuple of str
         One per part.
     densities : tuple of list of (nx, ny, nz) float32
-        For every part the occupancy of its cells in every shape.
+        For every part, its occupancy in every shape.
     volumes : (p, k) float64
         Volumes of the parts in cells.
     notices : tuple of PartNotice
-        What the user should know about it.
+        Messages to the user.
     """
 
     names: tuple[str, ...]
@@ -58,7 +58,7 @@ def voxelized_parts(
     matching: Matching,
     control: Control = UNINTERRUPTED,
 ) -> list[NDArray[np.float32]]:
-    """Voxelize shape `index`, and split what it fills into its parts; for the parameters see :func:`.voxelized`."""
+    """Voxelize shape `index` and divide it into its parts; parameters as for :func:`.voxelized`."""
     filled = voxelized(shape, name, index, lattice, thickness, control)
     return part_volumes(filled, lattice.to_cells(shape, index), matching.faces[index], matching.count)
 
@@ -66,9 +66,9 @@ def voxelized_parts(
 def part_volumes(
     filled: NDArray[np.float32], corners: NDArray[np.float64], faces: NDArray[np.int64], count: int
 ) -> list[NDArray[np.float32]]:
-    """Split the occupancy of a shape into parts, whose sum it stays.
+    """Divide the occupancy of a shape into parts, which add up to it.
 
-    A cell belongs to the part whose surface is nearest; where parts meet, one fades into the other.
+    A cell belongs to the part whose surface is nearest; where parts meet, they fade into each other.
 
     Parameters
     ----------
@@ -79,7 +79,7 @@ def part_volumes(
     faces : (m,) int64
         Part of every triangle.
     count : int
-        How many parts there are; those without a triangle are empty.
+        Number of parts; those without a triangle are empty.
     """
     if count == 1:
         return [filled]
@@ -101,7 +101,7 @@ def part_volumes(
 def nearest_labels(
     inside: NDArray[np.bool_], corners: NDArray[np.float64], faces: NDArray[np.int64]
 ) -> NDArray[np.int16]:
-    """Label of the surface nearest to the center of every cell, (nx, ny, nz); -1 where `inside` is not set.
+    """Return the label of the surface nearest to every cell center, (nx, ny, nz); -1 where `inside` is not set.
 
     Parameters
     ----------
@@ -122,7 +122,7 @@ def nearest_labels(
 
 
 def _mean_points(points: NDArray[np.float64], shape: tuple[int, int, int]) -> NDArray[np.float64]:
-    """One point per cell that has any, (q, 3): with all of them a search takes ten times as long."""
+    """Return the mean point of every cell that has points, (q, 3): searching all points takes ten times as long."""
     cells = np.ravel_multi_index(np.floor(points).astype(np.int64).T, shape, mode="clip")
     counts = np.bincount(cells)
     hit = np.flatnonzero(counts)
@@ -130,14 +130,14 @@ def _mean_points(points: NDArray[np.float64], shape: tuple[int, int, int]) -> ND
 
 
 def joined(matching: Matching, volumes: Sequence[list[NDArray[np.float32]]]) -> SplitShapes:
-    """Bring the parts of all shapes together; what is too small on some shape joins the rest.
+    """Collect the parts of all shapes; parts that are too small on some shape join the rest.
 
     Parameters
     ----------
     matching : Matching
         The parts.
     volumes : sequence of list of (nx, ny, nz) float32
-        For every shape, as :func:`part_volumes` gives them.
+        For every shape, from :func:`part_volumes`.
     """
     parts = [[shape[p] for shape in volumes] for p in range(matching.count)]
     cells = np.array([[part.sum(dtype=np.float64) for part in row] for row in parts])
@@ -152,7 +152,7 @@ def joined(matching: Matching, volumes: Sequence[list[NDArray[np.float32]]]) -> 
     if cells[rest].min() >= _LEAST_CELLS or not kept:
         kept.append(rest)
     elif cells[rest].max() > 0:
-        # Not all shapes have enough outside of their parts for it to be a part.
+        # The rest is too small on some shape to be a part of its own.
         largest = max(kept, key=lambda index: cells[index].sum())
         notices.append(PartNotice("NO_REST", names[largest]))
         _merge(parts, cells, rest, largest)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From shapes to what all blends of them have in common."""
+"""Prepare what all blends of some shapes have in common."""
 
 from __future__ import annotations
 
@@ -32,9 +32,9 @@ def prepared_problem(
     threads: int = 1,
     control: Control = UNINTERRUPTED,
 ) -> Work[MorphProblem]:
-    """Report the voxelizing of the shapes, and return what all runs have in common.
+    """Voxelize the shapes with progress, and return the problem shared by all runs.
 
-    Memory must do for so many `workers`; up to so many `threads` voxelize, as far as it does for them too.
+    Memory is checked for `workers` solving threads; up to `threads` voxelize, as far as memory allows.
     """
     problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, control)
     return with_connectivity(problem, min(threads, len(shapes)))
@@ -49,7 +49,7 @@ def sketchable_problem(
     threads: int = 1,
     control: Control = UNINTERRUPTED,
 ) -> Work[MorphProblem]:
-    """Do the same, and leave out what only finished blends need."""
+    """Like :func:`prepared_problem`, without what only finished blends need."""
     yield Progress(0.0, Sentence("Laying out the grid"))
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma, workers, matching.count)
     control.check()
@@ -67,6 +67,6 @@ def sketchable_problem(
 
 
 def with_connectivity(problem: MorphProblem, threads: int) -> MorphProblem:
-    """Return a problem with the connectivity of its shapes, which up to so many threads read side by side."""
+    """Return a problem with the connectivity of its shapes, determined in up to `threads` threads."""
     with frame_workers(threads) as executor:
         return problem.with_connectivity(executor)

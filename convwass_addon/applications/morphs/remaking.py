@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Make those blends of a bake once more that do not fit the blends about them."""
+"""Compute those blends of a bake again that do not fit their neighbors."""
 
 from __future__ import annotations
 
@@ -21,19 +21,19 @@ from .solving_again import Asked
 from .steady_topology import SteadyTopology, legs_of
 from .surface_steps import Chain, SurfaceSteps
 
-# What cannot be made as demanded is decided anew, so often.
+# Maximum number of times that the topology is decided and its blends are computed again.
 _ROUNDS = 3
-# A blend is as it was where no more cells than this are held by the blend beside it.
+# A blend with no more cells than this limited by its neighbor is considered unchanged.
 _HELD = 2
 
 
 class BakeReview:
-    """Hears of all blends of a bake, and knows which do not fit the others.
+    """Collects all blends of a bake, and finds those that do not fit their neighbors.
 
     Parameters
     ----------
     blends : sequence of Blend
-        All that are made; those that are no path fit anyway.
+        All blends that are computed; only those of a path are reviewed.
     """
 
     def __init__(self, blends: Sequence[Blend]) -> None:
@@ -41,31 +41,31 @@ class BakeReview:
         self.is_needed = bool(legs)
         self.topology, self.steps = SteadyTopology(legs), SurfaceSteps(legs)
 
-    def hear(self, frame: MorphFrame) -> None:
-        """Take note of the next frame."""
-        self.topology.hear(frame)
-        self.steps.hear(frame)
+    def add(self, frame: MorphFrame) -> None:
+        """Add the next frame."""
+        self.topology.add(frame)
+        self.steps.add(frame)
 
     def is_done(self) -> bool:
-        """Whether all blends fit."""
+        """Whether all blends fit their neighbors."""
         return not self.topology.asked() and not self.steps.chains()
 
 
 class Remaking:
-    """Makes blends again until surfaces do not jump and the topology changes as seldom as it can.
+    """Computes blends again so that surfaces do not jump and the topology changes as rarely as possible.
 
     Parameters
     ----------
     plan : BakePlan
         How blends are computed.
     runs : sequence of tuple of Blend
-        All of them.
+        All runs of the bake.
     store : BakeCache or None
-        Frames that are in it are not made again.
+        Frames in this cache are not computed again.
     problem : MorphProblem, MovingProblem or None
-        What the blends have in common; None where all frames were in the cache.
+        The problem shared by all blends; None if all frames came from the cache.
     control : Control
-        Ends the work when cancelled.
+        Cancels the work.
     """
 
     def __init__(
@@ -81,7 +81,7 @@ class Remaking:
         self._surfaces: dict[Blend, TriangleMesh] = {}
 
     def fitted(self, review: BakeReview) -> Work[None]:
-        """Yield frames that take the place of earlier ones, as payloads."""
+        """Yield frames that replace earlier ones, as payloads."""
         if review.is_done():
             return
         chains = [chain for chain in review.steps.chains() if review.topology.knows(chain.blends)]
@@ -93,9 +93,9 @@ class Remaking:
         yield Progress(1.0, Sentence("Blends fit each other"))
 
     def _evened(self, chain: Chain, topology: SteadyTopology) -> Work[None]:
-        """Make blends near to the ones before them, until one would be there anyway.
+        """Limit the distances between successive blends of a chain, until one is within its limit anyway.
 
-        Where none would, the jump would only be moved to the end of the chain: all stay as they are.
+        If none is, the jump would only move to the end of the chain, so all blends stay as they are.
         """
         near = self._surfaces.get(chain.beside, chain.near)
         demands: dict[Blend, Demand] = {}
@@ -118,11 +118,11 @@ class Remaking:
         self._demands |= demands
         for frame in frames:
             self._surfaces[frame.blend] = frame.mesh
-            topology.hear(frame)
+            topology.add(frame)
             yield Progress(1.0, Sentence("Surface of blend {blend}", {"blend": frame.blend.frame}), frame)
 
     def _steadied(self, topology: SteadyTopology) -> Work[None]:
-        """Make blends with fewer pieces and handles."""
+        """Reduce the number of pieces and handles of blends."""
         for attempt in range(_ROUNDS):
             asked = topology.asked()
             if not asked:
@@ -136,7 +136,7 @@ class Remaking:
                 yield Progress((attempt + done / len(asked)) / _ROUNDS, message, topology.better(found[blend], most))
 
     def _made(self, asked: Asked) -> Work[dict[Blend, MorphFrame]]:
-        """Make frames, or take them out of the cache."""
+        """Compute frames for some demands, or load them from the cache."""
         found = self._known(asked)
         missing = {blend: demand for blend, demand in asked.items() if blend not in found}
         if not missing:
@@ -153,7 +153,7 @@ class Remaking:
         return found
 
     def _known(self, asked: Asked) -> dict[Blend, MorphFrame]:
-        """Return those frames that are in the cache."""
+        """Return the frames that are in the cache."""
         if self._store is None:
             return {}
         found = {

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Short runs of neighboring blends: what is handed to a thread, to another process, or to another machine."""
+"""Short runs of neighboring blends: the units of work for threads, processes and other machines."""
 
 from __future__ import annotations
 
@@ -32,26 +32,26 @@ RunSolver = Callable[[Run, Control, HandOver], "list[Frame]"]
 Pending = dict["Future[list[MorphFrame]]", int]
 """What is still being solved: the index of the run for each future."""
 
-# Seconds between two looks at whether the user wants to stop.
+# Seconds between two checks whether the user cancelled.
 _PATIENCE = 0.25
 
 
 class SharingExecutor(Executor):
-    """Runs calls on other machines; what many calls have in common is sent there once."""
+    """Executes calls on other machines; arguments that many calls share are sent only once."""
 
     def share(self, value: object) -> Any:
-        """Send something there that many calls take as an argument, and return what stands for it."""
+        """Send a value that many calls take as an argument, and return what stands for it in these calls."""
         raise NotImplementedError
 
 
 @dataclass(frozen=True)
 class SolvedRun:
-    """A run that is finished.
+    """A finished run.
 
     Attributes
     ----------
     index : int
-        Which of the runs it is.
+        Index of the run.
     frames : list of MorphFrame
         In the order of its blends.
     """
@@ -62,14 +62,14 @@ class SolvedRun:
 
 @dataclass(frozen=True)
 class SketchedRuns:
-    """Runs that are being solved, their sketches first.
+    """Runs that are being solved, with their sketches first.
 
     Attributes
     ----------
     sketches : dict
-        The order of the futures of sketches; all of them are begun before the first of `frames`.
+        The order of each sketch by its future; all sketches are submitted before the first of `frames`.
     frames : dict
-        What is being solved.
+        The index of the run by its future.
     """
 
     sketches: dict[Future[Sketch], int]
@@ -77,19 +77,19 @@ class SketchedRuns:
 
 
 def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
-    """Cut blends into runs, always at the same places.
+    """Divide blends into runs, always at the same positions.
 
     Parameters
     ----------
     blends : sequence of Blend
-        All of them.
+        All blends.
     wanted : range, optional
-        Indices of blends; only the runs that hold some of them are returned, and these are whole.
+        Indices of blends; runs that contain one of them are returned as a whole.
 
     Raises
     ------
     InputError
-        Indices of blends that do not exist, or none at all.
+        The indices are empty or out of range.
     """
     if wanted is not None and not (len(wanted) and wanted[0] >= 0 and wanted[-1] < len(blends)):
         raise InputError("The frames asked for must lie between 0 and {last}.", last=len(blends) - 1)
@@ -101,7 +101,7 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
 
 @contextmanager
 def runs_in_threads(problem: MorphProblem, runs: dict[int, Run], control: Control, workers: int) -> Iterator[Pending]:
-    """Solve runs of a morph of solids in threads; see :func:`solved_in_threads`."""
+    """Solve runs of a morph between solids in threads; see :func:`solved_in_threads`."""
 
     def solve(run: Run, control: Control, hand_over: HandOver) -> list[MorphFrame]:
         return solve_blends(problem, run, control, None, hand_over)
@@ -118,23 +118,23 @@ def solved_in_threads(
     control: Control,
     workers: int,
 ) -> Iterator[Pending]:
-    """Solve runs in threads, which stop between two iterations once nobody waits for them any more.
+    """Solve runs in threads, which stop after the current iteration when the context is left.
 
-    The longest comes first, so that it is not left over when the others are done; these come in order, since what is
-    made of them begins with the first.
+    The longest run starts first, so that it is not left over when the others are finished. The others start in order,
+    since frames are passed on in order.
 
     Parameters
     ----------
     solve : callable
-        Makes the frames of one run.
+        Computes the frames of one run.
     effort : callable
-        Estimates how long a blend takes beside others.
+        Estimates the relative time that a blend takes.
     runs : dict
-        All of them.
+        All runs, by index.
     control : Control
-        Ends the work when cancelled.
+        Cancels the work.
     workers : int
-        How many threads.
+        Number of threads.
     """
     with _threads(control, workers) as (executor, own):
         spare = SpareThreads(executor, len(runs), workers - 1)
@@ -156,17 +156,17 @@ def sketched_runs_in_threads(
     control: Control,
     workers: int,
 ) -> Iterator[SketchedRuns]:
-    """Do the same for a problem with coarser levels, those of some runs before the finest of any.
+    """Like :func:`runs_in_threads` for a problem with coarser levels, which are solved first for some runs.
 
     Parameters
     ----------
     problem : MorphProblem
-        Without the connectivity of its shapes, which is read after the sketches.
+        Without the connectivity of its shapes, which is determined after the sketches.
     runs : dict
-        All of them.
+        All runs, by index.
     sketched : sequence of int
-        Indices of those that are sketched: the first blend of each, in this order, then the second of each, and so on,
-        so that the whole of a morph is seen early.
+        Indices of the runs to sketch: first the first blend of each, in this order, then the second of each, and so on,
+        so that previews cover the whole morph early.
     control, workers
         As for :func:`runs_in_threads`.
     """
@@ -183,8 +183,8 @@ def _begun(
     control: Control,
     spare: SpareThreads,
 ) -> SketchedRuns:
-    """Hand everything to an executor in the order in which it is to be done; nothing but what waits keeps a sketch."""
-    # Threads take up work in this order: where it waits for other work, another thread is at that.
+    """Submit all work in the order of execution; a sketch is freed when nothing waits for it any more."""
+    # Threads start work in this order, so whatever a thread waits for is already running in another one.
     chains = {index: sketch_blends(problem, runs[index], control) for index in sketched}
     sketches: dict[int, list[Future[Sketch]]] = {index: [] for index in sketched}
     for place in range(RUN_LENGTH):
@@ -203,7 +203,7 @@ def _begun(
 
 
 def _next_sketch(chain: Iterator[Sketch], before: Sequence[Future[Sketch]]) -> Sketch:
-    """Take the next sketch of a run, once the one before is there."""
+    """Solve the next sketch of a run, after the previous one."""
     for one in before:
         one.result()
     return next(chain)
@@ -225,13 +225,13 @@ def _solve_sketched(
 
 @contextmanager
 def _threads(control: Control, workers: int) -> Iterator[tuple[Executor, Control]]:
-    """Provide threads and their control, which is cancelled once the context ends."""
+    """Provide threads and a control for them, which is cancelled when the context is left."""
     own = Control(control)
     with frame_workers(workers) as executor:
         try:
             yield executor, own
         finally:
-            # Before the threads are waited for.
+            # Leaving the executor's context waits for its threads, so cancel them first.
             own.cancel()
 
 
@@ -239,7 +239,7 @@ def _threads(control: Control, workers: int) -> Iterator[tuple[Executor, Control
 def moving_runs_in_threads(
     problem: MovingProblem, runs: dict[int, Run], control: Control, workers: int
 ) -> Iterator[Pending]:
-    """Solve runs of a morph whose inputs move in threads; see :func:`solved_in_threads`."""
+    """Solve runs of a morph with moving inputs in threads; see :func:`solved_in_threads`."""
     with solved_in_threads(partial(solve_moving_blends, problem), problem.effort, runs, control, workers) as pending:
         yield pending
 
@@ -251,9 +251,9 @@ def runs_elsewhere(
     executor: Executor,
     solve: Callable[[MorphProblem | MovingProblem, Run], list[MorphFrame]] | None = None,
 ) -> Iterator[Pending]:
-    """Solve runs wherever an executor of the caller's does; in the end those that have not begun are cancelled.
+    """Solve runs with the caller's executor; when the context is left, runs that have not started are cancelled.
 
-    Other processes call `solve`, by default :func:`solve_apart`.
+    Other processes call `solve`, which is :func:`solve_apart` by default.
     """
     shared = executor.share(problem) if isinstance(executor, SharingExecutor) else problem
     pending: Pending = {}
@@ -267,33 +267,33 @@ def runs_elsewhere(
 
 
 def solve_apart(problem: MorphProblem | MovingProblem, run: Run) -> list[MorphFrame]:
-    """Solve a run in a process that may not be ours: BLAS keeps to one thread meanwhile."""
+    """Solve a run in another process, with one BLAS thread."""
     solve = solve_moving_blends if isinstance(problem, MovingProblem) else solve_blends
     with one_blas_thread():
         return solve(problem, run)
 
 
 def as_solved(pending: Pending, control: Control) -> Iterator[SolvedRun]:
-    """Take runs out of `pending` as they are finished, in any order.
+    """Yield runs as they are finished, in any order, and remove them from `pending`.
 
     Parameters
     ----------
     pending : dict
-        What `runs_in_threads` or `runs_elsewhere` provided.
+        From `runs_in_threads` or `runs_elsewhere`.
     control : Control
-        Ends the waiting when cancelled.
+        Stops waiting when cancelled.
 
     Raises
     ------
     Exception
-        What a run raised.
+        The exception that a run raised.
     """
     for index, future in _as_completed(pending, control):
         yield SolvedRun(index, future.result())
 
 
 def as_sketched(runs: SketchedRuns, control: Control) -> Iterator[MorphFrame]:
-    """Take sketches out of `runs` as each is finished, and yield those that can be looked at."""
+    """Yield sketches that have a preview as they are finished, and remove them from `runs`."""
     for _, future in _as_completed(runs.sketches, control):
         frame = future.result().frame
         if frame.mesh is not None or frame.blend.source is not None:

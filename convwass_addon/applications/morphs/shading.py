@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The shading of the shapes on the blends between them: flat and smooth faces, sharp edges, normals set by hand.
+"""Transfer the shading of shapes to blends: flat and smooth faces, sharp edges, custom normals.
 
-All of that is in the normals of a shape's corners. Every triangle of a blend lies on a triangle of each shape. The
-shape's normals there, turned as the triangle is turned, are averaged with the weights of the blend.
+All of these are contained in the normals of a shape's corners. Every triangle of a blend lies on a triangle of each
+shape. The shape's normals there, rotated like the triangle, are averaged with the weights of the blend.
 """
 
 from __future__ import annotations
@@ -19,26 +19,26 @@ from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals, unit_vectors, vertex_normals
 
-# Normals of a shape that turn away from a triangle of the blend by more than this cosine are not used.
+# Normals of a shape are not used if the cosine of their angle to the triangle of the blend is below this.
 _LEAST_COSINE = 0.3
-# Corners of one vertex with normals that differ by less than this are smooth.
+# A vertex whose corners have normals that differ by less than this is smooth.
 _SMOOTH = 1e-3
-# Normals that differ from those of the blend itself by less than this cosine in the mean are left to it.
+# If the mean cosine between these normals and the blend's own exceeds this, the blend needs no custom normals.
 _SAME = np.cos(np.radians(1.0))
 
 
 @dataclass(frozen=True)
 class Shading:
-    """How one shape is shaded.
+    """The shading of one shape.
 
     Attributes
     ----------
     corners : (m, 3, 3) float64
-        Triangles, in the space that origins are in.
+        Triangles, in the same space as the origins of blends.
     faces : (m, 3) int64
-        Their vertices.
+        Vertices of the triangles.
     normals : (m, 3, 3) float32
-        Unit normals of the corners, as renders show them.
+        Unit normals of the corners, as rendered.
     """
 
     corners: NDArray[np.float64]
@@ -55,13 +55,13 @@ class Shading:
 
 @dataclass(frozen=True)
 class FrameNormals:
-    """Normals that a blend is to be shown with.
+    """Custom normals for a blend.
 
     Attributes
     ----------
     vectors : (n, 3) or (3m, 3) float32
         Unit normals of the vertices, or of the corners of the triangles.
-    of_corners : bool
+    Whether they belong to corners.
         Which of both.
     """
 
@@ -76,20 +76,20 @@ def frame_normals(
     shadings: Sequence[Shading],
     weights: Sequence[float],
 ) -> FrameNormals | None:
-    """Return the normals of a blend; None where those of its own surface do.
+    """Return custom normals for a blend; None if its own normals are sufficient.
 
     Parameters
     ----------
     mesh : TriangleMesh
         The blend.
     origins : (k, n, 3) float32
-        Where its vertices come from.
+        Origins of its vertices.
     triangles : (k, m) int32
-        On which triangle of every shape each of its triangles lies, -1 for none.
+        The triangle of every shape that each of its triangles lies on, -1 for none.
     shadings : sequence of Shading
-        Of the shapes.
+        Shadings of the shapes.
     weights : (k,)
-        Of the blend.
+        Weights of the blend.
     """
     active = np.flatnonzero(weights)
     own = vertex_normals(mesh.vertices, mesh.faces)[mesh.faces]
@@ -119,13 +119,13 @@ def _carried(
     Parameters
     ----------
     shading : Shading
-        Of the shape.
+        Shading of the shape.
     origins : (m, 3, 3)
-        Where the corners are on the shape.
+        Origins of the corners on the shape.
     triangles : (m,)
-        In which of its triangles.
+        The triangle of the shape that each triangle of the blend lies on.
     bases : (m, 3, 3)
-        Of the triangles of the blend.
+        Bases of the triangles of the blend.
     own : (m, 3, 3)
         The blend's own normals.
     """
@@ -140,7 +140,7 @@ def _carried(
 
 
 def _bases(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return an orthonormal basis for every triangle, (m, 3, 3): its first edge, what is across it, and the normal."""
+    """Return an orthonormal basis for every triangle, (m, 3, 3): first edge, perpendicular in the plane, normal."""
     normals = triangle_normals(corners)
     along = unit_vectors(corners[:, 1] - corners[:, 0])
     return np.stack([along, np.cross(normals, along), normals], axis=1)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist should know about a shape before it is morphed."""
+"""Find problems of a shape before it is morphed."""
 
 from __future__ import annotations
 
@@ -18,25 +18,25 @@ from .volumes import Lattice, voxelized
 
 Verdict = Literal["SOUND", "FLIPPED", "HOLES", "NO_VOLUME"]
 
-# Cells along the longest side with which the volume is looked for: what a quick bake has.
+# Cells along the longest side of the grid on which the volume is checked, as in a quick bake.
 _RESOLUTION = 64
 _SIGMA = 1.0
-# A closed surface around so many of these cells needs no closer look, which takes seconds for millions of triangles.
+# A closed surface around this many of these cells has volume; the exact check takes seconds for millions of triangles.
 _CLEAR_CELLS = 1000.0
 
 
 @dataclass(frozen=True)
 class ShapeFindings:
-    """What is wrong with a shape; a bake copes with all but a missing volume.
+    """Problems of a shape; only a missing volume prevents a bake.
 
     Attributes
     ----------
     has_volume : bool
-        Whether it encloses some.
+        Whether it encloses a volume.
     open_edges : int
-        Edges with one face only, where vertices in one place count as one.
+        Edges with only one face, after welding vertices at the same position.
     flipped_faces : int
-        Faces that look the wrong way.
+        Faces with inward normals.
     """
 
     has_volume: bool
@@ -45,7 +45,7 @@ class ShapeFindings:
 
     @property
     def worst(self) -> Verdict:
-        """What matters most."""
+        """The most serious problem."""
         if not self.has_volume:
             return "NO_VOLUME"
         if self.open_edges:
@@ -54,12 +54,12 @@ class ShapeFindings:
 
 
 def check_shape(mesh: TriangleMesh) -> ShapeFindings:
-    """Look for what may go wrong with a shape in a morph; takes a fraction of a second.
+    """Find problems that a shape may cause in a morph; takes a fraction of a second.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        In any space; with one triangle at least.
+        In any space; at least one triangle.
     """
     joined = welded(mesh)
     if not len(joined.faces):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends that are made once more as the blends about them demand it, of the same barycenters."""
+"""Compute blends again under the demands of other blends, from the same barycenters."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ Asked = Mapping[Blend, Demand]
 def solve_again(
     problem: MorphProblem | MovingProblem, run: Run, asked: Asked, control: Control = UNINTERRUPTED
 ) -> list[MorphFrame]:
-    """Make some blends of a run once more.
+    """Compute some blends of a run again.
 
     Parameters
     ----------
     problem : MorphProblem or MovingProblem
-        That of the run; the connectivity of its shapes is not needed.
+        The problem of the run; the connectivity of its shapes is not needed.
     run : tuple of Blend
-        Whose blends start from each other.
+        The run; its blends start from each other.
     asked : mapping of Blend to Demand
-        Which blends, and what is demanded of each.
+        The blends, and the demand on each.
     control : Control
-        Ends the work when cancelled.
+        Cancels the work.
 
     Returns
     -------
@@ -52,7 +52,7 @@ def solve_again(
 
 
 def solve_again_apart(problem: MorphProblem | MovingProblem, run: Run, asked: Asked) -> list[MorphFrame]:
-    """Do the same in a process that may not be ours: BLAS keeps to one thread meanwhile."""
+    """Call :func:`solve_again` in another process, with one BLAS thread."""
     with one_blas_thread():
         return solve_again(problem, run, asked)
 
@@ -61,7 +61,7 @@ def solve_again_apart(problem: MorphProblem | MovingProblem, run: Run, asked: As
 def again_in_threads(
     problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, control: Control, workers: int
 ) -> Iterator[Pending]:
-    """Do the same for several runs in threads; see :func:`.runs.solved_in_threads`."""
+    """Call :func:`solve_again` for several runs in threads; see :func:`.runs.solved_in_threads`."""
 
     def solve(run: Run, control: Control, _hand_over: HandOver) -> list[MorphFrame]:
         return solve_again(problem, run, asked, control)
@@ -74,6 +74,6 @@ def again_in_threads(
 def again_elsewhere(
     problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, executor: Executor
 ) -> Iterator[Pending]:
-    """Do the same wherever an executor of the caller's does; see :func:`.runs.runs_elsewhere`."""
+    """Call :func:`solve_again` for several runs with the caller's executor; see :func:`.runs.runs_elsewhere`."""
     with runs_elsewhere(problem, runs, executor, partial(solve_again_apart, asked=asked)) as pending:
         yield pending

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work that is handed to threads which have run out of their own, so that all end at about the same time."""
+"""Give work to threads that have become idle, so that all threads finish at about the same time."""
 
 from __future__ import annotations
 
@@ -13,22 +13,22 @@ T = TypeVar("T")
 
 
 def at_once(work: Callable[[], T]) -> Callable[[], T]:
-    """Do some work, and return what gives its result."""
+    """Do some work, and return a function that returns its result."""
     result = work()
     return lambda: result
 
 
 class SpareThreads:
-    """The threads of an executor that has so many long jobs to begin; once all have begun, some may be idle.
+    """The threads of an executor with a known number of long jobs; once all have begun, threads may be idle.
 
     Parameters
     ----------
     executor : Executor
-        Of threads.
+        An executor of threads.
     jobs : int
-        How many long jobs it has been or will be given; each calls `begin`.
+        Number of long jobs that it gets in total; each calls `begin`.
     most : int
-        How many pieces of work may be handed over at a time.
+        Maximum number of pieces of work handed over at the same time.
     """
 
     def __init__(self, executor: Executor, jobs: int, most: int) -> None:
@@ -42,9 +42,9 @@ class SpareThreads:
             self._waiting -= 1
 
     def hand_over(self, work: Callable[[], T]) -> Callable[[], T]:
-        """Give work to an idle thread, or do it at once where there is none; return what waits for its result.
+        """Give work to an idle thread, or do it at once if there is none; return a function that waits for the result.
 
-        Whoever waits does what no thread has taken up, so that none waits for another that waits.
+        Work that no thread has started is done by the waiting thread itself, which prevents deadlocks.
         """
         with self._lock:
             if self._waiting > 0 or self._free == 0:

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pieces and handles along a whole morph: they change as seldom as can be between two shapes.
+"""Choose the numbers of pieces and handles along a morph so that they change as rarely as possible.
 
-Every blend is mended by itself, with no more pieces and handles than its shapes have. Where that leaves some blends
-with fewer than their neighbors, counts flicker. Here they are decided over all blends between two shapes; those that
-have more than was decided are asked for again.
+Every blend is repaired by itself, with at most as many pieces and handles as its shapes have. If some blends end up
+with fewer than their neighbors, the counts flicker. Here they are chosen for all blends between two shapes together;
+blends with more than the chosen number are to be computed again.
 """
 
 from __future__ import annotations
@@ -18,22 +18,22 @@ from .fewest_changes import fewest_changes
 from .layouts import Blend
 from .morph_problem import MorphFrame
 
-# What is decided over the blends; bubbles are not seen.
+# The counts that are chosen; bubbles are invisible.
 _DECIDED = ("pieces", "handles")
-# The fewest of each that a solid has.
+# The smallest counts of a solid.
 _LEAST = Connectivity(1, 0, 0)
 
 
 @dataclass(frozen=True)
 class Leg:
-    """Blends between two shapes of a path.
+    """The blends between two neighboring shapes of a path.
 
     Attributes
     ----------
     first, last : Blend
-        The shapes as they are.
+        The unblended shapes.
     between : tuple of Blend
-        In their order.
+        The blends between them, in order.
     """
 
     first: Blend
@@ -42,7 +42,7 @@ class Leg:
 
 
 def legs_of(blends: Sequence[Blend]) -> list[Leg]:
-    """Return the legs of a path, those without blends between their shapes left out; a sheet has none."""
+    """Return the legs of a path, without those that have no blends between their shapes; a sheet has none."""
     shapes = [index for index, blend in enumerate(blends) if blend.source is not None and blend.frame is not None]
     found = [Leg(blends[start], blends[end], tuple(blends[start + 1 : end])) for start, end in pairwise(shapes)]
     return [leg for leg in found if leg.between]
@@ -50,7 +50,7 @@ def legs_of(blends: Sequence[Blend]) -> list[Leg]:
 
 @dataclass
 class _Counts:
-    """What a blend has, what it cannot have less of, and what its shapes have at the most."""
+    """Counts of a blend, their lower bounds, and the maximum over its shapes."""
 
     has: Connectivity
     least: Connectivity
@@ -58,12 +58,12 @@ class _Counts:
 
 
 class SteadyTopology:
-    """Hears what every blend has, and says which should have less.
+    """Collects the counts of all blends, and finds those that should have fewer.
 
     Parameters
     ----------
     legs : sequence of Leg
-        All blends that are decided over.
+        The legs for which counts are chosen.
     """
 
     def __init__(self, legs: Sequence[Leg]) -> None:
@@ -71,8 +71,8 @@ class SteadyTopology:
         self._shapes: dict[Blend, Connectivity] = {}
         self._counts: dict[Blend, _Counts] = {}
 
-    def hear(self, frame: MorphFrame) -> None:
-        """Take note of what a frame has; of frames that are not mended nothing is known."""
+    def add(self, frame: MorphFrame) -> None:
+        """Add the counts of a frame; frames that were not repaired have none."""
         has, most = _connectivity(frame, "found"), _connectivity(frame, "most")
         if has is None:
             return
@@ -82,7 +82,7 @@ class SteadyTopology:
             self._counts[frame.blend] = _Counts(has, _LEAST, most)
 
     def asked(self) -> dict[Blend, Connectivity]:
-        """Return the most that blends should have which have more than that now, in the order of the blends."""
+        """Return the largest allowed counts of the blends that exceed them, in the order of the blends."""
         found: dict[Blend, Connectivity] = {}
         for leg in self._legs:
             if self._knows(leg):
@@ -90,28 +90,28 @@ class SteadyTopology:
         return found
 
     def knows(self, blends: Iterable[Blend]) -> bool:
-        """Whether frames of all of these have been heard of that are mended."""
+        """Whether counts of all these blends are known."""
         return all(blend in self._counts for blend in blends)
 
     def most(self, blend: Blend) -> Connectivity:
-        """Return the most that the shapes of a blend have which is known."""
+        """Return the maximum counts over the shapes of a blend; they must be known."""
         return self._counts[blend].most
 
     def better(self, frame: MorphFrame, asked: Connectivity) -> MorphFrame | None:
-        """Take note of a frame that was made again, and return it; None where the one before is as good.
+        """Add the counts of a frame that was computed again, and return it; None if it is no better than before.
 
         Parameters
         ----------
         frame : MorphFrame
-            A blend that was asked for.
+            A blend from `asked`.
         asked : Connectivity
-            The most that it should have had.
+            Its largest allowed counts.
         """
         counts, has = self._counts[frame.blend], _connectivity(frame, "found")
         is_better = has.beyond(asked) < counts.has.beyond(asked)
         if is_better:
             counts.has = has
-        # Nothing is asked for twice.
+        # Counts that could not be reached become lower bounds, so that they are not asked for again.
         left = {kind: getattr(counts.has, kind) for kind in _DECIDED if _exceeds(counts.has, asked, kind)}
         counts.least = replace(counts.least, **left)
         if not is_better:
@@ -143,7 +143,7 @@ class SteadyTopology:
 
 
 def _connectivity(frame: MorphFrame, name: str) -> Connectivity | None:
-    """Return counts of a record, which may come from a file; None where it has none."""
+    """Return counts from a record, which may come from a file; None if they are missing or invalid."""
     counts = frame.record.get(name)
     if not isinstance(counts, dict) or counts.keys() != vars(_LEAST).keys():
         return None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far surfaces go from blend to blend, and where one goes so far that something pops up or vanishes."""
+"""Distances between the surfaces of successive blends, and jumps where something appears or vanishes abruptly."""
 
 from __future__ import annotations
 
@@ -15,33 +15,34 @@ from .layouts import Blend
 from .morph_problem import MorphFrame
 from .steady_topology import Leg
 
-# A step of more than so many times the usual one is a jump; those that are made again go so many times as far at most.
+# A step longer than this multiple of the median is a jump; the steps of blends computed again are limited to the
+# second.
 _JUMP, _REACH = 1.8, 1.5
-# Steps shorter than so many times the distance of the vertices are no jumps.
+# Steps shorter than this multiple of the vertex spacing are not jumps.
 _LEAST = 1.5
-# So many vertices of every surface are asked how far the next one is.
+# Number of vertices of every surface at which distances are measured.
 _ASKED = 2500
-# The meshes of so many steps are kept, the longest; from a number of steps on only of those that are so many times as
-# long as the usual one by then.
+# Meshes are kept for this many of the longest steps. From this number of steps on, they are kept only if the step
+# exceeds the current median by this factor.
 _KEPT, _FIRST, _LONG = 16, 4, 1.2
-# Share of the area about a vertex by which squared distances to the nearest vertex exceed those to the surface.
+# Excess of the squared distance to the nearest vertex over that to the surface, as a fraction of the area per vertex.
 _BESIDE = 0.35
 
 
 @dataclass(frozen=True)
 class Chain:
-    """Blends that are to be made again one after the other, each near the one before.
+    """Blends that should be computed again one after the other, each with a limited distance to the previous one.
 
     Attributes
     ----------
     beside : Blend
-        What the first one is to be near to.
+        The blend before the first one.
     near : TriangleMesh
-        Its surface, unless it is made again as well.
+        The surface of that blend, unless it is computed again, too.
     reach : float
-        How near, in scene units.
+        Maximum distance, in scene units.
     blends : tuple of Blend
-        As many as may be needed.
+        All blends up to the end of the leg; usually fewer are needed.
     """
 
     beside: Blend
@@ -52,7 +53,7 @@ class Chain:
 
 @dataclass(frozen=True)
 class _Lengths:
-    """How far a surface is from the one before at the most, and that one from it."""
+    """The largest distance from a surface to the previous one, and vice versa."""
 
     appears: float
     vanishes: float
@@ -64,16 +65,16 @@ class _Lengths:
 
 @dataclass(frozen=True)
 class _Step:
-    """From one blend to the next.
+    """The step from one blend to the next.
 
     Attributes
     ----------
     place : int
-        Of the second blend in its leg.
+        Index of the second blend in its leg.
     lengths : _Lengths
-        How far it goes.
+        Lengths of the step.
     before, after : TriangleMesh
-        Both surfaces.
+        The two surfaces.
     """
 
     place: int
@@ -83,12 +84,12 @@ class _Step:
 
 
 class SurfaceSteps:
-    """Hears of frames in their order, and says where surfaces jump.
+    """Measures the steps between frames in order, and finds jumps.
 
     Parameters
     ----------
     legs : sequence of Leg
-        Of the bake.
+        Legs of the bake.
     """
 
     def __init__(self, legs: Sequence[Leg]) -> None:
@@ -98,8 +99,8 @@ class SurfaceSteps:
         self._longest: dict[Leg, list[_Step]] = {leg: [] for leg in legs}
         self._last: MorphFrame | None = None
 
-    def hear(self, frame: MorphFrame) -> None:
-        """Measure the step to a frame from the one before it."""
+    def add(self, frame: MorphFrame) -> None:
+        """Measure the step from the previous frame to this one."""
         leg, place = self._places.get(frame.blend, (None, 0))
         last, self._last = self._last, frame
         if leg is None or frame.mesh is None or last is None or self._places.get(last.blend) != (leg, place - 1):
@@ -115,7 +116,7 @@ class SurfaceSteps:
         return float(np.median([step.longest for step in self._lengths[leg]]))
 
     def chains(self) -> list[Chain]:
-        """Return what should be made again: blends after what appears, and blends before what vanishes."""
+        """Return the blends to compute again: those after something appears, and before something vanishes."""
         return [chain for leg in self._legs for chain in self._chains_of(leg)]
 
     def _chains_of(self, leg: Leg) -> list[Chain]:
@@ -139,17 +140,17 @@ class SurfaceSteps:
 
 
 def _even_step(lengths: Sequence[float]) -> float:
-    """Return the least step with which one gets as far as these lead, some time before they end."""
+    """Return the smallest equal step that covers the distance of some first lengths: the least running mean."""
     return float((np.cumsum(lengths) / np.arange(1, len(lengths) + 1)).min())
 
 
 def farthest(asked: TriangleMesh, other: TriangleMesh) -> float:
-    """Return about how far the points of one surface are from another one at the most, by the vertices of both."""
+    """Estimate the largest distance of a surface's points from another surface, using the vertices of both."""
     points = asked.vertices[:: max(len(asked.vertices) // _ASKED, 1)]
     found = cKDTree(other.vertices).query(points)[0].max()
     return float(np.sqrt(max(found**2 - _BESIDE * _spacing(other) ** 2, 0.0)))
 
 
 def _spacing(mesh: TriangleMesh) -> float:
-    """Return about how far vertices are apart."""
+    """Return the approximate distance between neighboring vertices."""
     return float(np.sqrt(mesh.area / len(mesh.vertices)))

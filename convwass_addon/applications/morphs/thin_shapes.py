@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much of a shape is too thin to survive a morph, or touches the wall of its grid."""
+"""Measure parts of a shape that are too thin to survive a morph, and mass at the boundary of the grid."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from ...geometry.isosurface import bounding_box
 from ...geometry.thin_parts import LostPart, lost_parts
 from .diagnostics import KEPT_CELLS, LEAST_SHARE
 
-# Rods and fins are so many times as long as thick; otherwise they are edges of the shape.
+# Rods and fins are at least this many times as long as thick; shorter parts are edges of the shape.
 _SLENDER = 2.0
-# What lies within so many cells of thick parts belongs to them.
+# Cells within this distance of thick parts belong to them.
 _REACH = 2.0
-# How thick parts are of which no cell is filled by a tenth.
+# Assumed thickness of parts that fill no cell by a tenth.
 _FAINT_CELLS = 0.5
 
 
 def wall_share(density: NDArray[np.floating]) -> float:
-    """Share of the mass of a density, (nx, ny, nz) or (nx, ny), in the outermost cells of its grid."""
+    """Return the fraction of the mass of a density, (nx, ny, nz) or (nx, ny), in the outermost cells of its grid."""
     return 1.0 - float(density[(slice(1, -1),) * density.ndim].sum() / density.sum())
 
 
@@ -31,18 +31,19 @@ def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
     Parameters
     ----------
     occupancy : (nx, ny, nz)
-        Share of every cell that is inside, from 0 to 1.
+        Fraction of every cell that is inside, from 0 to 1.
 
     Returns
     -------
     dict
-        Ready for JSON: their ``share`` of the shape, and ``parts``, thinnest first, with thickness and length in cells.
+        Ready for JSON: ``share``, their fraction of the shape, and ``parts``, thinnest first, with thickness and length
+        in cells.
     """
     low, high = bounding_box(occupancy > 0.0) if occupancy.any() else (np.zeros(3, int), np.array(occupancy.shape))
     filled = np.asarray(occupancy[tuple(map(slice, low, high))], dtype=np.float64)
     inside = np.pad(filled > 0.5, 1)
     depth = distance_transform_edt(inside)
-    # A rod as thick as what is kept has its axis so deep.
+    # Depth of the axis of a rod that is just thick enough.
     deepest = (KEPT_CELLS + 1.0) / 2.0
     core = depth > deepest
     if not core.any():
@@ -53,14 +54,14 @@ def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
     parts = [{"thickness": part.thickness, "length": part.length} for part in thin]
     share = sum(part.share for part in thin)
     if lost.scattered >= LEAST_SHARE:
-        # Too little in any one cell to be followed.
+        # No single cell has enough mass to trace these parts.
         parts.append({"thickness": _FAINT_CELLS, "length": 0.0})
         share += lost.scattered
     return {"share": float(share), "parts": tuple(sorted(parts, key=lambda part: part["thickness"]))}
 
 
 def _thin_all_over(filled: NDArray[np.float64]) -> dict[str, object]:
-    """Measure a shape of which nothing is thick: a sheet as thick as its volume divided by its shadow."""
+    """Measure a shape without thick parts as a sheet: its thickness is the volume divided by the largest projection."""
     shadows = [np.count_nonzero(filled.max(axis=axis) > 0.25) for axis in range(3)]
     thickness = float(filled.sum()) / max(*shadows, 1)
     if thickness >= KEPT_CELLS:

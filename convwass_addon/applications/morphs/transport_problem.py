@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is transported in a morph, of solids or in a plane: the parts of all shapes as distributions on one grid."""
+"""The distributions that a morph transports, in space or in a plane: the parts of all shapes on one grid."""
 
 from __future__ import annotations
 
@@ -16,16 +16,16 @@ from .morph_settings import MorphSettings
 from .part_labels import PartNotice
 from .parts import SplitShapes
 
-# Sketches are solved on the finest of the coarser levels that has so few cells.
+# Sketches are solved on the finest of the coarser levels with at most this many cells.
 _SKETCH_CELLS = 300_000
-# Most bytes per cell of the level it is solved on that a sketch keeps until its blend is finished
-# (tests/applications/test_previews.py, test_what_sketches_keep_is_estimated): for all cells, for those that the largest
-# shape fills, and for every further part.
+# Maximum bytes that a sketch keeps until its blend is finished, per cell of the level that it is solved on: for all
+# cells, for those that the largest shape fills, and for every further part (tests/applications/test_previews.py,
+# test_what_sketches_keep_is_estimated).
 _SKETCH_BYTES, _SKETCH_BYTES_FILLED, _SKETCH_BYTES_PART = 52, 85, 45
 
 
 class GridLattice(Protocol):
-    """The common grid of the shapes, in space or in a plane: :class:`.Lattice` or :class:`.FlatLattice`.
+    """The grid shared by the shapes, in space or in a plane: :class:`.Lattice` or :class:`.FlatLattice`.
 
     Attributes
     ----------
@@ -44,12 +44,12 @@ class GridLattice(Protocol):
 
 @dataclass(frozen=True)
 class MorphPart:
-    """What is transported by itself: a part of all shapes, or the whole shapes.
+    """Something transported independently: a part of all shapes, or the whole shapes.
 
     Attributes
     ----------
     name : str
-        What the record calls it.
+        Name in the record.
     inputs : Inputs
         The part of every shape as a distribution.
     volumes : (k,) float64
@@ -68,13 +68,13 @@ class TransportProblem:
     Attributes
     ----------
     parts : tuple of MorphPart
-        One, unless parts travel together.
+        One, unless shapes have parts.
     lattice : GridLattice
-        Where the cells of the shapes are.
+        The grid of the shapes.
     settings : MorphSettings
-        How to blend them.
+        Settings of the morph.
     notices : tuple of PartNotice
-        What the user should know about the parts.
+        Messages to the user about the parts.
     """
 
     parts: tuple[MorphPart, ...]
@@ -84,7 +84,7 @@ class TransportProblem:
 
     @classmethod
     def of(cls, shapes: SplitShapes, lattice: GridLattice, settings: MorphSettings) -> TransportProblem:
-        """Turn the cells that shapes fill into distributions."""
+        """Convert the occupancies of shapes to distributions."""
         grid = lattice.grid(settings.sigma)
         parts = tuple(
             MorphPart(name, Inputs.of(densities, grid), volumes)
@@ -102,7 +102,7 @@ class TransportProblem:
         return self.volumes[index] * self.lattice.spacing ** len(self.lattice.shape)
 
     def occupancy(self, index: int) -> NDArray[np.float64]:
-        """Share of every cell that shape `index` fills, all of its parts together."""
+        """Fraction of every cell that shape `index` fills, including all of its parts."""
         occupancy = np.zeros(self.lattice.shape)
         for part in self.parts:
             level = part.inputs.levels[-1]
@@ -112,7 +112,7 @@ class TransportProblem:
 
     @property
     def sketch_depth(self) -> int:
-        """How many levels finer than a sketch the blends are; 0 where the grid has no coarser one to sketch on."""
+        """Number of levels by which a sketch is coarser than its blend; 0 if the grid has no coarser level."""
         *coarser, _ = (level.domain.cells for level in self.parts[0].inputs.levels)
         if not coarser:
             return 0
@@ -120,14 +120,14 @@ class TransportProblem:
 
     @property
     def sketch_bytes(self) -> int:
-        """What one sketch keeps at the most until its blend is finished."""
+        """Maximum number of bytes that a sketch keeps until its blend is finished."""
         cells = float(np.prod(self.lattice.shape))
         filled = float(self.volumes.max()) / cells
         of_cell = _SKETCH_BYTES + _SKETCH_BYTES_FILLED * filled + _SKETCH_BYTES_PART * (len(self.parts) - 1)
         return int(cells / 8**self.sketch_depth * of_cell)
 
     def effort(self, blend: Blend) -> float:
-        """Estimate how long a blend takes beside others: the kernel works on boxes as large as those of its shapes."""
+        """Estimate the relative time that a blend takes, from the boxes of its shapes, on which the kernel works."""
         if blend.source is not None:
             return 0.0
         boxes = np.zeros(len(self.volumes))
@@ -140,9 +140,9 @@ class TransportProblem:
         return np.array([float(np.dot(blend.weights, part.volumes)) for part in self.parts])
 
     def entropy_limits(self, volumes: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
-        """Entropy bounds of parts of a blend that have these volumes, (p,).
+        """Return entropy bounds for the parts of a blend with these volumes, (p,).
 
-        Densities of mass m in places of their own add up to m (H - ln m).
+        Disjoint parts with masses m and entropies H have the entropy sum m (H - ln m), so a part's bound is ln m more.
         """
         limit = self.settings.entropy_limit
         if limit is None or limit == "max":

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How shapes are connected, told more exactly than their cells show it."""
+"""Connectivity of shapes, more accurate than on the grid of a morph."""
 
 from __future__ import annotations
 
@@ -18,30 +18,31 @@ from .extraction import connectivity_of
 from .morph_settings import MorphSettings
 from .volumes import Lattice
 
-# How much finer a solid is read whose mesh does not tell, and most cells of that: as many take a second or two.
+# Refinement of the grid for solids whose mesh is not reliable, and its maximum number of cells, which takes a second or
+# two.
 _FINER, _MOST_CELLS = 2, 8_000_000
 
 
 def true_connectivity(
     shape: TriangleMesh, index: int, lattice: Lattice, settings: MorphSettings
 ) -> Connectivity | None:
-    """Tell pieces, handles and bubbles from the mesh, or where that does not tell from a finer lattice.
+    """Determine pieces, handles and bubbles from the mesh or, if the mesh is not reliable, from a finer grid.
 
     Parameters
     ----------
     shape : TriangleMesh
         Input `index`, in scene units.
     index : int
-        Which input.
+        Index of the input.
     lattice : Lattice
-        That of the blends.
+        The grid of the blends.
     settings : MorphSettings
-        How surfaces are read.
+        Settings for extracting surfaces.
 
     Returns
     -------
     Connectivity or None
-        None where the lattice is as fine as can be afforded, or the shape encloses nothing.
+        None if a finer grid would be too large, or if the shape encloses nothing.
     """
     outward = orient_outward(shape)
     told = mesh_connectivity(outward)

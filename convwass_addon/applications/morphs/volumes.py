@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes as distributions on one grid: each is voxelized about its own center of mass."""
+"""Shapes as distributions on one grid: each is voxelized relative to its own center of mass."""
 
 from __future__ import annotations
 
@@ -25,18 +25,18 @@ from .moved_room import Room
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 8
-# A solid of fewer cells is no shape any more.
+# Solids with fewer cells are rejected.
 _LEAST_CELLS = 20.0
-# Sheets are given at least this thickness, in cells: what survives a morph.
+# Sheets get at least this thickness, in cells, which survives a morph.
 _LEAST_THICKNESS = 2.0
 
 
 @dataclass(frozen=True)
 class Lattice:
-    """The common grid of a morph, placed about the center of each shape.
+    """The grid shared by all shapes of a morph, relative to the center of each.
 
-    The barycenter of shapes that are moved is the moved barycenter of the shapes, so only their extents about their
-    centers matter: shapes far apart in the scene cost no more than shapes in one place.
+    Translating shapes translates their barycenter, so only extents relative to the centers matter: shapes far apart in
+    the scene cost no more than shapes in one place.
 
     Attributes
     ----------
@@ -59,25 +59,25 @@ class Lattice:
     def around(
         cls, shapes: Sequence[TriangleMesh], resolution: int, sigma: float, workers: int = 1, parts: int = 1
     ) -> Lattice:
-        """Lay a grid of `resolution` cells along its longest side around all the shapes.
+        """Return a grid with `resolution` cells along its longest side that holds all shapes.
 
         Parameters
         ----------
         shapes : sequence of TriangleMesh
-            All of them.
+            All shapes.
         resolution : int
             Cells along the longest side.
         sigma : float
             Blur in cells.
         workers, parts : int
-            How many threads will solve, and how many parts the shapes have: both take memory.
+            Number of solving threads, and of parts of every shape; both take memory.
 
         Raises
         ------
         InputError
-            A resolution too small to hold a shape and its blur.
+            A resolution too small for a shape and its blur.
         ResourceError
-            A grid that does not fit in memory.
+            A grid too large for the memory.
         """
         margin = 2 + int(np.ceil(2.0 * sigma))
         if resolution < 4 * margin:
@@ -97,22 +97,22 @@ class Lattice:
         return lattice
 
     def memory(self, shapes: Sequence[TriangleMesh], workers: int, parts: int) -> int:
-        """Bytes at the peak of a job with these shapes, threads that solve and parts of every shape."""
+        """Peak memory in bytes of a job with these shapes, solving threads, and parts of every shape."""
         cells = float(np.prod(self.shape))
         filled = max(abs(shape.volume) for shape in shapes) / (self.spacing**3 * cells)
         return peak_bytes(cells, filled, len(shapes), workers, parts)
 
     def holding(self, room: Room | None) -> Lattice:
-        """Return a lattice with the same cells and as many more as moved shapes need."""
+        """Return a lattice with the same cells and enough further ones for moved shapes."""
         return self if room is None else room.in_lattice(self, _MULTIPLE)
 
     def shell_cells(self, thickness: float) -> float:
-        """Thickness in cells of a sheet that is given so much, scene units, and two cells at least.
+        """Convert the thickness of a sheet from scene units to cells, at least two.
 
         Raises
         ------
         InputError
-            More than the whole grid is large.
+            The thickness exceeds the grid.
         """
         most = max(self.shape) * self.spacing
         if thickness > most:
@@ -124,11 +124,11 @@ class Lattice:
         return max(thickness / self.spacing, _LEAST_THICKNESS)
 
     def to_cells(self, mesh: TriangleMesh, index: int) -> NDArray[np.float64]:
-        """Triangles of input `index` in cells, (m, 3, 3)."""
+        """Convert the triangles of input `index` to cells, (m, 3, 3)."""
         return (mesh.corners - self.centers[index] - self.origin) / self.spacing
 
     def to_scene(self, mesh: TriangleMesh, weights: NDArray[np.float64]) -> TriangleMesh:
-        """Bring a surface in cells to the scene, at the weighted mean of the centers."""
+        """Convert a surface from cells to scene space, at the weighted mean of the centers."""
         return TriangleMesh(mesh.vertices * self.spacing + self.origin + weights @ self.centers, mesh.faces)
 
     def grid(self, sigma: float) -> Grid:
@@ -137,7 +137,7 @@ class Lattice:
 
 
 def fitting_workers(lattice: Lattice, shapes: Sequence[TriangleMesh], parts: int, most: int) -> int:
-    """Return how many threads, up to `most`, can solve at once in the memory that there is; one at least."""
+    """Return how many threads, from one to `most`, can solve at the same time in the available memory."""
     free = available_memory()
     if free is None:
         return most
@@ -152,16 +152,16 @@ def voxelize(
     Parameters
     ----------
     shapes, names
-        The inputs, and what messages call them.
+        The inputs and their names, for messages.
     lattice : Lattice
-        Where the cells are.
+        The grid.
     thickness : float
-        Thickness in scene units for shapes that enclose nothing; 0 refuses them.
+        Thickness in scene units for shapes that enclose nothing; 0 rejects them.
 
     Raises
     ------
     InputError
-        A shape that encloses nothing, or is too small beside the others.
+        A shape encloses nothing, or is too small compared with the others.
     """
     for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
         yield voxelized(shape, name, index, lattice, thickness)
@@ -192,7 +192,7 @@ def voxelized(
 
 
 def _refusal(outward: TriangleMesh, name: str, lattice: Lattice, thickness: float) -> InputError:
-    """Say why a shape fills less than a few cells: it encloses nothing, or the others are so much larger."""
+    """Return the error for a shape that fills too few cells: it encloses nothing, or the others are much larger."""
     extent = float(np.ptp(outward.bounds, axis=0).max())
     if extent > 0.0:
         alone = extent / max(lattice.shape)  # the size of a cell if there were no other shape
