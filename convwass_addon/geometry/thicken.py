@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Thicken surfaces that enclose nothing: the solid within a distance of the triangles."""
+"""Occupancies of surfaces that enclose nothing: of the solid within a distance of the triangles."""
 
 from __future__ import annotations
 
@@ -9,8 +9,30 @@ from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter
 from scipy.spatial import cKDTree
 
+from .occupancy import occupancy
+
+LEAST_CELLS = 20.0
+"""Surfaces that enclose fewer cells than this count as sheets."""
+
+LEAST_THICKNESS = 2.0
+"""Thickness of sheets in cells: thinner ones do not survive a morph."""
+
 # Spacing in cells of the points that sample the surface.
 _SPACING = 0.35
+
+
+def solid_or_shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> NDArray[np.float32]:
+    """Return the occupancy of a solid; of a surface that encloses next to nothing, of a shell around it.
+
+    Parameters
+    ----------
+    corners : (m, 3, 3) float64
+        Triangles in cells, as for :func:`.occupancy.occupancy`.
+    shape : (int, int, int)
+        Cells per axis.
+    """
+    filled = occupancy(corners, shape)
+    return filled if filled.sum() >= LEAST_CELLS else shell_occupancy(corners, shape, LEAST_THICKNESS)
 
 
 def shell_occupancy(corners: NDArray[np.float64], shape: tuple[int, int, int], thickness: float) -> NDArray[np.float32]:

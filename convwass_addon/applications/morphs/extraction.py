@@ -29,9 +29,13 @@ from ...geometry.thin_parts import locally_normalized, lost_parts
 from .coinciding_solids import CoincidingSolids
 from .morph_settings import MorphSettings
 
-# Blur of a density before its surface is extracted, in cells: finer than a shape's representation on the grid, and
-# enough to remove fragments and false handles of the size of a cell. The enclosed volume is chosen afterwards.
-_EXTRACTION_BLUR = 0.7
+EXTRACTION_BLUR = 0.7
+"""Blur of a density before its surface is extracted, standard deviation in cells.
+
+It is finer than a shape's representation on the grid, and enough to remove fragments and false handles of the size of a
+cell. The enclosed volume is chosen afterwards.
+"""
+
 _EXTRACTION_REACH = 4.0
 # Below this fraction of the maximum, a density counts as zero.
 _NEGLIGIBLE = 1e-7
@@ -242,11 +246,9 @@ class _Prepared:
         if not 0.0 < peak < np.inf:
             raise InputError("A density without mass has no surface.")
         low, high = bounding_box(density > _NEGLIGIBLE * peak)
-        margin = int(np.ceil(_EXTRACTION_REACH * _EXTRACTION_BLUR))
+        margin = int(np.ceil(_EXTRACTION_REACH * EXTRACTION_BLUR))
         box = tuple(slice(max(a - margin, 0), b + margin) for a, b in zip(low, high, strict=True))
-        blurred = gaussian_filter(
-            (density[box] / peak).astype(np.float32), _EXTRACTION_BLUR, truncate=_EXTRACTION_REACH
-        )
+        blurred = gaussian_filter((density[box] / peak).astype(np.float32), EXTRACTION_BLUR, truncate=_EXTRACTION_REACH)
         if settings.thin_parts:
             return cls(locally_normalized(blurred, volume), box, 1.0)
         return cls(blurred, box, peak)

@@ -16,7 +16,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
 from ...geometry.solid_volume import solid_volume
-from ...geometry.thicken import shell_occupancy
+from ...geometry.thicken import LEAST_CELLS, LEAST_THICKNESS, shell_occupancy
 from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid
 from ..memory import available_memory, check_memory
@@ -25,10 +25,6 @@ from .moved_room import Room
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 8
-# Solids with fewer cells are rejected.
-_LEAST_CELLS = 20.0
-# Sheets get at least this thickness, in cells, which survives a morph.
-_LEAST_THICKNESS = 2.0
 
 
 @dataclass(frozen=True)
@@ -121,7 +117,7 @@ class Lattice:
                 thickness=thickness,
                 most=most,
             )
-        return max(thickness / self.spacing, _LEAST_THICKNESS)
+        return max(thickness / self.spacing, LEAST_THICKNESS)
 
     def to_cells(self, mesh: TriangleMesh, index: int) -> NDArray[np.float64]:
         """Convert the triangles of input `index` to cells, (m, 3, 3)."""
@@ -183,10 +179,10 @@ def voxelized(
     control.check()
     corners = lattice.to_cells(outward, index)
     filled = occupancy(corners, lattice.shape, control)
-    if filled.sum() < _LEAST_CELLS and thickness > 0:
+    if filled.sum() < LEAST_CELLS and thickness > 0:
         cells = lattice.shell_cells(thickness)
         filled = shell_occupancy(corners, lattice.shape, cells)
-    if filled.sum() < _LEAST_CELLS:
+    if filled.sum() < LEAST_CELLS:
         raise _refusal(outward, name, lattice, thickness)
     return filled
 
@@ -196,7 +192,7 @@ def _refusal(outward: TriangleMesh, name: str, lattice: Lattice, thickness: floa
     extent = float(np.ptp(outward.bounds, axis=0).max())
     if extent > 0.0:
         alone = extent / max(lattice.shape)  # the size of a cell if there were no other shape
-        if thickness > 0 or solid_volume(outward) >= _LEAST_CELLS * alone**3:
+        if thickness > 0 or solid_volume(outward) >= LEAST_CELLS * alone**3:
             return InputError(
                 "'{name}' is too small beside the other shapes on this grid: it is {extent:.2g} cells long. Set Scale "
                 "to Equal Volume (--scale equal-volume), scale it up, or use a finer resolution.",

@@ -14,10 +14,9 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
 from ...geometry.subdivision import Subdivision, with_short_edges
-from ...geometry.thicken import shell_occupancy
+from ...geometry.thicken import solid_or_shell_occupancy
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.volumes import Lattice
@@ -33,8 +32,6 @@ _SIGMA = 1.5
 _LONGEST_EDGE = 0.7
 # Splitting ends at so many vertices; a mesh that has more itself is moved as it is.
 _MOST_VERTICES = 200_000
-# Solids of fewer cells are taken for sheets, of this thickness in cells.
-_LEAST_CELLS, _SHEET = 20.0, 2.0
 # Coherence at which the motion is done fully, and how far it then leads through the meeting place.
 _FULL, _DETOUR = 0.5, 0.5
 # Share of the work that the registration is.
@@ -237,7 +234,4 @@ def _filled(corners: NDArray[np.float64], lattice: Lattice) -> NDArray[np.float6
     Moved shapes may leave the grid, which is as large as the shapes at rest need; what is beyond is pressed to its rim.
     """
     corners = np.clip(corners, 1.0, np.array(lattice.shape) - 1.0)
-    filled = occupancy(corners, lattice.shape)
-    if filled.sum() < _LEAST_CELLS:
-        filled = np.maximum(filled, shell_occupancy(corners, lattice.shape, _SHEET))
-    return filled.astype(np.float64)
+    return solid_or_shell_occupancy(corners, lattice.shape).astype(np.float64)

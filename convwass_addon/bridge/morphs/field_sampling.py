@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, maximum_filter
 
+from ...applications.morphs.extraction import EXTRACTION_BLUR
 from ...errors import InputError
 from ...geometry.centroid import centroid
 from ...geometry.edges import edge_use, topology
@@ -19,7 +20,7 @@ from ...geometry.isosurface import surface_enclosing
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
-from ...geometry.thicken import shell_occupancy
+from ...geometry.thicken import solid_or_shell_occupancy
 from ...geometry.welding import welded
 from ...progress import Progress, Work
 from ...sentence import Sentence
@@ -36,8 +37,6 @@ _MARGIN = 3
 _LEAST_LOST, _LEAST_HALF = 4, 0.4
 # More samples take more than a second for each moment (docs/performance.md, "Moments of players").
 _MOST_SAMPLES = 4_000_000
-# As blends are read from a density (applications/morphs/reading.py).
-_READING_BLUR, _LEAST_CELLS, _SHEET_CELLS = 0.7, 20.0, 2.0
 
 
 def store_fields(
@@ -180,10 +179,8 @@ def _closed(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleMesh:
             return outward
     else:
         outward = orient_outward(mesh)
-        filled = occupancy(outward.corners + 0.5, shape)
-    if filled.sum() < _LEAST_CELLS:
-        filled = shell_occupancy(outward.corners + 0.5, shape, _SHEET_CELLS)
-    surface = surface_enclosing(gaussian_filter(filled, _READING_BLUR), float(filled.sum(dtype=np.float64)))
+    filled = solid_or_shell_occupancy(outward.corners + 0.5, shape)
+    surface = surface_enclosing(gaussian_filter(filled, EXTRACTION_BLUR), float(filled.sum(dtype=np.float64)))
     return surface.mesh.moved((-0.5, -0.5, -0.5))
 
 

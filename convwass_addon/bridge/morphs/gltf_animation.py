@@ -51,8 +51,16 @@ def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str)
         bpy.data.batch_remove([*copies, action])
 
 
-def write_gltf_animation(file: str) -> set[str]:
-    """Write the context's scene with its keys as they are: sampled ones would not be steps."""
+def write_gltf_animation(file: str, **options: bool) -> set[str]:
+    """Write the context's scene with its keys as they are, not sampled: a key that is held remains a step.
+
+    Parameters
+    ----------
+    file : str
+        The path of a .glb file.
+    **options : bool
+        Further options of Blender's exporter.
+    """
     return bpy.ops.export_scene.gltf(
         filepath=file,
         export_format="GLB",
@@ -61,4 +69,5 @@ def write_gltf_animation(file: str) -> set[str]:
         export_force_sampling=False,
         export_optimize_animation_size=False,
         export_extras=False,
+        **options,
     )

@@ -23,6 +23,7 @@ from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
+from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, wears_object_color
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
@@ -211,18 +212,7 @@ def _require(finished: set[str], draft: Path, target: Path) -> None:
 
 
 def _gltf(file: str) -> set[str]:
-    return bpy.ops.export_scene.gltf(
-        filepath=file,
-        export_format="GLB",
-        use_active_scene=True,
-        export_animation_mode="ACTIONS",
-        export_force_sampling=False,
-        export_optimize_animation_size=False,
-        export_extras=False,
-        export_morph=True,
-        export_morph_normal=True,
-        export_morph_tangent=False,
-    )
+    return write_gltf_animation(file, export_morph=True, export_morph_normal=True, export_morph_tangent=False)
 
 
 def _fbx(file: str) -> set[str]:
