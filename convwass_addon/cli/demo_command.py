@@ -18,7 +18,7 @@ from ..errors import InputError
 from .answer import Answer
 from .argument_types import WORKERS
 from .demo_moss import save_moss
-from .morph_baking import baked, rendered, report
+from .morph_baking import FEW_SAMPLES, baked, rendered, report
 from .morph_choices import Computing
 
 DEMO_HELP = """Morph a horse into a cow. Writes morph.blend with a picture and an animation, and moss.blend, in which
@@ -31,7 +31,7 @@ def add_demo_options(parser: ArgumentParser) -> None:
     """Add the options to the parser."""
     parser.add_argument("--out", type=Path, default=Path("out"), help="output folder (%(default)s)")
     parser.add_argument("--frames", type=int, default=24, help="frames from each shape to the next (%(default)s)")
-    parser.add_argument("--resolution", type=int, default=96, help="cells along the longest side (%(default)s)")
+    parser.add_argument("--resolution", type=int, default=80, help="cells along the longest side (%(default)s)")
     parser.add_argument("--workers", **WORKERS)
     parser.add_argument("--json", action="store_true", help="print the records of the solver as JSON")
 
@@ -57,7 +57,7 @@ def run_demo(options: Namespace) -> Answer:
     stored = {"layout": "PATH", "frames": options.frames}
     collection, records = baked(inputs, blends, settings, stored, Computing(options.workers))
     target = save_blend(options.out / "morph.blend")
-    sheet, movie = rendered(collection, target, animated=True)
+    sheet, movie = rendered(collection, target, True, FEW_SAMPLES)
     # Saving the moss starts an empty scene.
     name = collection.name
     moss = save_moss(folder / f"{_DEMO_SHAPES[0]}.ply", options.out / "moss.blend")
