@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The meshes on which shapes are deformed: not too coarse to bend, not too fine to be fast."""
+"""Carriers: meshes on which shapes are deformed, fine enough to bend and coarse enough to be fast."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from ...geometry.surface_samples import SurfaceSamples
 from ...progress import Control
 from ..far_meshes import refuse_far
 
-# Edges longer than this, in sizes of the surface (the square root of its area), cannot bend as limbs do.
+# Longer edges, in sizes of the surface (the square root of its area), are divided, because they cannot bend like limbs.
 _LONGEST_EDGE = 0.03
-# A mesh with up to this many times the vertices of a carrier carries itself.
+# A mesh with up to this many times the vertices of a carrier is its own carrier.
 _NEAR_ENOUGH = 1.5
-# Meshes that cannot be simplified are taken as they are up to so many times the vertices of a carrier.
+# Meshes that cannot be simplified are used unchanged up to this many times the vertices of a carrier.
 _BEARABLE = 8
-# Vertices that stand for the parts of a shape, how far they see each other, in sizes of the surface, and how firmly
-# their positions hold the surface: over more than a twentieth of its size (docs/performance.md, Motions).
+# Number of sampled vertices, the distance up to which they are linked, in sizes of the surface, and the stiffness of
+# their positions, which hold the surface over a twentieth of its size (docs/performance.md, Motions).
 _SAMPLES, _REACH, _ANCHORING = 300, 0.4, 400.0
 
 
@@ -42,19 +42,19 @@ class Carrier:
     Attributes
     ----------
     name : str
-        What messages call the shape.
+        Name of the shape, for messages.
     rest : TriangleMesh
-        The shape where it stands, with long edges cut. The vertices of the input come first.
+        The shape at rest, with long edges divided. The vertices of the input come first.
     parents : (t,) int64 or None
-        The triangle of the input that every triangle of `rest` is a part of; None where nothing was cut.
+        The triangle of the input that contains each triangle of `rest`; None if nothing was divided.
     mesh : TriangleMesh
-        The mesh that is deformed, facing outward; with the vertices of `rest`, or a coarser one.
+        The deformed mesh, oriented outward; it has the vertices of `rest`, or is coarser.
     seeds : (c,) int64
-        The vertex of `rest` that each of its vertices is.
+        For each of its vertices, the index of that vertex in `rest`.
     blend : csr_array or None
-        The vertices of `rest` as means of those of `mesh`, (n, c); None where these are the same.
+        The vertices of `rest` as weighted means of those of `mesh`, (n, c); None if they are the same.
     poisson : PoissonDeformation
-        Of `mesh`.
+        Deformation solver of `mesh`.
     """
 
     name: str
@@ -72,11 +72,11 @@ class Carrier:
 
     @cached_property
     def samples(self) -> SurfaceSamples:
-        """Vertices of `mesh` that stand for its parts."""
+        """Sampled vertices of `mesh` that represent its parts."""
         return SurfaceSamples.of(self.mesh, _SAMPLES, _REACH)
 
     def posed(self, rest: NDArray[np.float64]) -> Carrier:
-        """Return the same shape in another pose, where the vertices of `rest` are; the parts it is made of stay."""
+        """Return the carrier of another pose, given by the vertices of `rest`; its samples stay the same."""
         mesh = TriangleMesh(self.mesh.vertices + rest[self.seeds] - self.rest.vertices[self.seeds], self.mesh.faces)
         poisson = PoissonDeformation(mesh, self.poisson.links, _ANCHORING)
         posed = replace(self, rest=TriangleMesh(rest, self.rest.faces), mesh=mesh, poisson=poisson)
@@ -84,18 +84,18 @@ class Carrier:
         return posed
 
     def places(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return which vertices of `mesh` some of `rest`, (k,), are; the nearest ones for those that are none."""
+        """Return the vertices of `mesh` nearest to given vertices of `rest`, (k,)."""
         return cKDTree(self.mesh.vertices).query(self.rest.vertices[vertices])[1]
 
     def carried(self, points: NDArray[np.float64], gradients: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return where the vertices of `rest` go, (n, 3).
+        """Return the deformed vertices of `rest`, (n, 3).
 
         Parameters
         ----------
         points : (c, 3)
-            Where the vertices of `mesh` are.
+            The deformed vertices of `mesh`.
         gradients : (m, 3, 3)
-            How its triangles are turned and stretched.
+            Deformation gradients of its triangles.
         """
         if self.blend is None:
             return points
@@ -108,23 +108,23 @@ class Carrier:
         sums = np.stack([np.bincount(corners, column, count) for column in weighted.T], axis=1)
         totals = np.bincount(corners, np.repeat(areas, 3), count)
         local = np.where(totals[:, None] > 0, sums / np.where(totals > 0, totals, 1.0)[:, None], np.eye(3).ravel())
-        # Every vertex goes where the affine maps of the carrier's vertices around it take it, on average.
+        # Average the affine maps of the carrier's vertices around each vertex.
         shifts = points - np.einsum("nij,nj->ni", local.reshape(-1, 3, 3), self.mesh.vertices)
         blended = self.blend @ np.concatenate([local, shifts], axis=1)
         return np.einsum("nij,nj->ni", blended[:, :9].reshape(-1, 3, 3), self.rest.vertices) + blended[:, 9:]
 
 
 def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: int, control: Control) -> Carrier:
-    """Prepare a shape for being deformed.
+    """Prepare a shape for deformation.
 
     Parameters
     ----------
     mesh : TriangleMesh
         Any triangles; scene units.
     name : str
-        What messages call it.
+        Name of the shape, for messages.
     kept : (k,) int64
-        Vertices that are to be among the carrier's.
+        Vertices that must be among the carrier's.
     count : int
         Wanted number of vertices of the carrier.
     control : Control
@@ -133,7 +133,7 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
     Raises
     ------
     InputError
-        The mesh has no area, lies too far away, or cannot be simplified enough.
+        The mesh has no area, is too far from the origin, or cannot be simplified enough.
     """
     refuse_far(mesh)
     if not len(mesh.faces) or not mesh.area > 0:
@@ -162,14 +162,14 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
 
 
 def coarser(carrier: Carrier, kept: NDArray[np.int64], count: int, control: Control) -> Carrier:
-    """Return a mesh of about `count` vertices that carries a carrier's mesh, or that mesh itself where there is none.
+    """Return a carrier of a carrier's mesh with about `count` vertices, or that mesh itself if it cannot be simplified.
 
     Parameters
     ----------
     carrier : Carrier
-        Of a shape.
+        The carrier of a shape.
     kept : (k,) int64
-        Vertices of its mesh that are to be among the coarser one's.
+        Vertices of its mesh that must be kept.
     count : int
         Wanted number of vertices.
     control : Control
@@ -187,7 +187,7 @@ def coarser(carrier: Carrier, kept: NDArray[np.int64], count: int, control: Cont
 
 
 def _with_loose(prolongation: csr_array, fine: TriangleMesh, coarse: TriangleMesh) -> csr_array:
-    """Let vertices that no triangle uses go with the nearest vertex of the coarse mesh."""
+    """Attach vertices that no triangle uses to the nearest vertex of the coarse mesh."""
     loose = np.flatnonzero(np.diff(prolongation.indptr) == 0)
     if not len(loose):
         return prolongation

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which motion a morph gets: the one that was asked for, or the one that fits the shapes."""
+"""Choose the motion of a morph: the requested one, or the one that suits the shapes."""
 
 from __future__ import annotations
 
@@ -21,32 +21,32 @@ from .limbs import is_nearly_convex
 from .motion import Motion
 from .warp_motion import warp_motion
 
-# Guided motions are trusted from the first score of the worst map between two of the shapes; from the second they are
-# completed by a warp. Chosen by eye on pairs of the benchmark.
+# Guided motions are used alone if the worst map between two shapes has at least the first score, and are completed by a
+# warp from the second on. Chosen by eye on pairs of the benchmark.
 _TRUSTED, _DOUBTED = 0.88, 0.2
-# What a motion may fail with on meshes that nobody has thought of: the bake goes on without it.
+# Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
 _FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
-# Share of the work after which the guided motion is there, where a warp may follow.
+# Fraction of the work for the guided motion, if a warp may follow.
 _GUIDED_SHARE = 0.4
 
 
 @dataclass(frozen=True)
 class MotionChoice:
-    """What was chosen.
+    """The chosen motion and the reason.
 
     Attributes
     ----------
     kind : str
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
-        "ASKED", "SOLID" (no shape has limbs), "FITS" (the shapes map onto each other), "UNLIKE" (they do not), or
-        "FAILED" (what was tried before could not be made).
+        "ASKED" (requested), "SOLID" (no shape has limbs), "FITS" (the shapes map onto each other), "UNLIKE" (they do
+        not), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
-        Of the worst map between two shapes, 0 to 1, where there is one.
+        Score of the worst map between two shapes, 0 to 1, if there is one.
     failure : str
-        Why something could not be made.
+        Message of the error, if one occurred.
     """
 
     kind: str
@@ -56,7 +56,7 @@ class MotionChoice:
     failure: str = ""
 
     def record(self) -> dict[str, object]:
-        """Return what the record of every frame says about it, ready for JSON."""
+        """Return the description of the motion for the record of every frame, ready for JSON."""
         known = {"score": self.score, "failure": self.failure or None}
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
@@ -70,18 +70,18 @@ def chosen_motion(
     guides: Sequence[Guide],
     control: Control,
 ) -> Work[MotionChoice]:
-    """Make the motion of a morph.
+    """Choose and compute the motion of a morph.
 
     Parameters
     ----------
     shapes, names
-        The inputs, facing outward, and what messages call them.
+        The inputs, oriented outward, and their names for messages.
     pairs : sequence of (int, int)
-        Which of them occur together in a blend.
+        Pairs of inputs that occur together in a blend.
     asked : str
         "automatic", "guided", "warp" or "transport".
     coherence : float
-        0 to 1; at 0 nothing is moved.
+        0 to 1; there is no motion at 0.
     guides : sequence of mappings from int to int
         See :func:`.guided_motion.guided_motion`.
     control : Control
@@ -90,7 +90,7 @@ def chosen_motion(
     Raises
     ------
     InputError
-        Guides that cannot be used, or a motion that was asked for and cannot be made.
+        Invalid guides, or a requested motion that cannot be computed.
     """
     if asked == "transport" or coherence == 0.0 or not pairs:
         return MotionChoice("transport", "ASKED")

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places where two shapes lie on each other already: between poses of one body, most of it does.
+"""Points where two shapes coincide already, as most of a body does in two poses.
 
-What a soft map knows of a shape is the same left and right, and it may exchange the legs of a man who raises an arm. A
-few points that lie on each other and face the same way settle that.
+Soft maps use properties that are the same left and right, and may exchange the legs of a man who raises an arm. A few
+coinciding points with similar normals resolve that.
 """
 
 from __future__ import annotations
@@ -21,24 +21,24 @@ from ...geometry.normals import vertex_normals
 from ..soft_maps.guessed_pairs import far_apart
 from .mesh_parts import mesh_edges
 
-# Chosen by eye; `python3 run.py bench coherence` measures what they give.
-# Points lie on each other that are no farther apart than this share of the surface's size (the root of its area) or
-# than its triangles are long, and whose normals have at least this cosine.
+# Chosen by eye; `python3 run.py bench coherence` measures the effect.
+# Points coincide if their distance is at most this fraction of the surface's size (the square root of its area) or the
+# length of its triangles, and if the cosine between their normals is at least the second number.
 _APART, _FACING = 0.02, 0.8
-# Shapes coincide where at least this share of their surfaces does.
+# Shapes coincide if at least this fraction of their surfaces does.
 _LEAST_SHARE = 0.03
-# And beyond doubt as they stand where this share does.
+# If this fraction of the surfaces coincides as they stand, no other placement is tried.
 _ENOUGH = 0.25
 _PAIRS = 8
 
 
 def coinciding_places(first: TriangleMesh, second: TriangleMesh) -> list[NDArray[np.int64]]:
-    """Find places where two shapes coincide: as they stand, and with their centers and sizes made equal.
+    """Find points where two shapes coincide: as they stand, and with centers and sizes made equal.
 
     Returns
     -------
     list of (k, 2) int64
-        For each placement in which the shapes coincide, a few vertices of both that lie on each other, far apart.
+        For each placement in which the shapes coincide, a few pairs of coinciding vertices, far apart from each other.
     """
     placed = _found(first, first.vertices, second, second.vertices)
     if placed.share >= _ENOUGH:
@@ -48,14 +48,14 @@ def coinciding_places(first: TriangleMesh, second: TriangleMesh) -> list[NDArray
 
 @dataclass(frozen=True)
 class _Places:
-    """Vertices of two meshes that lie on each other, (k, 2), and the share of the first surface that does."""
+    """Coinciding vertices of two meshes, (k, 2), and the fraction of the first surface that coincides."""
 
     pairs: NDArray[np.int64]
     share: float
 
 
 def _unit(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return the vertices in units of the first shape's size about the middle of the surface."""
+    """Return the vertices relative to the centroid of the surface, in sizes of the surface."""
     middle = mesh.vertex_areas @ mesh.vertices / mesh.area
     return (mesh.vertices - middle) / np.sqrt(mesh.area)
 
@@ -76,21 +76,21 @@ def _found(
 def coinciding_region(
     first: TriangleMesh, points: NDArray[np.float64], second: TriangleMesh, others: NDArray[np.float64]
 ) -> tuple[NDArray[np.bool_], NDArray[np.int64]]:
-    """Find the largest connected part of a mesh that lies on another and faces the same way.
+    """Find the largest connected region of a mesh that coincides with another and has similar normals.
 
-    Limbs that change places coincide where they cross: in small parts, which say the wrong thing.
+    Limbs that exchange their places coincide where they cross; such regions are small and would be misleading.
 
     Parameters
     ----------
     first, second : TriangleMesh
-        Outward.
+        Oriented outward.
     points, others : (n, 3)
-        Where their vertices are.
+        Positions of their vertices.
 
     Returns
     -------
     (n,) bool, (n,) int64
-        Which vertices of the first belong to it, and the nearest vertex of the second of every one.
+        The vertices of the first mesh in the region, and the nearest vertex of the second to each of its vertices.
     """
     used = np.unique(second.faces)
     size = np.sqrt(TriangleMesh(points, first.faces).area)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A motion that a warp completes: what two shapes still differ by half way is warped, and carried along with limbs."""
+"""A guided motion completed by a warp of what two shapes still differ by halfway."""
 
 from __future__ import annotations
 
@@ -20,18 +20,18 @@ from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 
 @dataclass(frozen=True)
 class CombinedMotion:
-    """A guided motion and, for every two shapes, a warp between them as they are half way; a :class:`.motion.Motion`.
+    """A guided motion, and a warp between every two shapes as they are halfway; a :class:`.motion.Motion`.
 
-    With weights w, s = w_j / (w_i + w_j), the displacement d_ij(s) of shape i by the warp, and the rotations R_ij from
-    half way to where the guided motion takes the surface, its vertices get the sum of (w_i + w_j) R_ij d_ij(s) over the
-    other shapes j.
+    With weights w, s = w_j / (w_i + w_j), the displacement d_ij(s) of shape i by the warp, and the rotations R_ij of
+    its surface from halfway to its state in the blend, the vertices are displaced by the sum of (w_i + w_j) R_ij
+    d_ij(s) over the other shapes j.
 
     Attributes
     ----------
     guided : GuidedMotion
-        What moves the shapes first.
+        The motion of the shapes before the warps.
     warps : mapping of (int, int) to WarpMotion
-        Between the two shapes of a pair, the smaller number first.
+        The warp between the two shapes of a pair, smaller index first.
     """
 
     guided: GuidedMotion
@@ -40,7 +40,7 @@ class CombinedMotion:
     kind: ClassVar[str] = "combined"
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
-        """Return every shape as it is in a blend; see :meth:`.motion.Motion.moved`."""
+        """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
         shapes = self.guided.moved(weights)
         active = [index for index, weight in enumerate(weights) if weight > 0]
         added: dict[int, NDArray[np.float64]] = {index: np.zeros_like(shapes[index].vertices) for index in active}
@@ -49,7 +49,7 @@ class CombinedMotion:
             warp = self.warps[pair]
             warped = warp.moved([weights[index] / total for index in pair])
             for place, index in enumerate(pair):
-                # The warp may have cut more triangles; vertices of the shape come first.
+                # The warp may have divided more triangles; vertices of the shape come first.
                 count = len(added[index])
                 half_way = warp.rests[place].mesh.vertices[:count]
                 turns = surface_rotations(half_way, shapes[index].vertices, shapes[index].rest.faces)
@@ -61,19 +61,19 @@ class CombinedMotion:
         ]
 
     def record(self) -> dict[str, object]:
-        """Return how well both fit, ready for JSON."""
+        """Return the figures of both motions, ready for JSON."""
         warps = [pair for warp in self.warps.values() for pair in warp.record()["pairs"]]
         return {**self.guided.record(), "kind": self.kind, "warps": warps}
 
     def with_coherence(self, coherence: float) -> CombinedMotion:
-        """Return the same motion with another coherence, at once.
+        """Return the same motion with another coherence, without recomputation.
 
-        The warps stay those between the shapes as they were half way.
+        The warps stay those between the shapes as they were halfway.
 
         Raises
         ------
         InputError
-            It does not lie between 0 and 1.
+            The coherence is not between 0 and 1.
         """
         warps = {pair: warp.with_coherence(coherence) for pair, warp in self.warps.items()}
         return CombinedMotion(self.guided.with_coherence(coherence), warps)
@@ -87,23 +87,23 @@ def combined_motion(
     control: Control,
     effort: WarpEffort = USUAL_EFFORT,
 ) -> Work[CombinedMotion]:
-    """Make the warps that complete a motion.
+    """Compute the warps that complete a guided motion.
 
     Parameters
     ----------
     guided : GuidedMotion
-        What moves the shapes first, prepared for these pairs.
+        The motion of the shapes before the warps, prepared for these pairs.
     names : sequence of str
-        What messages call the shapes.
+        Names of the shapes, for messages.
     pairs : sequence of (int, int)
-        Which of the shapes are blended with each other.
+        Pairs of shapes that are blended with each other.
     coherence, control, effort
         As for :func:`.warp_motion.warp_motion`.
 
     Raises
     ------
     InputError
-        A coherence beyond its limits.
+        The coherence is not between 0 and 1.
     """
     wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     warps = {}

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A shape laid on another from where both coincide, growing outward along the limbs.
+"""Register a shape to another from where they coincide, outward along the limbs.
 
-Maps tell limbs apart by what they look like, and those of an octopus all look alike. But where the bodies of two poses
-coincide, limbs begin at the same places: what has been laid on the other shape leads on to what lies beside it.
+Maps distinguish limbs by local properties, and those of an octopus are all alike. But where the bodies of two poses
+coincide, limbs begin at the same places, so that registered parts lead to their neighbors.
 """
 
 from __future__ import annotations
@@ -22,33 +22,33 @@ from ...progress import Control
 from .carriers import Carrier
 from .coinciding_places import coinciding_region
 
-# Bodies coincide where at least this share of their surfaces does.
+# Bodies coincide if at least this fraction of their surfaces does.
 _ENOUGH = 0.25
-# How far the front moves at a time, in sizes of the surface, and how what it has reached is laid on the other shape:
-# of the eight arms of an octopus that changes its pose, six or seven find their places, and two that are side by side
-# change them (the benchmark's "octopus moves").
+# Advance of the front per step, in sizes of the surface, and the registration of what it has reached. Of the eight arms
+# of an octopus that changes its pose, six or seven find their places, and two neighboring ones are exchanged (the
+# benchmark's "octopus moves").
 _STEP, _STAGE = 0.03, Stage(100.0, 0.0, 0.05, 3)
-# Closest points farther away, in sizes, belong to what has not been reached.
+# Closest points further away, in sizes, are ignored: they belong to parts that have not been reached.
 _REACH = 0.1
 _SETTLING = Stage(100.0, 0.0, 0.04, 4)
-# Vertices at the front that say how what lies beyond moves.
+# Number of vertices at the front that determine the motion of what lies beyond.
 _AT_FRONT = 24
 
 
 def grown_points(own: Carrier, other: Carrier, control: Control) -> NDArray[np.float64] | None:
-    """Lay one shape on another by growing.
+    """Register one shape to another by growing.
 
     Parameters
     ----------
     own, other : Carrier
-        Of few vertices.
+        Carriers with few vertices.
     control : Control
         Stops the work.
 
     Returns
     -------
     (n, 3) float64 or None
-        Where the vertices come to lie; None where the shapes hardly coincide as they stand.
+        Positions of the registered vertices; None if too little of the shapes coincides as they stand.
     """
     mesh = own.mesh
     core, _ = coinciding_region(mesh, mesh.vertices, other.mesh, other.mesh.vertices)
@@ -57,7 +57,7 @@ def grown_points(own: Carrier, other: Carrier, control: Control) -> NDArray[np.f
     shape, target = UnitShape.of(mesh), UnitShape.of(other.mesh)
     center = other.mesh.vertices[0] - other.size * target.vertices[0]
     laid = Registration(shape, target, np.empty((0, 2), np.int64), (mesh.vertices - center) / other.size)
-    # What the front has not reached yet must not draw it.
+    # Closest points must not attract the front to parts that it has not reached yet.
     laid.reach = _REACH
     graph = surface_graph(shape.mesh)
     away = dijkstra(graph, indices=np.flatnonzero(core), min_only=True)
@@ -82,7 +82,7 @@ def _lead_on(
     reached: NDArray[np.bool_],
     beyond: NDArray[np.bool_],
 ) -> None:
-    """Move what lies beyond the front rigidly with the nearest part of it."""
+    """Move what lies beyond the front rigidly with the nearest part of the front."""
     inside = np.flatnonzero(reached)
     sources = dijkstra(graph, indices=inside, min_only=True, return_predecessors=True)[2][beyond]
     used, place = np.unique(sources, return_inverse=True)

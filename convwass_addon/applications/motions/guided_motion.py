@@ -1,13 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes that move towards each other as bodies do: limbs swing, and only what still differs is left to transport.
+"""Guided motion: limbs swing as maps between the shapes tell, and only the remaining difference is transported.
 
-Every two shapes that occur together are mapped onto each other, and each is deformed to lie on the other. In a blend
-with weights w, shape i is deformed by the weighted mean of its deformations to the others: with gradients
-F_ij = exp(r_ij) Q_ij, its triangles get exp(sum_j w_j r_ij) (sum_j w_j Q_ij), where r_ii = 0 and Q_ii = 1, and a
-Poisson system gives its vertices. Then all shapes are laid on each other rigidly, each by its share. For two shapes
-this is Poisson shape interpolation from both ends; for more it depends on the weights alone, so that every way around
-comes back to the same shapes.
+Every two shapes that occur together are mapped onto each other, and each is deformed to match the other. In a blend
+with weights w, shape i is deformed by the weighted mean of its deformations to the others: with gradients F_ij =
+exp(r_ij) Q_ij, its triangles get exp(sum_j w_j r_ij) (sum_j w_j Q_ij), where r_ii = 0 and Q_ii = 1, and a Poisson
+system gives its vertices. Then all shapes are rigidly aligned with each other. For two shapes this is Poisson shape
+interpolation from both ends. For more shapes the result depends only on the weights, not on the path through them.
 """
 
 from __future__ import annotations
@@ -38,28 +37,27 @@ from .pair_maps import PairMap, pair_map
 from .pair_registration import grown_pair, laid_on_each_other
 from .shape_deformations import ShapeDeformation, split_deformation
 
-# Where the map is not trusted at all, points still say a little about how shapes are laid on each other.
+# Least weight of a point in the rigid alignment, even if its map is not trusted at all.
 _LEAST_TRUST = 0.01
-# Shares of the work on a pair after which shapes have been grown on each other, after which their map is there, and
-# after which they lie on each other.
+# Fractions of the work on a pair after the grown registration, after solving the map, and after the registration.
 _GROWN, _MAPPED, _LAID = 0.2, 0.6, 0.9
 
 
 @dataclass(frozen=True)
 class GuidedPair:
-    """What is known of two shapes.
+    """Figures of the map between two shapes.
 
     Attributes
     ----------
     quality : MapQuality
-        The worse of both ways.
+        The worse of both directions.
     guides, followed : int
-        Guides that there are, and how many the map follows.
+        Number of guides, and of those that the map follows.
     score : float
-        Of the map, 0 to 1; the confidence instead where the shapes lie on each other beyond doubt, or have been laid
-        without the map.
+        Score of the map, 0 to 1. If the registered shapes coincide beyond doubt, or the map was not used, the
+        confidence instead.
     score_without : float or None
-        Of the map without guides, where there are some.
+        Score of the map without guides, if there are guides.
     """
 
     quality: MapQuality
@@ -69,25 +67,25 @@ class GuidedPair:
     score_without: float | None
 
     def record(self) -> dict[str, object]:
-        """Return it ready for JSON."""
+        """Return the figures, ready for JSON."""
         guides = {"given": self.guides, "followed": self.followed, "score_without": self.score_without}
         return {"score": self.score, **self.quality.as_dict(), **({"guides": guides} if self.guides else {})}
 
 
 @dataclass(frozen=True)
 class GuidedMotion:
-    """Moves shapes towards each other by deforming each onto the others; a :class:`.motion.Motion`.
+    """Moves shapes towards each other by deforming each to match the others; a :class:`.motion.Motion`.
 
     Attributes
     ----------
     carriers : tuple of Carrier
         The shapes.
     deformations : mapping of (int, int) to ShapeDeformation
-        How the first of two shapes is deformed to lie on the second.
+        The deformation of the first of two shapes that matches the second.
     pairs : mapping of (int, int) to GuidedPair
-        How well two shapes, the smaller number first, agree.
+        Figures of every pair, smaller index first.
     settings : GuidedSettings
-        How they are guided.
+        Settings of the motion.
     """
 
     carriers: tuple[Carrier, ...]
@@ -96,22 +94,22 @@ class GuidedMotion:
     settings: GuidedSettings
 
     def with_coherence(self, coherence: float) -> GuidedMotion:
-        """Return the same motion with another coherence, at once; see :class:`.guided_settings.GuidedSettings`.
+        """Return the same motion with another coherence, without recomputation.
 
         Raises
         ------
         InputError
-            It does not lie between 0 and 1.
+            The coherence is not between 0 and 1.
         """
         return replace(self, settings=replace(self.settings, coherence=coherence))
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
-        """Return every shape as it is in a blend; see :meth:`.motion.Motion.moved`.
+        """Return every shape in a blend; see :meth:`.motion.Motion.moved`.
 
         Raises
         ------
         ValueError
-            Not one weight per shape, or shapes that were not prepared to occur together.
+            The number of weights is wrong, or the shapes were not prepared to occur together.
         """
         if len(weights) != len(self.carriers):
             raise ValueError(f"there are {len(self.carriers)} shapes, but {len(weights)} weights")
@@ -130,7 +128,7 @@ class GuidedMotion:
         return result
 
     def record(self) -> dict[str, object]:
-        """Return settings and figures of every pair of shapes, ready for JSON."""
+        """Return the settings and the figures of every pair, ready for JSON."""
         pairs = [
             {"shapes": [self.carriers[shape].name for shape in key], **pair.record()}
             for key, pair in sorted(self.pairs.items())
@@ -141,7 +139,7 @@ class GuidedMotion:
         return (one, other) in self.deformations
 
     def _moved_together(self, active: list[int], weights: Sequence[float]) -> list[NDArray[np.float64]]:
-        """Return the vertices of the shapes that take part."""
+        """Return the vertices of the shapes that have weight."""
         shares = np.array([weights[shape] for shape in active], dtype=np.float64)
         shares /= shares.sum()
         states = [self._state(shape, dict(zip(active, shares, strict=True))) for shape in active]
@@ -161,7 +159,7 @@ class GuidedMotion:
     def _state(
         self, shape: int, shares: Mapping[int, float]
     ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-        """Return the gradients of a shape's triangles, its links and its anchors."""
+        """Return the gradients of a shape's triangles, its links and its anchors in a blend."""
         carrier = self.carriers[shape]
         mesh, links = carrier.mesh, carrier.poisson.links
         way, stiffness = self.settings.way, self.settings.stiffness
@@ -187,7 +185,7 @@ class GuidedMotion:
     def _correspondence(
         self, places: tuple[int, int], shapes: tuple[int, int], points: list[NDArray[np.float64]]
     ) -> Correspondence:
-        """Return which points of a shape belong to which of another, where both have been deformed."""
+        """Return the corresponding points of two deformed shapes."""
         found = self.deformations[shapes]
         images = found.images.interpolated(points[places[1]][self.carriers[shapes[1]].mesh.faces])
         weights = self.carriers[shapes[0]].mesh.vertex_areas * (found.confidence + _LEAST_TRUST)
@@ -202,37 +200,37 @@ def guided_motion(
     guides: Sequence[Guide] = (),
     control: Control = UNINTERRUPTED,
 ) -> Work[GuidedMotion]:
-    """Prepare shapes for moving towards each other.
+    """Compute the guided motion of shapes.
 
     Parameters
     ----------
     shapes : sequence of TriangleMesh
         In scene units: open or closed, in any number of components, of any number of vertices.
     names : sequence of str
-        What messages call them.
+        Names of the shapes, for messages.
     pairs : sequence of (int, int)
-        Which shapes occur together in a blend: neighbors of a path, all pairs of a triangle or a pad.
+        Shapes that occur together in a blend: neighbors on a path, all pairs of a triangle or a pad.
     settings : GuidedSettings, optional
-        How they are guided.
+        Settings of the motion.
     guides : sequence of mappings from int to int
-        Points that belong together: for some of the shapes, by their numbers, a vertex of each.
+        Corresponding points: each maps indices of some shapes to one of their vertices.
     control : Control
         Stops the work.
 
     Returns
     -------
     GuidedMotion
-        The last value of the generator.
+        The return value of the generator.
 
     Yields
     ------
     Progress
-        What is being done.
+        What is being computed.
 
     Raises
     ------
     InputError
-        Shapes or guides that cannot be used, or shapes between which there is no map.
+        Invalid shapes or guides, or shapes that cannot be mapped.
     """
     settings = settings or GuidedSettings()
     check_guides(guides, shapes, names)
@@ -245,7 +243,7 @@ def guided_motion(
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
     known: dict[tuple[int, int], GuidedPair] = {}
     for number, pair in enumerate(wanted):
-        # The same pair the other way around has the same answer, whatever the order of the shapes.
+        # A canonical order, so that a pair has the same result whatever the order of the shapes.
         ordered = pair if _rank(carriers[pair[0]].mesh) <= _rank(carriers[pair[1]].mesh) else pair[::-1]
         one, other = (carriers[shape] for shape in ordered)
         marked = guide_pairs(guides, *ordered)
@@ -263,7 +261,7 @@ def guided_motion(
 def _deformed(
     one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
 ) -> Work[tuple[ShapeDeformation, ShapeDeformation, PairMap]]:
-    """Deform two shapes onto each other."""
+    """Deform two shapes to match each other."""
     message = Sentence("Laying {first} on {second}", {"first": one.name, "second": other.name})
     yield Progress(0.0, message)
     with one_blas_thread():
@@ -279,7 +277,7 @@ def _deformed(
         laid = laid_on_each_other((one, other), starts, found.pairs, grown, control)
     yield Progress(_LAID, message)
     with one_blas_thread():
-        # Each way needs one of them.
+        # The samples of both shapes are needed for both directions.
         both_ways(lambda k: (one, other)[k].samples)
         there = split_deformation(one, other, laid.first, None, control)
         back = split_deformation(other, one, laid.second, there, control)
@@ -291,13 +289,13 @@ def _deformed(
 
 
 def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
-    """Return where a map puts the vertices of a shape."""
+    """Return the registration's start: mapped positions of a shape's vertices, with confidences."""
     places = np.where(points.found[:, None], points.positions(target.mesh), source.mesh.vertices)
-    # Little confidence is still more than no point at all.
+    # Mapped points need some weight, even those without confidence.
     return Laid(places, np.where(points.found, np.maximum(points.confidence.astype(np.float64), 1e-6), 0.0))
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:
-    """Return what orders two meshes by themselves; turned, moved or scaled they keep their order."""
+    """Return a sort key of a mesh that rotating, moving or scaling it does not change."""
     digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()
     return len(mesh.vertices), len(mesh.faces), round(mesh.volume / mesh.area**1.5, 9), digest

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How shapes are guided towards each other by maps between their surfaces."""
+"""Settings of guided motions."""
 
 from __future__ import annotations
 
@@ -11,18 +11,18 @@ from ...errors import InputError
 
 @dataclass(frozen=True)
 class GuidedSettings:
-    """How shapes are guided towards each other.
+    """Settings of a guided motion.
 
     Attributes
     ----------
     coherence : float
-        From 0 to 1. At 0 nothing is moved and all is left to transport; up to 0.5 shapes go a growing share of the way,
-        at 0.5 all of it. Beyond, they resist being stretched more and more; at 1 parts only turn, and the whole shape
-        grows or shrinks, so that all differences in proportion are left to transport.
+        From 0 to 1. At 0 there is no motion, and everything is transported. Up to 0.5 the shapes move a growing
+        fraction of the way, at 0.5 all of it. Beyond 0.5 they resist stretching more and more. At 1 parts only rotate
+        and the whole shape is scaled, so that all differences in proportion are left to transport.
     map_vertices : int
-        Vertices of the coarse meshes that maps are solved on, about.
+        Approximate number of vertices of the coarse meshes on which maps are solved.
     carrier_vertices : int
-        Meshes with more than half as many vertices again are deformed by a coarser mesh of about so many.
+        Meshes with more than 1.5 times as many vertices are deformed by a coarser mesh of about this many vertices.
     """
 
     coherence: float = 0.5
@@ -30,7 +30,7 @@ class GuidedSettings:
     carrier_vertices: int = 6000
 
     def __post_init__(self) -> None:
-        """Refuse settings that make no sense; raises InputError."""
+        """Check the settings; raises InputError."""
         if not 0 <= self.coherence <= 1:
             raise InputError("The coherence must lie between 0 and 1.")
         if self.carrier_vertices < 100:
@@ -38,12 +38,12 @@ class GuidedSettings:
 
     @property
     def way(self) -> float:
-        """Share of the way towards the others that shapes go, from 0 to 1."""
+        """Fraction of the way towards the others that shapes move, from 0 to 1."""
         return min(1.0, 2.0 * self.coherence)
 
     @property
     def stiffness(self) -> float:
-        """Share of the stretch that is left out, from 0 to 1."""
+        """Fraction of the stretch that is removed, from 0 to 1."""
         return max(0.0, 2.0 * self.coherence - 1.0)
 
     def as_dict(self) -> dict[str, object]:

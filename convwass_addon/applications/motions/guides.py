@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points of several shapes that a user says belong together."""
+"""Guides: corresponding points of several shapes, chosen by the user."""
 
 from __future__ import annotations
 
@@ -19,13 +19,13 @@ Guide = Mapping[int, int]
 
 
 def check_guides(guides: Sequence[Guide], shapes: Sequence[TriangleMesh], names: Sequence[str]) -> None:
-    """Refuse guides that cannot be used.
+    """Check guides.
 
     Raises
     ------
     InputError
-        A guide that names fewer than two shapes or shapes that do not exist; numbers that are no vertices, vertices
-        that no face uses, or a vertex in several guides.
+        A guide on fewer than two shapes, or on a shape that does not exist; invalid vertices, vertices that no face
+        uses, or a vertex in several guides.
     """
     for guide in guides:
         unknown = [shape for shape in guide if not 0 <= shape < len(shapes)]
@@ -37,7 +37,7 @@ def check_guides(guides: Sequence[Guide], shapes: Sequence[TriangleMesh], names:
             raise InputError("A guide joins points of at least two shapes; mark the same point on another shape, too.")
     for shape, (mesh, name) in enumerate(zip(shapes, names, strict=True)):
         vertices = [guide[shape] for guide in guides if shape in guide]
-        # Paired with themselves, to have what is said about one shape said once.
+        # Paired with itself, so that messages about one shape appear once.
         side = MapSide(mesh, name)
         if len(set(vertices)) < len(vertices):
             twice = next(vertex for vertex in vertices if vertices.count(vertex) > 1)
@@ -51,11 +51,11 @@ def check_guides(guides: Sequence[Guide], shapes: Sequence[TriangleMesh], names:
 
 
 def guide_vertices(guides: Sequence[Guide], shape: int) -> NDArray[np.int64]:
-    """Return the vertices of one shape that guides name, (k,)."""
+    """Return the vertices of one shape that are in guides, (k,)."""
     return np.array(sorted(guide[shape] for guide in guides if shape in guide), np.int64)
 
 
 def guide_pairs(guides: Sequence[Guide], one: int, other: int) -> NDArray[np.int64]:
-    """Return the pairs of vertices, (k, 2), that guides make of two shapes."""
+    """Return the pairs of vertices of two shapes, (k, 2), that are in the same guide."""
     found = [(guide[one], guide[other]) for guide in guides if one in guide and other in guide]
     return np.array(sorted(found), np.int64).reshape(-1, 2)

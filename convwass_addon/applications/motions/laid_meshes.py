@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh laid on another, and how near to home the way there and back ends."""
+"""Register a mesh to another, and measure the round-trip error of two registrations."""
 
 from __future__ import annotations
 
@@ -25,14 +25,14 @@ from .mesh_parts import renumbered, with_others
 
 @dataclass(frozen=True)
 class Laid:
-    """A shape laid on another.
+    """Positions of a shape's vertices on another shape.
 
     Attributes
     ----------
     points : (n, 3) float64
-        Where the vertices of its mesh lie.
+        Positions of its vertices.
     trust : (n,) float64
-        How far that is trusted, 0 to 1.
+        Confidence in these positions, 0 to 1.
     """
 
     points: NDArray[np.float64]
@@ -41,20 +41,20 @@ class Laid:
 
 @dataclass(frozen=True)
 class Registered:
-    """A mesh that has been laid on another.
+    """A mesh that has been registered to another.
 
     Attributes
     ----------
     mesh, target : TriangleMesh
-        The two.
+        The two meshes.
     own : (m,) int64
-        Vertices of the mesh of which it is known where they lie.
+        Vertices of the mesh that were registered.
     faces : (t, 3) int64
-        Triangles between those, by their places in `own`.
+        Triangles between these vertices, as indices in `own`.
     known : (m, 3) float64
-        Where these lie.
+        Positions of these vertices.
     laid : Registration
-        Knows how well they fit.
+        The registration, which can be evaluated.
     """
 
     mesh: TriangleMesh
@@ -66,11 +66,11 @@ class Registered:
 
     @cached_property
     def points(self) -> NDArray[np.float64]:
-        """Where all vertices lie, (n, 3)."""
+        """Positions of all vertices, (n, 3); those that were not registered move with the others."""
         return with_others(self.mesh.vertices, self.own, self.known)
 
     def drawn(self, control: Control) -> NDArray[np.float64]:
-        """Return the same, (n, 3), drawn to the target along the normals."""
+        """Return these positions, (n, 3), moved to the target along the normals."""
         drawn = drawn_along_normals(TriangleMesh(self.known, self.faces), self.target, control)
         return with_others(self.mesh.vertices, self.own, drawn)
 
@@ -83,7 +83,7 @@ def registered(
     stages: tuple[Stage, ...],
     control: Control,
 ) -> Registered:
-    """Lay one mesh on another from a start; components without one go with the others."""
+    """Register one mesh to another from a start; components without a start move with the others."""
     mesh = source.mesh
     labels = vertex_components(mesh)
     known = (start.trust > 0) & (labels >= 0)
@@ -105,7 +105,7 @@ def registered(
 
 
 def home_distances(source: Carrier, target: Carrier, there: NDArray[np.float64], back: NDArray[np.float64]) -> NDArray:
-    """Return how far from home the way there and back ends, (n,), in sizes of the source."""
+    """Return the round-trip error of every vertex, (n,), in sizes of the source."""
     mesh, other = source.mesh, target.mesh
     images = FacingPointFinder(other).find(there, vertex_normals(there, mesh.faces))
     return np.linalg.norm(images.interpolated(back[other.faces]) - mesh.vertices, axis=1) / source.size

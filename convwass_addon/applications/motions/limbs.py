@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shapes without limbs, which need no motion."""
+"""Find shapes without limbs, which need no motion."""
 
 from __future__ import annotations
 
@@ -8,28 +8,28 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
-# Shapes that fill so much of their convex hulls have no limbs that transport could tear off; chosen by eye.
+# Shapes that fill this fraction of their convex hulls have no limbs that transport could tear off; chosen by eye.
 _NEARLY_CONVEX = 0.85
 
 
 def is_nearly_convex(points: NDArray[np.float64], content: float) -> bool:
-    """Tell whether a shape fills most of its convex hull.
+    """Return whether a shape fills most of its convex hull.
 
     Parameters
     ----------
     points : (n, 2) or (n, 3) float64
-        On its boundary.
+        Points on its boundary.
     content : float
         Its area or volume.
 
     Returns
     -------
     bool
-        False where all points lie on a line, or in space in a plane: there is no hull then.
+        False if there is no hull, because all points lie on a line, or in space in a plane.
     """
     try:
         hull = ConvexHull(points)
     except QhullError:
         return False
-    # Of a hull in the plane, Qhull calls the area volume.
+    # For hulls in the plane, Qhull's `volume` is the area.
     return abs(content) >= _NEARLY_CONVEX * hull.volume

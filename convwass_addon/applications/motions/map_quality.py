@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far two shapes that are deformed onto each other agree, as figures."""
+"""Figures of how well two shapes match that are deformed onto each other."""
 
 from __future__ import annotations
 
@@ -14,35 +14,34 @@ from ...geometry.weighted_quantile import weighted_quantile
 from .carriers import Carrier
 from .shape_deformations import ShapeDeformation
 
-# Vertices with less confidence are counted as doubtful.
+# Vertices with less confidence count as doubtful.
 _DOUBTFUL = 0.3
-# Triangles that are stretched or squeezed by more than this, as a logarithm, are torn: four times.
+# Triangles with a larger logarithmic stretch count as torn: a factor of four.
 _TORN = 1.4
-# Shapes lie on each other beyond doubt from this mean confidence on, and with no larger shares torn and folded.
+# Shapes match beyond doubt with at least this mean confidence, and at most these fractions torn and folded.
 _CONFIDENT, _LITTLE_TORN, _LITTLE_FOLDED = 0.97, 0.02, 0.01
 
 
 @dataclass(frozen=True)
 class MapQuality:
-    """How well one shape is deformed onto another; lengths in sizes of the surface (the square root of its area).
+    """How well a deformed shape matches another; lengths in sizes of the surface (the square root of its area).
 
     Attributes
     ----------
     confidence : float
         Mean confidence of the map, 0 to 1.
     doubtful : float
-        Share of the area with little confidence.
+        Fraction of the area with little confidence.
     round_trip, round_trip_95 : float
-        Mean distance between a point and where the way there and back ends, and the one that 95 % of the area stay
-        below.
+        Round-trip error: mean, and 95th percentile by area.
     left, left_99 : float
-        Distance from the other surface that is left after deforming: mean, and what 99 % stay below.
+        Remaining distance from the other surface: mean, and 99th percentile.
     stretch : float
-        Mean largest logarithmic stretch of triangles, up or down.
+        Mean over triangles of the largest absolute logarithmic stretch.
     torn : float
-        Share of the area that is stretched or squeezed more than four times.
+        Fraction of the area stretched or compressed by more than a factor of four.
     folded : float
-        Share of the area that looks the other way than the surface it has come to lie on.
+        Fraction of the area that is oriented opposite to the surface that it lies on.
     """
 
     confidence: float
@@ -56,13 +55,13 @@ class MapQuality:
     folded: float
 
     def or_worse(self, other: MapQuality) -> MapQuality:
-        """Return the worse figure of two, one by one."""
+        """Return the worse of two records, figure by figure."""
         worst = {own.name: max(getattr(self, own.name), getattr(other, own.name)) for own in fields(self)}
         return MapQuality(**{**worst, "confidence": min(self.confidence, other.confidence)})
 
     @property
     def is_beyond_doubt(self) -> bool:
-        """Whether the shapes fit so well that it does not matter how good the map was that they began from."""
+        """Whether the shapes match so well that the quality of the initial map is irrelevant."""
         return self.confidence >= _CONFIDENT and self.torn <= _LITTLE_TORN and self.folded <= _LITTLE_FOLDED
 
     def as_dict(self) -> dict[str, float]:
@@ -71,7 +70,7 @@ class MapQuality:
 
 
 def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation, back: ShapeDeformation) -> MapQuality:
-    """Measure the deformation of the source onto the target; `back` is that of the target."""
+    """Measure how well the deformed source matches the target; `back` is the deformation of the target."""
     mesh, other = source.mesh, target.mesh
     weights = mesh.vertex_areas / mesh.area
     home = there.images.interpolated(back.points[other.faces])
@@ -79,7 +78,7 @@ def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation, back:
     left = there.images.distances / target.size
     areas = np.linalg.norm(np.cross(*_sides(mesh.corners)), axis=1)
     areas = areas / areas.sum()
-    # The third column is a normal, which grows with the others.
+    # The third column is a normal, which is scaled like the others.
     gradients = deformation_gradients(mesh.vertices, there.points, mesh.faces) / there.scale
     sizes = np.linalg.svd(gradients, compute_uv=False)
     logarithms = np.log(np.maximum(np.stack([sizes[:, 0], sizes[:, 2]], axis=1), 1e-6))
@@ -98,7 +97,7 @@ def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation, back:
 
 
 def _folded(source: Carrier, target: Carrier, there: ShapeDeformation) -> NDArray[np.bool_]:
-    """Tell which triangles look away from the surface that their first corner has come to lie on, (m,)."""
+    """Return the triangles that are oriented opposite to the surface at their first corner, (m,)."""
     faces = source.mesh.faces
     normals = np.cross(*_sides(there.points[faces]))
     facing = np.cross(*_sides(target.mesh.corners[there.images.triangles[faces[:, 0]]]))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edges of meshes, parts of them, and parts that go with the others."""
+"""Edges of meshes, submeshes, and vertices that move with others."""
 
 from __future__ import annotations
 
@@ -10,12 +10,12 @@ from scipy.spatial import cKDTree
 
 from ...geometry.rotations import nearest_rotations
 
-# Vertices around a part without counterpart that say how it moves.
+# Number of vertices that determine the motion of a part without counterpart.
 _AROUND = 40
 
 
 def mesh_edges(faces: NDArray[np.int64], further: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
-    """Return the edges of triangles, and further pairs of vertices, each once, (e, 2)."""
+    """Return the edges of triangles, and further pairs of vertices, without duplicates, (e, 2)."""
     parts = [faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], *([] if further is None else [further])]
     edges = np.sort(np.concatenate(parts), axis=1)
     edges = edges[edges[:, 0] < edges[:, 1]]
@@ -24,7 +24,7 @@ def mesh_edges(faces: NDArray[np.int64], further: NDArray[np.int64] | None = Non
 
 
 def renumbered(faces: NDArray[np.int64], own: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Return the triangles of some vertices only, (f, 3), in their numbers."""
+    """Return the triangles between some vertices, (f, 3), as indices in these."""
     if len(own) == count:
         return faces
     place = np.full(count, -1, np.int64)
@@ -34,7 +34,7 @@ def renumbered(faces: NDArray[np.int64], own: NDArray[np.int64], count: int) -> 
 
 
 def with_others(rest: NDArray[np.float64], own: NDArray[np.int64], moved: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Let all other vertices go, turned and scaled, with the moved ones around each, (n, 3)."""
+    """Move all other vertices like the moved ones around each, by similarity transforms, (n, 3)."""
     points = np.empty_like(rest)
     points[own] = moved
     others = np.setdiff1d(np.arange(len(rest)), own)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a morph asks of a motion: where every input is for a blend with given weights."""
+"""The interface of motions: positions of all inputs in a blend with given weights."""
 
 from __future__ import annotations
 
@@ -24,11 +24,11 @@ class MovedShape:
     Attributes
     ----------
     rest : TriangleMesh
-        The input where it stands in the scene, perhaps with its triangles subdivided.
+        The input at rest in scene space, possibly with its triangles subdivided.
     vertices : (n, 3) float64
-        Where the vertices of `rest` have moved to, scene units.
+        Moved vertices of `rest`, scene units.
     parents : (m,) int64 or None
-        Triangle of the input that every triangle of `rest` is a part of; None where nothing was subdivided.
+        The triangle of the input that contains each triangle of `rest`; None if nothing was subdivided.
     """
 
     rest: TriangleMesh
@@ -44,29 +44,29 @@ class MovedShape:
 
     @cached_property
     def finder(self) -> ClosestPointFinder:
-        """Finds places on the moved surface."""
+        """Closest-point finder of the moved surface."""
         return ClosestPointFinder(self.mesh.corners)
 
 
 class Motion(Protocol):
-    """Moves the inputs of a morph towards each other; only what still differs is then transported.
+    """Moves the inputs of a morph towards each other; only the remaining difference is transported.
 
-    A motion can be sent to another process, and gives the same shapes there.
+    A motion can be sent to another process, and moves shapes identically there.
     """
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
-        """Return every input as it is in the blend with these weights, which sum to one; None where the weight is zero.
+        """Return every input in the blend with these weights, which sum to one; None for inputs without weight.
 
-        With a weight of one, the input itself. The result depends on the weights alone, so a path that comes back to
-        the same weights comes back to the same shapes.
+        An input with a weight of one is returned unchanged. The result depends on the weights alone, so a path that
+        returns to the same weights returns to the same shapes.
         """
         ...
 
     def record(self) -> dict[str, object]:
-        """Say how well the motion fits, ready for JSON; its ``kind`` is what settings call it."""
+        """Return figures of the motion, ready for JSON; ``kind`` is the name of the motion in the settings."""
         ...
 
 
 def motion_figures(about: Mapping[str, object]) -> dict[str, object]:
-    """Return what the record of a frame says about the choice of a motion; nothing where none was to be chosen."""
+    """Return the part of a frame's record about the choice of a motion; empty if there was no choice."""
     return {"motion": dict(about)} if about else {}

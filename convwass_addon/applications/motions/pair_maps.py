@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The map between two shapes: with the guides, or without them where they make it worse."""
+"""The map between two shapes, with guides, or without those that make it worse."""
 
 from __future__ import annotations
 
@@ -20,36 +20,36 @@ from .carriers import Carrier
 from .coinciding_places import coinciding_places
 
 # Chosen by eye; `python3 run.py bench coherence` measures what they give.
-# Guides are left out where the map without them is better by more than this: who clicks is right in case of doubt.
+# Guides are left out only if the map without them is better by more than this: in doubt, the user is right.
 _MARGIN = 0.08
-# A guide is doubted that the map without guides misses by more than this, in sizes of the surface.
+# A guide is doubtful if the map without guides misses it by more than this, in sizes of the surface.
 _ASTRAY = 0.15
-# How many times guides are tried before they are all left out, and how far around a guide the map tells how it fits, in
-# sizes of the surface.
+# Maximum number of maps with guides before all guides are left out, and the radius around a guide in which the
+# confidence of the map is averaged, in sizes of the surface.
 _TRIES, _AROUND = 4, 0.2
-# A map of this score is not tried otherwise.
+# With this score, no other map is tried.
 _BEYOND_DOUBT = 0.9
-# Fewer places in which shapes coincide leave open how they are turned.
+# Fewer coinciding points do not determine the orientation of the shapes.
 _FEWEST = 4
 _NO_PAIRS = np.empty((0, 2), np.int64)
 
 
 @dataclass(frozen=True)
 class PairMap:
-    """The map between two shapes that was chosen.
+    """The chosen map between two shapes.
 
     Attributes
     ----------
     found : SurfaceMap or None
-        Points of either mesh for the vertices of the other; None where none was needed.
+        Points on either mesh for the vertices of the other; None if no map was needed.
     pairs : (k, 2) int64
-        The guides that it follows, as vertices of the two meshes.
+        The guides that the map follows, as vertices of the two meshes.
     score : float
-        How good it is, 0 to 1.
+        Quality of the map, 0 to 1.
     score_without : float or None
-        How good the map without guides is, where there are guides.
+        The same for the map without guides, if there are guides.
     guides : int
-        How many guides there were.
+        Number of guides.
     """
 
     found: SurfaceMap | None
@@ -60,27 +60,27 @@ class PairMap:
 
     @classmethod
     def none(cls) -> PairMap:
-        """Return no map at all."""
+        """Return the record of a missing map."""
         return cls(None, _NO_PAIRS, 0.0, None, 0)
 
 
 def pair_map(
     first: Carrier, second: Carrier, pairs: NDArray[np.int64], settings: SoftMapSettings, control: Control
 ) -> Work[PairMap]:
-    """Solve the map between two shapes, with guides and without, and keep the better one.
+    """Solve the map between two shapes with and without guides, and return the better one.
 
-    Guides that lie in a plane fit a mirror image just as well, and a wrong one spoils a map that is right without it.
-    Where the map is worse with guides, those are left out that it misses without any, if they are the fewer, or else,
-    one by one, those around which it is least confident.
+    Guides in a plane fit a mirror image just as well, and a wrong guide spoils a map that is right without it. If the
+    map is worse with guides, the guides that the map without guides misses are left out, if they are a minority.
+    Otherwise guides are left out one by one, starting where the confidence around them is lowest.
 
     Parameters
     ----------
     first, second : Carrier
-        The shapes.
+        The two shapes.
     pairs : (k, 2) int64
-        Vertices of their meshes that belong together: the guides.
+        Corresponding vertices of their meshes: the guides.
     settings : SoftMapSettings
-        How maps are solved.
+        Settings for maps.
     control : Control
         Stops the work.
 
@@ -103,10 +103,11 @@ def pair_map(
         if found.score >= without - _MARGIN:
             return replace(found, score_without=without, guides=len(pairs))
         if number == 0 and 2 * sound.sum() >= len(pairs) > sound.sum():
-            # Most guides say what the map says without them.
+            # Most guides agree with the map without guides.
             chosen = pairs[sound]
         elif len(chosen) > 2:
-            # The map may be wrong without guides, and most of these right: the one that fits least is left out.
+            # The map without guides may be wrong and most guides right: leave out the one with the lowest confidence
+            # around it.
             around = _confidence_around(first, second, found.found, chosen)
             chosen = np.delete(chosen, around.argmin(), axis=0)
         else:
@@ -122,7 +123,7 @@ def _with_guides(
     settings: SoftMapSettings,
     control: Control,
 ) -> Work[PairMap]:
-    """Solve the map that follows guides, alone and with places where the shapes coincide, and keep the better one."""
+    """Solve the map from the guides, also together with coinciding points, and return the better one."""
     starts = [pairs, *(np.concatenate([pairs, _beside(own, pairs, first, second)]) for own in seeds[:1])]
     tried = []
     for number, start in enumerate(starts):
@@ -141,10 +142,10 @@ def _without_guides(
     settings: SoftMapSettings,
     control: Control,
 ) -> Work[PairMap]:
-    """Solve the map from where the shapes coincide, and otherwise while that does not give a map beyond doubt.
+    """Solve the map from coinciding points, and without any as long as the score is not beyond doubt.
 
-    Shapes may coincide in places that do not belong together: the places are tried again without those that the map
-    without any misses.
+    Shapes may coincide at points that do not correspond. The points are tried again without those that the map without
+    any of them misses.
     """
     tried: list[PairMap] = []
 
@@ -166,7 +167,7 @@ def _without_guides(
 
 
 def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], first: Carrier, second: Carrier) -> NDArray[np.int64]:
-    """Return the seeds, (s, 2), that are far enough from all pairs on both shapes to say nothing against them."""
+    """Return the coinciding points, (s, 2), that are too far from all pairs on both shapes to contradict them."""
     far = np.ones(len(seeds), bool)
     for side, carrier in enumerate((first, second)):
         places, marked = carrier.mesh.vertices[seeds[:, side]], carrier.mesh.vertices[pairs[:, side]]
@@ -183,7 +184,7 @@ def _soft_map(
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return how far off a map leads the ends of pairs, (k,), in sizes of the surfaces; the better way counts."""
+    """Return how far a map misses pairs, (k,), in sizes of the surfaces; the better direction counts."""
     here, there = pairs.T
     ways = (
         (found.forward, second, here, there),
@@ -200,7 +201,7 @@ def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[n
 def _confidence_around(
     first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Return how confident a map is around the ends of pairs, (k,): the less confident way counts."""
+    """Return the mean confidence of a map around the ends of pairs, (k,), in the less confident direction."""
     sides = (first, found.forward, pairs[:, 0]), (second, found.backward, pairs[:, 1])
     means = []
     for carrier, points, vertices in sides:
@@ -213,14 +214,14 @@ def _confidence_around(
 
 
 def _score(first: Carrier, second: Carrier, found: SurfaceMap) -> float:
-    """Return how good a map is, 0 to 1: the lower confidence of the two ways, where the surface is not turned over."""
+    """Return the quality of a map, 0 to 1: the lower confidence of both directions, without flipped triangles."""
     return min(
         _confidence(first.mesh, second.mesh, found.forward), _confidence(second.mesh, first.mesh, found.backward)
     )
 
 
 def _confidence(mesh: TriangleMesh, other: TriangleMesh, points: PointMap) -> float:
-    """Return the mean confidence over the area of the triangles that face the right way."""
+    """Return the mean confidence by area, counting zero for triangles that are flipped."""
     known = points.found[mesh.faces].all(axis=1)
     images = np.where(points.found[:, None], points.positions(other), 0.0)[mesh.faces]
     normals = np.cross(images[:, 1] - images[:, 0], images[:, 2] - images[:, 0])

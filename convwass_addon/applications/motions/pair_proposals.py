@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Coarse meshes laid on each other from several starts, and what is wrong with each."""
+"""Registrations of coarse meshes from several starts, and costs that compare them."""
 
 from __future__ import annotations
 
@@ -24,37 +24,37 @@ from .carriers import Carrier
 from .laid_meshes import Laid, Registered, home_distances, registered
 from .mesh_parts import mesh_edges
 
-# From a start to the other surface: first as the start says, then as smooth as the surfaces allow. Tighter stages gain
-# little closeness and turn triangles over. Chosen by eye; `python3 run.py bench coherence` measures what they give.
+# Stages of a registration: first close to the start, then as smooth as the surfaces permit. Tighter stages hardly
+# reduce distances and flip triangles. Chosen by eye; `python3 run.py bench coherence` measures the effect.
 FROM_MAP = (Stage(0.0, 100.0, 0.06, 3), Stage(20.0, 30.0, 0.05, 5), Stage(100.0, 5.0, 0.04, 5))
 """From a start that is nearly right."""
 _FROM_PLACE = (*AS_PLACED, Stage(30.0, 0.0, 0.06, 6), Stage(100.0, 0.0, 0.04, 3))
 _HEALING = (Stage(20.0, 30.0, 0.05, 4), Stage(100.0, 5.0, 0.04, 4))
-# What a place pays: for the way there and back and for its distance, both in sizes of the surface, and for the
-# logarithm of its stretch. At these values it pays one, which is the most for each.
+# Costs of a vertex: round-trip error and distance, both in sizes of the surface, and logarithmic stretch. Each is
+# scaled to one at these values, and limited to one.
 _TRIP, _AWAY, _STRETCH = 0.15, 0.06, 1.0
-# An edge over which the proposals differ by the size of the surface pays so much per its share of that size.
+# Cost of an edge where two proposals are joined: their distance times the edge's length, both in sizes of the surface.
 _SEAM = 1.0
-# For two shapes to agree, this share of the area must come so near to home.
+# Two registrations agree if this fraction of the area has a round-trip error below the second number.
 _MOST, _NEAR_HOME = 0.95, 0.06
-# Shapes that are turned by less than this against each other are taken as they stand, radians.
+# Smaller rotations between shapes, in radians, are ignored.
 _TURNED = np.radians(30.0)
 
 
 @dataclass(frozen=True)
 class Proposal:
-    """A shape laid on another, and how well.
+    """A registration of one shape to another, with its costs.
 
     Attributes
     ----------
     points : (n, 3) float64
-        Where its vertices lie.
+        Positions of the vertices.
     costs : (n,) float64
-        What every vertex pays.
+        Cost of every vertex.
     misfit : float
-        What 95 % of the area pay at most, stretch apart.
+        95th percentile of the costs by area, without stretch.
     inverse : Laid
-        The way back that it makes: where the other's vertices come from.
+        The inverse registration: the points that the other shape's vertices come from.
     """
 
     points: NDArray[np.float64]
@@ -71,20 +71,20 @@ def proposed(
     stages: tuple[Stage, ...],
     control: Control,
 ) -> Proposal:
-    """Lay one of two coarse meshes on the other from a start.
+    """Register one of two coarse meshes to the other from a start.
 
     Parameters
     ----------
     drafts : (Carrier, Carrier)
-        The two.
+        The two meshes.
     k : int
-        Which of them is laid on the other, 0 or 1.
+        Index of the mesh to register, 0 or 1.
     start : Laid
-        Where its vertices begin.
+        Initial positions of its vertices.
     pairs : (p, 2) int64
-        Its vertices and the other's that belong together.
+        Corresponding vertices of this mesh and the other.
     stages : tuple of Stage
-        How.
+        Stages of the registration.
     control : Control
         Stops the work.
     """
@@ -93,7 +93,7 @@ def proposed(
 
 
 def trusted(found: Proposal) -> Laid:
-    """Return where a mesh lies, trusted the less, the more its vertices pay."""
+    """Return a registration with confidences that fall with the costs of the vertices."""
     return Laid(found.points, np.exp(-np.square(found.costs)))
 
 
@@ -103,7 +103,7 @@ def all_mended(
     both: tuple[NDArray[np.int64], NDArray[np.int64]],
     control: Control,
 ) -> list[list[Proposal]]:
-    """Mend how coarse meshes lie on each other, once and where the two ways do not agree then; return all attempts."""
+    """Improve registrations from other starts, once more where they disagree after that; return all attempts."""
 
     def mended(k: int) -> Proposal:
         placed = Laid(_placed(drafts[k], drafts[1 - k], first[k]), np.ones(len(drafts[k].mesh.vertices)))
@@ -128,7 +128,7 @@ def _mended(
     pairs: NDArray[np.int64],
     control: Control,
 ) -> Proposal:
-    """Replace parts of a shape laid on the other by what comes of other starts, where that is better."""
+    """Replace parts of a registration by those from other starts where these have lower costs."""
     own, other = drafts[k], drafts[1 - k]
     for start, stages in ways:
         best = _fused(own, best, proposed(drafts, k, start, pairs, stages, control))
@@ -136,7 +136,7 @@ def _mended(
 
 
 def _fused(own: Carrier, one: Proposal, other: Proposal) -> Proposal:
-    """Take the better of two proposals from place to place."""
+    """Combine two proposals, taking the better one at every vertex."""
     mesh = own.mesh
     areas = mesh.vertex_areas / mesh.area
     edges = mesh_edges(mesh.faces)
@@ -145,14 +145,14 @@ def _fused(own: Carrier, one: Proposal, other: Proposal) -> Proposal:
     seams = _SEAM * lengths * apart[edges].mean(axis=1)
     second = fused_choice(np.stack([areas * one.costs, areas * other.costs]), edges, seams)
     costs = np.where(second, other.costs, one.costs)
-    # Along a seam neither is to be believed.
+    # Neither proposal is reliable along a seam.
     torn = edges[second[edges[:, 0]] != second[edges[:, 1]]].ravel()
     np.maximum.at(costs, torn, np.minimum(apart[torn] / _AWAY, 1.0))
     return Proposal(np.where(second[:, None], other.points, one.points), costs, one.misfit, one.inverse)
 
 
 def judged(own: Carrier, other: Carrier, points: NDArray[np.float64], control: Control) -> Proposal:
-    """Measure what is wrong with a shape laid on another."""
+    """Measure the costs of a registration."""
     control.check()
     mesh = own.mesh
     lying = TriangleMesh(points, mesh.faces)
@@ -170,7 +170,7 @@ def judged(own: Carrier, other: Carrier, points: NDArray[np.float64], control: C
 
 
 def _vertex_stretch(own: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the largest logarithmic stretch of the triangles around every vertex, up or down, on average, (n,)."""
+    """Return the largest absolute logarithmic stretch, averaged over the triangles around every vertex, (n,)."""
     mesh = own.mesh
     scale = np.sqrt(TriangleMesh(points, mesh.faces).area / mesh.area)
     gradients = deformation_gradients(mesh.vertices, points, mesh.faces) / scale
@@ -182,7 +182,7 @@ def _vertex_stretch(own: Carrier, points: NDArray[np.float64]) -> NDArray[np.flo
 
 
 def _placed(own: Carrier, other: Carrier, found: Proposal) -> NDArray[np.float64]:
-    """Return a shape as it stands beside another, moved and scaled, (n, 3); turned only if it stands otherwise."""
+    """Return a shape translated and scaled to another, (n, 3); rotated only if the registration rotates it much."""
     mesh = own.mesh
     weights = mesh.vertex_areas * np.exp(-np.square(found.costs))
     weights = weights / weights.sum()
@@ -195,7 +195,7 @@ def _placed(own: Carrier, other: Carrier, found: Proposal) -> NDArray[np.float64
 
 
 def total_cost(drafts: tuple[Carrier, Carrier], found: list[Proposal]) -> float:
-    """Return what both shapes pay on average, and for how far from home the way there and back ends."""
+    """Return the mean cost of both registrations, including their round-trip errors."""
     total = 0.0
     for k in (0, 1):
         home = home_distances(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
@@ -211,6 +211,6 @@ def agree(
     share: float = _MOST,
     near: float = _NEAR_HOME,
 ) -> bool:
-    """Tell whether the way there and back ends near home for a share of the area."""
+    """Return whether a fraction of the area has a small round-trip error."""
     home = home_distances(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
     return weighted_quantile(home, drafts[k].mesh.vertex_areas, share) <= near

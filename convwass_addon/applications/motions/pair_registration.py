@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two shapes laid on each other: from what the map says, and where that fails from elsewhere.
+"""Register two shapes to each other from their map or, where that fails, from other starts.
 
-Maps without guides confuse left and right, or send two fingers to one. What gives it away is strain, distance, and that
-the way there and back leads elsewhere. So each shape is also laid on the other from where it stands, by growing from
-where both coincide, and by the inverse of how the other was laid on it, and from place to place the better is taken.
+Maps without guides confuse left and right, or map two fingers to one. Such errors cause stretch, distance and
+round-trip errors. So each shape is also registered from its position at rest, by growing from where both coincide, and
+by the inverse of the other shape's registration, and at every vertex the best result is taken.
 """
 
 from __future__ import annotations
@@ -23,34 +23,34 @@ from .grown_registration import grown_points
 from .laid_meshes import Laid, Registered, home_distances, registered
 from .pair_proposals import FROM_MAP, Proposal, agree, all_mended, judged, proposed, total_cost, trusted
 
-# Vertices of the meshes on which several ways are tried.
+# Number of vertices of the coarse meshes on which several starts are tried.
 _DRAFT_VERTICES = 1500
-# Strain from which on a surface gives way, so that joints bend and what lies between them keeps its length, and how
-# coarse meshes are laid on each other then (docs/performance.md, Motions).
+# Strain at which robust weights fall, so that joints bend and the parts between them keep their lengths, and the stages
+# with these weights (docs/performance.md, Motions).
 _GIVE = 0.2
 _TIGHTENING = (Stage(30.0, 20.0, 0.05, 2, _GIVE), Stage(100.0, 0.0, 0.04, 6, _GIVE, 0.1))
-# How meshes are laid on each other in the end; chosen by eye.
+# Stages of the final registration; chosen by eye.
 _FINISHING = (Stage(100.0, 5.0, 0.04, 3), Stage(300.0, 0.0, 0.03, 5))
-# If 95 % of the area pay no more than this, stretch apart, there is nothing to mend.
+# If the misfit is at most this, no other starts are tried.
 _FINE = 0.35
-# Where shapes have been grown on each other, 99 % of the area come this near to home and 95 % pay no more than this, no
-# limb has been lost, and no map is needed.
+# If 99 % of the area have a round-trip error below the first number, and the misfit is below the second, a grown
+# registration has lost no limb, and no map is needed.
 _NO_LIMB, _FINE_GROWN = 0.15, 0.5
-# A point from which the way there and back ends so far from home, in sizes of the surface, is trusted by 0.6.
+# Round-trip error, in sizes of the surface, at which the confidence is 0.6.
 _MISSED = 0.08
 _NO_PAIRS = np.empty((0, 2), np.int64)
 
 
 @dataclass(frozen=True)
 class LaidPair:
-    """Two shapes laid on each other.
+    """Two shapes registered to each other.
 
     Attributes
     ----------
     first, second : Laid
-        Either on the other.
+        Each shape on the other.
     is_grown : bool
-        They were laid from where they coincide, and not from the map.
+        Whether the registration was grown from where the shapes coincide, instead of started from the map.
     """
 
     first: Laid
@@ -60,16 +60,16 @@ class LaidPair:
 
 @dataclass(frozen=True)
 class GrownPair:
-    """Coarse meshes of two shapes laid on each other by growing from where the shapes coincide.
+    """Coarse meshes of two shapes, registered by growing from where the shapes coincide.
 
     Attributes
     ----------
     drafts : (Carrier, Carrier)
         The coarse meshes.
     found : list of Proposal
-        How they lie on each other.
+        The registrations.
     fits : bool
-        So well that no map is needed.
+        Whether they are good enough to need no map.
     """
 
     drafts: tuple[Carrier, Carrier]
@@ -78,7 +78,7 @@ class GrownPair:
 
 
 def grown_pair(shapes: tuple[Carrier, Carrier], control: Control) -> GrownPair | None:
-    """Lay two shapes on each other by growing; None where they hardly coincide as they stand."""
+    """Register two shapes to each other by growing; return None if too little of them coincides as they stand."""
     drafts = both_ways(lambda k: coarser(shapes[k], np.empty(0, np.int64), _DRAFT_VERTICES, control))
     grown = both_ways(lambda k: grown_points(drafts[k], drafts[1 - k], control))
     if any(points is None for points in grown):
@@ -100,31 +100,31 @@ def laid_on_each_other(
     grown: GrownPair | None,
     control: Control,
 ) -> LaidPair:
-    """Lay two shapes on each other: as similar to themselves as the other's surface allows.
+    """Register two shapes to each other, keeping each as similar to itself as possible.
 
     Parameters
     ----------
     shapes : (Carrier, Carrier)
-        The two.
+        The two shapes.
     starts : (Laid, Laid) or None
-        Where the map puts the vertices of either, and its confidence; 0 where it says nothing. None where they have
-        been grown well enough.
+        The positions and confidences that the map gives to the vertices of each, with confidence 0 where there is no
+        map. None if the grown registration is good enough.
     pairs : (k, 2) int64
-        Vertices of the two that belong together.
+        Corresponding vertices of the two shapes.
     grown : GrownPair or None
-        Another start, where there are no pairs.
+        Another start, if there are no pairs.
     control : Control
         Stops the work.
 
     Returns
     -------
     LaidPair
-        Trusted as far as the way there and back comes home.
+        With confidences from the round-trip errors.
 
     Raises
     ------
     InputError
-        The map says nothing about any vertex.
+        The map has no confidence at any vertex.
     """
     both = pairs, pairs[:, ::-1]
     if grown is None:
@@ -162,7 +162,7 @@ def _drafted(
     grown: GrownPair | None,
     control: Control,
 ) -> tuple[list[Laid], bool]:
-    """Lay coarse meshes on each other by the best of several ways; tell whether the map was left for another start."""
+    """Register coarse meshes from the best of several starts; also return whether the grown one was chosen."""
     both = pairs, pairs[:, ::-1]
     best = list(both_ways(lambda k: proposed(drafts, k, starts[k], both[k], FROM_MAP, control)))
     if max(found.misfit for found in best) <= _FINE:
@@ -179,10 +179,11 @@ def _drafted(
 def _tightened(
     drafts: tuple[Carrier, Carrier], starts: list[Laid], pairs: NDArray[np.int64], control: Control
 ) -> list[Laid]:
-    """Lay coarse meshes on each other such that limbs keep their lengths and strain gathers in joints.
+    """Register coarse meshes so that limbs keep their lengths and strain concentrates in joints.
 
-    Maps slide along limbs, which look alike all along. Skin that is gone under a raised arm on one of the shapes cannot
-    be found from there, but from the other one: where the two ways disagree, the inverse of the other is tried too.
+    Maps slide along limbs, which look alike all along. Skin under a raised arm is missing on one of the shapes, so it
+    can be found only from the other one. Therefore, where both directions disagree, the inverse of the other one is
+    tried, too.
     """
     both = pairs, pairs[:, ::-1]
 

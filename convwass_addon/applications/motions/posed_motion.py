@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A motion between shapes that change their poses meanwhile: maps stay attached to the meshes.
+"""A motion between shapes that also change their poses: its maps stay attached to the meshes.
 
-The maps of a guided motion, which tell where on the other shapes every point of a shape belongs, hold in all poses:
-with the vertices moved they give the deformations between the poses, and with them a guided motion. What another motion
-does differently between the shapes at rest is added, turned with the surface.
+The maps of a guided motion hold in all poses: for the vertices of a pose they give the deformations between the poses,
+and so a guided motion. If the motion at rest is not guided, its difference from the guided motion is added, rotated
+with the surface.
 """
 
 from __future__ import annotations
@@ -28,22 +28,22 @@ from .laid_meshes import Laid
 from .motion import Motion, MovedShape
 from .shape_deformations import posed_deformation, split_deformation
 
-# Weight that a shape keeps where it is laid on another: with none at all it is not moved.
+# Weight of a shape when its position on another shape is computed; shapes of weight zero are not moved.
 _LEFT = 1e-3
 
 
 @dataclass(frozen=True)
 class PosedMotion:
-    """A motion of shapes at rest, for any poses of them.
+    """A motion of shapes at rest, applicable to any poses of them.
 
     Attributes
     ----------
     chosen : Motion
-        Between the shapes at rest.
+        The motion between the shapes at rest.
     guided : GuidedMotion
-        With the same maps, or a part of `chosen`.
+        A guided motion with the same maps; possibly a part of `chosen`.
     embeddings : tuple of ClosestPoints
-        Where on the inputs the vertices of the guided shapes are.
+        The points of the inputs at which the vertices of the guided shapes are.
     """
 
     chosen: Motion
@@ -60,25 +60,25 @@ class PosedMotion:
         coherence: float,
         control: Control,
     ) -> PosedMotion:
-        """Take the maps out of a motion.
+        """Extract the maps of a motion.
 
         Parameters
         ----------
         chosen : Motion
-            Between the shapes at rest.
+            The motion between the shapes at rest.
         shapes, names
-            The inputs at rest, facing outward, and what messages call them.
+            The inputs at rest, oriented outward, and their names for messages.
         pairs : sequence of (int, int)
-            Which of them occur together.
+            Pairs of inputs that occur together.
         coherence : float
-            Of the motion.
+            Coherence of the motion.
         control : Control
             Stops the work.
 
         Raises
         ------
         InputError
-            A shape that cannot be carried by a coarser mesh.
+            A shape has no coarser mesh that can carry it.
         """
         if isinstance(chosen, GuidedMotion):
             guided = chosen
@@ -90,7 +90,7 @@ class PosedMotion:
         return cls(chosen, guided, tuple(embeddings))
 
     def at(self, shapes: Sequence[TriangleMesh], active: Sequence[int], control: Control) -> Motion:
-        """Return the motion between poses of the shapes, the triangles being the same; of `active` ones only."""
+        """Return the motion between poses of the `active` shapes, which keep their triangles."""
         carriers = list(self.guided.carriers)
         for index in active:
             rest = self.embeddings[index].interpolated(shapes[index].corners)
@@ -108,7 +108,7 @@ class PosedMotion:
 
 @dataclass(frozen=True)
 class _Posed:
-    """The motion between poses; the rest of what it moves is that of the shapes at rest, so that origins are there."""
+    """The motion between poses; its `rest` meshes are those of the shapes at rest, to which origins refer."""
 
     motion: PosedMotion
     guided: GuidedMotion
@@ -132,7 +132,7 @@ class _Posed:
 
 
 def _with_difference(posed: MovedShape, guided: MovedShape, chosen: MovedShape) -> MovedShape:
-    """Return a shape in its pose, moved as it is chosen at rest instead of guided."""
+    """Return a posed shape with the difference between the chosen and the guided motion at rest."""
     faces = guided.rest.faces
     turns = surface_rotations(guided.vertices, posed.vertices, faces)
     if chosen.rest is guided.rest:
@@ -154,7 +154,7 @@ def _guided_along(
     coherence: float,
     control: Control,
 ) -> GuidedMotion:
-    """Return a guided motion whose maps are those of another one: where it lays the shapes on each other."""
+    """Return a guided motion whose maps are those of another motion, which moves shapes onto each other."""
     settings = GuidedSettings(coherence=coherence)
     none = np.empty(0, np.int64)
     carriers = [
@@ -173,7 +173,7 @@ def _guided_along(
 
 
 def _laid(motion: Motion, carrier: Carrier, one: int, other: int, count: int) -> Laid:
-    """Return where a motion lays the vertices of a shape's carrier on another shape."""
+    """Return the positions of a carrier's vertices on another shape, as a motion moves them."""
     weights = [0.0] * count
     weights[one], weights[other] = _LEFT, 1.0 - _LEFT
     moved = motion.moved(weights)[one]
@@ -182,11 +182,11 @@ def _laid(motion: Motion, carrier: Carrier, one: int, other: int, count: int) ->
 
 
 def _embedding(carrier: Carrier, shape: TriangleMesh) -> ClosestPoints:
-    """Return where on an input the vertices of its carrier's rest are: its own come first, others cut its triangles."""
+    """Return the points of an input at its carrier's rest vertices: those of the input, then those on its triangles."""
     count = len(shape.vertices)
     rest = carrier.rest
     triangle, corner = np.zeros(len(rest.vertices), np.int64), np.zeros(len(rest.vertices), np.int64)
-    # Vertices that no triangle uses stay where the first triangle's first corner is: nothing is seen of them.
+    # Unused vertices are invisible, so the first corner of the first triangle serves for them.
     for place in range(3):
         triangle[shape.faces[:, place]], corner[shape.faces[:, place]] = np.arange(len(shape.faces)), place
     shares = np.eye(3)[corner]
@@ -198,7 +198,7 @@ def _embedding(carrier: Carrier, shape: TriangleMesh) -> ClosestPoints:
 
 
 def _barycentric(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return barycentric coordinates of points in the planes of triangles, (n, 3); a third each without an area."""
+    """Return barycentric coordinates of points in the planes of triangles, (n, 3); a third each in degenerate ones."""
     a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     normal = np.cross(a, b)
     squared = np.einsum("ni,ni->n", normal, normal)

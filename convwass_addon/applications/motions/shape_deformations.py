@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One shape deformed to lie on another, split into how its parts turn and how they stretch."""
+"""The deformation of a shape that matches another, divided into rotations and stretches of its parts."""
 
 from __future__ import annotations
 
@@ -25,36 +25,36 @@ from .carriers import Carrier
 from .laid_meshes import Laid
 from .mesh_parts import mesh_edges
 
-# Size of the neighborhoods that turn together, in sizes of the surface.
+# Size of the neighborhoods that rotate together, in sizes of the surface.
 _TURN_WIDTH = 0.03
 
 
 @dataclass(frozen=True)
 class ShapeDeformation:
-    """How a shape is deformed to lie on another.
+    """The deformation of a shape that matches another.
 
     The gradient of triangle t is exp(r_t) Q_t, where r_t is the mean of the rotation vectors of its corners.
 
     Attributes
     ----------
     points : (n, 3) float64
-        Where the carrier's vertices come to lie, scene units.
+        Deformed vertices of the carrier, scene units.
     vectors : (n, 3) float64
         Rotation vectors of its vertices, radians, continuous along the surface.
     stretches : (m, 3, 3) float64
         Q of every triangle.
     link_stretches : (k, 3) float64
-        What every link becomes, turned back by its rotation.
+        The deformed links, rotated back.
     pose : HingedPose
-        Where its parts come to lie.
+        Rigid motions of its parts.
     offsets : (n, 3) float64
-        What the vertices differ by from where their parts take them, turned back.
+        Differences of the vertices from the positions that the parts give them, rotated back.
     scale : float
-        How much longer lengths of the whole shape become.
+        Scale factor of the whole shape.
     images : ClosestPoints
-        The points of the other carrier on which its vertices come to lie.
+        The points of the other carrier on which the deformed vertices lie.
     confidence : (n,) float64
-        How far that is trusted, 0 to 1: how well the way there and back comes home.
+        Confidence in these points, 0 to 1, from the round-trip error.
     """
 
     points: NDArray[np.float64]
@@ -68,7 +68,7 @@ class ShapeDeformation:
     confidence: NDArray[np.float64]
 
     def inverse_vectors_at(self, images: ClosestPoints, mesh: TriangleMesh) -> NDArray[np.float64]:
-        """Return the rotation vectors of the way back, (k, 3), at points of the carrier's mesh."""
+        """Return the rotation vectors of the inverse deformation, (k, 3), at points of the carrier's mesh."""
         return -images.interpolated(self.vectors[mesh.faces])
 
 
@@ -79,17 +79,17 @@ def split_deformation(
     back: ShapeDeformation | None,
     control: Control,
 ) -> ShapeDeformation:
-    """Split a deformation into rotations and stretches.
+    """Divide a deformation into rotations and stretches.
 
     Parameters
     ----------
     source, target : Carrier
-        The shape that is deformed, and the one it lies on then.
+        The deformed shape, and the one that it matches.
     laid : Laid
-        Where the vertices of the source's mesh lie then.
+        The deformed vertices of the source's mesh.
     back : ShapeDeformation, optional
-        How the target is deformed to lie on the source, where that is known: parts that may turn either way then take
-        the same one.
+        The deformation of the target that matches the source, if known: parts that could rotate in either sense then
+        rotate consistently.
     control : Control
         Stops the work.
     """
@@ -103,16 +103,16 @@ def split_deformation(
 def posed_deformation(
     deformation: ShapeDeformation, source: Carrier, before: TriangleMesh, target: TriangleMesh, control: Control
 ) -> ShapeDeformation:
-    """Return the deformation that puts a shape onto another in other poses of both: all points stay on their images.
+    """Return the deformation between other poses of two shapes: all points keep the points that they are mapped to.
 
     Parameters
     ----------
     deformation : ShapeDeformation
-        Between the shapes as they were.
+        The deformation between the original poses.
     source : Carrier
-        The shape that is deformed, in its pose.
+        The deformed shape, in its new pose.
     before, target : TriangleMesh
-        The mesh that carries the other shape, as it was and in its pose.
+        The carrier mesh of the other shape, in the original and the new pose.
     control : Control
         Stops the work.
     """
@@ -121,14 +121,14 @@ def posed_deformation(
     nearest = before.faces[images.triangles, images.shares.argmax(axis=1)]
     beside = deformation.points - images.interpolated(before.corners)
     points = images.interpolated(target.corners) + np.einsum("nij,nj->ni", turns[nearest], beside)
-    # From frame to frame, parts are to turn the same way.
+    # Parts must rotate in the same sense from frame to frame.
     return _split(source, Laid(points, deformation.confidence), images, deformation.vectors, control)
 
 
 def _split(
     source: Carrier, laid: Laid, images: ClosestPoints, guesses: NDArray[np.float64] | None, control: Control
 ) -> ShapeDeformation:
-    """Split a deformation whose images are known; its rotation vectors are near to guesses, where there are any."""
+    """Divide a deformation with known images; rotation vectors are chosen close to guesses, if given."""
     mesh, links, points = source.mesh, source.poisson.links, laid.points
     shortest = rotation_vectors(_smooth_rotations(mesh, points))
     edges = mesh_edges(mesh.faces, links.ends)
@@ -146,7 +146,7 @@ def _split(
 
 
 def _smooth_rotations(mesh: TriangleMesh, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotations of neighborhoods of every vertex, (n, 3, 3)."""
+    """Return the mean rotations of neighborhoods of every vertex, (n, 3, 3)."""
     centered = (points - points.mean(axis=0)) / np.sqrt(mesh.area)
     fits = ElasticSurface(UnitShape.of(mesh)).fits(centered, _TURN_WIDTH)
     turns = nearest_rotations(np.ascontiguousarray(np.moveaxis(fits, 0, 2))).rotations

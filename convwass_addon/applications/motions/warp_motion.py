@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion by warps: solids of any build are drawn towards each other by smooth elastic steps."""
+"""Motion by warps: solids of any form approach each other by smooth elastic steps."""
 
 from __future__ import annotations
 
@@ -26,28 +26,28 @@ from .warp_registration import registered
 from .warp_signals import WarpSignals, inverse_error, length_between, strain, volume_change
 from .warped_shape import Course, WarpedShape
 
-# Blur, in cells, that the margin of the warp's grid is made for.
+# Blur, in cells, that determines the margin of the warp's grid.
 _SIGMA = 1.5
-# Longest edge of a mesh that is moved, in cells.
+# Longest edge of a moved mesh, in cells.
 _LONGEST_EDGE = 0.7
-# Splitting ends at so many vertices; a mesh that has more itself is moved as it is.
+# Subdivision stops at this number of vertices; larger meshes are moved as they are.
 _MOST_VERTICES = 200_000
-# Coherence at which the motion is done fully, and how far it then leads through the meeting place.
+# Coherence at which the motion is complete, and how closely its path then approaches the meeting positions.
 _FULL, _DETOUR = 0.5, 0.5
-# Share of the work that the registration is.
+# Fraction of the work that the registration takes.
 _REGISTERED = 0.9
 
 
 @dataclass(frozen=True)
 class WarpEffort:
-    """How finely a warp is computed.
+    """Accuracy of a warp.
 
     Attributes
     ----------
     cells : int
         Cells of its grid along the longest side.
     rounds : int
-        Steps that it is composed of.
+        Number of steps that compose it.
     """
 
     cells: int = 48
@@ -55,32 +55,32 @@ class WarpEffort:
 
 
 USUAL_EFFORT = WarpEffort()
-"""What was measured to be worth it."""
+"""A higher effort gains little."""
 
 
 @dataclass(frozen=True)
 class WarpMotion:
     """A warp between shapes; see :class:`.motion.Motion`.
 
-    For weights w, shape i moves towards the others by a blend of their courses: between its rest and where each course
-    ends its parts turn (:class:`...geometry.solid_blend.SolidBlend`), and a detour leads towards the places where
-    shapes meet, by (w_i + w_j) sin^2(pi w_j / (w_i + w_j)) times its share for each other shape j. For two shapes that
-    is sin^2(pi t).
+    For weights w, shape i moves towards the others by a blend of its courses: parts rotate between their positions at
+    rest and at the end of each course (:class:`...geometry.solid_blend.SolidBlend`). A detour leads through the
+    positions where shapes meet, by (w_i + w_j) sin^2(pi w_j / (w_i + w_j)) times its fraction for each other shape j.
+    For two shapes that is sin^2(pi t).
 
     Attributes
     ----------
     names : tuple of str
-        What the shapes are called.
+        Names of the shapes, for messages.
     rests : tuple of Subdivision
-        The inputs, facing outward, with their long edges split.
+        The inputs, oriented outward, with long edges divided.
     shapes : tuple of WarpedShape
-        In cells.
+        The shapes in cells.
     lattice : Lattice
-        Where the cells are.
+        The grid.
     coherence : float
-        From 0, where shapes are only moved to one place, to 1, where they move most like one body.
+        From 0, where shapes are only moved to a common position, to 1, where they move most like one body.
     signals : dict
-        How well each pair fits, by the numbers of its two shapes.
+        Figures of each pair, by the indices of its two shapes.
     """
 
     names: tuple[str, ...]
@@ -93,12 +93,12 @@ class WarpMotion:
     kind: ClassVar[str] = "warp"
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
-        """Return every input as it is in the blend with these weights, which sum to one; None where the weight is zero.
+        """Return every input in the blend with these weights, which sum to one; None for inputs without weight.
 
         Raises
         ------
         ValueError
-            Two shapes have weight that no warp was made between.
+            There is no warp between two shapes with weight.
         """
         active = [i for i, weight in enumerate(weights) if weight > 0]
         missing = [pair for pair in combinations(active, 2) if pair not in self.signals]
@@ -107,7 +107,7 @@ class WarpMotion:
         return [self._moved(i, weights) if weights[i] > 0 else None for i in range(len(self.rests))]
 
     def record(self) -> dict[str, object]:
-        """Say how well every pair fits, ready for JSON."""
+        """Return the figures of every pair, ready for JSON."""
         pairs = [
             {"shapes": [self.names[index] for index in pair], **signals.record()}
             for pair, signals in self.signals.items()
@@ -116,12 +116,12 @@ class WarpMotion:
         return {"kind": self.kind, "settings": settings, "pairs": pairs}
 
     def with_coherence(self, coherence: float) -> WarpMotion:
-        """Return the same motion with another coherence, at once.
+        """Return the same motion with another coherence, without recomputation.
 
         Raises
         ------
         InputError
-            It does not lie between 0 and 1.
+            The coherence is not between 0 and 1.
         """
         _check_coherence(coherence)
         return replace(self, coherence=coherence)
@@ -149,27 +149,27 @@ def warp_motion(
     control: Control,
     effort: WarpEffort = USUAL_EFFORT,
 ) -> Work[WarpMotion]:
-    """Make the warps between pairs of shapes.
+    """Compute the warps between pairs of shapes.
 
     Parameters
     ----------
     shapes : sequence of TriangleMesh
-        Where they stand in the scene; open, crumbly and flat meshes too.
+        In scene space; they may be open, fragmented or flat.
     names : sequence of str
-        What messages call them.
+        Names of the shapes, for messages.
     pairs : sequence of (int, int)
-        Which of the shapes are blended with each other.
+        Pairs of shapes that are blended with each other.
     coherence : float
         0 to 1; see :class:`WarpMotion`.
     control : Control
         Stops the work.
     effort : WarpEffort
-        How finely.
+        Accuracy of the warps.
 
     Raises
     ------
     InputError
-        A shape without faces, or a coherence beyond its limits.
+        A shape without faces, or a coherence not between 0 and 1.
     """
     _check_coherence(coherence)
     for shape, name in zip(shapes, names, strict=True):
@@ -213,7 +213,7 @@ def _signals(
     error: float,
     control: Control,
 ) -> WarpSignals:
-    """Measure a pair of a motion that is otherwise finished."""
+    """Measure a pair of an otherwise finished motion."""
     i, j = pair
     weights = [0.5 * (index in pair) for index in range(len(solids))]
     half_way = [_filled(motion.cells(index, weights)[motion.rests[index].mesh.faces], motion.lattice) for index in pair]
@@ -229,9 +229,9 @@ def _signals(
 
 
 def _filled(corners: NDArray[np.float64], lattice: Lattice) -> NDArray[np.float64]:
-    """Return the filled shares of the cells; surfaces that enclose nothing are given a thickness.
+    """Return the filled fractions of the cells; surfaces that enclose nothing are thickened.
 
-    Moved shapes may leave the grid, which is as large as the shapes at rest need; what is beyond is pressed to its rim.
+    Moved shapes may leave the grid, which fits the shapes at rest; points beyond it are moved to its boundary.
     """
     corners = np.clip(corners, 1.0, np.array(lattice.shape) - 1.0)
     return solid_or_shell_occupancy(corners, lattice.shape).astype(np.float64)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Two solids drawn towards each other by small elastic steps, until they meet in the middle."""
+"""Register two solids by small elastic steps towards each other, until they meet in the middle."""
 
 from __future__ import annotations
 
@@ -22,24 +22,24 @@ from ...transport import Grid
 from ...transport.meeting import meeting
 from ..workers import both_ways
 
-# What goes down geometrically from the first round to the last, in cells: the blur of the plans, how far mass goes
-# before it fades, and the size of the parts that move together.
+# Values that decrease geometrically from the first round to the last, in cells: blur of the transport plans, distance
+# at which mass fades, and size of the parts that move together.
 _SIGMAS, _REACHES, _WIDTHS = (2.0, 1.0), (12.0, 6.0), (7.0, 1.5)
-# Springs per width: stiffer ones keep limbs, softer ones fit. Chosen by eye; `python3 run.py bench coherence` measures
-# what all of these give.
+# Springs per width: stiffer ones preserve limbs, softer ones fit better. Chosen by eye; `python3 run.py bench
+# coherence` measures the effect of all of these.
 _STIFFNESS = 0.7
-# Cells of which less is filled do not belong to a solid.
+# Cells with a smaller filled fraction do not belong to a solid.
 _LEAST_FILLED = 0.1
 
 
 @dataclass(frozen=True)
 class MeetingFlows:
-    """Maps that take two solids to where they meet.
+    """Maps that move two solids to where they meet.
 
     Attributes
     ----------
     first, second : StepFlow
-        Of each solid, in cells.
+        The map of each solid, in cells.
     """
 
     first: StepFlow
@@ -49,17 +49,17 @@ class MeetingFlows:
 def registered(
     first: NDArray[np.float64], second: NDArray[np.float64], rounds: int, control: Control
 ) -> Work[MeetingFlows]:
-    """Draw two solids towards each other.
+    """Move two solids towards each other.
 
-    In every round both, as they have been moved so far, get displacements from one unbalanced plan; each is made an
-    elastic step of the solid's cells without divergence, and carried on outside. Blur, reach and stiffness go down.
+    In every round, one unbalanced plan between the moved solids gives displacements for both. Each solid makes a
+    divergence-free elastic step towards them, which is extended outside. Blur, reach and stiffness decrease.
 
     Parameters
     ----------
     first, second : (nx, ny, nz)
-        Filled shares of the cells of one grid.
+        Filled fractions of the cells of one grid.
     rounds : int
-        How many, two or more.
+        Number of rounds, at least two.
     control : Control
         Stops the work.
     """
@@ -88,12 +88,12 @@ def _advance(
     control: Control,
     k: int,
 ) -> None:
-    """Append an elastic step towards its aims, (nx, ny, nz, 3), of one of two solids, (nx, ny, nz)."""
+    """Append an elastic step of one of two solids, (nx, ny, nz), towards displacements `aims`, (nx, ny, nz, 3)."""
     flows[k].add(_step(masses[k], aims[k], width, control))
 
 
 def _step(mass: NDArray[np.float64], aims: NDArray[np.float64], width: float, control: Control) -> NDArray[np.float64]:
-    """Make displacements of all cells, (nx, ny, nz, 3), an elastic step of the solid."""
+    """Return the elastic step of a solid towards displacements of its cells, (nx, ny, nz, 3)."""
     solid = SolidCells.of(mass, _LEAST_FILLED)
     elastic = elastic_step(solid, solid.gathered(aims), solid.filled, width, control)
     kept = divergence_free(solid, elastic, control)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Figures that say how well a warp fits."""
+"""Figures of how well a warp fits."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ from ...transport import Grid, distance
 from .warp_registration import MeetingFlows
 from .warped_shape import Course
 
-# Blur and tolerance of the distances, and vertices that are taken forth and back.
+# Blur of the distances, their tolerance, and their maximum number of iterations.
 _SIGMA, _TOLERANCE, _MOST_ITERATIONS = 1.0, 3e-3, 200
 _SAMPLES = 500
-# Percentiles that are told of a distribution over the solid.
+# Percentiles reported for a distribution over the solid.
 _PERCENTILES = (1, 5, 50, 95, 99)
 
 
@@ -30,13 +30,13 @@ class WarpSignals:
     Attributes
     ----------
     length_before, length_left : float
-        Wasserstein distance between the two shapes, in cells of the warp's grid: at rest, and moved half way.
+        Wasserstein distance between the two shapes, in cells of the warp's grid: at rest, and moved halfway.
     volume_change : tuple of float
-        Percentiles 1, 5, 50, 95, 99 of the factor by which parts of either shape change their volume from end to end.
+        Percentiles 1, 5, 50, 95, 99 of the volume ratio of parts of either shape from end to end.
     strain : float
-        Mean over both solids of the largest |ln s| of the singular values s of the gradient.
+        Mean over both solids of the largest |ln s| over the singular values s of the gradient.
     inverse_error : float
-        Largest distance, in cells, between vertices and where they come back to from the other shape.
+        Largest round-trip error of the vertices, in cells.
     """
 
     length_before: float
@@ -51,9 +51,9 @@ class WarpSignals:
 
 
 def length_between(first: NDArray[np.float64], second: NDArray[np.float64], control: Control) -> float:
-    """Return the Wasserstein distance, in cells, between two solids given by the filled shares of their cells.
+    """Return the Wasserstein distance, in cells, between two solids given by the filled fractions of their cells.
 
-    Cells of twice the size tell it as well, in a tenth of the time.
+    Computed on cells of twice the size, which takes a tenth of the time.
     """
     one, other = halved(first), halved(second)
     solved = distance(
@@ -68,7 +68,7 @@ def length_between(first: NDArray[np.float64], second: NDArray[np.float64], cont
 
 
 def inverse_error(points: NDArray[np.float64], course: Course, flows: MeetingFlows, control: Control) -> float:
-    """Take some of the points, (n, 3) in cells, back from the end of the course to the second shape."""
+    """Return the largest round-trip error of some of the points, (n, 3) in cells."""
     some = slice(None, None, max(len(points) // _SAMPLES, 1))
     back = flows.first.moved_back(flows.second.moved(course.end[some], control), control)
     return float(np.linalg.norm(back - points[some], axis=1).max())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One shape of a warp: where its vertices are for any weights of the shapes that it is warped to."""
+"""One shape of a warp: its vertices for any weights of the shapes that it is warped to."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ from ...geometry.solid_blend import SolidBlend, SolidNodes
 from ...geometry.step_flow import StepFlow
 from ...progress import Control
 
-# What a cell beside the solid counts against a full one: enough to carry the surface with it.
+# Mass of an empty cell next to the solid, relative to a full one: enough to carry the surface.
 _LEAST_MASS = 0.02
-# From so much on a cell is part of the solid when figures are taken.
+# Cells with at least this fraction belong to the solid for figures.
 _SOLID = 0.5
 
 
 @dataclass(frozen=True)
 class Course:
-    """Where a warp takes the nodes of one shape on the way to another, in cells.
+    """The nodes of one shape warped to another, in cells.
 
     Attributes
     ----------
     meeting : (m, 3) float64
-        Where the two shapes meet.
+        Positions where the two shapes meet.
     end : (m, 3) float64
-        Laid over the other shape.
+        Positions on the other shape.
     """
 
     meeting: NDArray[np.float64]
@@ -46,7 +46,7 @@ class WarpedShape:
     points : (n, 3) float64
         Its vertices.
     mass : (nx, ny, nz)
-        Filled shares of the cells.
+        Filled fractions of the cells.
     """
 
     def __init__(self, points: NDArray[np.float64], mass: NDArray[np.floating]) -> None:
@@ -57,15 +57,15 @@ class WarpedShape:
         self._blend: SolidBlend | None = None
 
     def course(self, own: StepFlow, other: StepFlow, control: Control) -> Course:
-        """Follow the shape's own flow to the meeting place, and that of the other shape back from there."""
+        """Follow the shape's own flow to the meeting position, and the other shape's flow back from there."""
         met = own.moved(self.nodes.positions, control)
         return Course(met, other.moved_back(met, control))
 
     def take(self, courses: Mapping[int, Course]) -> None:
-        """Take the courses to other shapes, by their numbers."""
+        """Set the courses to other shapes, by their indices."""
         self._courses = dict(courses)
         self._blend = SolidBlend(self.nodes, [course.end for course in courses.values()])
-        # From half of the way along the blend to the meeting place.
+        # The offset of the meeting position from the middle of the blend.
         halves = np.eye(len(self._courses)) / 2.0
         self._detours = [
             course.meeting - self._blend.at(list(half)) for course, half in zip(courses.values(), halves, strict=True)
@@ -73,7 +73,7 @@ class WarpedShape:
 
     @property
     def partners(self) -> tuple[int, ...]:
-        """Numbers of the shapes that there are courses to."""
+        """Indices of the shapes to which there are courses."""
         return tuple(self._courses)
 
     def gradients(self, other: int) -> NDArray[np.float64]:
@@ -81,18 +81,18 @@ class WarpedShape:
         return self._blend.gradients[self.partners.index(other)][self.nodes.mass > _SOLID]
 
     def at(self, weights: Sequence[float], own: int, pace: float, detour: float) -> NDArray[np.float64]:
-        """Return the vertices, (n, 3) in cells, where all shapes have these weights.
+        """Return the vertices, (n, 3) in cells, in the blend with some weights.
 
         Parameters
         ----------
         weights : sequence of float
-            Of all shapes; they sum to one, and only this shape and its partners have any.
+            Weights of all shapes, of sum one; only this shape and its partners may have positive ones.
         own : int
-            Number of this shape.
+            Index of this shape.
         pace : float
-            Share of the motion that is done at all.
+            Fraction of the motion that is applied.
         detour : float
-            How far the way leads through the places where shapes meet, from 0 to 1.
+            How closely the path approaches the positions where shapes meet, from 0 to 1.
         """
         shares = [weights[other] for other in self._courses]
         nodes = self._blend.at([pace * share for share in shares])
@@ -104,7 +104,7 @@ class WarpedShape:
 
 
 def _nodes(points: NDArray[np.float64], mass: NDArray[np.floating]) -> SolidNodes:
-    """Corners of all cells that hold some of the solid, that lie beside it, or that have vertices in them."""
+    """Return the corners of all cells that contain the solid, that are next to it, or that contain vertices."""
     needed = binary_dilation(mass > _LEAST_MASS)
     cells = np.clip(np.floor(points).astype(np.int64), 0, np.array(mass.shape) - 1)
     needed[tuple(cells.T)] = True
