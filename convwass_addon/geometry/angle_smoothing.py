@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from .mesh import TriangleMesh
 from .normals import triangle_normals
+from .triangle_angles import smallest_angles
 
 # Triangles with a smaller angle are narrow; a move must increase the smallest angle by at least the gain. In radians.
 _NARROW, _GAIN = float(np.radians(25.0)), float(np.radians(0.1))
@@ -44,21 +45,50 @@ def with_wider_angles(mesh: TriangleMesh, most: float) -> TriangleMesh:
     TriangleMesh
         The mesh with the same triangles.
     """
-    vertices = mesh.vertices
+    vertices, faces = mesh.vertices.copy(), mesh.faces
+    angles = smallest_angles(mesh.corners)
+    # Vertices that may gain: a vertex without a gain gets none before something around it has moved.
+    is_open = np.ones(len(vertices), bool)
     for _ in range(_ROUNDS):
-        rings = _Rings.of(vertices, mesh.faces)
-        if not len(rings.vertices):
+        is_chosen = np.zeros(len(vertices), bool)
+        is_chosen[faces.compress(angles < _NARROW, axis=0)] = True
+        is_chosen &= is_open
+        if not is_chosen.any():
             break
-        moved = rings.moved(vertices, mesh.faces, most)
-        if moved is None:
+        rings = _Rings.of(is_chosen, faces)
+        moves = rings.moves(vertices, faces, most)
+        is_open[rings.vertices] = moves.gains > 0.0
+        if not len(moves.chosen):
             break
-        vertices = moved
+        vertices[rings.vertices[moves.chosen]] += moves.steps
+        changed = rings.faces.compress(np.isin(rings.owners, moves.chosen))
+        is_open[faces.take(changed, axis=0)] = True
+        angles[changed] = smallest_angles(vertices.take(faces.take(changed, axis=0), axis=0))
     return replace(mesh, vertices=vertices)
 
 
 @dataclass(frozen=True)
+class _Moves:
+    """What vertices gain by moving.
+
+    Attributes
+    ----------
+    gains : (k,) float64
+        By how much the smallest angle around each grows, in radians.
+    chosen : (c,) int64
+        The vertices with the largest gains, no two of them neighbors.
+    steps : (c, 3) float64
+        How these move.
+    """
+
+    gains: NDArray[np.float64]
+    chosen: NDArray[np.int64]
+    steps: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class _Rings:
-    """The triangles around all vertices that have a narrow one.
+    """The triangles around some vertices.
 
     Attributes
     ----------
@@ -77,43 +107,40 @@ class _Rings:
     starts: NDArray[np.int64]
 
     @classmethod
-    def of(cls, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> _Rings:
-        is_chosen = np.zeros(len(vertices), bool)
-        is_chosen[faces[smallest_angles(vertices[faces]) < _NARROW]] = True
-        sides = np.flatnonzero(is_chosen[faces.ravel()])
-        ends = faces.ravel()[sides]
+    def of(cls, is_chosen: NDArray[np.bool_], faces: NDArray[np.int64]) -> _Rings:
+        """Collect the triangles around the vertices of a mask, (n,)."""
+        sides = np.flatnonzero(is_chosen.take(faces.ravel()))
+        ends = faces.ravel().take(sides)
         order = np.argsort(ends, kind="stable")
         sides, ends = sides[order], ends[order]
         starts = np.flatnonzero(np.diff(ends, prepend=-1))
         owners = np.repeat(np.arange(len(starts)), np.diff(starts, append=len(ends)))
         return cls(ends[starts], sides // 3, sides % 3, owners, starts)
 
-    def moved(self, vertices: NDArray[np.float64], faces: NDArray[np.int64], most: float) -> NDArray[np.float64] | None:
-        """Move the vertices with the largest gains, no two of them neighbors; None if no vertex gains."""
+    def moves(self, vertices: NDArray[np.float64], faces: NDArray[np.int64], most: float) -> _Moves:
+        """Find moves that increase the smallest angle around a vertex."""
         # Rotate every triangle so that the vertex comes first.
-        around = faces[self.faces[:, None], (self.corners[:, None] + np.arange(3)) % 3]
-        corners = vertices[around]
+        around = faces.ravel().take(3 * self.faces[:, None] + (self.corners[:, None] + np.arange(3)) % 3)
+        corners = vertices.take(around, axis=0)
         normals = triangle_normals(corners)
         middles = self._sum(corners[:, 1] + corners[:, 2]) / (2.0 * self._counts[:, None])
         moves = _along(self._sum(normals[:, :, None] * normals[:, None, :]), middles - vertices[self.vertices])
-        heights = np.maximum.reduceat(np.abs(np.einsum("rd,rd->r", moves[self.owners], normals)), self.starts)
+        heights = np.maximum.reduceat(
+            np.abs(np.einsum("rd,rd->r", moves.take(self.owners, axis=0), normals)), self.starts
+        )
         moves *= np.minimum(1.0, most / np.maximum(heights, np.finfo(float).tiny))[:, None]
         before = np.minimum.reduceat(smallest_angles(corners), self.starts)
         gains, shares = np.zeros(len(before)), np.zeros(len(before))
         for share in _SHARES:
             tried = corners.copy()
-            tried[:, 0] += share * moves[self.owners]
+            tried[:, 0] += share * moves.take(self.owners, axis=0)
             turned = np.einsum("rd,rd->r", triangle_normals(tried), normals) < _TURNED
             after = np.where(turned, 0.0, smallest_angles(tried))
             gain = np.minimum.reduceat(after, self.starts) - before
             is_better = gain > np.maximum(gains, _GAIN)
             gains[is_better], shares[is_better] = gain[is_better], share
         chosen = self._best_of_neighbors(around, gains, len(vertices))
-        if not len(chosen):
-            return None
-        result = vertices.copy()
-        result[self.vertices[chosen]] += shares[chosen, None] * moves[chosen]
-        return result
+        return _Moves(gains, chosen, shares[chosen, None] * moves[chosen])
 
     @property
     def _counts(self) -> NDArray[np.int64]:
@@ -130,16 +157,8 @@ class _Rings:
         order = order[gains[order] > 0.0]
         ranks = np.full(count, len(gains))
         ranks[self.vertices[order]] = np.arange(len(order))
-        least = np.minimum.reduceat(ranks[around[:, 1:]].min(axis=1), self.starts)
+        least = np.minimum.reduceat(np.minimum(ranks[around[:, 1]], ranks[around[:, 2]]), self.starts)
         return np.flatnonzero((ranks[self.vertices] < least) & (gains > 0.0))
-
-
-def smallest_angles(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the smallest angle of triangles, (m, 3, 3), in radians, (m,)."""
-    edges = np.roll(corners, -1, axis=1) - corners
-    edges /= np.maximum(np.linalg.norm(edges, axis=2, keepdims=True), np.finfo(float).tiny)
-    cosines = -np.einsum("mcd,mcd->mc", edges, np.roll(edges, 1, axis=1)).min(axis=1)
-    return np.arccos(np.clip(cosines, -1.0, 1.0))
 
 
 def _along(spreads: NDArray[np.float64], moves: NDArray[np.float64]) -> NDArray[np.float64]:

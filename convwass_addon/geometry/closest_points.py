@@ -20,6 +20,8 @@ _SAMPLES, _SAMPLES_PER_TRIANGLE = 20_000, 1
 _MOST_CUTS = 250
 # Nearest samples of a point whose triangles are measured first.
 _NEIGHBORS = 4
+# Triangles with a smaller squared sine of a corner's angle count as edges: their coordinates would be inexact.
+_FLAT = 1e-12
 # Points processed together; each needs a few hundred bytes per neighbor.
 _AT_ONCE = 20_000
 
@@ -44,7 +46,7 @@ class ClosestPoints:
 
     def interpolated(self, corners: NDArray) -> NDArray[np.float64]:
         """Interpolate values given at all corners, (m, 3, d), at the points, (n, d)."""
-        return np.einsum("nc,ncd->nd", self.shares, corners[self.triangles])
+        return np.einsum("nc,ncd->nd", self.shares, corners.take(self.triangles, axis=0))
 
     def replaced(self, chosen: NDArray[np.int64], other: ClosestPoints) -> ClosestPoints:
         """Return these points with those at the indices `chosen` replaced by others on the same surface."""
@@ -112,16 +114,20 @@ class ClosestPointFinder:
         """Measure the triangles of the nearest samples; return a lower bound on the distances of the others, (n,)."""
         count = min(_NEIGHBORS, len(self._owners))
         distances, samples = self._tree.query(points, count)
-        distances, owners = distances.reshape(-1, count), self._owners[samples.reshape(-1, count)]
-        first = closest_in_triangles(self._corners[owners[:, 0]], points)
-        # Skip repeated triangles, and those that are too far away.
-        promising = distances - self._radius < first.distances[:, None]
-        promising[:, 0] = False
+        distances = distances.reshape(-1, count)
+        owners = self._owners.take(samples.reshape(-1, count))
+        part = slice(start, start + len(points))
+        self._take(found, part, owners[:, 0], closest_in_triangles(self._corners.take(owners[:, 0], axis=0), points))
         for column in range(1, count):
-            promising[:, column] &= (owners[:, column, None] != owners[:, :column]).all(axis=1)
-        queries, columns = np.nonzero(promising)
-        self._take(found, start + np.arange(len(points)), owners[:, 0], first)
-        self._measure(points, queries, owners[queries, columns], start, found)
+            # Skip repeated triangles, and those that are too far away.
+            promising = distances[:, column] - self._radius < found.distances[part]
+            for before in range(column):
+                promising &= owners[:, column] != owners[:, before]
+            rows = np.flatnonzero(promising)
+            triangles = owners[:, column].take(rows)
+            own = closest_in_triangles(self._corners.take(triangles, axis=0), points.take(rows, axis=0))
+            better = np.flatnonzero(own.distances < found.distances[start + rows])
+            self._take(found, start + rows[better], triangles[better], own, better)
         return distances[:, -1] - self._radius if count < len(self._owners) else np.full(len(points), np.inf)
 
     def _measure_remaining(
@@ -151,7 +157,7 @@ class ClosestPointFinder:
         """Measure pairs of points and triangles, and keep the best pair of each point if it improves the result."""
         if not len(queries):
             return
-        own = closest_in_triangles(self._corners[triangles], points[queries])
+        own = closest_in_triangles(self._corners.take(triangles, axis=0), points.take(queries, axis=0))
         order = np.lexsort((own.distances, queries))
         best = order[np.flatnonzero(np.diff(queries[order], prepend=-1))]
         best = best[own.distances[best] < found.distances[start + queries[best]]]
@@ -160,7 +166,7 @@ class ClosestPointFinder:
     @staticmethod
     def _take(
         found: ClosestPoints,
-        places: NDArray[np.int64],
+        places: NDArray[np.int64] | slice,
         triangles: NDArray[np.int64],
         own: InTriangle,
         chosen: NDArray[np.int64] | slice = slice(None),
@@ -234,29 +240,43 @@ def closest_in_triangles(corners: NDArray[np.float64], points: NDArray[np.float6
     This is the foot of the perpendicular if it lies inside, otherwise the closest point on the three edges.
     """
     a, b, c = np.moveaxis(corners, 1, 0)
+    ab, ac, offset = b - a, c - a, points - a
+    second, third, inside = _feet(ab, ac, offset)
+    shares = np.stack([1.0 - second - third, second, third], axis=1)
+    outside = np.flatnonzero(~inside)
+    shares[outside] = _on_edges(corners.take(outside, axis=0), points.take(outside, axis=0))
+    offset -= shares[:, 1, None] * ab
+    offset -= shares[:, 2, None] * ac
+    return InTriangle(shares, np.sqrt(np.einsum("nd,nd->n", offset, offset)))
+
+
+def _feet(
+    ab: NDArray[np.float64], ac: NDArray[np.float64], offset: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Return two barycentric coordinates of the feet of perpendiculars, (n,) each, and which are inside, (n,)."""
+    one, mixed, other = (np.einsum("nd,nd->n", *sides) for sides in ((ab, ab), (ab, ac), (ac, ac)))
+    along_one, along_other = (np.einsum("nd,nd->n", side, offset) for side in (ab, ac))
+    squared_area = one * other - mixed * mixed
+    regular = squared_area > _FLAT * one * other
+    scale = 1.0 / np.where(regular, squared_area, 1.0)
+    second = (other * along_one - mixed * along_other) * scale
+    third = (one * along_other - mixed * along_one) * scale
+    return second, third, regular & (second >= 0.0) & (third >= 0.0) & (second + third <= 1.0)
+
+
+def _on_edges(corners: NDArray[np.float64], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the barycentric coordinates of the closest points on the edges of triangles, (n, 3)."""
     best = np.full(len(points), np.inf)
     shares = np.zeros((len(points), 3))
-    for first, second, (one, other) in ((a, b, (0, 1)), (b, c, (1, 2)), (c, a, (2, 0))):
-        edge, offset = second - first, points - first
+    for one, other in ((0, 1), (1, 2), (2, 0)):
+        edge, offset = corners[:, other] - corners[:, one], points - corners[:, one]
         length = np.einsum("nd,nd->n", edge, edge)
         along = np.einsum("nd,nd->n", edge, offset) / np.where(length > 0, length, 1.0)
         np.clip(along, 0.0, 1.0, out=along)
         offset -= along[:, None] * edge
         distance = np.einsum("nd,nd->n", offset, offset)
-        better = distance < best
-        np.copyto(best, distance, where=better)
-        rows = np.flatnonzero(better)
+        rows = np.flatnonzero(distance < best)
+        best[rows] = distance[rows]
         shares[rows] = 0.0
         shares[rows, one], shares[rows, other] = 1.0 - along[rows], along[rows]
-    ab, ac, ap = b - a, c - a, points - a
-    normal = np.cross(ab, ac)
-    area = np.einsum("nd,nd->n", normal, normal)
-    safe = np.where(area > 0, area, 1.0)
-    at_b = np.einsum("nd,nd->n", np.cross(ap, ac), normal) / safe
-    at_c = np.einsum("nd,nd->n", np.cross(ab, ap), normal) / safe
-    height = np.square(np.einsum("nd,nd->n", ap, normal)) / safe
-    inside = (area > 0) & (at_b >= 0) & (at_c >= 0) & (at_b + at_c <= 1.0) & (height < best)
-    np.copyto(best, height, where=inside)
-    inner = np.stack([1.0 - at_b - at_c, at_b, at_c], axis=1)
-    np.copyto(shares, inner, where=inside[:, None])
-    return InTriangle(shares, np.sqrt(best))
+    return shares

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from .edges import edge_use
 from .mesh import TriangleMesh
 from .normals import triangle_normals
+from .triangle_angles import smallest_angle_cosines
 
 # Flip only triangles with an angle below 25 degrees (a cosine above this), and only for at least this gain.
 _NARROW, _GAIN = float(np.cos(np.radians(25.0))), 1e-3
@@ -35,14 +36,25 @@ def with_flipped_edges(mesh: TriangleMesh, most: float) -> TriangleMesh:
     TriangleMesh
         The same vertices and the same number of triangles; unchanged triangles keep their indices.
     """
-    faces = mesh.faces
+    faces, cosines = mesh.faces, smallest_angle_cosines(mesh.corners)
     for _ in range(_ROUNDS):
-        flips = _Flips.of(mesh.vertices, faces, most)
+        near = _around(faces, cosines > _NARROW, len(mesh.vertices))
+        flips = _Flips.of(mesh.vertices, faces.take(near, axis=0), cosines.take(near), most)
         if not len(flips.first):
             break
         faces = faces.copy()
-        faces[flips.first], faces[flips.second] = flips.new_first, flips.new_second
+        for rows, new in ((near[flips.first], flips.new_first), (near[flips.second], flips.new_second)):
+            faces[rows] = new
+            cosines[rows] = smallest_angle_cosines(mesh.vertices[new])
     return TriangleMesh(mesh.vertices, faces)
+
+
+def _around(faces: NDArray[np.int64], chosen: NDArray[np.bool_], count: int) -> NDArray[np.int64]:
+    """Return all triangles that share a vertex with chosen ones, (m,) bool, of a mesh with `count` vertices."""
+    touched = np.zeros(count, bool)
+    touched[faces.compress(chosen, axis=0)] = True
+    a, b, c = (touched.take(corner) for corner in faces.T)
+    return np.flatnonzero(a | b | c)
 
 
 @dataclass(frozen=True)
@@ -55,9 +67,10 @@ class _Flips:
     new_second: NDArray[np.int64]
 
     @classmethod
-    def of(cls, vertices: NDArray[np.float64], faces: NDArray[np.int64], most: float) -> _Flips:
-        """Choose valid flips, at most one per triangle: the best."""
-        cosines = _largest_cosines(vertices[faces])
+    def of(
+        cls, vertices: NDArray[np.float64], faces: NDArray[np.int64], cosines: NDArray[np.float64], most: float
+    ) -> _Flips:
+        """Choose valid flips, at most one per triangle: the best. All triangles around narrow ones must be given."""
         use = edge_use(faces)
         start = use.start[use.count == 2]
         sides = np.stack([use.side[start], use.side[start + 1]])
@@ -70,9 +83,9 @@ class _Flips:
         c, d = flat[_next(_next(sides[0]))], flat[_next(_next(sides[1]))]
         made = np.stack([np.stack([a, d, c], axis=1), np.stack([d, b, c], axis=1)])
         before = np.maximum(cosines[one], cosines[other])
-        after = np.maximum(_largest_cosines(vertices[made[0]]), _largest_cosines(vertices[made[1]]))
+        after = np.maximum(*(smallest_angle_cosines(vertices.take(own, axis=0)) for own in made))
         fits = after < before - _GAIN
-        fits &= _distances(*(vertices[ends] for ends in (a, b, c, d))) <= most
+        fits &= _distances(*(vertices.take(ends, axis=0) for ends in (a, b, c, d))) <= most
         fits &= _agree(vertices, faces[one], faces[other], *made)
         fits &= ~_is_edge(c, d, flat[use.side[use.start]], flat[_next(use.side[use.start])])
         chosen = _best_of_both(one, other, np.where(fits, before - after, 0.0), len(faces))
@@ -82,13 +95,6 @@ class _Flips:
 def _next(sides: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the next half-edges of the same triangles."""
     return sides - sides % 3 + (sides + 1) % 3
-
-
-def _largest_cosines(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the cosine of the smallest angle of triangles, (m,)."""
-    edges = np.roll(corners, -1, axis=1) - corners
-    edges /= np.maximum(np.linalg.norm(edges, axis=2, keepdims=True), np.finfo(float).tiny)
-    return -np.einsum("mcd,mcd->mc", edges, np.roll(edges, 1, axis=1)).min(axis=1)
 
 
 def _distances(

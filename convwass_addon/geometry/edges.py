@@ -43,13 +43,24 @@ def edge_use(faces: NDArray[np.int64]) -> EdgeUse:
     """Group the half-edges of `faces`, (m, 3), by undirected edge."""
     tail = faces.ravel()
     head = np.roll(faces, -1, axis=1).ravel()
-    # One 64-bit key per edge sorts fifty times faster than np.unique on pairs.
-    key = (np.minimum(tail, head) << 32) | np.maximum(tail, head)
-    order = np.argsort(key, kind="stable")
-    key = key[order]
+    key, order = _sorted_with_order(np.minimum(tail, head), np.maximum(tail, head))
     start = np.flatnonzero(np.r_[True, key[1:] != key[:-1]]) if len(key) else np.empty(0, np.int64)
     count = np.diff(np.r_[start, len(key)])
     return EdgeUse(side=order, face=order // 3, forward=(tail < head)[order], start=start, count=count)
+
+
+def _sorted_with_order(low: NDArray[np.int64], high: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Sort pairs of vertices, (k,) each; return a key for every pair and the stable order, (k,)."""
+    width = int(high.max(initial=0)).bit_length()
+    place_width = len(low).bit_length()
+    if 2 * width + place_width > 63:
+        key = (low << width) | high
+        order = np.argsort(key, kind="stable")
+        return key[order], order
+    # Pair and place in one number: sorting numbers takes a sixth of the time of sorting an index.
+    packed = (((low << width) | high) << place_width) | np.arange(len(low))
+    packed.sort()
+    return packed >> place_width, packed & ((1 << place_width) - 1)
 
 
 def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:

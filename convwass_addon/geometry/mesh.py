@@ -58,7 +58,8 @@ class TriangleMesh:
     @cached_property
     def corners(self) -> NDArray[np.float64]:
         """Corner positions of every triangle, (m, 3, 3)."""
-        return self.vertices[self.faces]
+        # Three to four times as fast as indexing with an array.
+        return self.vertices.take(self.faces, axis=0)
 
     @cached_property
     def bounds(self) -> NDArray[np.float64]:

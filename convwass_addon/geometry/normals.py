@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 def unit_vectors(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return normalized vectors, (n, d); zero vectors stay zero."""
-    lengths = np.linalg.norm(vectors, axis=1, keepdims=True)
+    lengths = np.sqrt(np.einsum("nd,nd->n", vectors, vectors))[:, None]
     return vectors / np.where(lengths > 0, lengths, 1.0)
 
 
@@ -29,7 +29,7 @@ def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDA
     faces : (m, 3) int64
         Triangles.
     """
-    thirds = np.repeat(_doubled_area_normals(vertices[faces]) / 6.0, 3, axis=0)
+    thirds = np.repeat(_doubled_area_normals(vertices.take(faces, axis=0)) / 6.0, 3, axis=0)
     return np.stack([np.bincount(faces.ravel(), part, len(vertices)) for part in thirds.T], axis=1)
 
 

@@ -206,10 +206,13 @@ class _Carried:
 
     def triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return for every face, (m, 3), the triangle of one of its corners whose plane is nearest to the others."""
-        # How high every corner is along the normal at every other.
-        heights = self.normals[faces] @ np.swapaxes(self.points[faces], 1, 2)
-        heights = np.abs(heights - np.diagonal(heights, axis1=1, axis2=2)[:, :, None]).max(axis=2)
-        nearest = heights.argmin(axis=1)
+        points, normals = (np.moveaxis(values.take(faces, axis=0), 1, 0) for values in (self.points, self.normals))
+        sides = [points[(corner + 1) % 3] - points[corner] for corner in range(3)]
+        heights = np.empty((3, len(faces)))
+        for corner, normal in enumerate(normals):
+            one, other = (np.einsum("md,md->m", side, normal) for side in (sides[corner], sides[corner - 1]))
+            np.maximum(np.abs(one), np.abs(other), out=heights[corner])
+        nearest = heights.argmin(axis=0)
         return self.places.triangles[faces[np.arange(len(faces)), nearest]]
 
     def moved(self, moves: NDArray[np.float64]) -> _Carried:

@@ -5,9 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.angle_smoothing import smallest_angles, with_wider_angles
+from convwass_addon.geometry.angle_smoothing import with_wider_angles
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.subdivision import with_short_edges
+from convwass_addon.geometry.triangle_angles import smallest_angles
 from tests.shapes import ball, box
 
 
