@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -24,7 +26,8 @@ def occupancy(
     """Return the filled fraction of every voxel.
 
     Voxels that the surface crosses get the median of the fractions measured along the three axes: on an open mesh the
-    rays of one axis may leak, and the median rejects that axis. The winding number decides all other voxels.
+    rays of one axis may leak, and the median rejects that axis. All other voxels are full or empty: on a closed mesh,
+    where every ray leaves the solid as often as it enters it, any ray says which; otherwise the winding number decides.
 
     Parameters
     ----------
@@ -57,11 +60,30 @@ def _box(corners: NDArray[np.float64], shape: tuple[int, int, int]) -> tuple[NDA
     return np.maximum(low, 0), np.minimum(high, shape)
 
 
+@dataclass(frozen=True)
+class _Coverage:
+    """What the rays along one axis see.
+
+    Attributes
+    ----------
+    lengths : (nx, ny, nz) float32
+        Covered length per voxel, summed over its rays.
+    is_closed : bool
+        Whether every ray leaves the solid as often as it enters it.
+    """
+
+    lengths: NDArray[np.float32]
+    is_closed: bool
+
+
 def _filled(corners: NDArray[np.float64], shape: tuple[int, int, int], control: Control) -> NDArray[np.float32]:
-    filled = (lattice_winding(corners, shape, control) > 0.5).astype(np.float32)
     touched = np.zeros(shape, bool)
-    lengths = [_axis_coverage(corners, shape, axis, touched, control) for axis in range(3)]
-    one, two, three = (length[touched] for length in lengths)
+    axes = [_axis_coverage(corners, shape, axis, touched, control) for axis in range(3)]
+    if all(axis.is_closed for axis in axes):
+        filled = (axes[0].lengths > 0.5 * _RAYS**2).astype(np.float32)
+    else:
+        filled = (lattice_winding(corners, shape, control) > 0.5).astype(np.float32)
+    one, two, three = (axis.lengths[touched] for axis in axes)
     middle = np.maximum(np.minimum(one, two), np.minimum(np.maximum(one, two), three))
     filled[touched] = np.clip(middle / _RAYS**2, 0.0, 1.0)
     return filled
@@ -73,8 +95,8 @@ def _axis_coverage(
     axis: int,
     touched: NDArray[np.bool_],
     control: Control,
-) -> NDArray[np.float32]:
-    """Covered length per voxel along one axis, summed over its rays; marks voxels that the surface crosses."""
+) -> _Coverage:
+    """Measure the voxels with rays along one axis, and mark those that the surface crosses."""
     a, b = (axis + 1) % 3, (axis + 2) % 3
     sheared = np.stack(
         [
@@ -91,11 +113,11 @@ def _axis_coverage(
         chunks.append(chunk)
     found = _changes(chunks, rows)
     control.check()
-    ray, height, step = found
-    layer = np.floor(height).astype(np.int64)
-    voxel = (layer * shape[a] + ray // rows // _RAYS) * shape[b] + ray % rows // _RAYS
+    layer = np.floor(found.height).astype(np.int64)
+    column, row = np.divmod(found.ray, rows)
+    voxel = (layer * shape[a] + column // _RAYS) * shape[b] + row // _RAYS
     plane = shape[a] * shape[b]
-    above = step * (height - layer)
+    step, above = found.step, found.step * (found.height - layer)
     # A change at some height fills the rest of its voxel and all voxels above.
     cover = np.bincount(
         np.concatenate([voxel, voxel + plane]), np.concatenate([step - above, above]), (shape[axis] + 1) * plane
@@ -111,20 +133,45 @@ def _axis_coverage(
     hit = np.zeros(shape[axis] * plane, bool)
     hit[voxel] = True
     touched |= hit.reshape(shape[axis], shape[a], shape[b]).transpose(order)
-    return result.transpose(order)
+    return _Coverage(result.transpose(order), found.is_closed)
 
 
-def _changes(chunks: list[Crossings], rows: int) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Crossings where a ray changes between outside (winding 0) and inside (not 0): ray, height, and +1 or -1."""
-    ray = np.concatenate([c.column * rows + c.row for c in chunks]) if chunks else np.empty(0, np.int64)
-    height = np.concatenate([c.height for c in chunks]) if chunks else np.empty(0)
-    sign = np.concatenate([c.sign for c in chunks]) if chunks else np.empty(0, np.int64)
-    order = np.lexsort((height, ray))
+@dataclass(frozen=True)
+class _Changes:
+    """Where rays change between outside (winding 0) and inside (not 0).
+
+    Attributes
+    ----------
+    ray : (c,) int64
+    height : (c,) float64
+    step : (c,) float64
+        +1 or -1.
+    is_closed : bool
+        Whether all rays end outside.
+    """
+
+    ray: NDArray[np.int64]
+    height: NDArray[np.float64]
+    step: NDArray[np.float64]
+    is_closed: bool
+
+
+def _changes(chunks: list[Crossings], rows: int) -> _Changes:
+    """Find the crossings at which rays, numbered row by row, enter or leave the solid."""
+    if not sum(len(chunk.row) for chunk in chunks):
+        return _Changes(np.empty(0, np.int64), np.empty(0), np.empty(0), True)
+    ray = np.concatenate([c.column * rows + c.row for c in chunks])
+    height = np.concatenate([c.height for c in chunks])
+    sign = np.concatenate([c.sign for c in chunks])
+    # One number for both sorts in a quarter of the time of np.lexsort.
+    order = np.argsort(ray * (np.ptp(height) + 1.0) + (height - height.min()))
     ray, height, sign = ray[order], height[order], sign[order]
     after = np.cumsum(sign)
-    first = np.flatnonzero(np.r_[True, ray[1:] != ray[:-1]]) if len(ray) else np.empty(0, np.int64)
-    lengths = np.diff(np.r_[first, len(ray)])
-    after -= np.repeat(after[first] - sign[first], lengths)
+    first = np.flatnonzero(np.diff(ray, prepend=-1))
+    ends = np.append(first[1:], len(ray)) - 1
+    before = after[first] - sign[first]
+    is_closed = bool((after[ends] == before).all())
+    after -= np.repeat(before, ends - first + 1)
     step = (after != 0).astype(np.float64) - (after - sign != 0)
-    change = step != 0
-    return ray[change], height[change], step[change]
+    change = np.flatnonzero(step)
+    return _Changes(ray[change], height[change], step[change], is_closed)

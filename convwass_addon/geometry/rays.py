@@ -1,6 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Intersections of axis-parallel lattice lines with the triangles of a mesh."""
+"""Intersections of axis-parallel lattice lines with the triangles of a mesh.
+
+Triangles are cut into columns: between the two edges that a column crosses lie the lines that cross the triangle. Where
+an edge crosses a column is the same number for both triangles beside it, so closed meshes have no gaps.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Candidate (triangle, line) pairs tested at once; limits the memory of the test.
+# Lattice points in the bounding boxes of triangles that are processed together; limits the memory.
 _CHUNK = 1_000_000
 
 
@@ -36,73 +40,62 @@ class Crossings:
 
 def crossings(corners: NDArray[np.float64]) -> Iterator[Crossings]:
     """Yield the crossings of the lattice lines with triangles `corners`, (m, 3, 3), in chunks."""
-    # Corner by corner: NumPy takes several times as long for a minimum over an axis of length three.
     a, b, c = (corners[:, corner, :2] for corner in range(3))
-    low = np.ceil(np.minimum(np.minimum(a, b), c)).astype(np.int64)
-    size = np.floor(np.maximum(np.maximum(a, b), c)).astype(np.int64) - low + 1
-    hit = (size[:, 0] > 0) & (size[:, 1] > 0)
-    corners, low, size = corners[hit], low[hit], size[hit]
-    candidates = size[:, 0] * size[:, 1]
-    total = np.cumsum(candidates)
+    size = np.maximum(np.maximum(a, b), c) - np.minimum(np.minimum(a, b), c) + 1.0
+    total = np.cumsum(size[:, 0] * size[:, 1])
     begin = 0
     while begin < len(corners):
-        done = total[begin - 1] if begin else 0
+        done = total[begin - 1] if begin else 0.0
         end = max(begin + 1, int(np.searchsorted(total, done + _CHUNK, side="right")))
-        part = slice(begin, end)
-        yield _inside_triangles(corners[part], low[part], size[part], candidates[part])
+        yield _between_edges(corners[begin:end])
         begin = end
 
 
-def _inside_triangles(
-    corners: NDArray[np.float64], low: NDArray[np.int64], size: NDArray[np.int64], candidates: NDArray[np.int64]
-) -> Crossings:
-    """Test every lattice point of every triangle's bounding box with three edge functions.
+@dataclass(frozen=True)
+class _Edges:
+    """Edges of triangles, along the first coordinate: where they begin, (k, 3), and their slopes, (k, 2)."""
 
-    Points that fail one edge function are not tested with the next.
-    """
-    a, b, c = np.moveaxis(corners, 1, 0)
-    area = _edge_function(b - a, a, c[:, 0], c[:, 1])
-    triangle = np.repeat(np.arange(len(corners), dtype=np.int32), candidates)
-    first = np.cumsum(candidates) - candidates
-    # Coordinates within the box are 32-bit, because their division takes half as long.
-    within = np.arange(len(triangle), dtype=np.int32) - first.astype(np.int32)[triangle]
-    across = size[:, 1].astype(np.int32)[triangle]
-    column = within // across
-    row = low[:, 1][triangle] + (within - column * across)
-    column = low[:, 0][triangle] + column
-    edges: list[NDArray[np.float64]] = []
-    for tail, head in ((b, c), (c, a)):
-        edge = _edge_function_of((head - tail), tail, triangle, column, row)
-        keep = edge * np.sign(area)[triangle] > 0
-        triangle, column, row = triangle[keep], column[keep], row[keep]
-        edges = [*(other[keep] for other in edges), edge[keep]]
-    whole = area[triangle]
-    last = whole - edges[0] - edges[1]
-    side = np.sign(whole)
-    keep = last * side > 0
-    triangle, (one, other) = triangle[keep], (edge[keep] for edge in edges)
-    height = (one * a[:, 2][triangle] + other * b[:, 2][triangle] + last[keep] * c[:, 2][triangle]) / whole[keep]
-    return Crossings(column[keep], row[keep], height, -side[keep].astype(np.int64))
+    tails: NDArray[np.float64]
+    slopes: NDArray[np.float64]
+
+    @classmethod
+    def between(cls, tails: NDArray[np.float64], heads: NDArray[np.float64]) -> _Edges:
+        along = heads - tails
+        # An edge across all columns crosses none.
+        return cls(tails, along[:, 1:] / np.where(along[:, :1] > 0.0, along[:, :1], 1.0))
+
+    def at(self, edges: NDArray[np.int64], column: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
+        """Return the second and the third coordinate, (c,) each, of some edges, (c,), in some columns, (c,)."""
+        along = column - self.tails[:, 0].take(edges)
+        return tuple(self.tails[:, 1 + k].take(edges) + along * self.slopes[:, k].take(edges) for k in range(2))
 
 
-def _edge_function_of(
-    edge: NDArray[np.float64],
-    tail: NDArray[np.float64],
-    triangle: NDArray[np.integer],
-    x: NDArray[np.integer],
-    y: NDArray[np.integer],
-) -> NDArray[np.float64]:
-    """Evaluate the edge function at many points per triangle, gathering only the coordinates it needs."""
-    value = y - tail[:, 1][triangle]
-    value *= edge[:, 0][triangle]
-    other = x - tail[:, 0][triangle]
-    other *= edge[:, 1][triangle]
-    value -= other
-    return value
+def _between_edges(corners: NDArray[np.float64]) -> Crossings:
+    """Return all crossings with some triangles."""
+    count = len(corners)
+    order = corners[:, :, 0].argsort(axis=1, kind="stable")
+    first, middle, last = (
+        corners.reshape(-1, 3).take(3 * np.arange(count) + place, axis=0) for place in np.ascontiguousarray(order.T)
+    )
+    turned = np.where((order[:, 1] - order[:, 0]) % 3 == 1, 1, -1)
+    begin = np.ceil(first[:, 0]).astype(np.int64)
+    triangle, column = _counted(begin, np.ceil(last[:, 0]).astype(np.int64) - begin)
+    # The edge from the first corner to the last, and those by way of the middle one.
+    one, one_height = _Edges.between(first, last).at(triangle, column)
+    halves = _Edges.between(np.concatenate([first, middle]), np.concatenate([middle, last]))
+    is_second = column >= middle[:, 0].take(triangle)
+    other, other_height = halves.at(triangle + count * is_second, column)
+    low, high = np.minimum(one, other), np.maximum(one, other)
+    begin = np.ceil(low).astype(np.int64)
+    line, row = _counted(begin, np.ceil(high).astype(np.int64) - begin)
+    # Heights between both edges.
+    slope = (other_height - one_height) / np.where(other != one, other - one, 1.0)
+    height = one_height.take(line) + (row - one.take(line)) * slope.take(line)
+    sign = np.where(other < one, -turned.take(triangle), turned.take(triangle))
+    return Crossings(column.take(line), row, height, sign.take(line))
 
 
-def _edge_function(
-    edge: NDArray[np.float64], tail: NDArray[np.float64], x: NDArray[np.generic], y: NDArray[np.generic]
-) -> NDArray[np.float64]:
-    """Twice the signed area of the triangle (tail, tail + edge, point) in the plane."""
-    return edge[:, 0] * (y - tail[:, 1]) - edge[:, 1] * (x - tail[:, 0])
+def _counted(begin: NDArray[np.int64], lengths: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Count from each of some numbers, (n,), so many steps: return which one, and the number, for every step."""
+    owner = np.repeat(np.arange(len(begin)), lengths)
+    return owner, np.arange(len(owner)) + np.repeat(begin - (np.cumsum(lengths) - lengths), lengths)
