@@ -121,6 +121,11 @@ def test_the_grid_holds_what_swings_out(problem):
     frame = moving.frame(Blend((0.5, 0.5)), Control())
     assert frame.mesh.volume == pytest.approx(ROD.volume, rel=5e-3)
     assert frame.mesh.bounds[1, 1] == pytest.approx(2.0, abs=still.lattice.spacing)
+    # A blend between those that were looked at gets the cells that it needs.
+    moving = MovingProblem.of(still, HalfCircle(), [Blend((0.95, 0.05))], NAMES, unparted(2), Control())
+    assert moving.lattice.shape[1] < frame.record["cells"][1]
+    again = moving.frame(Blend((0.5, 0.5)), Control())
+    np.testing.assert_allclose(again.mesh.bounds, frame.mesh.bounds, atol=0.02 * still.lattice.spacing)
 
 
 def test_an_input_itself_is_shown_as_it_is(problem):

@@ -27,6 +27,8 @@ from .flat_origins import FlatOrigins, MovedOrigins
 from .flat_problem import FlatProblem
 from .flat_shapes import FlatInput
 
+# Number of blends at which the extent of moved shapes is measured for the grid.
+_SAMPLED_BLENDS = 33
 # Cells over which the parts of a blend are told from each other.
 _ABOUT = 2.0
 
@@ -61,7 +63,7 @@ class FlatMovingProblem:
         def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
             return (own.boundary.bounds for part in motion.moved(weights) for own in part if own is not None)
 
-        lattice = still.lattice.holding(room_of_moved(bounds, still.lattice.centers, blends, control))
+        lattice = still.lattice.holding(room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control))
         layers = input_layers(shapes, lattice.centers, lattice) if still.layers else ()
         return cls(still.on(lattice, layers), motion)
 

@@ -20,7 +20,7 @@ from ..morphs.extraction import LevelDensity, estimated_level_density, level_den
 from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphProblem
 from ..morphs.morph_settings import MorphSettings
-from ..morphs.moving_problem import MovingProblem
+from ..morphs.moving_problem import MovedBlend, MovingProblem
 from ..morphs.volumes import Lattice
 from .level_fields import OUTSIDE, FieldBox, LevelField
 
@@ -113,18 +113,21 @@ class MovingSource:
 
     def __init__(self, problem: MovingProblem) -> None:
         self._problem = problem
-        still, moving = problem.still.lattice, problem.lattice
-        # Fields count cells from the first cell of the lattice of the shapes where they stand.
-        self._shift = np.rint((moving.origin - still.origin) / still.spacing).astype(np.int64)
-        self.box = FieldBox(self._shift + 1, tuple(int(n) for n in np.array(moving.shape) - 2))
+        self.box = FieldBox(self._first_cell(problem.lattice) + 1, tuple(n - 2 for n in problem.lattice.shape))
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
         """Move the shapes, and solve for what they still differ by."""
-        found = self._density(Blend(tuple(float(weight) for weight in weights)), control)
-        return LevelField.of(found.density, found.low + self._shift, found.level, found.volume, self.box)
+        moved = self._problem.moved_blend(Blend(tuple(float(weight) for weight in weights)), control)
+        found = self._density(moved, control)
+        low = found.low + self._first_cell(moved.problem.lattice)
+        return LevelField.of(found.density, low, found.level, found.volume, self.box)
 
-    def _density(self, blend: Blend, control: Control) -> LevelDensity:
-        moved = self._problem.moved_blend(blend, control)
+    def _first_cell(self, lattice: Lattice) -> NDArray[np.int64]:
+        """Return where a lattice begins, counted from the first cell of that of the shapes where they stand, (3,)."""
+        still = self._problem.still.lattice
+        return np.rint((lattice.origin - still.origin) / still.spacing).astype(np.int64)
+
+    def _density(self, moved: MovedBlend, control: Control) -> LevelDensity:
         volumes = moved.problem.transport.blend_volumes(moved.blend)
         if moved.coincides:
             volume = float(volumes.sum())

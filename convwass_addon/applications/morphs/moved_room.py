@@ -16,9 +16,8 @@ from .layouts import Blend
 
 # Empty cells around moved shapes, for the blur.
 _MARGIN = 4
-# Number of evenly spread blends at which the extent of moved shapes is measured, and the margin in cells for blends in
-# between.
-_SAMPLED_BLENDS, _SLACK_CELLS = 33, 2
+# Margin in cells for blends in between those at which the extent of moved shapes is measured.
+_SLACK_CELLS = 2
 
 
 class Cells(Protocol):
@@ -61,6 +60,7 @@ def room_of_moved(
     bounds: Callable[[Sequence[float]], Iterable[NDArray[np.float64]]],
     centers: NDArray[np.float64],
     blends: Sequence[Blend],
+    count: int,
     control: Control,
 ) -> Room | None:
     """Find the space that moved shapes need in all blends.
@@ -72,7 +72,9 @@ def room_of_moved(
     centers : (k, d)
         Centers of the shapes.
     blends : sequence of Blend
-        All blends; if there are many, a sample is used.
+        All blends.
+    count : int
+        Number of evenly spread blends at which the extent is measured.
     control : Control
         Stops the work.
 
@@ -84,7 +86,7 @@ def room_of_moved(
     mixed = [blend for blend in blends if blend.source is None]
     if not mixed:
         return None
-    chosen = np.unique(np.linspace(0, len(mixed) - 1, min(len(mixed), _SAMPLED_BLENDS)).round().astype(int))
+    chosen = np.unique(np.linspace(0, len(mixed) - 1, min(len(mixed), count)).round().astype(int))
     boxes = []
     for index in chosen:
         control.check()

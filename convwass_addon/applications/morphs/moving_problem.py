@@ -27,7 +27,7 @@ from .extraction import extract_coinciding
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_origins import moved_origins, moved_tangents
-from .moved_room import room_of_moved
+from .moved_room import Room, room_of_moved
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
 from .spare_threads import at_once
@@ -35,6 +35,9 @@ from .transport_problem import TransportProblem
 from .volumes import Lattice
 
 Made = TypeVar("Made", covariant=True)
+
+# Number of blends at which the extent of moved shapes is measured for the common grid.
+_SAMPLED_BLENDS = 9
 
 
 @dataclass(frozen=True)
@@ -81,7 +84,7 @@ class MovingProblem:
     motion : Motion
         The inputs' positions in every blend.
     lattice : Lattice
-        The grid of `still`, enlarged for the moved inputs.
+        The grid of `still`, enlarged for the moved inputs at a sample of blends; blends that need more enlarge it.
     names : tuple of str
         Names of the inputs, for messages.
     matching : Matching
@@ -104,7 +107,7 @@ class MovingProblem:
         matching: Matching,
         control: Control,
     ) -> MovingProblem:
-        """Lay out a grid that holds the moved inputs of all `blends`.
+        """Lay out a grid that holds the moved inputs.
 
         Parameters
         ----------
@@ -113,7 +116,7 @@ class MovingProblem:
         motion : Motion
             The motion.
         blends : sequence of Blend
-            All blends of the morph, including those computed elsewhere: all share one grid.
+            All blends of the morph, including those computed elsewhere.
         names, matching
             As for the attributes.
         control : Control
@@ -123,7 +126,7 @@ class MovingProblem:
         def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
             return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)
 
-        room = room_of_moved(bounds, still.lattice.centers, blends, control)
+        room = room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control)
         return cls(still, motion, still.lattice.holding(room), tuple(names), matching)
 
     def demanding(self, demand: Demand) -> MovingProblem:
@@ -227,7 +230,9 @@ class MovingProblem:
     ) -> MorphProblem:
         """Return the problem of the moved inputs of one blend; volumes and connectivity are those at rest."""
         center = np.asarray(blend.weights) @ self.lattice.centers
-        lattice = replace(self.lattice, centers=np.tile(center, (len(active), 1)))
+        bounds = np.stack([shape.mesh.bounds for shape in shapes]) - center
+        lattice = self.lattice.holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))
+        lattice = replace(lattice, centers=np.tile(center, (len(active), 1)))
         matching = replace(
             self.matching,
             faces=tuple(_of_parents(self.matching.faces[i], shape) for i, shape in zip(active, shapes, strict=True)),
