@@ -224,8 +224,9 @@ def _excess(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
     inside = np.where(is_inside, np.maximum(excess, _CLEARANCE) * (1.0 + _ASYMMETRY), 0.0)
     highest = np.ones_like(inside)
     for axis in range(3):
-        for shift in (-1, 1):
-            np.maximum(highest, np.roll(inside, shift, axis), out=highest)
+        lower, upper = ((slice(None),) * axis + (part,) for part in (slice(None, -1), slice(1, None)))
+        np.maximum(highest[lower], inside[upper], out=highest[lower])
+        np.maximum(highest[upper], inside[lower], out=highest[upper])
     return np.where(is_inside, inside, np.minimum(excess, -_CLEARANCE * highest))
 
 

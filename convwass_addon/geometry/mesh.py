@@ -66,8 +66,9 @@ class TriangleMesh:
         """Smallest and largest coordinates over the vertices that faces use, (2, 3)."""
         in_use = np.zeros(len(self.vertices), bool)
         in_use[self.faces] = True
-        used = self.vertices[in_use]
-        return np.stack([used.min(axis=0), used.max(axis=0)])
+        # NumPy takes several times as long for extremes of rows of three.
+        used = np.ascontiguousarray(self.vertices.compress(in_use, axis=0).T)
+        return np.stack([used.min(axis=1), used.max(axis=1)])
 
     @cached_property
     def area(self) -> float:

@@ -17,6 +17,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,7 +31,7 @@ from .edges import edge_ends, edge_use
 from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
-from .normals import triangle_normals, unit_vectors, vertex_normals
+from .normals import area_normals, triangle_normals, unit_vectors, vertex_normals
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
 
@@ -148,7 +149,7 @@ def with_detail(
     details = [own.details(means.spread_minimum(own.trust(laid.normals, cell), _FADING)) for own in laid.carried]
     wanted = sum(amount * own.source.weight * detail for own, detail in zip(laid.carried, details, strict=True))
     offsets = without_folds(laid.mesh, laid.normals, wanted, means)
-    detailed = _with_volume(TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces), volume, cell)
+    detailed = _with_volume(TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces), laid.normals, volume, cell)
     even = with_wider_angles(with_flipped_edges(detailed, _FLAT * cell), _SMOOTH * cell)
     moves = even.vertices - detailed.vertices
     carried = [own.moved(moves) for own in laid.carried]
@@ -178,15 +179,15 @@ class _Carried:
         points = places.interpolated(source.shape.mesh.corners)
         return cls(source, facing, source.starts, source.certainty, places, points)
 
-    @property
+    @cached_property
     def normals(self) -> NDArray[np.float64]:
-        return self.facing[self.places.triangles]
+        return self.facing.take(self.places.triangles, axis=0)
 
     def deviations(self, ends: NDArray[np.int64]) -> NDArray[np.float64]:
         """Estimate how far the shape is from the middles of edges, (e, 2), that are drawn onto it."""
         first, second = ends.T
-        edges, normals = self.points[second] - self.points[first], self.normals
-        heights = [np.abs(np.einsum("nd,nd->n", edges, normals[end])) for end in (first, second)]
+        edges = self.points.take(second, axis=0) - self.points.take(first, axis=0)
+        heights = [np.abs(np.einsum("nd,nd->n", edges, self.normals.take(end, axis=0))) for end in (first, second)]
         # At the ends of an arc of curvature k and length l these are k l^2 / 2, and its chord is k l^2 / 8 away.
         return np.minimum(*heights) / 4.0
 
@@ -289,10 +290,11 @@ class _Laid:
         deviations = np.zeros(len(ends))
         longest = np.zeros(len(ends))
         for own in self.carried:
-            apart = np.linalg.norm(own.points[ends[:, 1]] - own.points[ends[:, 0]], axis=1)
-            longest = np.maximum(longest, apart)
-            trust = own.trust(self.normals, cell)[ends].min(axis=1)
-            deviations += own.source.weight * trust * own.deviations(ends)
+            edges = own.points.take(ends[:, 1], axis=0) - own.points.take(ends[:, 0], axis=0)
+            longest = np.maximum(longest, np.sqrt(np.einsum("nd,nd->n", edges, edges)))
+            trust = own.trust(self.normals, cell)
+            trusted = np.minimum(trust.take(ends[:, 0]), trust.take(ends[:, 1]))
+            deviations += own.source.weight * trusted * own.deviations(ends)
         deviations[longest < _SHORTEST * face_size * cell] = 0.0
         # A halved edge adds two triangles.
         room = max((most - len(self.mesh.faces)) // 2, 0)
@@ -313,14 +315,16 @@ def _even_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
     return unit_vectors(normals + means.mean_points(normals))
 
 
-def _with_volume(mesh: TriangleMesh, volume: float, cell: float) -> TriangleMesh:
-    """Move a surface evenly along its normals until it encloses a volume, or as far as it may be moved."""
+def _with_volume(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float, cell: float) -> TriangleMesh:
+    """Move a surface evenly along normals, (n, 3), until it encloses a volume, or as far as it may be moved."""
     moved = 0.0
     for _ in range(_ROUNDS_OF_VOLUME):
         missing = volume - mesh.volume
         if abs(missing) <= _VOLUME_TOLERANCE * volume:
             break
-        step = float(np.clip(moved + missing / mesh.area, -_MOST_CORRECTION * cell, _MOST_CORRECTION * cell)) - moved
-        mesh = TriangleMesh(mesh.vertices + step * vertex_normals(mesh.vertices, mesh.faces), mesh.faces)
+        growth = float(np.einsum("nd,nd->", area_normals(mesh.vertices, mesh.faces), normals))
+        most = _MOST_CORRECTION * cell
+        step = float(np.clip(moved + missing / max(growth, np.finfo(float).tiny), -most, most)) - moved
+        mesh = TriangleMesh(mesh.vertices + step * normals, mesh.faces)
         moved += step
     return mesh
