@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The level fields of a whole path or sheet of blends, from which any blend between them is mixed."""
+"""The level fields of all blends of a path or sheet, from which the blends between them are mixed."""
 
 from __future__ import annotations
 
@@ -16,20 +16,20 @@ from ...errors import InputError
 from .level_fields import LevelField, MixedField, mixed
 from .weight_layouts import SquareLayout, TriangleLayout, WeightLayout, checked_weights
 
-# Weights that are stored are rounded to single precision.
+# Stored weights are rounded to single precision.
 _TOLERANCE = 1e-5
 
 
 @dataclass(frozen=True)
 class Between:
-    """The blends that another one is mixed from.
+    """The blends from which another one is mixed.
 
     Attributes
     ----------
     rows : tuple of int
-        Their numbers.
+        Their indices.
     shares : tuple of float
-        One each, positive and of sum 1.
+        One per blend, positive, of sum 1.
     """
 
     rows: tuple[int, ...]
@@ -37,12 +37,12 @@ class Between:
 
 
 class BlendNodes(Protocol):
-    """Blends that have been solved, by number."""
+    """Solved blends, by index."""
 
     count: int
 
     def between(self, weights: NDArray[np.float64]) -> Between:
-        """Return which of them are around weights that are not negative and of sum 1."""
+        """Return the blends around weights, which are not negative and of sum 1."""
         ...
 
 
@@ -55,7 +55,7 @@ class PathNodes:
     count : int
         Number of shapes.
     values : (m,) float64
-        Where each blend is, increasing: 0 is the first shape, 1 the second, and so on.
+        Position of each blend, increasing: 0 is the first shape, 1 the second, and so on.
     """
 
     count: int
@@ -63,14 +63,14 @@ class PathNodes:
 
     @classmethod
     def of(cls, weights: NDArray[np.float64]) -> PathNodes:
-        """Take the places of blends from their weights, (m, k); InputError where they do not go forward."""
+        """Compute positions from the weights of blends, (m, k); raises InputError if they do not increase."""
         values = np.asarray(weights) @ np.arange(weights.shape[1])
         if len(values) < 2 or (np.diff(values) <= 0).any():
-            raise InputError("These blends are no path from the first shape to the last.")
+            raise InputError("These blends are not a path from the first shape to the last.")
         return cls(weights.shape[1], values)
 
     def between(self, weights: NDArray[np.float64]) -> Between:
-        """Return the two blends around a place; at the ends one."""
+        """Return the two blends around a position, or the single one at an end."""
         place = float(weights @ np.arange(self.count))
         after = int(np.clip(np.searchsorted(self.values, place), 1, len(self.values) - 1))
         low, high = self.values[after - 1], self.values[after]
@@ -82,16 +82,16 @@ class PathNodes:
 
 @dataclass(frozen=True)
 class SheetNodes:
-    """Blends in a triangle or a square.
+    """Blends of a complete triangular or square sheet.
 
     Attributes
     ----------
     layout : WeightLayout
-        Of the sheet.
+        Layout of the sheet.
     steps : int
-        From one shape to the next.
+        Steps from one shape to the next.
     weights : (m, k) float64
-        Of every blend.
+        Weights of every blend.
     """
 
     layout: WeightLayout
@@ -100,14 +100,14 @@ class SheetNodes:
 
     @classmethod
     def of(cls, weights: NDArray[np.float64]) -> SheetNodes:
-        """Recognize a whole sheet by the weights of its blends, (m, k), in any order; InputError where it is none."""
+        """Recognize a complete sheet from the weights of its blends, (m, k), in any order; InputError if it is none."""
         rows, shapes = np.shape(weights)
         for layout in (TriangleLayout(), SquareLayout()):
             steps = next((n for n in range(1, rows) if len(layout.nodes(n)) >= rows), 0) if rows > 2 else 0
             nodes = layout.nodes(steps) if steps and layout.count == shapes else []
             if len(nodes) == rows and len(cls(layout, steps, np.asarray(weights)).rows) == rows:
                 return cls(layout, steps, np.asarray(weights))
-        raise InputError("These blends are no whole sheet of three shapes in a triangle or four in a square.")
+        raise InputError("These blends are not a complete sheet of three shapes in a triangle or four in a square.")
 
     @property
     def count(self) -> int:
@@ -116,7 +116,7 @@ class SheetNodes:
 
     @cached_property
     def rows(self) -> dict[tuple[int, ...], int]:
-        """The number of the blend at every node that has one."""
+        """The index of the blend at every node that has one."""
         found = {}
         for row, weights in enumerate(self.weights):
             stencil = self.layout.stencil(weights, self.steps)
@@ -126,35 +126,35 @@ class SheetNodes:
         return found
 
     def between(self, weights: NDArray[np.float64]) -> Between:
-        """Return the up to four blends around a place."""
+        """Return the blends around weights, at most four."""
         stencil = self.layout.stencil(weights, self.steps)
         return Between(tuple(self.rows[node] for node in stencil.nodes), stencil.shares)
 
 
 @dataclass(frozen=True)
 class FieldLattice:
-    """Level fields of a path or a sheet of blends.
+    """Level fields of the blends of a path or sheet.
 
     Attributes
     ----------
     nodes : BlendNodes
-        Where the blends are.
+        Positions of the blends.
     fields : sequence of LevelField
-        One per blend, in one box.
+        One per blend, all in the same box.
     """
 
     nodes: BlendNodes
     fields: Sequence[LevelField]
 
     def mixed(self, weights: Sequence[float]) -> MixedField:
-        """Return the blend with any weights, (k,): negative ones count as zero, and they need not sum to 1.
+        """Mix the blend with any weights, (k,): negative ones count as zero, and they need not sum to 1.
 
-        Weights off the path or the square count by the nearest place; see :mod:`.weight_layouts`.
+        Weights outside the path or square are moved to the nearest position; see :mod:`.weight_layouts`.
 
         Raises
         ------
         InputError
-            As :func:`.weight_layouts.checked_weights`.
+            As for :func:`.weight_layouts.checked_weights`.
         """
         found = self.nodes.between(checked_weights(weights, self.nodes.count))
         return mixed([self.fields[row] for row in found.rows], found.shares)

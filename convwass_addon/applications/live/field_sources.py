@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solve single blends, and read their level fields: of shapes that stand still, of shapes that move, of coarse ones."""
+"""Solve single blends and compute their level fields: for shapes at rest, for moving shapes, and on a coarse grid."""
 
 from __future__ import annotations
 
@@ -24,14 +24,14 @@ from ..morphs.moving_problem import MovedBlend, MovingProblem
 from ..morphs.volumes import Lattice
 from .level_fields import OUTSIDE, FieldBox, LevelField
 
-# Cells around shapes that their blends may reach: what the blurs carry out of them.
+# Margin in cells around shapes for their blends: the distance that blurs reach.
 _MARGIN = 3
-# Solved blends that others start from: enough for the rim of what is filled around the hand.
+# Number of solved blends kept as starts for others: enough for the boundary of the filled region.
 _KEPT = 8
 
 
 class FieldSource(Protocol):
-    """Gives level fields of blends, all in one box."""
+    """Computes level fields of blends, all in the same box."""
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
         """Solve the blend with these weights, which sum to 1."""
@@ -39,9 +39,9 @@ class FieldSource(Protocol):
 
 
 def box_of_shapes(shapes: Sequence[TriangleMesh], lattice: Lattice) -> FieldBox:
-    """Return the cells of a lattice that hold all blends of shapes that stand still.
+    """Return the cells of a lattice that hold all blends of shapes at rest.
 
-    A barycenter lies within the weighted mean of the bounds of its shapes, each about its center.
+    A barycenter lies within the weighted mean of the bounds of its shapes, each relative to its center.
     """
     about = [shape.bounds - center for shape, center in zip(shapes, lattice.centers, strict=True)]
     low, high = np.min([own[0] for own in about], axis=0), np.max([own[1] for own in about], axis=0)
@@ -51,19 +51,18 @@ def box_of_shapes(shapes: Sequence[TriangleMesh], lattice: Lattice) -> FieldBox:
 
 
 class TransportSource:
-    """Blends by transport alone, each started from the nearest of those solved last.
+    """Blends by transport alone, each started from the nearest recent one.
 
     Parameters
     ----------
     problem : MorphProblem
-        The shapes; their connectivity does not matter.
+        The shapes; their connectivity is not used.
     box : FieldBox
-        Of the fields.
+        Box of the fields.
     control : Control
-        Ends a solve when cancelled.
+        Cancels a solve.
     read : callable
-        Finds the level of a density: :func:`.extraction.level_density` or
-        :func:`.extraction.estimated_level_density`.
+        Finds the level of a density: :func:`.extraction.level_density` or :func:`.extraction.estimated_level_density`.
     """
 
     def __init__(
@@ -78,13 +77,13 @@ class TransportSource:
         self._warm: deque[tuple[NDArray[np.float64], BlendSolver]] = deque(maxlen=_KEPT)
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
-        """Solve the blend with these weights; a shape itself is read from the cells that it fills."""
+        """Solve the blend with these weights; an unblended shape is represented by its occupancy."""
         control.check()
         found = self.density(weights)
         return LevelField.of(found.density, found.low, found.level, found.volume, self._box)
 
     def density(self, weights: Sequence[float]) -> LevelDensity:
-        """Solve a blend for its density."""
+        """Return the density of a blend."""
         transport, blend = self._problem.transport, Blend(tuple(float(weight) for weight in weights))
         if blend.source is not None:
             occupancy = transport.occupancy(blend.source)
@@ -96,7 +95,7 @@ class TransportSource:
         return self._read(merged.density, merged.volume, self._problem.settings)
 
     def _nearest(self, weights: NDArray[np.float64]) -> BlendSolver:
-        """Return the solver whose last blend is the nearest, of those that gave weight to the same shapes."""
+        """Return the solver whose last blend is nearest, among those with weight on the same shapes."""
         active = weights > 0
         known = [(np.abs(own - weights).sum(), solver) for own, solver in self._warm if np.array_equal(own > 0, active)]
         return min(known, key=lambda one: one[0])[1] if known else self._cold
@@ -116,14 +115,14 @@ class MovingSource:
         self.box = FieldBox(self._first_cell(problem.lattice) + 1, tuple(n - 2 for n in problem.lattice.shape))
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
-        """Move the shapes, and solve for what they still differ by."""
+        """Move the shapes, and transport the remaining difference."""
         moved = self._problem.moved_blend(Blend(tuple(float(weight) for weight in weights)), control)
         found = self._density(moved, control)
         low = found.low + self._first_cell(moved.problem.lattice)
         return LevelField.of(found.density, low, found.level, found.volume, self.box)
 
     def _first_cell(self, lattice: Lattice) -> NDArray[np.int64]:
-        """Return where a lattice begins, counted from the first cell of that of the shapes where they stand, (3,)."""
+        """Return the first cell of a lattice, in cells of the lattice of the shapes at rest, (3,)."""
         still = self._problem.still.lattice
         return np.rint((lattice.origin - still.origin) / still.spacing).astype(np.int64)
 
@@ -138,16 +137,16 @@ class MovingSource:
 
 
 class StandInSource:
-    """Blends on a coarser lattice, as fields on a finer one, until those are there.
+    """Blends on a coarser grid, resampled to a finer one, as substitutes until the latter are solved.
 
     Parameters
     ----------
     problem : MorphProblem
-        The shapes on the coarser lattice.
+        The shapes on the coarser grid.
     lattice : Lattice
-        The finer one.
+        The finer grid.
     box : FieldBox
-        Of the fields.
+        Box of the fields.
     """
 
     def __init__(self, problem: MorphProblem, lattice: Lattice, box: FieldBox) -> None:
@@ -155,7 +154,7 @@ class StandInSource:
         self._lattice, self._box, self._own = lattice, box, problem.lattice
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
-        """Solve the blend with these weights coarsely."""
+        """Solve the blend with these weights on the coarser grid."""
         control.check()
         found = self._coarse.density(weights)
         ratio = self._lattice.spacing / self._own.spacing
@@ -167,6 +166,6 @@ class StandInSource:
         return LevelField.of_values(values, found.volume / ratio**3, self._box)
 
     def _first_center(self, low: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return where the center of the first cell of the box is among the samples of a coarse density, (3,)."""
+        """Return the position of the box's first cell center in samples of a coarse density, (3,)."""
         place = (self._box.low + 0.5) * self._lattice.spacing + self._lattice.origin
         return (place - self._own.origin) / self._own.spacing - 0.5 - low

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A lattice of level fields that is filled from coarse to fine, and blends of what is there, without jumps.
+"""A lattice of level fields that is filled from coarse to fine, and mixtures of its fields that never jump.
 
-Every level of the lattice has a weight at every node: 0 until the node and all its neighbors are there, then rising to
-1 within a short time, and interpolated between nodes. The finest level counts as much as its weight says, the next
-coarser one takes that share of the rest, and so on. Blends are thus continuous in their weights and in time.
+At every node, every level of the lattice has a weight: 0 until the node and all its neighbors are filled, then rising
+to 1 within a short time. Weights are interpolated between nodes. The finest level contributes its weight, the next
+coarser level its weight times the remainder, and so on. Mixtures are therefore continuous in the blend's weights and in
+time.
 """
 
 from __future__ import annotations
@@ -32,14 +33,14 @@ FAR = 0.25
 
 @dataclass(frozen=True)
 class Wanted:
-    """A node that is to be filled.
+    """A node that should be filled.
 
     Attributes
     ----------
     node : Node
         In steps of 1 / `FINEST`.
     weights : tuple of float
-        Of its blend.
+        Weights of its blend.
     """
 
     node: Node
@@ -48,16 +49,16 @@ class Wanted:
 
 @dataclass(frozen=True)
 class Mixture:
-    """What a blend is mixed from.
+    """The fields from which a blend is mixed.
 
     Attributes
     ----------
     fields : tuple of LevelField
-        Those that are there.
+        The available fields.
     shares : tuple of float
-        One each, positive.
+        One per field, positive.
     rest : float
-        What is missing from a sum of 1.
+        What is missing to a sum of 1.
     """
 
     fields: tuple[LevelField, ...]
@@ -66,34 +67,35 @@ class Mixture:
 
 
 class FillingLattice:
-    """Level fields of a layout, added by one thread while another one mixes them.
+    """Level fields of a layout, added by one thread while another thread mixes them.
 
     Parameters
     ----------
     layout : WeightLayout
-        Where the blends lie.
+        Layout of the blends.
     levels : sequence of int
         Some of `LEVELS`, from coarse to fine.
     most : int
-        Most nodes that there is memory for; levels that are not refined further fit.
+        Maximum number of nodes that fit in memory; at least the given levels must fit without refinement.
     fade : float
-        Seconds within which a finer level takes over.
+        Duration in seconds of the transition to a finer level.
     far : float
-        How much neighbors of the last level may differ; beyond, the finest level is filled between them.
+        The largest difference of neighbors of the last level; where it is larger, the finest level is filled between
+        them.
     """
 
     def __init__(self, layout: WeightLayout, levels: Sequence[int], most: int, fade: float, far: float = FAR) -> None:
         self._layout, self._most, self._fade, self._far = layout, most, fade, far
         self._fields: dict[Node, LevelField] = {}
-        # When a node of a level and all its neighbors were there.
+        # Time at which a node of a level and all its neighbors were filled.
         self._since: dict[tuple[int, Node], float] = {}
-        # Nodes of the finest level that are wanted.
+        # Nodes of the finest level that should be filled.
         self._refined: dict[Node, tuple[float, ...]] = {}
         self._lock = threading.Lock()
         self.levels = tuple(levels)
 
     def add(self, node: Node, field: LevelField, now: float) -> None:
-        """Add the field of a node, in steps of 1 / `FINEST`, at a time in seconds."""
+        """Add the field of a node, given in steps of 1 / `FINEST`, at a time in seconds."""
         with self._lock:
             self._fields[node] = field
             for steps in (*self.levels, FINEST):
@@ -113,12 +115,12 @@ class FillingLattice:
             self.add(node, field, now)
 
     def enlarge(self, box: FieldBox) -> None:
-        """Bring all fields to a larger box."""
+        """Extend all fields to a larger box."""
         with self._lock:
             self._fields = {node: field.within(box) for node, field in self._fields.items()}
 
     def next_wanted(self, hand: Sequence[float]) -> Wanted | None:
-        """Return the next node to fill: of the coarsest level that is not whole, the nearest to some weights, (k,)."""
+        """Return the next node to fill: the one nearest to some weights, (k,), on the coarsest incomplete level."""
         for steps in self.levels:
             missing = [one for one in self._nodes[steps] if one.node not in self._fields]
             if missing:
@@ -127,7 +129,7 @@ class FillingLattice:
         return _nearest(refined, hand) if refined else None
 
     def mixture(self, weights: Sequence[float], now: float) -> Mixture:
-        """Return what a blend is mixed from at a time in seconds."""
+        """Return the fields from which a blend is mixed at a time in seconds."""
         with self._lock:
             shares: dict[Node, float] = {}
             rest = 1.0
@@ -144,39 +146,39 @@ class FillingLattice:
             return Mixture(tuple(self._fields[node] for node in shares), tuple(shares.values()), rest)
 
     def is_whole(self, steps: int) -> bool:
-        """Tell whether all nodes of a level are there."""
+        """Return whether all nodes of a level are filled."""
         return all(one.node in self._fields for one in self._nodes[steps])
 
     def has_taken_over(self, now: float) -> bool:
-        """Tell whether nothing but this lattice is needed any more, for any blend."""
+        """Return whether this lattice alone determines all blends by now."""
         return self._is_ready(self.levels[0], now)
 
     def settle(self, now: float) -> None:
-        """Drop coarser levels once the last one has taken over everywhere."""
+        """Delete coarser levels when the last one has taken over everywhere."""
         if len(self.levels) == 1 or self.levels[-1] != LEVELS[-1] or not self._is_ready(self.levels[-1], now):
             return
         with self._lock:
             self.levels = self.levels[-1:]
             kept = {one.node for one in self._nodes[self.levels[-1]]} | self._refined.keys()
-            # Nodes of other levels may have made the finest one whole in some places.
+            # Nodes of other levels may have completed the finest one in some regions.
             for node in [node for steps, node in self._since if steps == FINEST]:
                 kept |= {node, *self._layout.neighbors(node, FINEST)}
             self._fields = {node: field for node, field in self._fields.items() if node in kept}
 
     @property
     def filled(self) -> int:
-        """How many nodes there are."""
+        """Number of filled nodes."""
         return len(self._fields)
 
     @property
     def fraction(self) -> float:
-        """Share of the nodes that are there, of those that are known to be wanted."""
+        """Fraction of the nodes to be filled, as far as they are known, that are filled."""
         wanted = {one.node for steps in self.levels for one in self._nodes[steps]} | self._refined.keys()
         return len(self._fields) / max(len(wanted), 1)
 
     @property
     def bytes(self) -> int:
-        """Memory that the fields take."""
+        """Memory that the fields take, in bytes."""
         return sum(field.values.nbytes for field in self._fields.values())
 
     @cached_property
@@ -200,7 +202,7 @@ class FillingLattice:
         return 1.0 if self._fade <= 0.0 else min(max((now - since) / self._fade, 0.0), 1.0)
 
     def _refine(self, node: Node) -> None:
-        """Ask for nodes half way to the neighbors of a node that differ from it too much, and for those around them."""
+        """Request the nodes halfway to neighbors that differ too much from a node, and the nodes around them."""
         own = _in_steps(node, LEVELS[-1])
         if own is None:
             return
@@ -219,7 +221,7 @@ class FillingLattice:
 
 
 def fitting_levels(layout: WeightLayout, most: int) -> tuple[int, ...]:
-    """Return those of `LEVELS` that so many nodes suffice for, at least the first."""
+    """Return those of `LEVELS` that need at most this many nodes, at least the first."""
     nodes: set[Node] = set()
     fitting = []
     for steps in LEVELS:
@@ -230,17 +232,17 @@ def fitting_levels(layout: WeightLayout, most: int) -> tuple[int, ...]:
 
 
 def count_of_nodes(layout: WeightLayout, levels: Sequence[int]) -> int:
-    """Return how many nodes some levels have together."""
+    """Return the number of nodes of several levels, counting shared nodes once."""
     return len({_unit(node, steps) for steps in levels for node in layout.nodes(steps)})
 
 
 def _unit(node: Node, steps: int) -> Node:
-    """Return a node in steps of 1 / FINEST."""
+    """Return a node in steps of 1 / `FINEST`."""
     return tuple(place * (FINEST // steps) for place in node)
 
 
 def _in_steps(node: Node, steps: int) -> Node | None:
-    """Return a node in other steps than those of 1 / FINEST, or None where it is not on that level."""
+    """Convert a node from steps of 1 / `FINEST`; None if it is not on that level."""
     size = FINEST // steps
     return None if any(place % size for place in node) else tuple(place // size for place in node)
 

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Level fields of blends, and the blends between them: mixed linearly, at the level of the interpolated volume.
+"""Level fields of blends, and mixtures of them at the level that encloses the interpolated volume.
 
-The level field of a blend is zero on its surface, positive inside and -1 where nothing is. Fields of neighboring
-blends differ little, so that the zero set of their mean is close to the surface of the blend between them
+The level field of a blend is zero on its surface, positive inside, and -1 where the density is zero. Fields of
+neighboring blends differ little, so the zero set of their mean is close to the surface of the blend between them
 (docs/performance.md, "Live blends").
 """
 
@@ -24,22 +24,23 @@ from ...one_line import one_line
 OUTSIDE = -1.0
 """Value of a level field where nothing is."""
 
-# Deep inside, fields say nothing about the surface between; larger values only make thick parts win over thin ones.
+# Far inside, values do not influence the surface of a mixture; larger values would only favor thick parts over thin
+# ones.
 _DEEPEST = 4.0
-# The level of a mixed field lies between these.
+# Limits for the level of a mixed field.
 _LEAST_LEVEL, _MOST_LEVEL = -0.75, 0.9
-# Cells count in part where their values are this close to the level, in all from one side to the other; whole cells
-# would make the volume of a ball of 800 cells waver by 1.4 % (tests/applications/live/test_field_lattice.py).
+# Cells with values this close to the level count in part, over a band of this total width. Counting whole cells would
+# make the volume of a ball of 800 cells vary by 1.4 % (tests/applications/live/test_field_lattice.py).
 _RAMP = 0.5
-# The level is found to this share of the cells inside, in so many steps at the most.
+# Tolerance of the level, as a fraction of the cells inside, and the maximum number of Newton steps.
 _CELL_TOLERANCE, _NEWTON_STEPS = 5e-4, 8
-# Values keep this distance from the level: a sample at the level would put several vertices in one place.
+# Values are kept at this distance from the level: samples at the level would give several vertices at one position.
 _CLEARANCE = 1e-4
 
 
 @dataclass(frozen=True)
 class FieldBox:
-    """The cells that hold every blend.
+    """The cells that hold all blends.
 
     Attributes
     ----------
@@ -54,7 +55,7 @@ class FieldBox:
 
     @classmethod
     def between(cls, low: ArrayLike, high: ArrayLike) -> FieldBox:
-        """Return the box from a first cell to the one after the last, (3,) each."""
+        """Return the box from a first cell to the cell after the last, (3,) each."""
         low, high = np.asarray(low, np.int64), np.asarray(high, np.int64)
         return cls(low, tuple(int(n) for n in high - low))
 
@@ -65,11 +66,11 @@ class FieldBox:
 
     @property
     def field_bytes(self) -> int:
-        """Memory that one field takes."""
+        """Memory of one field in bytes."""
         return int(np.prod(self.shape)) * np.dtype(np.float16).itemsize
 
     def union(self, other: FieldBox) -> FieldBox:
-        """Return the smallest box that holds both."""
+        """Return the smallest box that contains both."""
         return FieldBox.between(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
 
 
@@ -80,15 +81,15 @@ class LevelField:
     Attributes
     ----------
     box : FieldBox
-        Where it is; fields that are mixed have the same.
+        Box of the field; only fields in the same box are mixed.
     values : (nx, ny, nz) float16
-        density / level - 1, at the most 4.
+        density / level - 1, at most 4.
     volume : float
-        Cells that the surface encloses.
+        Volume enclosed by the surface, in cells.
     cells : float
-        Cells inside, those close to the surface in part.
+        Number of cells inside, with those close to the surface counted in part.
     span : (2, 3) int64
-        In cells of the box, the first cell and the one after the last that a surface of a mixture can reach.
+        In cells of the box, the first cell and the cell after the last that the surface of a mixture can reach.
     """
 
     box: FieldBox
@@ -103,25 +104,25 @@ class LevelField:
     def of(
         cls, density: NDArray[np.floating], low: ArrayLike, level: float, volume: float, box: FieldBox
     ) -> LevelField:
-        """Make the field of a blend.
+        """Compute the field of a blend.
 
         Parameters
         ----------
         density : (mx, my, mz)
-            Not negative, prepared as for taking a surface of it; nothing lies outside of the array.
+            Not negative, prepared for surface extraction; zero outside the array.
         low : (3,) int
             Its first cell on the common grid.
         level : float
-            Of the surface.
+            Density on the surface.
         volume : float
-            Cells that the surface encloses.
+            Volume enclosed by the surface, in cells.
         box : FieldBox
-            Of the field; what lies outside of it is cut off.
+            Box of the field; the density outside it is cut off.
 
         Raises
         ------
         InputError
-            Nothing of the density is above the level.
+            The density does not exceed the level anywhere.
         """
         values = np.full(box.shape, OUTSIDE, np.float16)
         offset = np.asarray(low, np.int64) - box.low
@@ -135,7 +136,7 @@ class LevelField:
 
     @classmethod
     def of_values(cls, values: NDArray[np.floating], volume: float, box: FieldBox) -> LevelField:
-        """Make a field of its values, (nx, ny, nz) in a box; for the rest see :meth:`of`."""
+        """Create a field from its values, (nx, ny, nz) in a box; other parameters as for :meth:`of`."""
         values = values.astype(np.float16, copy=False)
         if not (values > 0).any():
             raise InputError("A blend without a cell inside has no level field; use a finer resolution.")
@@ -152,7 +153,7 @@ class LevelField:
         return LevelField.of_values(values, self.volume, box)
 
     def difference(self, other: LevelField) -> float:
-        """Return how much of two blends is not in the same place, as a share of their mean mass, 0 to 2.
+        """Return how much two blends differ, as a fraction of their mean mass, 0 to 2.
 
         Mass is the density of the field, 1 in solid parts: this is the L1 distance of two densities of mass 1.
         """
@@ -162,18 +163,18 @@ class LevelField:
 
 @dataclass(frozen=True)
 class MixedField:
-    """A field between those of several blends.
+    """A mixture of the fields of several blends.
 
     Attributes
     ----------
     values : (nx, ny, nz) float32
-        The mixture.
+        The mixed values.
     low : (3,) int64
-        Its first cell on the common grid; nothing lies outside.
+        Its first cell on the common grid; values outside are -1.
     level : float
         Value on the surface.
     volume : float
-        Cells that the surface is to enclose.
+        Volume that the surface should enclose, in cells.
     """
 
     values: NDArray[np.float32]
@@ -184,14 +185,14 @@ class MixedField:
     __repr__ = one_line("values", "level", "volume")
 
     def surface(self) -> TriangleMesh:
-        """Return the surface by marching cubes, in cells of the common grid, closed and outward."""
+        """Extract the surface by marching cubes, in cells of the common grid, closed and oriented outward."""
         low, high = bounding_box(self.values > self.level)
         begin, end = np.maximum(low - 1, 0), np.minimum(high + 1, self.values.shape)
         sample = self.values[tuple(slice(a, b) for a, b in zip(begin, end, strict=True))]
         missing = [(int(a > b), int(c > d)) for a, b, c, d in zip(begin, low - 1, high + 1, end, strict=True)]
         if np.any(missing):
             sample = np.pad(sample, missing, constant_values=np.float32(OUTSIDE))
-        # Marching cubes works on samples at integer coordinates; a sample is the center of its cell.
+        # Marching cubes places samples at integer coordinates; here they are at cell centers.
         vertices, faces, _, _ = marching_cubes(sample, self.level, gradient_direction="ascent")
         return TriangleMesh(vertices.astype(np.float64) + (self.low + low - 0.5), faces.astype(np.int64))
 
@@ -199,15 +200,15 @@ class MixedField:
 def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:
     """Mix level fields, and find the level that encloses the interpolated volume.
 
-    The volume inside a level follows the number of cells inside it. How many there are for a cell of volume is known of
-    every field, and interpolated.
+    The volume inside a level is proportional to the number of cells inside it. The ratio is known for every field, and
+    interpolated.
 
     Parameters
     ----------
     fields : sequence of LevelField
-        In one box.
+        Fields in the same box.
     shares : sequence of float
-        One each, not negative, of sum 1.
+        One per field, not negative, of sum 1.
     """
     first = fields[0].box
     low = np.maximum(np.min([field.span[0] for field in fields], axis=0) - 1, 0)
@@ -225,7 +226,7 @@ def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:
 
 
 def _enclosing_level(values: NDArray[np.float32], wanted: float) -> float:
-    """Return the level that so many cells are inside, by Newton's method, and move values away that are too close."""
+    """Return the level with this many cells inside, by Newton's method; values too close to it are moved away."""
     flat = values.reshape(-1)
     ramp = _RAMP / 2.0
     near = np.flatnonzero((flat > _LEAST_LEVEL - ramp) & (flat < _MOST_LEVEL + ramp))
@@ -245,11 +246,11 @@ def _enclosing_level(values: NDArray[np.float32], wanted: float) -> float:
 
 
 def _densities(values: NDArray[np.float16]) -> NDArray[np.float32]:
-    """Return densities of level fields; on the surface they are one half."""
+    """Convert level fields to densities, which are one half on the surface."""
     return np.clip(0.5 * values.astype(np.float32) + np.float32(0.5), 0.0, 1.0)
 
 
 def _cells_inside(values: NDArray[np.floating], level: float) -> float:
-    """Count the cells inside a level, those close to it in part."""
+    """Count the cells inside a level; cells close to it count in part."""
     share = (values.astype(np.float32) - np.float32(level)) / np.float32(_RAMP) + np.float32(0.5)
     return float(np.clip(share, 0.0, 1.0).sum(dtype=np.float64))

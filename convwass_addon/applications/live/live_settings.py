@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a live morph is asked for besides the settings of a morph."""
+"""Settings of live morphs besides those of a morph."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from ...schema import Settings, setting
 
 @dataclass(frozen=True)
 class LiveSettings(Settings):
-    """How a live morph is made."""
+    """Settings of a live morph."""
 
     live_resolution: int = setting(
         64,

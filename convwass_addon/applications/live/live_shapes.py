@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a live morph is given, and what it shows."""
+"""Input and output of live morphs."""
 
 from __future__ import annotations
 
@@ -16,18 +16,18 @@ from ..motions.guides import Guide
 
 @dataclass(frozen=True)
 class LiveShapes:
-    """What is blended.
+    """The shapes of a live morph.
 
     Attributes
     ----------
     meshes : tuple of TriangleMesh
-        Two to four, in one space.
+        Two to four shapes in a common space.
     names : tuple of str
-        What messages call them.
+        Names of the shapes, for messages.
     matching : Matching
-        Their parts that travel together.
+        The parts that travel together.
     guides : tuple of mappings from int to int
-        Points that belong together; see :func:`.morph.morph`.
+        Corresponding points; see :func:`.morph.morph`.
     """
 
     meshes: tuple[TriangleMesh, ...]
@@ -38,16 +38,16 @@ class LiveShapes:
 
 @dataclass(frozen=True)
 class LiveShape:
-    """A blend to be shown.
+    """A displayed blend.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        In scene units about `center`.
+        In scene units, relative to `center`.
     center : (3,) float64
-        Where the blend is in the scene.
+        Position of the blend in the scene.
     is_solved : bool
-        Whether it was solved in full; otherwise it was mixed.
+        Whether it was solved completely; otherwise it was mixed.
     """
 
     mesh: TriangleMesh

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Places on a pad and the weights there: a line between two shapes, a triangle of three, a square of four.
+"""Positions on a pad and the weights there: a line for two shapes, a triangle for three, a square for four.
 
-A place is (across, up), both 0 to 1. Two shapes are to the left and right; three at the lower left, lower right and
+A position is (across, up), both 0 to 1. Two shapes are at the left and right; three at the lower left, lower right and
 top; four at the upper left, upper right, lower left and lower right, as on the sheets of :mod:`..morphs.layouts`.
 """
 
@@ -18,33 +18,33 @@ _CORNERS = {
     3: ((0.0, 0.0), (1.0, 0.0), (0.5, 1.0)),
     4: ((0.0, 1.0), (1.0, 1.0), (0.0, 0.0), (1.0, 0.0)),
 }
-# Height of a pad in sides: that of an even triangle for three shapes.
+# Height of a pad relative to its width; for three shapes that of an equilateral triangle.
 _HEIGHTS = {2: 0.0, 3: float(np.sqrt(0.75)), 4: 1.0}
 
 
 def pad_corners(count: int) -> NDArray[np.float64]:
-    """Return the places of two, three or four shapes, (k, 2)."""
+    """Return the positions of two, three or four shapes, (k, 2)."""
     return np.array(_CORNERS[count])
 
 
 def pad_height(count: int) -> float:
-    """Return how high the pad of so many shapes is drawn where its side is 1."""
+    """Return the height of a pad for this many shapes, relative to its width."""
     return _HEIGHTS[count]
 
 
 def pad_middle(count: int) -> tuple[float, float]:
-    """Return the place where all shapes have the same weight."""
+    """Return the position at which all shapes have the same weight."""
     across, up = pad_corners(count).mean(axis=0)
     return float(across), float(up)
 
 
 def pad_weights(count: int, across: float, up: float) -> NDArray[np.float64]:
-    """Return the weights, (k,), at a place; beyond the rim those on the rim.
+    """Return the weights, (k,), at a position; outside the pad, those of the nearest position.
 
     Raises
     ------
     InputError
-        A place that is no number.
+        A coordinate is not a number.
     """
     if count == 2:
         return path_weights(across, 2)

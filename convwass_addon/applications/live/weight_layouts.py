@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lattices of weights: along a path, in a triangle, in a square; and between which nodes a blend lies.
+"""Layouts of blends on lattices: along a path, in a triangle, in a square.
 
-A node is a tuple of whole numbers, in steps: along a path its place, (i,), from 0 at the first shape to `steps` times
-the number of legs; in a triangle its three weights, (i, j, l) of sum `steps`; in a square its place, (column, row).
+A node is a tuple of integers, in steps: on a path its position, (i,), from 0 at the first shape to `steps` times the
+number of legs; in a triangle its three weights, (i, j, l) of sum `steps`; in a square its position, (column, row).
 """
 
 from __future__ import annotations
@@ -19,20 +19,20 @@ from numpy.typing import NDArray
 from ...errors import InputError
 
 Node = tuple[int, ...]
-# Rounding leaves shares of this size to nodes that take no part.
+# Shares below this are due to rounding.
 _NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
 class Stencil:
-    """The nodes that a blend lies between.
+    """The nodes around a blend.
 
     Attributes
     ----------
     nodes : tuple of Node
         One to four.
     shares : tuple of float
-        How much each has in the blend, positive and of sum 1; the weights of the blend are interpolated by them.
+        Interpolation weights of the nodes, positive and of sum 1.
     """
 
     nodes: tuple[Node, ...]
@@ -40,14 +40,14 @@ class Stencil:
 
     @classmethod
     def of(cls, shares: dict[Node, float]) -> Stencil:
-        """Leave out nodes whose share is zero but for rounding."""
+        """Leave out nodes whose share is zero up to rounding."""
         kept = {node: share for node, share in shares.items() if share > _NOTHING}
         total = sum(kept.values())
         return cls(tuple(kept), tuple(share / total for share in kept.values()))
 
 
 class WeightLayout(Protocol):
-    """Where blends of some shapes lie.
+    """The positions of all blends of some shapes.
 
     Attributes
     ----------
@@ -58,29 +58,29 @@ class WeightLayout(Protocol):
     count: int
 
     def nodes(self, steps: int) -> list[Node]:
-        """Return all nodes of a lattice with so many steps from one shape to the next."""
+        """Return all nodes of a lattice with this many steps from one shape to the next."""
         ...
 
     def weights(self, node: Node, steps: int) -> tuple[float, ...]:
-        """Return the weights of a node; exactly 1 at a shape."""
+        """Return the weights of a node, which are exactly 1 at a shape."""
         ...
 
     def stencil(self, weights: Sequence[float], steps: int) -> Stencil:
-        """Return the nodes around weights that are not negative and of sum 1."""
+        """Return the nodes around weights, which are not negative and of sum 1."""
         ...
 
     def neighbors(self, node: Node, steps: int) -> list[Node]:
-        """Return the nodes that share a stencil with a node."""
+        """Return the nodes that occur in a stencil together with a node."""
         ...
 
 
 def layout_of(count: int) -> WeightLayout:
-    """Return the layout in which all blends of two to four shapes lie that a pad shows.
+    """Return the layout of the blends that a pad of two to four shapes shows.
 
     Raises
     ------
     InputError
-        Another number of shapes.
+        The number of shapes is not two to four.
     """
     layouts = {2: PathLayout(2), 3: TriangleLayout(), 4: SquareLayout()}
     if count not in layouts:
@@ -94,7 +94,7 @@ def checked_weights(weights: Sequence[float], count: int) -> NDArray[np.float64]
     Raises
     ------
     InputError
-        Another number of weights than shapes, numbers that are not finite, or none that is positive.
+        The number of weights differs from that of shapes, or they are not finite, or none is positive.
     """
     values = np.asarray(weights, np.float64)
     if values.shape != (count,):
@@ -108,18 +108,18 @@ def checked_weights(weights: Sequence[float], count: int) -> NDArray[np.float64]
     values = np.maximum(values, 0.0)
     if values.max() <= 0.0:
         raise InputError("All weights are zero; give at least one shape some weight.")
-    # Twice, so that very large weights do not overflow.
+    # Normalized twice, so that very large weights do not overflow.
     values /= values.max()
     return values / values.sum()
 
 
 def path_weights(value: float, count: int) -> NDArray[np.float64]:
-    """Return the weights, (k,), of a value on a path: 0 is the first shape, 1 the second; ends hold beyond them.
+    """Return the weights, (k,), at a position on a path: 0 is the first shape, 1 the second; clamped at the ends.
 
     Raises
     ------
     InputError
-        A value that is not a number.
+        The position is not a number.
     """
     if math.isnan(value):
         raise InputError("The value of a morph must be a number.")
@@ -151,7 +151,7 @@ class PathLayout:
         return tuple(path_weights(node[0] / steps, self.count))
 
     def stencil(self, weights: Sequence[float], steps: int) -> Stencil:
-        """Return the two nodes around a blend; other weights than those of neighbors count by their mean place."""
+        """Return the two nodes around a blend; weights that are not those of neighbors count by their mean position."""
         last = steps * (self.count - 1)
         place = float(np.dot(weights, np.arange(self.count))) * steps
         index = min(max(int(place), 0), last - 1)
@@ -178,11 +178,11 @@ class TriangleLayout:
         return tuple(part / steps for part in node)
 
     def stencil(self, weights: Sequence[float], steps: int) -> Stencil:
-        """Return the corners of the small triangle around a blend."""
+        """Return the corners of the lattice triangle around a blend."""
         scaled = np.asarray(weights) * steps
         floor = np.minimum(np.floor(scaled + _NOTHING), steps).astype(int)
         rest = np.clip(scaled - floor, 0.0, 1.0)
-        # What the floors leave is a node, a triangle that points up, or one that points down.
+        # The remainder determines whether this is a node, a triangle pointing up, or one pointing down.
         missing = steps - int(floor.sum())
         if missing == 0:
             return Stencil.of({tuple(floor.tolist()): 1.0})
@@ -192,7 +192,7 @@ class TriangleLayout:
         return Stencil.of(dict(zip(corners, shares.tolist(), strict=True)))
 
     def neighbors(self, node: Node, steps: int) -> list[Node]:
-        """Return the up to six nodes around."""
+        """Return the neighboring nodes, at most six."""
         moves = [(1, -1, 0), (-1, 1, 0), (1, 0, -1), (-1, 0, 1), (0, 1, -1), (0, -1, 1)]
         around = [tuple(a + b for a, b in zip(node, move, strict=True)) for move in moves]
         return [one for one in around if min(one) >= 0]
@@ -213,7 +213,7 @@ class SquareLayout:
         return tuple(square_weights(node[0] / steps, node[1] / steps).tolist())
 
     def stencil(self, weights: Sequence[float], steps: int) -> Stencil:
-        """Return the four nodes around a blend; weights that are not bilinear count by their place in the square."""
+        """Return the four nodes around a blend; weights that are not bilinear are replaced by their position."""
         axes = []
         for value in (weights[1] + weights[3], weights[2] + weights[3]):
             place = float(value) * steps
@@ -223,6 +223,6 @@ class SquareLayout:
         return Stencil.of({(c, r): share * other for c, share in columns for r, other in rows})
 
     def neighbors(self, node: Node, steps: int) -> list[Node]:
-        """Return the up to eight nodes around."""
+        """Return the neighboring nodes, at most eight."""
         around = [(node[0] + x, node[1] + y) for x in (-1, 0, 1) for y in (-1, 0, 1) if x or y]
         return [one for one in around if min(one) >= 0 and max(one) <= steps]

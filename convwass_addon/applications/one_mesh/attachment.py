@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Points that follow a surface: clothes, hair cards, eyes.
+"""Points attached to a surface: clothes, hair cards, eyes.
 
-Every point hangs on the closest point of the surface: where that goes, the point goes, and its offset turns and scales
-with the surface there. Where the surface moves as a whole, turned and scaled, so do the points, exactly.
+Every point is attached to the closest point of the surface. It moves with that point, and its offset is rotated and
+scaled with the surface there. Similarity transforms of the whole surface are applied to the points exactly.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from ...progress import UNINTERRUPTED, Control
 
 @dataclass(frozen=True)
 class Attachment:
-    """Points that hang on a surface.
+    """Points attached to a surface.
 
     Attributes
     ----------
     surface : TriangleMesh
-        As it is at first.
+        The undeformed surface.
     places : ClosestPoints
         The closest points on it.
     offsets : (n, 3) float64
-        From there to the points.
+        Vectors from there to the points.
     """
 
     surface: TriangleMesh
@@ -45,7 +45,7 @@ class Attachment:
         return cls(surface, places, points - places.interpolated(surface.corners))
 
     def followed(self, vertices: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the points, (n, 3), when the vertices of the surface have moved, (m, 3)."""
+        """Return the points, (n, 3), after the vertices of the surface have moved, (m, 3)."""
         faces, moved = self.surface.faces, TriangleMesh(vertices, self.surface.faces)
         turns = surface_rotations(self.surface.vertices, vertices, faces).reshape(-1, 9)
         mixed = self.places.interpolated(turns[faces]).reshape(-1, 3, 3)
@@ -59,19 +59,19 @@ class Attachment:
 def rigidly_moved(
     points: NDArray[np.float64], followed: NDArray[np.float64], parts: NDArray[np.int64]
 ) -> NDArray[np.float64]:
-    """Replace the motion of points by the similarity of each of their parts that is closest to it.
+    """Replace the motion of each part of some points by the closest similarity transform.
 
     Parameters
     ----------
     points, followed : (n, 3) float64
-        Before and after.
+        Positions before and after the motion.
     parts : (n,) int64
         The part of every point, counted from 0.
 
     Returns
     -------
     (n, 3) float64
-        Least squares over turns, uniform scales and translations (S. Umeyama, "Least-squares estimation of
+        Least squares over rotations, uniform scales and translations (S. Umeyama, "Least-squares estimation of
         transformation parameters between two point patterns", 1991).
     """
     counts = np.maximum(np.bincount(parts), 1)[:, None]

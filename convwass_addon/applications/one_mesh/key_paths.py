@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the vertices of one mesh go to other shapes, as a few positions between which they go straight.
+"""Paths of one mesh's vertices to other shapes, with a few key positions and straight lines between them.
 
-The mesh is guided to each of the other shapes (:mod:`..motions.guided_motion`) and drawn onto its surface at the end.
-Straight pieces, as few as leave no vertex farther from its path than is allowed, take the place of the path.
+The mesh is guided to each of the other shapes (:mod:`..motions.guided_motion`) and finally moved onto its surface. The
+path is then replaced by the fewest straight pieces that leave no vertex farther from it than allowed.
 """
 
 from __future__ import annotations
@@ -30,43 +30,43 @@ from ..motions.guides import Guide
 from .straight_pieces import fitted_pieces
 from .turned_offsets import TurnedOffsets
 
-# A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and a mesh
-# that follows it would be mangled.
+# A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and would
+# distort the mesh.
 _LEAST_SCORE = 0.6
-# Positions that are looked at to choose some of them.
+# Number of samples of a path, some of which become key positions.
 _SAMPLES = 65
-# Share of the work that the motion is.
+# Fraction of the work for the motion.
 _GUIDED = 0.8
-# Vertices farther from the other surface than this share of its diagonal have not arrived.
+# Vertices farther from the other surface than this fraction of its diagonal count as missing it.
 _FAR = 0.01
-# Shapes are only moved where they have weight; so near to the end nothing is left to see.
+# Motions move only shapes with weight, so the end of a path is evaluated at this small weight.
 _CLOSE = 1e-6
 
 
 @dataclass(frozen=True)
 class KeyPath:
-    """How the vertices of a mesh go to another shape.
+    """The path of a mesh's vertices to another shape.
 
     Attributes
     ----------
     name : str
-        What the other shape is called.
+        Name of the other shape.
     times : tuple of float
-        When the positions are reached, increasing to 1; at 0 the mesh is as it is.
+        Times of the positions, increasing to 1; at 0 the mesh is undeformed.
     positions : (k, n, 3) float64
-        Of the vertices, scene units.
+        Positions of the vertices, scene units.
     score : float
-        Of the map between the two shapes, 0 to 1.
+        Score of the map between the two shapes, 0 to 1.
     deviation : float
-        By how much a vertex leaves the path between two positions, as a share of the other shape's diagonal.
+        Largest distance of a vertex from the original path, as a fraction of the other shape's diagonal.
     distance, distance_95 : float
-        From the mesh at the end to the other surface, as shares of its diagonal: mean over the area, and what 95 % of
-        the area stay below.
+        From the last position to the other surface, as fractions of its diagonal: mean over the area, and 95th
+        percentile.
     turned : int
-        Triangles that face away from the surface on which they end.
+        Number of triangles that finally face away from the surface they lie on.
     poor : (p,) int64
-        Vertices that are not where they should be: those of triangles that are turned over or have collapsed, and those
-        farther than a hundredth of the diagonal from the surface.
+        Misplaced vertices: those of flipped or collapsed triangles, and those farther than a hundredth of the diagonal
+        from the surface.
     """
 
     name: str
@@ -95,28 +95,28 @@ def key_paths(
     guides: Sequence[Guide],
     control: Control,
 ) -> Work[list[KeyPath]]:
-    """Find how the vertices of the first shape go to each of the others.
+    """Find the paths of the first shape's vertices to each of the other shapes.
 
     Parameters
     ----------
     shapes : sequence of TriangleMesh
-        Where they stand, scene units: the mesh that is to change, and the shapes that it is to take.
+        In scene units: the mesh to be deformed, and the shapes whose form it takes.
     names : sequence of str
-        What messages call them.
+        Names of the shapes, for messages.
     accuracy : float
-        By how much vertices may leave the path, as a share of the diagonal of the shape that they go to.
+        Largest distance of vertices from their path, as a fraction of the diagonal of the shape they move to.
     settings : GuidedSettings
-        How the mesh is guided.
+        Settings of the motion.
     guides : sequence of mappings from int to int
-        Points that belong together; see :func:`..motions.guided_motion.guided_motion`.
+        Corresponding points; see :func:`..motions.guided_motion.guided_motion`.
     control : Control
         Stops the work.
 
     Raises
     ------
     InputError
-        Fewer than two shapes, a coherence at which the mesh does not arrive, or shapes between which there is no good
-        map.
+        Fewer than two shapes, a coherence at which the mesh does not reach the other shapes, or shapes between which
+        there is no good map.
     """
     if len(shapes) < 2:
         raise InputError("Shape keys need a mesh and at least one shape for it to take.")
@@ -140,14 +140,14 @@ def key_paths(
 def paths_along(
     motion: GuidedMotion, shapes: Sequence[TriangleMesh], names: Sequence[str], accuracy: float, control: Control
 ) -> Work[list[KeyPath]]:
-    """Find how the vertices of the first shape go to each of the others along a motion.
+    """Find the paths of the first shape's vertices to each of the other shapes along a motion.
 
     Parameters
     ----------
     motion : GuidedMotion
-        Between the first shape and each of the others.
+        The motion between the first shape and each of the others.
     shapes, names, accuracy, control
-        As for :func:`key_paths`; the shapes facing outward.
+        As for :func:`key_paths`; the shapes must be oriented outward.
     """
     found = []
     for index in range(1, len(shapes)):
@@ -162,8 +162,8 @@ def paths_along(
 class _Way:
     """The mesh on its way to one of the shapes.
 
-    `heights`, (n,), is how far along its normals the guided mesh is from the other surface at the end; `mended` is what
-    vertices near folds move besides.
+    `heights`, (n,), are the remaining distances to the other surface at the end, along the normals of the guided mesh;
+    `mended` are further offsets of vertices near folds.
     """
 
     motion: GuidedMotion
@@ -183,14 +183,14 @@ class _Way:
         heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
         laid = guided.vertices + heights[:, None] * normals
         final = unfolded(mesh, laid, target, control)
-        # Normals turn abruptly where the guided mesh folds, so vertices there get all of their offset in another way.
+        # Normals change abruptly where the guided mesh folds, so vertices there get their whole offset as `mended`.
         mended = (final != laid).any(axis=1)
         heights[mended] = 0.0
         offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
         return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
 
     def guided(self, t: float) -> TriangleMesh:
-        """Return the mesh as it is guided; at the end, the limit from before, since there it has no weight."""
+        """Return the guided mesh; at the end, its limit, since a shape without weight is not moved."""
         t = min(t, 1.0 - _CLOSE)
         weights = [0.0] * len(self.motion.carriers)
         weights[0], weights[self.index] = 1.0 - t, t
@@ -207,7 +207,7 @@ class _Way:
 
 
 def _path(way: _Way, name: str, score: float, accuracy: float, control: Control) -> KeyPath:
-    """Choose the positions of a path, as few as can be."""
+    """Choose the fewest positions for a path."""
     diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
     samples = []
     for t in np.linspace(0.0, 1.0, _SAMPLES):

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Paths of many points as few straight pieces.
+"""Approximate paths of many points by few straight pieces.
 
-Pieces whose ends lie on a curved path leave it to one side. With ends a little beyond it, by least squares, they stay
-within about two thirds of that, so that fewer are needed.
+Pieces with ends on a curved path lie on one side of it. If the ends are moved beyond the path by least squares, the
+distance falls to about two thirds, so that fewer pieces are needed.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-# Pieces with their ends on the path may leave it by so many times what is allowed, the longest first.
+# Multiples of the allowed distance that are tried for pieces with ends on the path, before the ends are moved.
 _LONGER = (2.0, 1.8, 1.6, 1.4, 1.2, 1.0)
 
 
@@ -26,11 +26,11 @@ class FittedPieces:
     Attributes
     ----------
     ends : list of int
-        Samples at whose times the pieces end, the last one among them; the first piece begins at sample 0.
+        Samples at which the pieces end, including the last one; the first piece begins at sample 0.
     positions : (k, n, 3) float64
-        The points there: at the last sample exactly, in between where the pieces follow the path best.
+        The points at these ends: exact at the last sample, otherwise fitted to the path.
     deviation : float
-        How far a point is at the most from where it belongs.
+        Largest distance of a point from its path.
     """
 
     ends: list[int]
@@ -39,23 +39,23 @@ class FittedPieces:
 
 
 def fitted_pieces(samples: Sequence[NDArray[np.float64]], most: float) -> FittedPieces:
-    """Follow a path by few straight pieces; the parameters are those of :func:`straight_pieces`."""
+    """Follow a path by few straight pieces; parameters as for :func:`straight_pieces`."""
     for factor in _LONGER:
         found = _fitted(samples, straight_pieces(samples, factor * most))
         if found.deviation <= most:
             return found
-    # With their ends on the path the pieces stay within what is allowed.
+    # With ends on the path, the pieces stay within the allowed distance.
     ends = straight_pieces(samples, most)
     return FittedPieces(ends, np.stack([samples[end] for end in ends]), _deviation(samples, (0, *ends)))
 
 
 def _fitted(samples: Sequence[NDArray[np.float64]], ends: list[int]) -> FittedPieces:
-    """Place the inner ends by least squares over all samples."""
+    """Fit the inner ends by least squares over all samples."""
     knots = np.array([0, *ends])
     times = np.arange(len(samples))
     hats = np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
     path = np.stack(samples).reshape(len(samples), -1)
-    # Both ends of the path stay where they are.
+    # Both ends of the path are fixed.
     fixed = hats[:, [0, -1]] @ path[[0, -1]]
     inner = np.linalg.lstsq(hats[:, 1:-1], path - fixed, rcond=None)[0]
     away = (fixed + hats[:, 1:-1] @ inner - path).reshape(len(samples), -1, 3)
@@ -68,22 +68,22 @@ def _deviation(samples: Sequence[NDArray[np.float64]], knots: Sequence[int]) -> 
 
 
 def straight_pieces(samples: Sequence[NDArray[np.float64]], most: float) -> list[int]:
-    """Choose the ends of as few straight pieces as follow a path.
+    """Choose the ends of the fewest straight pieces that follow a path.
 
-    Each piece leads to the farthest sample that it can reach, which gives the fewest pieces. Along a piece the points
-    move at an even pace.
+    Each piece leads to the farthest sample that it can reach, which minimizes their number. Points move along a piece
+    at constant speed.
 
     Parameters
     ----------
     samples : sequence of (n, 3) float64
-        Where the points are, at even steps of time; two samples at least.
+        Positions of the points at equal steps of time; at least two samples.
     most : float
-        How far a point may be from where it belongs at the time of any sample.
+        Largest allowed distance of a point from its position at the time of any sample.
 
     Returns
     -------
     list of int
-        Samples at which the pieces end, the last one among them; the first piece begins at sample 0.
+        Samples at which the pieces end, including the last one; the first piece begins at sample 0.
     """
     last, ends, begin = len(samples) - 1, [], 0
     while begin < last:
@@ -96,7 +96,7 @@ def straight_pieces(samples: Sequence[NDArray[np.float64]], most: float) -> list
 
 
 def strayed(samples: Sequence[NDArray[np.float64]], begin: int, end: int) -> float:
-    """Return how far points are at the most from the straight and even way between two samples."""
+    """Return the largest distance of points from uniform motion on a straight line between two samples."""
     away = 0.0
     for index in range(begin + 1, end):
         t = (index - begin) / (end - begin)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Offsets of a few vertices that turn with the surface around them."""
+"""Offsets of a few vertices that rotate with the surface around them."""
 
 from __future__ import annotations
 
@@ -15,22 +15,22 @@ from ...geometry.surface_rotations import surface_rotations
 
 @dataclass(frozen=True)
 class TurnedOffsets:
-    """Offsets at the end of a path, seen from the undeformed mesh.
+    """Offsets at the end of a path, in the frame of the undeformed mesh.
 
     Attributes
     ----------
     moved : (k,) int64
         The vertices that have an offset.
     around : (j,) int64
-        They and their neighbors.
+        These vertices and their neighbors.
     own : (k,) int64
-        Where the vertices are among those.
+        Indices of the vertices in `around`.
     faces : (m, 3) int64
         Triangles among `around`.
     rest : (j, 3) float64
         Positions in the undeformed mesh.
     offsets : (k, 3) float64
-        Turned back to it.
+        Offsets, rotated back to the undeformed mesh.
     """
 
     moved: NDArray[np.int64]
@@ -42,7 +42,7 @@ class TurnedOffsets:
 
     @classmethod
     def of(cls, mesh: TriangleMesh, end: NDArray[np.float64], offsets: NDArray[np.float64]) -> TurnedOffsets:
-        """Take offsets, (n, 3), of the vertices where these are at the end, (n, 3)."""
+        """Compute the record from the offsets, (n, 3), of vertices whose positions at the end are `end`, (n, 3)."""
         has = (offsets != 0.0).any(axis=1)
         triangles = mesh.faces[has[mesh.faces].any(axis=1)]
         around, faces = np.unique(triangles, return_inverse=True)
@@ -55,7 +55,7 @@ class TurnedOffsets:
         return cls(moved, around, own, blank.faces, blank.rest, back)
 
     def added(self, vertices: NDArray[np.float64], guided: NDArray[np.float64], share: float) -> NDArray[np.float64]:
-        """Return vertices, (n, 3), with a share of the offsets, turned as the mesh is where it is guided to, (n, 3)."""
+        """Add a fraction of the offsets to vertices, (n, 3), rotated like the guided mesh, (n, 3)."""
         if not len(self.moved):
             return vertices
         found = vertices.copy()

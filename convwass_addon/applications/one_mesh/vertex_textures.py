@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertex animation textures: images from which a vertex shader reads where vertices are in every frame.
+"""Vertex animation textures: images from which a vertex shader reads the positions of vertices in every frame.
 
-Each texel holds one vertex in one frame. A frame takes as many whole rows as it needs; frames follow each other from
-the top. The position of a vertex in frame k is at (u, v + k / frames), where (u, v) are its texture coordinates, with
-the origin at the top left as in glTF.
+Each texel holds one vertex in one frame. A frame takes a whole number of rows; frames follow each other from the top.
+The position of a vertex in frame k is at (u, v + k / frames), where (u, v) are its texture coordinates, with the origin
+at the top left as in glTF.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 
 LARGEST_TEXTURE = 8192
-"""Most texels along a side: what graphics cards for WebGL 2 and mobile engines take."""
+"""Largest width and height that WebGL 2 and mobile engines support on common graphics cards."""
 
 _LEAST_WIDTH = 64
 _STEPS = 65535
@@ -26,14 +26,14 @@ _STEPS = 65535
 
 @dataclass(frozen=True)
 class TextureGrid:
-    """Which texel belongs to which vertex in which frame.
+    """The texels of all vertices in all frames.
 
     Attributes
     ----------
     points, frames : int
-        How many vertices and frames there are.
+        Number of vertices and of frames.
     width : int
-        Texels of a row, a power of two.
+        Texels per row, a power of two.
     """
 
     points: int
@@ -42,12 +42,12 @@ class TextureGrid:
 
     @classmethod
     def of(cls, points: int, frames: int) -> TextureGrid:
-        """Choose a width for about square images, of which one of twice the height must fit `LARGEST_TEXTURE`.
+        """Choose a width for roughly square images; an image of twice the height must not exceed `LARGEST_TEXTURE`.
 
         Raises
         ------
         InputError
-            There is too much for one image.
+            There are too many values for one image.
         """
         width = _LEAST_WIDTH
         while width < LARGEST_TEXTURE and 2 * frames * -(-points // width) > width:
@@ -65,7 +65,7 @@ class TextureGrid:
 
     @property
     def rows(self) -> int:
-        """Rows of a frame."""
+        """Rows per frame."""
         return -(-self.points // self.width)
 
     @property
@@ -92,7 +92,7 @@ class TextureGrid:
 
 @dataclass(frozen=True)
 class VertexAnimation:
-    """How the vertices of a mesh move.
+    """The motion of a mesh's vertices.
 
     Attributes
     ----------
@@ -103,8 +103,8 @@ class VertexAnimation:
     colors : (f, n, 3) float64 or None
         sRGB from 0 to 1.
     changing : bool
-        The vertices of a frame are corners of triangles, three for each, which have nothing to do with those of the
-        next frame; surplus triangles have no area. Otherwise vertices keep their meaning.
+        Whether topology changes from frame to frame: vertices are then corners of triangles, three for each, which do
+        not correspond between frames, and surplus triangles have no area.
     """
 
     points: NDArray[np.float64]
@@ -114,12 +114,12 @@ class VertexAnimation:
 
     @property
     def grid(self) -> TextureGrid:
-        """Return where the vertices are in the textures; raises InputError where they do not fit."""
+        """Return the layout of the textures; raises InputError if they would be too large."""
         return TextureGrid.of(self.points.shape[1], self.points.shape[0])
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Lowest and highest coordinates of all frames, (2, 3)."""
+        """Minimum and maximum coordinates over all frames, (2, 3)."""
         return np.stack([self.points.min(axis=(0, 1)), self.points.max(axis=(0, 1))])
 
 
@@ -128,19 +128,19 @@ def padded_triangles(
     normals: Sequence[NDArray[np.float64]],
     colors: Sequence[NDArray[np.float64]] | None = None,
 ) -> VertexAnimation:
-    """Give all frames of changing topology as many triangles as the largest has.
+    """Pad all frames of changing topology to the number of triangles of the largest.
 
     Parameters
     ----------
     corners, normals : sequence of (m, 3, 3) float64
         Positions and unit normals at the corners of the triangles of every frame.
     colors : sequence of (m, 3, 3) float64, optional
-        sRGB there.
+        sRGB at these corners.
     """
     most = max(len(own) for own in corners)
 
     def padded(frames: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
-        # All surplus corners are one point of the surface, which leaves the bounds as they are.
+        # All surplus corners coincide with one point of the surface, so that the bounds stay the same.
         rows = [np.concatenate([own, np.broadcast_to(own[:1, :1], (most - len(own), 3, 3))]) for own in frames]
         return np.stack(rows).reshape(len(frames), 3 * most, 3)
 
@@ -155,12 +155,12 @@ def split_steps(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDA
     points : (f, n, 3) float64
         Within the bounds.
     bounds : (2, 3) float64
-        What 0 and 65535 stand for.
+        Coordinates represented by 0 and 65535.
 
     Returns
     -------
     (2, f, n, 3) uint8
-        High bytes, then low bytes. Many importers, browsers among them, reduce images of 16 bits to 8.
+        High bytes, then low bytes. Many importers, including browsers, reduce 16-bit images to 8 bits.
     """
     extent = np.where(bounds[1] > bounds[0], bounds[1] - bounds[0], 1.0)
     steps = np.clip(np.rint((points - bounds[0]) / extent * _STEPS), 0, _STEPS).astype(np.uint16)
@@ -168,21 +168,21 @@ def split_steps(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDA
 
 
 def joined_steps(split: NDArray[np.uint8], bounds: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the positions, (f, n, 3), that `split_steps` has quantized: what a shader does."""
+    """Return the positions, (f, n, 3), from the bytes of `split_steps`, as a shader does."""
     steps = 256.0 * split[0] + split[1]
     return bounds[0] + steps / _STEPS * (bounds[1] - bounds[0])
 
 
 def packed_normals(normals: NDArray[np.float64]) -> NDArray[np.uint8]:
-    """Quantize unit vectors, (f, n, 3), to 8 bits per axis: -1 is 0 and 1 is 255."""
+    """Quantize unit vectors, (f, n, 3), to 8 bits per axis: 0 stands for -1 and 255 for 1."""
     return np.clip(np.rint((normals * 0.5 + 0.5) * 255.0), 0, 255).astype(np.uint8)
 
 
 def unpacked_normals(packed: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Return the vectors, (f, n, 3), that `packed_normals` has quantized, not normalized."""
+    """Return the vectors, (f, n, 3), from the bytes of `packed_normals`, not normalized."""
     return packed / 127.5 - 1.0
 
 
 def y_up(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return points or vectors, (..., 3), in the axes of glTF: Blender's Z is Y there, and its Y is -Z."""
+    """Convert points or vectors, (..., 3), to the axes of glTF: Blender's Z becomes Y, and its Y becomes -Z."""
     return np.stack([vectors[..., 0], vectors[..., 2], -vectors[..., 1]], axis=-1)

@@ -121,9 +121,9 @@ def test_sheets_and_paths_are_recognized_by_their_weights():
     found = PathNodes.of(weights).between(path_weights(1.0 - 1 / 96, 3))
     assert found.rows == (4, 5)
     assert found.shares == pytest.approx((0.0625, 0.9375))
-    with pytest.raises(InputError, match="no whole sheet"):
+    with pytest.raises(InputError, match="not a complete sheet"):
         SheetNodes.of(weights[:-1])
-    with pytest.raises(InputError, match="no path"):
+    with pytest.raises(InputError, match="not a path"):
         PathNodes.of(weights[::-1])
 
 
