@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remesh a level set with larger or smaller faces; its topology and volume stay.
 
-The vertices of the new mesh are spread by area over the vertices of the old one, or of that with all edges halved, and
-closer where the surface bends: :mod:`.coarsening`.
+The vertices of the new mesh are chosen by :mod:`.coarsening` among those of the old one, possibly after halving all
+edges: evenly by area, but closer together where the surface bends.
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from .mesh import TriangleMesh
 from .normals import vertex_normals
 from .subdivision import with_edges_halved
 
-# Coarsening chooses among the vertices of the finer mesh: with fewer than so many for each, edges are halved before.
+# Coarsening needs a choice: if there are fewer than this many vertices for each one wanted, edges are halved first.
 _LEAST_CHOICE = 2.25
-# Edges of larger faces deviate from the surface by so many cells times the size.
+# Larger faces may deviate from the surface by this many cells times the size.
 _DEVIATION = 0.05
 # Largest step onto the level set, in cells, number of steps, and margin of samples around the density.
 _STEP, _STEPS, _MARGIN = 0.3, 2, 3
-# Gradients below this do not tell the direction to the level set; see `even_surface`.
+# The direction to the level set is unreliable where gradients are below this; see `even_surface`.
 _LEAST_SLOPE = 0.05
-# Edges are flipped and vertices are moved along the surface by at most so many cells off it, times the size of faces.
+# Edge flips and smoothing may move the surface by at most this many cells times the face size.
 _FLAT = 0.03
-# The volume is restored in so many steps of at most so many cells.
+# Maximum number of steps to restore the volume, and the length of a step in cells.
 _SHIFTS, _LONGEST_SHIFT = 3, 0.3
 
 
@@ -43,8 +43,8 @@ def with_face_size(
 ) -> LevelSurface:
     """Remesh an even surface with about 1 / size² as many faces.
 
-    Where the surface bends so much that larger faces would not follow it, there are more, and thin parts keep enough
-    of them for their topology.
+    The mesh has more faces where larger ones could not follow the curvature, and thin parts keep enough of them for
+    their topology.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ class _Field:
 
 
 def _halved(mesh: TriangleMesh, field: _Field) -> TriangleMesh:
-    """Halve all edges, and put their middles onto the level set."""
+    """Halve all edges, and move their midpoints onto the level set."""
     use = edge_use(mesh.faces)
     halved = with_edges_halved(mesh, use, np.ones(len(use.start), bool)).mesh
     vertices = halved.vertices.copy()
@@ -97,7 +97,7 @@ def _halved(mesh: TriangleMesh, field: _Field) -> TriangleMesh:
 
 
 def _closeness(mesh: TriangleMesh, size: float) -> NDArray[np.float64]:
-    """Return how many times closer by area vertices must be than elsewhere where the surface bends, (n,).
+    """Return the factor by which the density of vertices, by area, is increased where the surface bends, (n,).
 
     An edge of length h deviates from a surface of curvature k by k h² / 8.
     """

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Join the pieces of a level set by bridges, or let them go, so that little changes where its density changes little.
+"""Connect pieces of a level set by bridges, or remove them, such that the result changes little with the density.
 
-In a morph, a piece hangs on by a gap whose density rises and falls with time. It is bridged while the gap is dense, the
-sooner the larger the piece is, and dropped while it is not. Between, it is clipped: it grows out of what it hangs on
-as the gap gets denser, and draws back into it as the gap gets thinner. No other frame has to be known for that.
+In a morph, a piece is separated by a gap whose density rises and falls with time. While the gap is dense the piece is
+connected by a bridge, sooner for larger pieces; while it is not, the piece is removed. In between, the piece is
+clipped: it grows out as the gap becomes denser, and retracts as it becomes thinner. Each frame is processed
+independently.
 """
 
 from __future__ import annotations
@@ -23,14 +24,15 @@ from .labelling import Pieces
 from .piece_trees import PieceTrees
 
 STRAY_SHARE = 5e-3
-"""Pieces of a smaller share of the volume are dropped where no gap leads to them that can be bridged."""
+"""Pieces with a smaller share of the volume are removed unless a gap next to them can be bridged."""
 
 DEEPEST_GAP = 0.2
-"""Share of the level below which no gap is bridged."""
+"""Density below which no gap is bridged, as a fraction of the level."""
 
-# How much denser a gap must be for the smallest piece than for a stray; how much denser again for a piece of this
-# length in cells to be whole; and how much denser for every cell that a gap is wider than this. From octopus to horse,
-# by transport at 100 cells and in 24 frames, gaps change by .1 a frame: pieces then grow by three cells.
+# A piece starts to grow when the density of its gap, as a fraction of the level, exceeds `DEEPEST_GAP`, plus up to
+# `_DENSER` for small pieces, plus `_WIDER` for every cell that the gap is wider than `_NARROW`. It is complete at
+# `_BAND` more; longer pieces than `_USUAL_LENGTH`, in cells, take proportionally more. From octopus to horse, by
+# transport at 100 cells in 24 frames, gaps change by 0.1 per frame, so pieces grow by three cells.
 _DENSER = 0.3
 _BAND, _USUAL_LENGTH = 0.4, 12.0
 _WIDER, _NARROW = 0.04, 3.0
@@ -40,12 +42,12 @@ _NECK = 2.0
 
 @dataclass(frozen=True)
 class Joining:
-    """What was done about pieces.
+    """The changes made to pieces.
 
     Attributes
     ----------
     bridged, clipped, dropped : int
-        How many were joined with others as they are, how many in part, and how many have gone.
+        Numbers of pieces that were connected as a whole, connected in part, and removed.
     """
 
     bridged: int
@@ -54,28 +56,28 @@ class Joining:
 
     @property
     def any(self) -> bool:
-        """Whether anything was changed."""
+        """Whether anything changed."""
         return self.bridged + self.clipped + self.dropped > 0
 
 
 def join_pieces(density: NDArray[np.floating], level: float, pieces: Pieces, most: int, volume: float) -> Joining:
-    """Bridge gaps between pieces and drop others, so that about `most` are left; the density is changed in place.
+    """Connect or remove pieces in place until about `most` are left.
 
-    The largest pieces are kept apart. All others are joined to the piece that the densest gap leads to, unless that is
-    too thin.
+    The largest pieces stay separate. Each other piece is connected to the piece across its densest gap, unless that gap
+    is too thin.
 
     Parameters
     ----------
     density : (nx, ny, nz)
-        What the pieces are a level set of.
+        The pieces are a level set of this density.
     level : float
-        Of the set.
+        The level of that set.
     pieces : Pieces
         More than `most`.
     most : int
-        How many are to be left.
+        Wanted number of pieces.
     volume : float
-        Of all pieces together, in cells.
+        Total volume of the pieces, in cells.
     """
     labels = pieces.labels
     cells = _cells_of(labels, pieces.count)
@@ -96,7 +98,7 @@ def join_pieces(density: NDArray[np.floating], level: float, pieces: Pieces, mos
             bridges.append((link, grown))
         else:
             is_gone[link.branch] = True
-    # From the tips to the stems, so that what is clipped takes along all that hangs on it.
+    # From tips to stems, so that clipping a piece also clips those that it connects.
     for link, grown in reversed(bridges):
         way = way_across(density, labels, (link.stem + 1, link.branch[0] + 1), link.gap)
         branch = np.concatenate([cells[piece] for piece in link.branch if not is_gone[piece]])
@@ -118,18 +120,18 @@ def _cells_of(labels: NDArray[np.int32], count: int) -> list[NDArray[np.int64]]:
 
 
 def grown_share(share: float, height: float, width: float, length: float) -> float:
-    """Return how much of a piece has grown out: 0 where it is dropped, 1 where it is whole, continuous between.
+    """Return which fraction of a piece is included: 0 if it is removed, 1 if it is complete, and continuous in between.
 
     Parameters
     ----------
     share : float
-        Of the volume, that the piece has.
+        The piece's share of the volume.
     height : float
-        Density of its gap over the level.
+        Density of its gap, as a fraction of the level.
     width : float
-        Of the gap, in cells. A wide bridge makes a long jump when it goes over to another place.
+        Width of the gap, in cells; a wide bridge would change much if it moved to another position.
     length : float
-        Of the piece with its bridge, in cells: a long one takes longer to grow.
+        Length of the piece with its bridge, in cells; a long one takes longer to grow.
     """
     smallness = 1.0 - min((share / STRAY_SHARE) ** (1.0 / 3.0), 1.0)
     least = DEEPEST_GAP + _DENSER * smallness
@@ -139,7 +141,7 @@ def grown_share(share: float, height: float, width: float, length: float) -> flo
 
 
 def press_down(density: NDArray[np.floating], level: float, cells: NDArray[np.int64]) -> None:
-    """Press a piece, (n, 3), down to half of the level in place, so that no lower level brings it back."""
+    """Lower the density of a piece, (n, 3), to half of the level in place, so that lower levels do not include it."""
     _limit(density, level, cells, lambda box: np.full(tuple(span.stop - span.start for span in box), 0.5 * level))
 
 
@@ -149,7 +151,7 @@ def _limit(
     cells: NDArray[np.int64],
     most: Callable[[tuple[slice, ...]], NDArray[np.floating]],
 ) -> None:
-    """Press cells, (n, 3), and those outside that touch them down to densities given for a box, in place."""
+    """Limit the density of cells, (n, 3), and of empty cells next to them, to values given for a box, in place."""
     box = tuple(slice(max(a - 1, 0), b + 2) for a, b in zip(cells.min(axis=0), cells.max(axis=0), strict=True))
     inner = density[box]
     inside = np.zeros(inner.shape, bool)
@@ -166,11 +168,11 @@ class _Bridge:
     Attributes
     ----------
     way : (n, 3) int64
-        Cells from the stem, which stays, to the branch, which grows out of it.
+        Cells from the stem, which is complete, to the branch, which grows from it.
     branch : (m, 3) int64
         Cells of the branch.
     grown : float
-        How much of both has grown out.
+        Fraction of the bridge and the branch that is included.
     """
 
     way: NDArray[np.int64]
@@ -178,7 +180,7 @@ class _Bridge:
     grown: float
 
     def build(self, density: NDArray[np.floating], level: float) -> NDArray[np.int64]:
-        """Raise the bridge, clip the branch, and return the cells that the bridge has made, (k, 3)."""
+        """Raise the bridge, clip the branch, and return the cells that the bridge adds, (k, 3)."""
         box, raised = raised_along(density, self.way, RAISED * level, _NECK)
         if self.grown < 1.0:
             raised = np.minimum(raised, self._most(box, level)).astype(density.dtype)

@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Intersections of axis-parallel lattice lines with the triangles of a mesh.
 
-Triangles are cut into columns: between the two edges that a column crosses lie the lines that cross the triangle. Where
-an edge crosses a column is the same number for both triangles beside it, so closed meshes have no gaps.
+The projection of a triangle is divided into columns, each of which meets two of its edges; the lines between these
+edges cross the triangle. Adjacent triangles compute identical positions on their common edge, so closed meshes have no
+gaps.
 """
 
 from __future__ import annotations

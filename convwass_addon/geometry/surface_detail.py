@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lay the detail of shapes onto a surface that was read between them at a coarse resolution.
+"""Add the detail of shapes to a surface between them that was extracted at a coarse resolution.
 
-Every vertex v of the surface has a place y_i on the coarse reading of each shape i, with sum_i w_i y_i = v. The offset
-from there to the shape itself, d_i = p_i - y_i with p_i the closest point that faces the same way, is the detail that
-the reading has lost. The detailed surface has v + sum_i w_i c_i d_i, where the trust c_i in an offset is 1 but where
-the shape is far away, turned away, or inside its own solid. Where all offsets are trusted that is sum_i w_i p_i: the
+For every shape i, each vertex v of the surface has a point y_i on the coarsely extracted surface of the shape, with
+sum_i w_i y_i = v. The detail lost by the coarse extraction is d_i = p_i - y_i, where p_i is the closest point of the
+shape itself with a similar normal. The detailed surface has the vertices v + sum_i w_i c_i d_i. The trust c_i is 1
+unless the shape is far away, faces away, or is inside its own solid there. With full trust these are sum_i w_i p_i: the
 surface becomes the shape as its weight goes to one.
 
-Edges are halved where the shapes bend between their ends, and where an edge crosses a crease its middle is put onto the
-crease (as vertices are in L. Kobbelt, M. Botsch, U. Schwanecke and H.-P. Seidel, "Feature sensitive surface extraction
-from volume data", SIGGRAPH 2001), so that creases are edges of the detailed surface.
+Edges are halved where a shape bends between their ends. Where an edge crosses a crease, its midpoint is moved to the
+crease (like the vertices in L. Kobbelt, M. Botsch, U. Schwanecke and H.-P. Seidel, "Feature sensitive surface
+extraction from volume data", SIGGRAPH 2001), so that creases become edges of the detailed surface.
 """
 
 from __future__ import annotations
@@ -35,45 +35,44 @@ from .normals import area_normals, triangle_normals, unit_vectors, vertex_normal
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
 
-# Edges of a cell are halved where the surface would leave a shape by more than this many cells, unless they are this
-# short, and so often. The surface gets no more than so many times its triangles.
+# Edges are halved where they deviate from a shape by more than the first number of cells, unless they are shorter than
+# the second, and for at most this many rounds.
 _DEVIATION, _SHORTEST, _ROUNDS = 0.03, 0.25, 2
 _MOST_TRIANGLES = 3.0
-# Offsets are trusted up to so many cells, and not at all from so many on.
+# Offsets are fully trusted up to the first length in cells, and not at all from the second on.
 _TRUSTED, _FARTHEST = 1.25, 2.5
-# Points of a shape are on the surface of its solid up to the first share of filled space about them, and inside it from
-# the second.
+# Points of a shape are on the surface of its solid up to the first filled fraction around them, and inside from the
+# second on.
 _SURFACE, _INSIDE = 0.9, 0.985
-# Places are evened out where triangles that are laid onto a shape turn away by more than this cosine, so often.
+# Points are relaxed where triangles on a shape are rotated beyond this cosine, in this many rounds.
 _TURNED, _RELAXATIONS = 0.3, 4
-# Rounds in which trust fades towards places without any.
+# Rounds in which trust is smoothed towards points without trust.
 _FADING = 2
-# Edges of narrow triangles are flipped where the surface moves by no more than so many cells, and then their vertices
-# are moved by no more than so many cells off the triangles about them.
+# Edges of narrow triangles are flipped, and then their vertices moved, if the surface moves by at most this many cells.
 _FLAT, _SMOOTH = 0.03, 0.01
-# A volume is corrected where it is off by more than this share, by no more than so many cells along the normals, in so
-# many rounds: a chair halfway to a man takes a fifth of a cell.
+# The volume is corrected if its relative error exceeds the first number, by at most the second in cells along the
+# normals, in this many rounds: a chair halfway to a man needs a fifth of a cell.
 _VOLUME_TOLERANCE, _MOST_CORRECTION, _ROUNDS_OF_VOLUME = 5e-4, 0.3, 3
 
 
 @dataclass(frozen=True)
 class DetailSource:
-    """A shape that brings its detail.
+    """A shape whose detail is added.
 
     Attributes
     ----------
     shape : FacingShape
         In the space of the surface.
     weight : float
-        Its share of the surface.
+        Its weight in the surface.
     starts : (n, 3) float64
-        Where on its coarse reading the vertices of the surface are.
+        The points on its coarsely extracted surface that belong to the vertices of the surface.
     certainty : (n,) float64
-        How far the starts are known, from 0 to 1; offsets from them are taken no further.
+        Confidence in these points, from 0 to 1, which limits the trust in offsets.
     filled : callable
-        Takes points, (p, 3), and returns which share of the space about each the solid fills, (p,).
+        Takes points, (p, 3), and returns the filled fraction of the space around each, (p,).
     reliability : (v,) float64 or None
-        How far the surface is the shape's own at its vertices, from 0 to 1; None where it is everywhere.
+        How reliable the shape's detail is at its vertices, from 0 to 1; None if it is reliable everywhere.
     """
 
     shape: FacingShape
@@ -86,18 +85,18 @@ class DetailSource:
 
 @dataclass(frozen=True)
 class DetailedSurface:
-    """A surface with the detail of the shapes that it lies between.
+    """A surface with the detail of the shapes that it interpolates.
 
     Attributes
     ----------
     mesh : TriangleMesh
-        With more triangles where there is detail.
+        It has more triangles where there is detail.
     places : list of ClosestPoints
-        For every shape, where on it the vertices of the mesh are.
+        For every shape, the points on it that belong to the vertices of the mesh.
     origins : list of (n, 3) float64
-        These places as far as they are trusted to be the detail of where the vertices come from.
+        These points, as far as they are trusted; otherwise the starts of the vertices.
     triangles : list of (m,) int64
-        For every shape, on which of its triangles the triangles of the mesh lie.
+        For every shape, the triangles on which the triangles of the mesh lie.
     """
 
     mesh: TriangleMesh
@@ -115,24 +114,24 @@ def with_detail(
     control: Control = UNINTERRUPTED,
     face_size: float = 1.0,
 ) -> DetailedSurface:
-    """Lay the detail of shapes onto a surface.
+    """Add the detail of shapes to a surface.
 
     Parameters
     ----------
     surface : TriangleMesh
-        Closed and outward, in any space.
+        Closed and oriented outward, in any space.
     sources : sequence of DetailSource
         The shapes, with weights of sum one.
     cell : float
-        The resolution that the surface was read at, a length in that space.
+        The resolution at which the surface was extracted, a length in that space.
     amount : float
-        How much of the detail, from 0 to 1.
+        Fraction of the detail to add, from 0 to 1.
     volume : float
-        That the detailed surface should enclose.
+        Volume that the detailed surface should enclose.
     control : Control
-        Ends the work when cancelled.
+        Cancels the work.
     face_size : float
-        Length of the edges of the surface in cells: edges that are twice as long may deviate four times as much.
+        Edge length of the surface in cells: edges that are twice as long may deviate four times as much.
     """
     normals = _even_normals(surface)
     laid = _Laid(surface, normals, [_Carried.found(source, normals, control) for source in sources])
@@ -161,7 +160,7 @@ def with_detail(
 
 @dataclass(frozen=True)
 class _Carried:
-    """Where the vertices of a surface are on one shape."""
+    """The points of one shape that belong to the vertices of a surface."""
 
     source: DetailSource
     facing: NDArray[np.float64]
@@ -173,7 +172,7 @@ class _Carried:
 
     @classmethod
     def found(cls, source: DetailSource, normals: NDArray[np.float64], control: Control) -> _Carried:
-        """Find the places of the vertices of a surface with these normals, (n, 3)."""
+        """Find the points for the vertices of a surface with these normals, (n, 3)."""
         places = source.shape.finder.find(source.starts, normals, control)
         facing = triangle_normals(source.shape.mesh.corners)
         points = places.interpolated(source.shape.mesh.corners)
@@ -184,15 +183,16 @@ class _Carried:
         return self.facing.take(self.places.triangles, axis=0)
 
     def deviations(self, ends: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Estimate how far the shape is from the middles of edges, (e, 2), that are drawn onto it."""
+        """Estimate the distances of the shape from the midpoints of edges, (e, 2), that connect points of it."""
         first, second = ends.T
         edges = self.points.take(second, axis=0) - self.points.take(first, axis=0)
         heights = [np.abs(np.einsum("nd,nd->n", edges, self.normals.take(end, axis=0))) for end in (first, second)]
-        # At the ends of an arc of curvature k and length l these are k l^2 / 2, and its chord is k l^2 / 8 away.
+        # For an arc of curvature k and length l, the tangents at one end are k l^2 / 2 off the other; the chord's sag
+        # is k l^2 / 8.
         return np.minimum(*heights) / 4.0
 
     def with_middles(self, ends: NDArray[np.int64]) -> _Carried:
-        """Add the vertices that halve some edges, (s, 2): on the crease, where an edge crosses one."""
+        """Add the midpoints of some edges, (s, 2), on the crease if an edge crosses one."""
         first, second = ends.T
         normals = self.normals
         wanted = meeting_points(self.points[first], normals[first], self.points[second], normals[second])
@@ -206,7 +206,7 @@ class _Carried:
         )
 
     def triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return for every face, (m, 3), the triangle of one of its corners whose plane is nearest to the others."""
+        """Return the shape's triangle under each face, (m, 3): at the corner whose plane is closest to the others."""
         points, normals = (np.moveaxis(values.take(faces, axis=0), 1, 0) for values in (self.points, self.normals))
         sides = [points[(corner + 1) % 3] - points[corner] for corner in range(3)]
         heights = np.empty((3, len(faces)))
@@ -217,7 +217,7 @@ class _Carried:
         return self.places.triangles[faces[np.arange(len(faces)), nearest]]
 
     def moved(self, moves: NDArray[np.float64]) -> _Carried:
-        """Return the places of vertices that have moved by so much, (n, 3)."""
+        """Return the points for vertices displaced by `moves`, (n, 3)."""
         rows = np.flatnonzero(moves.any(axis=1))
         found = self.source.shape.finder.find_closest(self.points[rows] + moves[rows])
         points = self.points.copy()
@@ -225,11 +225,11 @@ class _Carried:
         return replace(self, places=self.places.replaced(rows, found), points=points)
 
     def details(self, trust: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the offsets of the shape from its reading, (n, 3), as far as they are trusted."""
+        """Return the offsets of the shape from its coarse surface, (n, 3), times their trust."""
         return trust[:, None] * (self.points - self.starts)
 
     def trust(self, normals: NDArray[np.float64], cell: float) -> NDArray[np.float64]:
-        """Return how far offsets can be taken for detail, (n,), from 0 to 1."""
+        """Return the trust in offsets, (n,), from 0 to 1."""
         distances = np.linalg.norm(self.points - self.starts, axis=1) / cell
         agreement = np.einsum("nd,nd->n", self.normals, normals)
         outside = (_INSIDE - self.source.filled(self.points)) / (_INSIDE - _SURFACE)
@@ -241,19 +241,19 @@ class _Carried:
         return known * np.einsum("nc,nc->n", self.places.shares, self.source.reliability[corners])
 
     def relaxed(self, faces: NDArray[np.int64], facing: NDArray[np.float64], means: EdgeMeans) -> _Carried:
-        """Even out places where triangles are turned over or stand on edge: between their neighbors, on the shape.
+        """Move points of flipped or upright triangles to the mean of their neighbors, projected onto the shape.
 
         Parameters
         ----------
         faces : (m, 3) int64
             Triangles of the surface.
         facing : (m, 3) float64
-            Where they face.
+            Normals of the surface.
         means : EdgeMeans
-            Of the surface.
+            Means over the edges of the surface.
         """
         places, points = self.places, self.points.copy()
-        # Only triangles about vertices that are moved change.
+        # Only triangles around moved vertices change.
         rows = np.arange(len(faces))
         for _ in range(_RELAXATIONS):
             turned = rows[np.einsum("md,md->m", triangle_normals(points[faces[rows]]), facing[rows]) < _TURNED]
@@ -272,19 +272,19 @@ class _Carried:
 
 @dataclass(frozen=True)
 class _Laid:
-    """A surface, and where its vertices are on all shapes."""
+    """A surface, and the points of all shapes that belong to its vertices."""
 
     mesh: TriangleMesh
     normals: NDArray[np.float64]
     carried: list[_Carried]
 
     def relaxed(self, means: EdgeMeans) -> _Laid:
-        """Even out where vertices are on the shapes."""
+        """Relax the points on all shapes."""
         facing = unit_vectors(self.normals[self.mesh.faces].sum(axis=1))
         return replace(self, carried=[own.relaxed(self.mesh.faces, facing, means) for own in self.carried])
 
     def refined(self, cell: float, face_size: float, most: int) -> _Laid | None:
-        """Halve edges between whose ends the shapes bend; None where there are none, or no room for them."""
+        """Halve edges between whose ends a shape bends; None if there are none, or too many triangles."""
         use = edge_use(self.mesh.faces)
         ends = edge_ends(self.mesh.faces, use)
         deviations = np.zeros(len(ends))
@@ -310,13 +310,13 @@ class _Laid:
 
 
 def _even_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return normals of the vertices, averaged with those of their neighbors."""
+    """Return vertex normals, averaged with those of the neighbors."""
     normals, means = vertex_normals(mesh.vertices, mesh.faces), EdgeMeans.of(mesh)
     return unit_vectors(normals + means.mean_points(normals))
 
 
 def _with_volume(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float, cell: float) -> TriangleMesh:
-    """Move a surface evenly along normals, (n, 3), until it encloses a volume, or as far as it may be moved."""
+    """Move a surface evenly along normals, (n, 3), to enclose a volume, as far as the limit permits."""
     moved = 0.0
     for _ in range(_ROUNDS_OF_VOLUME):
         missing = volume - mesh.volume

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends of flat shapes: barycenters, and the outlines and images that are read from them."""
+"""Blends of flat shapes: barycenters, and the outlines and images extracted from them."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def solve_flat_blends(
     control: Control = UNINTERRUPTED,
     hand_over: HandOver = at_once,
 ) -> list[FlatFrame]:
-    """Solve a run of blends, each started from the one before; the parameters are those of :func:`.solve_blends`."""
+    """Solve a run of blends, each started from the previous one; parameters as for :func:`.solve_blends`."""
     solver = BlendSolver(problem.transport, control)
     frames = []
     for blend in blends:
@@ -48,7 +48,7 @@ def _frame(problem: FlatProblem, solved: SolvedBlend) -> FlatFrame:
 
 
 def input_frame(problem: FlatProblem, blend: Blend) -> FlatFrame:
-    """Return the frame of an input as it is: its density where densities are asked for."""
+    """Return the frame of an unblended input; it has a density if densities are requested."""
     record = {
         "weights": blend.weights,
         "input": blend.source,
@@ -70,7 +70,7 @@ def surfaced_frame(
     origins: FlatOrigins | MovedOrigins | None,
     solids: CoincidingSolids | None = None,
 ) -> FlatFrame:
-    """Read a blend from the barycenters of its parts.
+    """Extract the frame of a blend from the barycenters of its parts.
 
     Parameters
     ----------
@@ -79,14 +79,14 @@ def surfaced_frame(
     solved : SolvedBlend
         The blend.
     origins : FlatOrigins, MovedOrigins or None
-        Where its matter comes from.
+        Origins of its matter.
     solids : CoincidingSolids, optional
-        The mean of moved shapes: where they agree, it takes the place of the barycenter.
+        The mean of moved shapes: where they agree, it replaces the barycenter.
     """
     settings, blend = problem.settings, solved.blend
     merged = solved.merged()
     interpolated = merged.volume * problem.fullness(blend)
-    # Moved shapes nearly coincide: what is between them does not spread.
+    # Moved shapes nearly coincide, so the matter between them does not spread.
     spreads = settings.output == "outlines" and solids is None
     area = max(interpolated, filled_area(merged.density)) if spreads else interpolated
     if settings.level == "half-max" and solids is None:
@@ -108,7 +108,7 @@ def surfaced_frame(
 def coinciding_frame(
     problem: FlatProblem, blend: Blend, solids: CoincidingSolids, origins: MovedOrigins | None
 ) -> FlatFrame:
-    """Return the mean of moved shapes that coincide: nothing is left to transport."""
+    """Return the mean of moved shapes that coincide, without transport."""
     area = float(problem.blend_areas(blend).sum()) * problem.fullness(blend)
     mending = _outline(problem, blend, solids.density, area)
     wanted = area * problem.lattice.spacing**2
@@ -129,7 +129,7 @@ def _finished(
     origins: FlatOrigins | MovedOrigins | None,
     density: FlatDensity | None = None,
 ) -> FlatFrame:
-    """Bring an outline in cells to the scene, and complete its record."""
+    """Convert an outline from cells to scene space, and complete its record."""
     lattice = problem.lattice
     outline = lattice.to_scene(mending.drawn.outline, blend.weights)
     record = {

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colors of flat blends: those of the places on the inputs that the matter comes from, mixed by the weights."""
+"""Colors of flat blends: those at the origins of their matter on the inputs, mixed with the weights."""
 
 from __future__ import annotations
 
@@ -17,35 +17,35 @@ from .flat_frames import FlatFrame
 from .flat_pieces import layers_of
 from .flat_shapes import FlatImage, FlatInput, FlatShape
 
-# Points of an outline that a color is looked for at, along its longest side.
+# Samples of an outline for colors, along its longest side.
 _SAMPLES = 512.0
-# Pixels of less opacity have no color.
+# Pixels of lower opacity have no color.
 _OPAQUE = 0.5
 
 
 def carried_colors(
     points: NDArray[np.float64], frame: FlatFrame, shapes: Sequence[FlatInput]
 ) -> NDArray[np.float64] | None:
-    """Colors of points of a blend.
+    """Return the colors of points of a blend.
 
     Parameters
     ----------
     points : (n, 2)
         In or on the blend, scene units.
     frame : FlatFrame
-        The blend, made with the setting `carry`.
+        The blend, computed with the setting `carry`.
     shapes : sequence of FlatShape or FlatImage
         The inputs.
 
     Returns
     -------
     (n, 4) float64 or None
-        Red, green, blue, opacity, linear; None where no input that has weight has colors.
+        Red, green, blue, opacity, linear; None if no input with weight has colors.
 
     Raises
     ------
     InputError
-        A blend that does not know where its matter comes from.
+        The blend has no origins.
     """
     weights = np.array(frame.blend.weights)
     known = [index for index in np.flatnonzero(weights) if shapes[index].colors is not None]
@@ -61,7 +61,7 @@ def carried_colors(
 
 
 def colors_at(points: NDArray[np.float64], shape: FlatInput) -> NDArray[np.float64]:
-    """Colors of an input that has some at points, (n, 4); beside it those of the nearest place that has."""
+    """Return the colors of an input at points, (n, 4); outside it, those of the nearest colored point."""
     return _of_image(points, shape) if isinstance(shape, FlatImage) else _of_layers(points, shape)
 
 
@@ -76,7 +76,7 @@ def _of_image(points: NDArray[np.float64], image: FlatImage) -> NDArray[np.float
 
 
 def _of_layers(points: NDArray[np.float64], shape: FlatShape) -> NDArray[np.float64]:
-    """Return the color of the last layer that holds a point, or of the nearest one."""
+    """Return the color of the top layer that contains each point, or of the nearest layer."""
     layers = layers_of(shape, np.arange(len(shape.rings)))
     colors = np.stack([shape.colors[layer[0]] for layer in layers]).astype(np.float64)
     if len(layers) == 1:
@@ -94,7 +94,7 @@ def _of_layers(points: NDArray[np.float64], shape: FlatShape) -> NDArray[np.floa
 
 
 def _samples(boundary: Boundary) -> NDArray[np.float64]:
-    """Points along a boundary."""
+    """Return points along a boundary."""
     if not len(boundary.starts):
         return np.zeros((0, 2))
     along = boundary.ends - boundary.starts

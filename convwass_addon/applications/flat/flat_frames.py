@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a finished blend of flat shapes is."""
+"""Finished blends of flat shapes."""
 
 from __future__ import annotations
 
@@ -22,12 +22,12 @@ class FlatDensity:
     Attributes
     ----------
     values : (nx, ny) float32
-        Columns from left to right, rows from the bottom up. The sum of all, times the area of a pixel, is the mass:
-        what is 1 in the inputs comes out at about 1.
+        Columns from left to right, rows from the bottom up. The sum of all values, times the area of a pixel, is the
+        mass: where the inputs are 1, values are about 1.
     pixel : float
         Size of a pixel in scene units.
     corner : (float, float)
-        Place of the lower left corner.
+        Position of the lower left corner.
     """
 
     values: NDArray[np.float32]
@@ -39,16 +39,16 @@ class FlatDensity:
 
 @dataclass(frozen=True)
 class ColoredOutline:
-    """What of a blend has one color.
+    """The part of a blend that has one color.
 
     Attributes
     ----------
     outline : Outline
-        Where, in the plane, scene units.
+        Its outline in the plane, scene units.
     color : (float, float, float, float)
         Red, green, blue, opacity, linear.
     layers : dict of int to int
-        Number of the layer that it comes from, for every input of positive weight.
+        The layer that it comes from, for every input of positive weight.
     """
 
     outline: Outline
@@ -63,18 +63,18 @@ class FlatFrame:
     Attributes
     ----------
     blend : Blend
-        Which one.
+        Its weights and place.
     outline : Outline or None
-        Regions, each an outer ring and its holes, in the plane, scene units, dense: a point per cell that it passes.
-        None where an input is shown as it is, and where densities were asked for.
+        Regions in the plane, each an outer ring and its holes, in scene units, with a point per cell that they pass.
+        None for an unblended input, and if densities are requested.
     density : FlatDensity or None
-        Where densities were asked for; of inputs too.
+        Only if densities are requested; also for inputs.
     record : dict
-        The solver's figures, the level, area wanted and reached, regions and holes; ready for JSON.
+        The solver's figures, the level, the wanted and actual area, regions and holes; ready for JSON.
     origins : FlatOrigins, MovedOrigins or None
-        Tells for any points of the blend where on every input their matter comes from.
+        Gives the origins on every input for points of the blend.
     regions : tuple of ColoredOutline
-        How colors divide the outline, the largest first; empty where all of it has one.
+        The differently colored parts of the outline, largest first; empty if there is only one color.
     """
 
     blend: Blend

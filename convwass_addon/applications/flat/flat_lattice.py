@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat shapes as distributions on one plane grid: each lies about its own center of mass."""
+"""Flat shapes as distributions on one plane grid, each relative to its own center of mass."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ from .flat_pieces import FlatPieces
 
 # Sides are multiples of this, so that the grid can be halved several times.
 _MULTIPLE = 16
-# Most bytes per cell at the peak (tests/applications/test_memory_estimates.py), of a part of every shape and of a
-# thread that solves.
+# Maximum bytes per cell at the peak (tests/applications/test_memory_estimates.py), for a part of every shape and for a
+# solving thread.
 _BYTES_PER_SHAPE, _BYTES_PER_WORKER = 60, 400
 
 
 @dataclass(frozen=True)
 class FlatLattice:
-    """The common grid of a flat morph, placed about the center of each shape; see :class:`.volumes.Lattice`.
+    """The grid shared by the shapes of a flat morph, relative to the center of each; see :class:`.volumes.Lattice`.
 
     Attributes
     ----------
@@ -47,12 +47,12 @@ class FlatLattice:
 
     @classmethod
     def around(cls, shapes: Sequence[FlatPieces], resolution: int, sigma: float) -> FlatLattice:
-        """Lay a grid of `resolution` cells along its longest side around all the shapes.
+        """Return a grid with `resolution` cells along its longest side that holds all shapes.
 
         Raises
         ------
         InputError
-            A resolution too small to hold a shape and its blur.
+            A resolution too small for a shape and its blur.
         """
         margin = 2 + int(np.ceil(2.0 * sigma))
         if resolution < 4 * margin:
@@ -70,7 +70,7 @@ class FlatLattice:
         return cls((int(cells[0]), int(cells[1])), spacing, origin, centers)
 
     def holding(self, room: Room | None) -> FlatLattice:
-        """Return a lattice with the same cells and as many more as moved shapes need."""
+        """Return a lattice with the same cells and enough further ones for moved shapes."""
         return self if room is None else room.in_lattice(self, _MULTIPLE)
 
     def grid(self, sigma: float) -> Grid:
@@ -78,19 +78,19 @@ class FlatLattice:
         return Grid(self.shape, sigma)
 
     def corner(self, weights: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
-        """Low corner of the grid about a blend with these weights, (2,), scene units."""
+        """Low corner of the grid around a blend with these weights, (2,), scene units."""
         return self.origin + np.asarray(weights) @ self.centers
 
     def to_scene(self, outline: Outline, weights: Sequence[float]) -> Outline:
-        """Bring an outline in cells to the scene, at the weighted mean of the centers."""
+        """Convert an outline from cells to scene space, at the weighted mean of the centers."""
         return outline.moved(self.corner(weights), self.spacing)
 
     def memory(self, parts: int, workers: int) -> int:
-        """Return how many bytes a morph takes at the most: `parts` of shapes on the grid, and threads that solve."""
+        """Return the maximum memory of a morph in bytes, for this many parts of shapes and solving threads."""
         return self.shape[0] * self.shape[1] * (parts * _BYTES_PER_SHAPE + workers * _BYTES_PER_WORKER)
 
     def fitting_workers(self, shapes: int, parts: int, most: int) -> int:
-        """Return how many threads, up to `most`, can solve at once in the memory that there is; one at least."""
+        """Return how many threads, from one to `most`, can solve at the same time in the available memory."""
         free = available_memory()
         if free is None:
             return most

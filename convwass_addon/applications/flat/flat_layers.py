@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The colors of flat shapes, as layers on the grid of the morph."""
+"""Colors of flat shapes, as layers on the grid of the morph."""
 
 from __future__ import annotations
 
@@ -30,14 +30,15 @@ class InputLayers:
     colors : (l, 4) float64
         Red, green, blue, opacity, linear.
     shares : (l, nx, ny) float32 or None
-        How much of every cell belongs to each; beyond the input as where it is nearest. None where there is one.
+        Fraction of every cell that belongs to each layer; outside the input, that of the nearest point. None for one
+        layer.
     """
 
     colors: NDArray[np.float64]
     shares: NDArray[np.float32] | None
 
     def margins(self, cells: NDArray[np.float64]) -> NDArray[np.float64]:
-        """By how much the share of every layer is beyond that of all others at places, (n, 2) in cells: (l, n)."""
+        """Return by how much the fraction of every layer exceeds all others at points, (n, 2) in cells: (l, n)."""
         if self.shares is None:
             return np.ones((1, len(cells)))
         found = np.stack([map_coordinates(own, cells.T - 0.5, order=1, mode="nearest") for own in self.shares])
@@ -48,14 +49,14 @@ class InputLayers:
 def input_layers(
     shapes: Sequence[FlatInput], centers: NDArray[np.float64], lattice: FlatLattice
 ) -> tuple[InputLayers, ...]:
-    """Draw the layers of shapes on a grid; nothing where all shapes have one color at the most, or some have none.
+    """Draw the layers of shapes on a grid; return nothing if no shape has several colors, or if one has none.
 
     Parameters
     ----------
     shapes : sequence of FlatShape or FlatImage
         The inputs.
     centers : (k, 2)
-        Where the grid stands on each.
+        Position of the grid on each shape.
     lattice : FlatLattice
         The grid.
     """
@@ -74,7 +75,7 @@ def _drawn(shape: FlatInput, lattice: FlatLattice, center: NDArray[np.float64]) 
     corner, scale = lattice.origin + center, 1.0 / lattice.spacing
     filled = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers]
     shares = np.stack([coverage(own.moved(-corner * scale, scale), lattice.shape) for own in filled])
-    # What comes later is painted over what comes before.
+    # Later layers cover earlier ones.
     beyond = np.ones(lattice.shape)
     for own in shares[::-1]:
         own *= beyond

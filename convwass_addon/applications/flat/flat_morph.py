@@ -23,7 +23,7 @@ from .flat_problem import flat_problem, pieces_of
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatInput
 
-# Shares of the progress at which the shapes are on their grid, and the motion is chosen.
+# Fractions of the progress after rasterizing the shapes, and after choosing the motion.
 _BEGUN, _CHOSEN = 0.05, 0.3
 
 
@@ -37,35 +37,35 @@ def flat_morph(
     workers: int | None = None,
     wanted: range | None = None,
 ) -> Work[None]:
-    """Make the blends of flat shapes, one after the other.
+    """Compute the blends of flat shapes.
 
     Parameters
     ----------
     shapes : sequence of FlatShape or FlatImage
-        The inputs, each in its plane with the same axes.
+        The inputs, each in its own plane, with the same axes.
     names : sequence of str
-        What messages call them.
+        Names of the shapes, for messages.
     blends : sequence of Blend
-        In an order in which neighbors are similar: each solve starts from the one before.
+        In an order in which neighbors are similar: each solve starts from the previous blend.
     settings : FlatSettings
-        How.
+        Settings of the morph.
     control : Control
-        Ends the work when cancelled.
+        Cancels the work.
     workers : int, optional
-        Threads that compute short runs of blends side by side; by default one per processor, as far as memory allows.
-        The frames are the same.
+        Threads that compute short runs of blends in parallel; by default one per processor, as far as memory allows.
+        The frames do not depend on it.
     wanted : range, optional
-        Indices of blends to make; all of a run is made where one of its blends is wanted.
+        Indices of the blends to compute; runs are always computed as a whole.
 
     Yields
     ------
     Progress
-        The payloads are every finished :class:`.flat_frames.FlatFrame`, once and in the order of the blends.
+        The payloads are every finished :class:`.flat_frames.FlatFrame`, in the order of the blends.
 
     Raises
     ------
     InputError
-        Before the first frame, where the inputs or the settings cannot work.
+        Before the first frame, if the inputs or the settings are invalid.
     """
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motions of flat shapes: those of surfaces, with sheets in their place, for every part of the shapes."""
+"""Motions of flat shapes: every part is moved as a surface, in the form of a planar sheet."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from .flat_pieces import FilledPieces, FlatPieces
 from .flat_settings import FlatSettings
 from .sheets import AttachedPoints, Sheet
 
-# Motions of more parts are made only where they are asked for.
+# With more parts, a motion is used only if the user chose one.
 _MOST_PARTS = 6
 
 
@@ -33,11 +33,11 @@ class MovedPart:
     Attributes
     ----------
     sheet : Sheet
-        Where it stands.
+        The sheet at rest.
     shape : MovedShape or None
-        Where it has moved to; None for a part that is only laid about the blend's center.
+        The moved sheet; None for a part that is only translated.
     shift : (2,) float64
-        From where a part without a motion stands to the blend.
+        Translation of a part without a motion.
     """
 
     sheet: Sheet
@@ -46,14 +46,14 @@ class MovedPart:
 
     @property
     def boundary(self) -> Boundary:
-        """Where its boundary has moved to."""
+        """The moved boundary."""
         return self.sheet.boundary.moved(self.shift) if self.shape is None else self.sheet.moved(self.shape)
 
     def origins(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return where points of the moved part, (n, 2), come from."""
+        """Return the origins of points of the moved part, (n, 2)."""
         if self.shape is None:
             return points - self.shift
-        # Its triangles may be cut finer than those of the sheet.
+        # Its triangles may be finer than those of the sheet.
         rest = self.shape.rest
         return AttachedPoints.of(points, self.shape.vertices, rest.faces, self.shape.finder).on(
             rest.vertices, rest.faces
@@ -71,7 +71,7 @@ class FlatMotion:
     choices : tuple of MotionChoice
         Of every part.
     centers : (k, 2) float64
-        The centers of mass of the inputs, about which parts without a motion are laid.
+        Centers of mass of the inputs, which are moved together for parts without a motion.
     """
 
     sheets: tuple[tuple[Sheet, ...], ...]
@@ -79,7 +79,7 @@ class FlatMotion:
     centers: NDArray[np.float64]
 
     def moved(self, weights: Sequence[float]) -> list[list[MovedPart | None]]:
-        """Return all parts, each for every input, in the blend with these weights; None where the weight is zero."""
+        """Return all parts of every input in the blend with these weights; None for inputs without weight."""
         middle = np.asarray(weights) @ self.centers
         found = []
         for sheets, choice in zip(self.sheets, self.choices, strict=True):
@@ -95,14 +95,14 @@ class FlatMotion:
 
 @dataclass(frozen=True)
 class FlatChoice:
-    """What was chosen for a flat morph.
+    """The chosen motion of a flat morph.
 
     Attributes
     ----------
     motion : FlatMotion or None
         None for transport alone.
     record : dict
-        What every frame says about it: of several parts about that which agrees least.
+        Figures for the record of every frame; of several parts, those of the worst.
     """
 
     motion: FlatMotion | None
@@ -118,23 +118,23 @@ def chosen_flat_motion(
     centers: NDArray[np.float64],
     control: Control,
 ) -> Work[FlatChoice]:
-    """Choose how flat shapes move, as :func:`.motions.choosing.chosen_motion` does for solids.
+    """Choose the motion of flat shapes, as :func:`.motions.choosing.chosen_motion` does for solids.
 
-    Images and densities are transported, and so are shapes of several regions and words of many letters unless a motion
-    is asked for: there is no map between words, and each letter takes seconds.
+    Images and densities are transported. So are shapes of several regions and words of many letters, unless the user
+    chose a motion: words cannot be mapped as a whole, and each letter takes seconds.
 
     Parameters
     ----------
     pieces : sequence of FlatPieces
-        What every shape fills, in parts.
+        The transported parts of every shape.
     names : sequence of str
-        What messages call the shapes.
+        Names of the shapes, for messages.
     blends : sequence of Blend
-        All of them.
+        All blends.
     settings : FlatSettings
-        What is asked for.
+        Settings of the morph.
     regions : int
-        How many the shape has that has most.
+        The largest number of regions of a shape.
     centers : (k, 2) float64
         Centers of mass of the shapes, scene units.
     control : Control
@@ -143,7 +143,7 @@ def chosen_flat_motion(
     Raises
     ------
     InputError
-        A motion that was asked for and cannot be made.
+        A requested motion that cannot be computed.
     """
     filled = [own for own in pieces if isinstance(own, FilledPieces)]
     still = len(filled) < len(pieces) or settings.output == "densities"

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat morphs whose shapes move towards each other: every blend transports only what still differs between them."""
+"""Flat morphs whose shapes move towards each other: each blend transports only the remaining difference."""
 
 from __future__ import annotations
 
@@ -29,21 +29,20 @@ from .flat_shapes import FlatInput
 
 # Number of blends at which the extent of moved shapes is measured for the grid.
 _SAMPLED_BLENDS = 33
-# Cells over which the parts of a blend are told from each other.
+# Blur in cells with which the parts of a blend are distinguished.
 _ABOUT = 2.0
 
 
 @dataclass(frozen=True)
 class FlatMovingProblem:
-    """What all blends of moving flat shapes have in common.
+    """The problem shared by all blends of moving flat shapes.
 
     Attributes
     ----------
     still : FlatProblem
-        The shapes where they stand, on a grid that has room for the moved ones: their areas and connectivity are those
-        that blends get.
+        The shapes at rest, on a grid that also holds the moved shapes; blends get their areas and connectivity.
     motion : FlatMotion
-        Where the parts of the shapes are in every blend.
+        The positions of the shapes' parts in every blend.
     """
 
     still: FlatProblem
@@ -68,7 +67,7 @@ class FlatMovingProblem:
         return cls(still.on(lattice, layers), motion)
 
     def frame(self, blend: Blend, control: Control) -> FlatFrame:
-        """Make one blend; an input with a weight of one is shown as it is."""
+        """Compute one blend; an input with a weight of one is shown unchanged."""
         if blend.source is not None:
             return input_frame(self.still, blend)
         control.check()
@@ -87,7 +86,7 @@ class FlatMovingProblem:
         return surfaced_frame(self.still, replace(solved, blend=blend), origins, solids)
 
     def _filled(self, blend: Blend, moved: Sequence[Sequence[MovedPart]]) -> list[list[NDArray[np.float64]]]:
-        """Return the share of every cell that each part fills, by part and by input of positive weight."""
+        """Return the fraction of every cell that each part fills, by part and by input of positive weight."""
         lattice = self.still.lattice
         corner, scale = lattice.corner(blend.weights), 1.0 / lattice.spacing
         return [[coverage(own.boundary.moved(-corner * scale, scale), lattice.shape) for own in part] for part in moved]
@@ -95,7 +94,7 @@ class FlatMovingProblem:
     def _problem_of(
         self, blend: Blend, filled: Sequence[list[NDArray[np.float64]]], active: NDArray[np.int64]
     ) -> FlatProblem:
-        """Return the problem of what is moved in one blend, with the areas of the shapes where they stand."""
+        """Return the problem of the moved parts of one blend, with the areas of the shapes at rest."""
         center = np.asarray(blend.weights) @ self.still.lattice.centers
         lattice = replace(self.still.lattice, centers=np.tile(center, (len(active), 1)))
         names = tuple(part.name for part in self.still.transport.parts)

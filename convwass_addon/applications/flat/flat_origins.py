@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the matter of a flat blend comes from; :mod:`.origins` says how that is known."""
+"""Origins of the matter of flat blends; see :mod:`.origins` for the method."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from ..morphs.origins import Displacements, part_transports
 from .flat_motion import MovedPart
 from .flat_problem import FlatProblem
 
-# Which part has most of the mass is kept for every so many cells.
+# The part with most of the mass is stored for every second cell.
 _STRIDE = 2
 
 
 @dataclass(frozen=True)
 class FlatOrigins:
-    """The transport maps of a flat blend onto its inputs.
+    """The transport maps of a flat blend to its inputs.
 
     Attributes
     ----------
@@ -34,9 +34,9 @@ class FlatOrigins:
     spacing : float
         Size of a cell in scene units.
     corner : (2,) float64
-        Low corner of the grid about the blend, scene units.
+        Low corner of the grid around the blend, scene units.
     corners : (k, 2) float64
-        The same about every input.
+        The same for every input.
     """
 
     maps: tuple[Displacements, ...]
@@ -48,7 +48,7 @@ class FlatOrigins:
 
     @classmethod
     def of(cls, problem: FlatProblem, solved: SolvedBlend) -> FlatOrigins:
-        """Read the maps of a blend off the potentials of its parts."""
+        """Compute the maps of a blend from the potentials of its parts."""
         lattice, weights = problem.lattice, solved.blend.weights
         parts = part_transports(solved, problem.transport)
         most = np.stack([part.volume * part.solved.density[::_STRIDE, ::_STRIDE] for part in parts])
@@ -62,7 +62,7 @@ class FlatOrigins:
         )
 
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Places that matter comes from.
+        """Return the origins of points.
 
         Parameters
         ----------
@@ -72,8 +72,8 @@ class FlatOrigins:
         Returns
         -------
         (k, n, 2) float64
-            On every input, where it stands in its plane; for an input of weight 0, which no map leads to, the point
-            itself, moved as the centers of mass are.
+            On every input, as it stands in its plane; for an input of weight 0, which has no map, the point itself,
+            displaced like the centers of mass.
         """
         cells = (np.asarray(points, dtype=np.float64) - self.corner) / self.spacing
         found = np.repeat(cells[None], len(self.corners), axis=0)
@@ -88,7 +88,7 @@ class FlatOrigins:
 
 @dataclass(frozen=True)
 class MovedOrigins:
-    """Where the matter of a blend of moving shapes comes from: through the transport, and back along the motion.
+    """Origins of a blend of moving shapes: through the transport, and back along the motion.
 
     Attributes
     ----------
@@ -101,11 +101,11 @@ class MovedOrigins:
     spacing : float
         Size of a cell in scene units.
     corner : (2,) float64
-        Low corner of the grid about the blend, scene units.
+        Low corner of the grid around the blend, scene units.
     corners : (k, 2) float64
-        The same about every input.
+        The same for every input.
     transported : FlatOrigins or None
-        Onto the moved shapes; None where these coincide.
+        Maps to the moved shapes; None if these coincide.
     """
 
     parts: Sequence[Sequence[MovedPart]]
@@ -117,7 +117,7 @@ class MovedOrigins:
     transported: FlatOrigins | None
 
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Places that matter comes from, (k, n, 2); see :meth:`FlatOrigins.at`."""
+        """Return the origins of points, (k, n, 2); see :meth:`FlatOrigins.at`."""
         points = np.asarray(points, dtype=np.float64)
         places = [points] * len(self.active) if self.transported is None else self.transported.at(points)
         found = points + (self.corners - self.corner)[:, None]

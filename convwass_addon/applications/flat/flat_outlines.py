@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Outlines of flat shapes and blends, read from how full the cells of the plane are."""
+"""Outlines of flat shapes and blends, extracted from densities on a grid."""
 
 from __future__ import annotations
 
@@ -16,33 +16,33 @@ from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.merging import typical_density
 from .flat_settings import FlatSettings
 
-# Cells over which a density is averaged before its outline is read, as those of solids are.
+# Blur in cells of a density before its outline is extracted, as for solids.
 _READING_BLUR = 0.7
 
 
 def own_outline(occupancy: NDArray[np.floating], area: float) -> LevelOutline:
-    """Outline of a shape as it can be read from its occupancy, in the way that blends are read."""
+    """Extract the outline of a shape from its occupancy, in the same way as for blends."""
     return outline_enclosing(gaussian_filter(occupancy, _READING_BLUR), area)
 
 
 def prepared_density(
     density: NDArray[np.float64], area: float, solids: CoincidingSolids | None = None
 ) -> NDArray[np.floating]:
-    """Blur the density of a blend as it is read.
+    """Blur the density of a blend for the extraction of its outline.
 
     Parameters
     ----------
     density : (nx, ny)
         The barycenter.
     area : float
-        In cells, that is going to be enclosed.
+        The area to enclose, in cells.
     solids : CoincidingSolids, optional
-        The mean of moved shapes: where they agree, it takes the place of the barycenter.
+        The mean of moved shapes: where they agree, it replaces the barycenter.
     """
     prepared = gaussian_filter(density / density.max(), _READING_BLUR)
     if solids is None:
         return prepared
-    # The mean is one half on its outline, and so must the barycenter be.
+    # The mean is one half on its outline, so the barycenter must be, too.
     level = outline_enclosing(prepared, area).level
     return solids.mixed(prepared * (0.5 / level), (slice(None), slice(None)))
 
@@ -50,7 +50,7 @@ def prepared_density(
 def blend_outline(
     prepared: NDArray[np.floating], area: float, shapes: Sequence[FlatConnectivity], settings: FlatSettings
 ) -> FlatMending:
-    """Outline of a blend that encloses `area` cells, connected as the shapes are that it is made of."""
+    """Extract the outline of a blend that encloses `area` cells, with the connectivity of the blended shapes."""
     if not settings.mend:
         return FlatMending(outline_enclosing(prepared, area), prepared)
     most = shapes[0]
@@ -60,18 +60,18 @@ def blend_outline(
 
 
 def half_max_outline(density: NDArray[np.floating]) -> FlatMending:
-    """Outline at half of the largest density."""
+    """Extract the outline at half of the largest density."""
     return FlatMending(outline_at_level(density, float(density.max()) / 2), density)
 
 
 def filled_area(density: NDArray[np.float64]) -> float:
-    """Area in cells of what is at least half as dense as is typical of the blend.
+    """Return the area in cells where the density is at least half of the typical one.
 
-    Its root is never less than that interpolated between the roots of the inputs' areas (Brunn and Minkowski, McCann
-    1997), and it is more where the maps stretch: a bar that becomes a bar across is a square halfway, larger than both.
-    A level for less would have to cut through what is evenly filled, along noise.
+    Its square root is never less than the interpolated square roots of the inputs' areas (Brunn and Minkowski, McCann
+    1997), and greater where the maps stretch: a bar that becomes a perpendicular bar is a square halfway, larger than
+    both. A level for a smaller area would cut through an evenly filled region, following noise.
     """
     half = 0.5 * typical_density([density])
     above = density - half
-    # Cells that the edge passes through count in part.
+    # Cells that the edge passes count in part.
     return float(np.clip(above / half + 0.5, 0.0, 1.0).sum())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What of a flat input is transported, by parts: the area that curves fill, or the values of an image."""
+"""The transported parts of a flat input: areas filled by curves, or the values of an image."""
 
 from __future__ import annotations
 
@@ -17,14 +17,14 @@ from ...geometry.pixels import resampled
 from ...geometry.planar_fill import Boundary, filled_boundary
 from .flat_shapes import FlatImage, FlatInput, FlatShape
 
-# A shape that fills less of the square of its extent than this is a line.
+# A shape that fills less of the square around it than this fraction is a line.
 _LEAST_SHARE = 1e-6
-# A silhouette is what of an image is at least half full.
+# Pixels of at least this value belong to a silhouette.
 _HALF = 0.5
 
 
 class FlatPieces(Protocol):
-    """An input in parts, before there is a grid."""
+    """An input divided into parts, independent of a grid."""
 
     @property
     def center(self) -> NDArray[np.float64]:
@@ -32,7 +32,7 @@ class FlatPieces(Protocol):
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Low and high corner of all that has mass, (2, 2)."""
+        """Low and high corner of everything that has mass, (2, 2)."""
 
     def densities(self, corner: NDArray[np.float64], spacing: float, shape: tuple[int, int]) -> list[NDArray]:
         """Occupancy of the cells of a grid, (nx, ny) for every part."""
@@ -40,12 +40,12 @@ class FlatPieces(Protocol):
 
 @dataclass(frozen=True)
 class FilledPieces:
-    """Curves.
+    """Areas filled by curves.
 
     Attributes
     ----------
     parts : tuple of Boundary
-        What every part fills.
+        Boundary of every part.
     """
 
     parts: tuple[Boundary, ...]
@@ -70,14 +70,14 @@ class FilledPieces:
 
 @dataclass(frozen=True)
 class ImagePieces:
-    """An image, which is one part.
+    """An image, which is a single part.
 
     Attributes
     ----------
     values : (w, h) float64
-        Of its pixels.
+        Values of the pixels.
     pixel : float
-        Size of a pixel.
+        Size of a pixel, scene units.
     corner : (2,) float64
         Lower left corner.
     """
@@ -95,7 +95,7 @@ class ImagePieces:
 
     @property
     def bounds(self) -> NDArray[np.float64]:
-        """Low and high corner of the pixels that are not empty, (2, 2)."""
+        """Low and high corner of the pixels that are not zero, (2, 2)."""
         filled = [np.flatnonzero((self.values > 0).any(axis=axis)) for axis in (1, 0)]
         return self.corner + self.pixel * np.array([[own[0] for own in filled], [own[-1] + 1 for own in filled]])
 
@@ -105,21 +105,21 @@ class ImagePieces:
 
 
 def flat_pieces(shape: FlatInput, name: str, letters: Sequence[NDArray[np.int64]] | None) -> FlatPieces:
-    """Make an input ready for any grid.
+    """Convert an input to parts.
 
     Parameters
     ----------
     shape : FlatShape or FlatImage
         The input.
     name : str
-        What messages call it.
+        Name of the shape, for messages.
     letters : sequence of (m,) int64 or None
-        Numbers of the rings of every part; None for one part.
+        Indices of the rings of every part; None for one part.
 
     Raises
     ------
     InputError
-        Curves or images that fill nothing, or curves that are too tangled.
+        Curves or images that fill nothing, or curves with too many intersections.
     """
     if isinstance(shape, FlatImage):
         return _image_pieces(shape, name)
@@ -138,13 +138,13 @@ def flat_pieces(shape: FlatInput, name: str, letters: Sequence[NDArray[np.int64]
 
 
 def filled_by(shape: FlatShape, rings: NDArray[np.int64]) -> Boundary:
-    """Boundary of what some rings of a shape fill: every layer by the rule, and then all layers together."""
+    """Return the boundary of the union of a shape's layers, each of which some rings fill by the rule."""
     layers = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers_of(shape, rings)]
     return layers[0] if len(layers) == 1 else layers[0].united(layers[1:])
 
 
 def layers_of(shape: FlatShape, rings: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Numbers of the rings of every color, in the order in which the colors come first."""
+    """Return the indices of the rings of every color, in the order in which the colors first occur."""
     if shape.colors is None:
         return [rings]
     _, first, color = np.unique(shape.colors[rings], axis=0, return_index=True, return_inverse=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What all blends of a flat morph have in common."""
+"""The problem shared by all blends of a flat morph."""
 
 from __future__ import annotations
 
@@ -23,26 +23,26 @@ from .flat_settings import FlatSettings
 from .flat_shapes import FlatImage, FlatInput
 from .letters import matched_letters
 
-# A shape, or a letter, of fewer cells is none any more.
+# Shapes and letters of fewer cells are rejected.
 _LEAST_CELLS = 20.0
 
 
 @dataclass(frozen=True)
 class FlatProblem:
-    """Flat shapes on a plane grid: volumes are areas in cells, or masses of images.
+    """Flat shapes on a plane grid; their volumes are areas in cells, or masses of images.
 
     Attributes
     ----------
     transport : TransportProblem
         The shapes as distributions, and how to blend them.
     connectivity : tuple of FlatConnectivity
-        How every shape is connected at this resolution.
+        Connectivity of every shape at this resolution.
     silhouettes : tuple of float
-        Area in cells of what of every shape is at least half full.
+        Area of every shape's silhouette in cells: where it is at least half full.
     layers : tuple of InputLayers
-        Where every shape has which color, where colors are carried and there are several.
+        The layers of every shape, if several colors are carried.
     motion : mapping
-        What records say about the motion that was chosen; empty where none was asked for.
+        Figures of the chosen motion for records; empty if transport was requested.
     """
 
     transport: TransportProblem
@@ -53,46 +53,46 @@ class FlatProblem:
 
     @property
     def lattice(self) -> FlatLattice:
-        """Where the cells of the shapes are."""
+        """The grid of the shapes."""
         return self.transport.lattice
 
     @property
     def settings(self) -> FlatSettings:
-        """How to blend the shapes."""
+        """The settings of the morph."""
         return self.transport.settings
 
     def on(self, lattice: FlatLattice, layers: tuple[InputLayers, ...]) -> FlatProblem:
-        """Return the same problem with a grid of the same cells and more of them, and its layers there."""
+        """Return the same problem on a larger grid of the same cells, with layers for that grid."""
         return replace(self, transport=replace(self.transport, lattice=lattice), layers=layers)
 
     def blend_areas(self, blend: Blend) -> NDArray[np.float64]:
-        """Areas of the parts of a blend in cells, (p,); where densities are asked for, their masses.
+        """Return the areas of the parts of a blend in cells, (p,), or their masses if densities are requested.
 
-        Lengths go evenly from one shape to the other: the barycenter of a shape and its double is one and a half times
-        as large. So it is the roots of areas that are interpolated. Masses are themselves.
+        Lengths are interpolated linearly: the barycenter of a shape and a copy of twice its size is 1.5 times as large.
+        Therefore the square roots of areas are interpolated. Masses are interpolated directly.
         """
         if self.settings.output == "densities":
             return self.transport.blend_volumes(blend)
         return np.array([interpolated_area(blend.weights, part.volumes) for part in self.transport.parts])
 
     def fullness(self, blend: Blend) -> float:
-        """How many times larger the silhouette of a blend is than its mass in full cells: more than 1 for gray ones."""
+        """Return the ratio of a blend's silhouette to its mass in full cells, which exceeds 1 for gray images."""
         silhouette = interpolated_area(blend.weights, self.silhouettes)
         return silhouette / interpolated_area(blend.weights, self.transport.volumes)
 
 
 def interpolated_area(weights: Sequence[float], areas: Sequence[float] | NDArray[np.float64]) -> float:
-    """Interpolate areas as squares of lengths."""
+    """Interpolate the square roots of areas, and return the squares."""
     return float(np.dot(weights, np.sqrt(areas)) ** 2)
 
 
 def pieces_of(shapes: Sequence[FlatInput], names: Sequence[str], settings: FlatSettings) -> list[FlatPieces]:
-    """Return what of every shape is transported, in its parts.
+    """Return the transported parts of every shape.
 
     Raises
     ------
     InputError
-        Shapes or words that cannot work.
+        Invalid shapes or words.
     """
     letters = matched_letters(shapes, names) if settings.words == "letters" else [None] * len(shapes)
     return [flat_pieces(*each) for each in zip(shapes, names, letters, strict=True)]
@@ -101,23 +101,23 @@ def pieces_of(shapes: Sequence[FlatInput], names: Sequence[str], settings: FlatS
 def flat_problem(
     shapes: Sequence[FlatInput], pieces: Sequence[FlatPieces], names: Sequence[str], settings: FlatSettings
 ) -> FlatProblem:
-    """Rasterize shapes on one grid, and read how they are connected.
+    """Rasterize shapes on one grid, and determine their connectivity.
 
     Parameters
     ----------
     shapes : sequence of FlatShape or FlatImage
         The inputs.
     pieces : sequence of FlatPieces
-        What of them is transported; see :func:`pieces_of`.
+        Their transported parts; see :func:`pieces_of`.
     names : sequence of str
-        What messages call them.
+        Names of the shapes, for messages.
     settings : FlatSettings
-        How.
+        Settings of the morph.
 
     Raises
     ------
     InputError
-        Shapes that are too small beside the others, or settings that cannot work.
+        Shapes that are too small compared with the others, or invalid settings.
     """
     lattice = FlatLattice.around(pieces, settings.resolution, settings.sigma)
     every = [
@@ -151,7 +151,7 @@ def flat_problem(
 
 
 def _silhouette(shape: FlatInput, occupancy: NDArray[np.float64]) -> float:
-    """Area in cells of what is at least half as full as it can be: all of it, unless there are grays."""
+    """Return the area in cells that is at least half full; without grays this is the whole area."""
     if not (isinstance(shape, FlatImage) and shape.kind == "density"):
         return float(occupancy.sum())
     half = 0.5 * min(1.0, float(occupancy.max()))

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Regions of one color within flat blends: the layers of the inputs, carried along by the transport maps.
+"""Regions of one color in flat blends, from the layers of the inputs and the transport maps.
 
-Matter of a blend that comes from one layer on every input has one color, the mean of theirs. A region of the blend is
-where these layers are the same; it is read like an outline, from a field that is positive there.
+A region consists of the points whose origins lie on one layer of every input; its color is the mean of the layers'
+colors. Its outline is extracted from a field that is positive there.
 """
 
 from __future__ import annotations
@@ -24,37 +24,37 @@ from .flat_frames import ColoredOutline
 from .flat_origins import FlatOrigins, MovedOrigins
 from .flat_problem import FlatProblem
 
-# How fast a field leaves zero at a border between layers, beside its fall at the edge of the blend; and by how much
-# regions reach over such a border, so that curves fitted to either side leave no gap; and at most where three
-# meet, or two at the edge of the blend.
+# Slope of a field at a border between layers, relative to its slope at the edge of the blend. Regions overlap at such a
+# border by the second number, so that fitted curves leave no gap, and by at most the third where three regions meet, or
+# two at the edge of the blend.
 _STEEP, _OVERLAP, _MEETING = 4.0, 0.15, 3.0
 _ALL_AROUND = np.ones((3, 3), bool)
-# Fields are lifted by this: beyond the grid there is nothing.
+# Added to fields, because they count as zero outside the grid.
 _LIFT = 16.0
-# What is smaller, in cells, is no region and no hole.
+# Regions and holes of fewer cells are dropped.
 _LEAST_CELLS = 4.0
 
 
 def colored_regions(
     problem: FlatProblem, blend: Blend, mending: FlatMending, origins: FlatOrigins | MovedOrigins
 ) -> tuple[ColoredOutline, ...]:
-    """Divide a blend by the colors that it carries.
+    """Divide a blend into regions of one color.
 
     Parameters
     ----------
     problem : FlatProblem
-        With the layers of its shapes.
+        The problem, with the layers of its shapes.
     blend : Blend
-        Which one.
+        The blend.
     mending : FlatMending
-        Its outline, in cells, and the density that this was drawn of.
+        Its outline in cells, and the density that it was extracted from.
     origins : FlatOrigins or MovedOrigins
-        Where its matter comes from.
+        Origins of its matter.
 
     Returns
     -------
     tuple of ColoredOutline
-        In scene units, the largest first. Neighbors reach a fraction of a cell into each other.
+        In scene units, largest first. Neighbors overlap by a fraction of a cell.
     """
     lattice, level = problem.lattice, mending.drawn.level
     height = mending.density / level - 1.0
@@ -71,7 +71,7 @@ def colored_regions(
         chosen: _STEEP * np.min([own[layer] for own, layer in zip(margins, chosen, strict=True)], axis=0)
         for chosen in _combinations(margins)
     }
-    # Within the blend colors alone say where borders are: a field that is cut off on one side only would move them.
+    # Inside the blend, only colors determine borders: a field that is cut off on one side would move them.
     inner = binary_erosion(height > 0, _ALL_AROUND)[tuple(near.T)]
     cut = np.where(inner, _LIFT, height[tuple(near.T)])
     overlap = np.where(inner, _OVERLAP, _MEETING) + _where_three_meet(list(combined.values()))
@@ -92,13 +92,13 @@ def colored_regions(
 
 
 def _combinations(margins: Sequence[NDArray[np.float64]]) -> Iterator[tuple[int, ...]]:
-    """Yield a layer per input, as far as these have any place at all."""
+    """Yield all combinations of one layer per input that occur anywhere."""
     chosen = [[layer for layer, own in enumerate(each) if (own > 0).any()] for each in margins]
     yield from product(*chosen)
 
 
 def _where_three_meet(margins: Sequence[NDArray[np.float64]]) -> NDArray[np.float64] | float:
-    """Return how much more regions must overlap so that nothing is left open between three of them."""
+    """Return the additional overlap of regions that closes gaps between three of them."""
     if len(margins) < 3:
         return 0.0
     third = np.partition(np.stack(margins), -3, axis=0)[-3]
@@ -106,7 +106,7 @@ def _where_three_meet(margins: Sequence[NDArray[np.float64]]) -> NDArray[np.floa
 
 
 def _outline(field: NDArray[np.float64]) -> Outline:
-    """Draw where a lifted field is positive, without specks."""
+    """Extract the outline of a lifted field's positive part, without specks."""
     try:
         drawn = outline_at_level(field, _LIFT).outline
     except InputError:

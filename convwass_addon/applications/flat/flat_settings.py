@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a flat morph is made."""
+"""Settings of flat morphs."""
 
 from __future__ import annotations
 
@@ -9,16 +9,17 @@ from dataclasses import dataclass
 from ...schema import Choice, setting
 from ..morphs.morph_settings import MorphSettings
 
-# Automatic blur: most pairs of shapes can be reached with it, and all frames of a morph then have the same.
+# Automatic blur: wide enough for most pairs of shapes, so that all frames of a morph have the same blur.
 _CELLS_PER_BLUR = 100.0
 
 
 @dataclass(frozen=True)
 class FlatSettings(MorphSettings):
-    """How a flat morph is made: as solids are, :class:`.MorphSettings`, with more cells, and with words.
+    """Settings of a flat morph: those of :class:`.MorphSettings` with more cells, and those of words.
 
-    The level "volume" encloses the area interpolated between the shapes (their roots are, as lengths go evenly), or
-    what the blend evenly fills where that is more. `detail`, `thickness`, `parts` and `thin_parts` mean nothing here.
+    The level "volume" encloses the interpolated area of the shapes (interpolating square roots, since lengths are
+    linear), or the area that the blend evenly fills if that is larger. `detail`, `thickness`, `parts` and `thin_parts`
+    are ignored.
     """
 
     resolution: int = setting(
@@ -68,5 +69,5 @@ class FlatSettings(MorphSettings):
 
     @property
     def sigma(self) -> float:
-        """Blur in cells, with the automatic choice made."""
+        """Blur in cells, after the automatic choice."""
         return max(1.0, self.resolution / _CELLS_PER_BLUR) if self.blur is None else self.blur

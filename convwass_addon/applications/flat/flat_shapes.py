@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a flat morph is made of: closed rings in a plane, or images."""
+"""Inputs of flat morphs: closed rings in a plane, or images."""
 
 from __future__ import annotations
 
@@ -14,26 +14,26 @@ from ...errors import InputError
 from ...geometry.outlines import Rule
 from ...one_line import one_line
 
-# Squares of lengths up to this are numbers in single precision too.
+# Squares of lengths up to this are finite in single precision.
 _FARTHEST = 1e18
 
 
 @dataclass(frozen=True)
 class FlatShape:
-    """A flat shape as closed rings: what it fills follows from the rule, so rings may overlap and cross.
+    """A flat shape as closed rings, which may overlap and cross; the fill rule determines its inside.
 
     Attributes
     ----------
     rings : tuple of (n, 2) float64
-        Corners in the plane of the shape, scene units, of polygons that close by themselves: the first corner is not
-        repeated at the end. Holes are rings too.
+        Corners of closed polygons in the plane of the shape, scene units, without repeating the first corner. Holes are
+        rings, too.
     rule : "non-zero" or "even-odd"
-        Which points are inside: around which the rings turn other than zero times, or an odd number of times.
+        Points are inside if the winding number of the rings is not zero, or odd.
     colors : (r, 4) float64 or None
-        Red, green, blue, opacity of every ring, linear; a hole has the color of what it is a hole of. Rings of one
-        color are one layer, filled by the rule; layers are painted in the order in which their colors come first.
+        Red, green, blue, opacity of every ring, linear; a hole has the color of the ring around it. Rings of the same
+        color form a layer, filled by the rule; layers are painted in the order in which their colors first occur.
     letters : tuple of int or None
-        For every ring the number of its letter in reading order, from 0; None finds letters by how the rings lie.
+        The index of every ring's letter in reading order, from 0; None detects letters from the positions of the rings.
     """
 
     rings: tuple[NDArray[np.float64], ...]
@@ -44,12 +44,12 @@ class FlatShape:
     __repr__ = one_line("rings", "rule", "letters")
 
     def __post_init__(self) -> None:
-        """Refuse what no shape can be.
+        """Check the values.
 
         Raises
         ------
         InputError
-            Rings that are no polygons, numbers that are none, colors or letters for another number of rings.
+            Rings with too few corners, values that are not finite, or a wrong number of colors or letters.
         """
         if self.rule not in ("non-zero", "even-odd"):
             raise InputError("The fill rule must be 'non-zero' or 'even-odd'.")
@@ -71,18 +71,18 @@ class FlatShape:
 
 @dataclass(frozen=True)
 class FlatImage:
-    """A grey image: a silhouette, or a density of which brighter pixels have more.
+    """A gray image: a silhouette, or a density in which brighter pixels have more mass.
 
     Attributes
     ----------
     values : (width, height) float
-        From 0, nothing, to 1, full; columns from left to right, rows from the bottom up.
+        From 0, empty, to 1, full; columns from left to right, rows from the bottom up.
     pixel : float
         Size of a pixel in scene units.
     corner : (float, float)
-        Place of the lower left corner of the image in its plane.
+        Position of the lower left corner of the image in its plane.
     kind : "density" or "silhouette"
-        A silhouette is what of the image is at least half full; of a density every value counts.
+        A silhouette consists of the pixels that are at least half full; in a density every value counts.
     colors : (width, height, 4) float or None
         Red, green, blue, opacity of every pixel, linear.
     """
@@ -96,12 +96,12 @@ class FlatImage:
     __repr__ = one_line("values", "pixel", "corner", "kind")
 
     def __post_init__(self) -> None:
-        """Refuse what no image can be.
+        """Check the values.
 
         Raises
         ------
         InputError
-            Values that are no numbers or negative, a pixel without size, or colors of another size.
+            Negative or infinite values, a pixel without size, or colors of another size.
         """
         if self.values.ndim != 2 or not self.values.size:
             raise InputError("An image needs a value for every pixel.")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Simple changes that make an image of a blurred density (Solomon et al. 2015, Fig. 13): grays, a threshold, colors."""
+"""Simple ways to turn a blurred density into an image (Solomon et al. 2015, Fig. 13): grays, a threshold, colors."""
 
 from __future__ import annotations
 
@@ -14,22 +14,22 @@ from .flat_frames import FlatDensity, FlatFrame
 
 
 def regraded(frame: FlatFrame, ends: Sequence[FlatDensity]) -> FlatDensity:
-    """Give the density of a blend the grays of the inputs: its pixels keep their order, from dark to bright.
+    """Give the density of a blend the gray values of the inputs, keeping the order of its pixels from dark to bright.
 
-    The brightest pixel becomes as bright as the brightest ones of the inputs are in the mean with the weights, the
-    second as the second ones, and so on: the barycenter of their histograms.
+    The brightest pixel gets the weighted mean of the inputs' brightest pixels, the second brightest that of the second
+    brightest, and so on: the barycenter of their histograms.
 
     Parameters
     ----------
     frame : FlatFrame
         A blend with a density.
     ends : sequence of FlatDensity
-        Those of all inputs as they are, from the same morph.
+        Densities of all unblended inputs, from the same morph.
 
     Raises
     ------
     InputError
-        A frame without density, or densities that are not of its morph.
+        The frame has no density, or the densities belong to another morph.
     """
     if frame.density is None:
         raise InputError("These frames have outlines only; make them again as densities.")
@@ -45,16 +45,16 @@ def regraded(frame: FlatFrame, ends: Sequence[FlatDensity]) -> FlatDensity:
 def colored(
     values: NDArray[np.floating], stops: Sequence[float], colors: Sequence[Sequence[float]]
 ) -> NDArray[np.float64]:
-    """Color grays between stops.
+    """Map gray values to colors by interpolation between stops.
 
     Parameters
     ----------
     values : (nx, ny)
-        Of a density.
+        Gray values of a density.
     stops : (s,)
-        Grays, rising.
+        Gray values of the stops, increasing.
     colors : (s, c)
-        What they become; grays between two of them become mixtures, those beyond the ends what the ends are.
+        Colors of the stops; beyond the first and last stop, their colors are used.
 
     Returns
     -------
@@ -63,7 +63,7 @@ def colored(
     Raises
     ------
     InputError
-        Stops that do not rise, or another number of colors.
+        Stops that do not increase, or a wrong number of colors.
     """
     places, channels = np.asarray(stops, dtype=np.float64), np.asarray(colors, dtype=np.float64)
     if places.ndim != 1 or channels.ndim != 2 or len(places) != len(channels) or (np.diff(places) <= 0).any():

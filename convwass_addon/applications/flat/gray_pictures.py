@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends of gray images as pictures again (Solomon et al. 2015, Fig. 13): how full every pixel is, and its color."""
+"""Convert blends of gray images to pictures (Solomon et al. 2015, Fig. 13): fullness and color of every pixel."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from .gray_images import regraded
 Grays = Literal["images", "density", "threshold"]
 """What becomes of a density: the grays of the inputs, itself, or black and white."""
 
-# Pixels that are less full show the ground alone.
+# Pixels with less ink show only the ground.
 _LEAST_FULL = 1.0 / 512.0
 _INK = (0.0, 0.0, 0.0, 1.0)
 
@@ -33,13 +33,13 @@ class PictureMaker:
     Attributes
     ----------
     shapes : sequence of FlatShape or FlatImage
-        The inputs; their colors are those of ink.
+        The inputs; their colors are those of the ink.
     grounds : (k, 4) float64
-        Red, green, blue, opacity of what the inputs stand on, in the same space as their colors.
+        Red, green, blue, opacity of the inputs' backgrounds, in the same space as their colors.
     ends : sequence of FlatDensity
-        Densities of the inputs as they are.
+        Densities of the unblended inputs.
     grays : "images", "density" or "threshold"
-        What becomes of densities.
+        How densities are converted.
     """
 
     shapes: Sequence[FlatInput]
@@ -50,8 +50,8 @@ class PictureMaker:
     def picture(self, frame: FlatFrame) -> NDArray[np.float32]:
         """Paint a frame that has a density.
 
-        Ink comes from where the matter of every pixel comes from, and covers the ground, which is the mean of those of
-        the inputs, as far as the pixel is full.
+        Every pixel gets ink with the color at its origin, as far as it is full, over the mean of the inputs'
+        backgrounds.
 
         Returns
         -------
@@ -65,7 +65,7 @@ class PictureMaker:
         """
         full = np.clip(self._fullness(frame), 0.0, 1.0)
         weights = np.asarray(frame.blend.weights)
-        # Opacities weigh colors where they are mixed.
+        # Colors are premultiplied by opacity for mixing.
         ground = np.append(weights @ (self.grounds[:, :3] * self.grounds[:, 3:]), weights @ self.grounds[:, 3])
         result = np.tile(ground, (*full.shape, 1))
         inked = np.argwhere(full >= _LEAST_FULL)
@@ -79,7 +79,7 @@ class PictureMaker:
         return np.ascontiguousarray(result.swapaxes(0, 1), dtype=np.float32)
 
     def _fullness(self, frame: FlatFrame) -> NDArray[np.floating]:
-        """How full every pixel of a frame is, (nx, ny)."""
+        """Return the fullness of every pixel of a frame, (nx, ny)."""
         if self.grays == "threshold" and frame.outline is not None:
             density = frame.density
             boundary = filled_boundary(list(frame.outline.rings), "non-zero")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Letters of words in reading order, and which letters of one word become which of another."""
+"""Letters of words in reading order, and the correspondence of letters between words."""
 
 from __future__ import annotations
 
@@ -13,23 +13,23 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from .flat_shapes import FlatImage, FlatInput, FlatShape
 
-# A dot or an accent is this much lower than what it belongs to, and no farther from it, in heights of that. Two flat
-# strokes above each other, as of an equals sign, belong together as well.
+# A dot or accent has at most the first fraction of its letter's height, and at most the second as its distance. Two
+# flat strokes above each other, as in an equals sign, also belong together.
 _DOT, _GAP, _FLAT = 0.45, 0.6, 0.4
-# Share of its width, or of its height in a line, that a letter has in common with another.
+# Fraction of its width, or of its height in a line, in which a letter overlaps another.
 _OVERLAP = 0.5
 
 
 def matched_letters(shapes: Sequence[FlatInput], names: Sequence[str]) -> list[list[NDArray[np.int64]]]:
-    """Numbers of the rings of every part of every shape: letters in reading order.
+    """Return the indices of the rings of every part of every shape: letters in reading order.
 
-    Where counts differ, neighboring letters of the longer words go together with one of the shortest: that splits on
-    its way.
+    If the numbers of letters differ, neighboring letters of the longer words are combined to match a letter of the
+    shortest word, which splits on its way.
 
     Raises
     ------
     InputError
-        A shape that has no letters.
+        A shape has no letters.
     """
     found = []
     for shape, name in zip(shapes, names, strict=True):
@@ -43,13 +43,13 @@ def matched_letters(shapes: Sequence[FlatInput], names: Sequence[str]) -> list[l
 
 
 def _grouped(letters: list[NDArray[np.int64]], count: int) -> list[NDArray[np.int64]]:
-    """Bring neighbors together, as evenly as they go, until there are `count`."""
+    """Combine neighbors as evenly as possible until there are `count` groups."""
     bounds = np.rint(np.linspace(0, len(letters), count + 1)).astype(int)
     return [np.concatenate(letters[low:high]) for low, high in pairwise(bounds)]
 
 
 def letters_of(shape: FlatShape) -> list[NDArray[np.int64]]:
-    """Numbers of the rings of every letter, in reading order: lines from the top, letters from the left."""
+    """Return the indices of the rings of every letter in reading order: lines from the top, letters from the left."""
     if shape.letters is not None:
         numbers = np.array(shape.letters)
         return [np.flatnonzero(numbers == letter) for letter in np.unique(numbers)]
@@ -81,7 +81,7 @@ def _merged(
     groups: list[NDArray[np.int64]],
     belong: Callable[[NDArray[np.float64], NDArray[np.float64]], bool],
 ) -> list[NDArray[np.int64]]:
-    """Bring groups together of which one belongs to the other, the smaller ones first."""
+    """Merge groups that belong together, smaller ones first."""
     groups = sorted(groups, key=lambda group: _size(_box(boxes, group)))
     result: list[NDArray[np.int64]] = []
     while groups:
@@ -105,7 +105,7 @@ def _distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 def _holds(large: NDArray[np.float64], small: NDArray[np.float64]) -> bool:
-    """Whether a ring's box lies within another's: a hole, or what lies in one."""
+    """Whether a ring's box lies within another's, as for a hole or something inside a hole."""
     return bool((large[:2] <= small[:2]).all() and (large[2:] >= small[2:]).all())
 
 
@@ -120,6 +120,6 @@ def _has_dot(large: NDArray[np.float64], small: NDArray[np.float64]) -> bool:
     if max(height, own_height) <= _FLAT * min(width, own_width):
         return bool(gap < 3.0 * max(height, own_height))
     lower = own_height <= _DOT * height and gap < _GAP * height
-    # The dot of an i, and a colon: a square above or below another.
+    # The dot of an i, or a colon: a square above or below another one.
     square = own_height <= 1.2 * own_width and height <= 1.2 * width and gap < 4.0 * max(height, own_height)
     return bool(lower or (square and abs(height - own_height) < 0.2 * height and gap > 0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat shapes as sheets of triangles, which move as surfaces do and carry boundaries along."""
+"""Flat shapes as triangulated sheets, which move like surfaces and carry their boundaries."""
 
 from __future__ import annotations
 
@@ -15,23 +15,23 @@ from ...geometry.planar_fill import Boundary
 from ...geometry.planar_mesh import planar_mesh
 from ..motions.motion import MovedShape
 
-# Edges of the triangles and of carried boundaries, as shares of the root of the area: strokes that are a tenth as wide
-# as a letter is high have three triangles across.
+# Edge lengths of the triangles and of carried boundaries, as fractions of the square root of the area: strokes whose
+# width is a tenth of the letter's height have three triangles across.
 _TRIANGLES, _BOUNDARY = 0.08, 0.02
 
 
 @dataclass(frozen=True)
 class Sheet:
-    """What a part of a flat shape fills, as a mesh in the plane z = 0.
+    """The area of a part of a flat shape, as a mesh in the plane z = 0.
 
     Attributes
     ----------
     mesh : TriangleMesh
         The triangles.
     boundary : Boundary
-        Of short edges.
+        The boundary, with short edges.
     starts, ends : AttachedPoints
-        The corners of the boundary on the triangles.
+        The ends of the boundary's edges, attached to the triangles.
     """
 
     mesh: TriangleMesh
@@ -41,7 +41,7 @@ class Sheet:
 
     @classmethod
     def of(cls, boundary: Boundary) -> Sheet:
-        """Triangulate what a boundary encloses, which must have an area."""
+        """Triangulate the interior of a boundary, which must have an area."""
         size = np.sqrt(boundary.area)
         mesh = planar_mesh(boundary, _TRIANGLES * size)
         fine = boundary.divided(_BOUNDARY * size)
@@ -50,19 +50,19 @@ class Sheet:
         return cls(mesh, fine, *attached)
 
     def moved(self, shape: MovedShape) -> Boundary:
-        """Return the boundary of the sheet where it has been moved."""
+        """Return the boundary of the moved sheet."""
         moved = shape.vertices[: len(self.mesh.vertices)]
         return Boundary(self.starts.on(moved, self.mesh.faces), self.ends.on(moved, self.mesh.faces))
 
 
 @dataclass(frozen=True)
 class AttachedPoints:
-    """Points of the plane that go where triangles close to them go.
+    """Points of the plane that move with nearby triangles.
 
     Attributes
     ----------
     triangles : (n,) int64
-        The closest one of each.
+        The closest triangle of each point.
     shares : (n, 3) float64
         Barycentric coordinates in it, of sum 1; negative ones outside.
     """
@@ -81,7 +81,7 @@ class AttachedPoints:
         """Attach points, (n, 2), to triangles in the plane; `finder` knows these triangles."""
         triangles = finder.find(np.column_stack([points, np.zeros(len(points))])).triangles
         corners = vertices[faces[triangles]][..., :2]
-        # Columns are the edges from the first corner; a triangle that was pressed flat has its middle.
+        # Columns are the edges from the first corner; for a degenerate triangle, its center is used.
         sides = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
         flat = np.abs(np.linalg.det(sides)) <= 1e-9 * np.square(sides).sum(axis=(1, 2))
         sides[flat] = np.eye(2)
@@ -90,5 +90,5 @@ class AttachedPoints:
         return cls(triangles, np.column_stack([1.0 - others.sum(axis=1), others]))
 
     def on(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return where the points are, (n, 2), when the vertices are there, (m, 3)."""
+        """Return the points, (n, 2), for moved vertices, (m, 3)."""
         return np.einsum("nc,ncd->nd", self.shares, vertices[faces[self.triangles]][..., :2])

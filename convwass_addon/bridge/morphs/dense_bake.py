@@ -38,8 +38,7 @@ def bake_player(
 ) -> Work[bpy.types.Collection]:
     """Create a morph with a frame object for every time, shown in consecutive scene frames.
 
-    Nothing is solved. What plays the frames in the place of the player knows nothing of it, so the player stays and
-    is hidden.
+    Nothing is solved. Objects that use the player are not changed, so the player is kept, but hidden.
 
     Parameters
     ----------

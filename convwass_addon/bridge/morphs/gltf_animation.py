@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes that take turns in a glTF file, which has no visibility over time: nodes that are scaled by 0 or 1."""
+"""Animated visibility in glTF files, which lack it: nodes scaled by 0 or 1."""
 
 from __future__ import annotations
 
@@ -14,23 +14,23 @@ from ..keyframes import is_shown, key_steps
 
 @contextmanager
 def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str) -> Iterator[list[bpy.types.Object]]:
-    """Give objects with the meshes of frame objects that are scaled to nothing where these are hidden.
+    """Create objects with the meshes of frame objects that are scaled to zero while these are hidden.
 
-    That is how the specification of glTF 2.0 lets files hide nodes (section "Transformations").
+    The specification of glTF 2.0 suggests this way to hide nodes (section "Transformations").
 
     Parameters
     ----------
     frames : sequence of bpy.types.Object
         All frame objects of a path.
     span : range
-        The scene frames that are looked at; the first of them becomes frame 0. The last lasts for one frame.
+        The scene frames; the first of them becomes frame 0, and the last is shown for one frame.
     name : str
-        What to call the objects, with a number from 0001, and the action.
+        Name of the action and of the objects, which get numbers from 0001.
 
     Yields
     ------
     list of bpy.types.Object
-        Not linked to a scene; with keys on their scale that are held until the next one, all in one action.
+        Not linked to a scene; their scales have constant keys, all in one action.
     """
     action = bpy.data.actions.new(name)
     copies = []
@@ -52,7 +52,7 @@ def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str)
 
 
 def write_gltf_animation(file: str, **options: bool) -> set[str]:
-    """Write the context's scene with its keys as they are, not sampled: a key that is held remains a step.
+    """Write the context's scene with its keys as they are, not sampled, so that constant keys remain steps.
 
     Parameters
     ----------
