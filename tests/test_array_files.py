@@ -52,7 +52,7 @@ def promising(shape: str, content: bytes = bytes(24)) -> bytes:
 
 
 @pytest.mark.parametrize("level", [0, 1, 9])
-def test_what_is_written_is_read(level):
+def test_frames_survive_writing_and_reading(level):
     reader = reader_of(array_bytes(ARRAYS, HEADER, level))
     assert reader.header == HEADER
     for name, array in ARRAYS.items():

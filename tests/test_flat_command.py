@@ -82,7 +82,7 @@ def test_a_drawing_is_one_shape(files):
         ("{files}/shape.xyz", "does not exist"),
     ],
 )
-def test_what_cannot_be_read_is_told(files, capsys, shape, message):
+def test_unreadable_objects_are_reported(files, capsys, shape, message):
     text = shape.format(files=files)
     assert main(["morph", "text:A", text, "--out", str(files / "morph.blend")]) == 3
     assert message in capsys.readouterr().err

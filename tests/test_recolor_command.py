@@ -148,7 +148,7 @@ def test_palettes_have_weights(tmp_path, red, blue):
         ["red.png", "--lut", "none.cube", "--out", "a.png"],
     ],
 )
-def test_what_cannot_work_is_refused(tmp_path, red, blue, arguments, monkeypatch, capfd):
+def test_invalid_input_is_refused(tmp_path, red, blue, arguments, monkeypatch, capfd):
     monkeypatch.chdir(tmp_path)
     assert run(*arguments) == 3
     assert "convwass:" in capfd.readouterr().err

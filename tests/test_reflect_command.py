@@ -83,7 +83,7 @@ def test_a_grain_goes_to_whole_tables_only(tmp_path, capfd):
         (["blinn:20", "blinn:30", "--pad", "3"], "leave out --steps and --pad"),
     ],
 )
-def test_what_makes_no_sense_is_refused(tmp_path, capfd, words, message):
+def test_invalid_input_is_refused(tmp_path, capfd, words, message):
     assert reflect(tmp_path / "a.npz", *words) == 3
     assert message in capfd.readouterr().err
     assert not list(tmp_path.iterdir())

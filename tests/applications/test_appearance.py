@@ -37,7 +37,7 @@ def test_painted_corners_are_interpolated_in_the_closest_triangle():
     np.testing.assert_allclose(seen.colors[outside, :3], np.clip(points[outside], -1, 1), atol=1e-5)
 
 
-def test_every_material_has_its_paint():
+def test_every_material_has_its_own_color():
     mesh = box((2, 2, 2))
     upper = mesh.corners.mean(axis=1)[:, 2] > 0.5
     seen = appearance_of(mesh, Plain(RED), Plain(BLUE), materials=upper.astype(int)).at(
@@ -58,7 +58,7 @@ def test_an_image_is_looked_up_between_the_centers_of_its_pixels():
 
 
 @pytest.mark.parametrize(("repeats", "beyond"), [(True, 0.5), (False, 1.0)])
-def test_an_image_goes_on_beyond_its_edges(repeats, beyond):
+def test_an_image_is_repeated_or_extended_beyond_its_edges(repeats, beyond):
     pixels = np.zeros((1, 2, 4), np.float32)
     pixels[0, 1] = 1.0
     uvs = np.full((1, 3, 2), (1.0, 0.5), np.float32)
@@ -66,7 +66,7 @@ def test_an_image_goes_on_beyond_its_edges(repeats, beyond):
 
 
 def test_texture_coordinates_do_not_cross_seams():
-    """Two triangles side by side on opposite ends of an image: no color from between the ends shows."""
+    """Adjacent triangles at opposite edges of an image: no color from the middle of the image appears."""
     corners = np.array([[[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[1, 0, 0], [1, 1, 0], [0, 1, 0]]], dtype=float)
     uvs = np.array([np.full((3, 2), 0.1), np.full((3, 2), 0.9)], dtype=np.float32)
     pixels = np.zeros((10, 10, 4), np.float32)
@@ -76,7 +76,7 @@ def test_texture_coordinates_do_not_cross_seams():
     assert appearance.at(points).colors.max() == 0.0
 
 
-def test_a_blend_mixes_what_its_inputs_have_at_its_origins():
+def test_a_blend_mixes_the_appearance_at_its_origins():
     one, other = ball(1.0), ball(2.0, (10, 0, 0))
     groups = {"head": one.vertices[:, 2].astype(np.float32), "tail": np.ones(len(one.vertices), np.float32)}
     appearances = [
@@ -95,7 +95,7 @@ def test_a_blend_mixes_what_its_inputs_have_at_its_origins():
 
 
 def test_colors_are_means_over_the_faces_about_a_vertex():
-    """A step between two colors gets softer, and nothing changes beside it."""
+    """A step between two colors becomes softer, and everything else is unchanged."""
     mesh = ball(1.0, points=3000)
     paint = Painted((mesh.corners[..., [2, 2, 2, 2]] > 0).astype(np.float32))
     found = carried(mesh.vertices[None].astype(np.float32), mesh.faces, [appearance_of(mesh, paint)], (1.0,))
@@ -105,7 +105,7 @@ def test_colors_are_means_over_the_faces_about_a_vertex():
     assert 0 < colors[near].min() < 0.5 < colors[near].max() < 1
 
 
-def test_what_is_all_of_one_color_is_not_searched():
+def test_shapes_of_one_color_are_not_searched():
     """Points that are not numbers have no closest place."""
     appearance = appearance_of(ball(), Plain(RED))
     seen = appearance.at(np.full((3, 3), np.nan))

@@ -29,7 +29,7 @@ def test_points_turn_move_and_scale_with_a_body(points):
 
 
 def test_a_sleeve_stays_at_its_distance_when_the_arm_bends():
-    """A tube is bent by a radian; a sleeve around it keeps the distance to it."""
+    """A sleeve around a tube that is bent by a radian keeps its distance from the tube."""
     angles = np.linspace(0.0, 2.0 * np.pi, 24, endpoint=False)
 
     def tube(radius, rows):

@@ -86,7 +86,7 @@ def test_between_frames_it_is_the_blend_for_a_part_of_the_rounds(cache, cold, nu
     assert found.record["iterations"][0] <= 0.5 * truth.record["iterations"][-1]
     assert found.mesh.volume == pytest.approx(truth.mesh.volume, rel=5e-3)
     assert distance(found, truth) < 0.75 * cell
-    # Much nearer than the frames about it are.
+    # Much closer than the neighboring frames.
     assert np.linalg.norm(centroid(found.mesh) - centroid(truth.mesh)) < 0.05 * cell
 
 
@@ -102,12 +102,12 @@ def test_from_frame_to_frame_it_moves_in_one_direction(cache, cold):
     found = [spread(frame.mesh) for frame in at(cache, 5, 5.02, 5.25, 5.5, 5.75, 5.98, 6)]
     steps = np.diff(found)
     assert cold == []
-    # Right beside a frame it hardly moves, and what is left of the solver's error shows.
+    # Next to a frame it hardly moves, and the remaining error of the solver dominates.
     assert (np.sign(steps[1:-1]) == np.sign(found[-1] - found[0])).all()
     assert np.abs(steps[[0, -1]]).max() < 0.2 * np.abs(found[-1] - found[0])
 
 
-def test_numbers_of_frames_give_these_frames_and_compute_nothing(cache, monkeypatch):
+def test_whole_numbers_return_stored_frames(cache, monkeypatch):
     stored = [step.payload for step in morph(SHAPES, NAMES, PATH, QUICK, cache=cache) if step.payload]
     monkeypatch.setattr(between, "prepared_problem", None)
     found = at(cache, 12.0, 0, 7)
@@ -121,7 +121,7 @@ def test_numbers_of_frames_give_these_frames_and_compute_nothing(cache, monkeypa
 
 
 @pytest.mark.parametrize("number", [0.05, 0.5, 11.6])
-def test_beside_a_shape_it_starts_from_the_one_neighbor(cache, cold, number):
+def test_next_to_a_shape_it_starts_from_the_only_neighbor(cache, cold, number):
     (found,) = at(cache, number)
     truth = solved([1 - number / 12, number / 12])
     assert cold == []
@@ -159,7 +159,7 @@ def test_parts_start_each_from_their_own(tmp_path, cold):
     assert found.record["parts"] == pytest.approx(truth.record["parts"])
     assert found.record["parts"].keys() == {"box", "ball"}
     assert distance(found, truth) < 2.5 / 28
-    # It is not what the whole shapes do.
+    # Shapes without parts give a different result.
     assert distance(found, solved([6.5 / 12, 5.5 / 12])) > 2 * 2.5 / 28
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""UV maps are exact where a blend lies on its shape, and no triangle of it reaches across a seam."""
+"""UV maps are exact if a blend coincides with its shape, and no triangle extends across a seam."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from tests.shapes import ball, box
 
 
 def carried(uv_map, mesh, labels=None, **more):
-    """Return the UVs of a blend that lies on its shape."""
+    """Return the UVs of a blend that coincides with its shape."""
     finder = ClosestPointFinder(uv_map.corners)
     places = finder.find_about(mesh.vertices)
     labels = uv_map.charts if labels is None else labels
@@ -50,7 +50,7 @@ def test_a_refined_shape_has_its_own_uvs():
 
 
 def test_triangles_across_the_edges_of_islands_belong_to_one_of_them():
-    """The blend is the cube's surface with triangles of its own, none of which ends at the cube's edges."""
+    """The blend is the surface of a cube with other triangles, which cross the edges of the cube."""
     cube = box()
     uvs, _ = six_islands(cube)
     sphere = ball(points=3000)
@@ -58,7 +58,7 @@ def test_triangles_across_the_edges_of_islands_belong_to_one_of_them():
     found = carried(map_of(cube, uvs), blend)
     island = np.floor((found.mean(axis=1) + 0.01) / (0.33, 0.5))
     inside = found - (island * (0.33, 0.5))[:, None]
-    # The margin that the texture goes on is less than half of the gap between islands.
+    # The margin of the texture is less than half of the gap between islands.
     assert inside.min() > -0.0051
     assert inside.max() < 0.3051
     within = np.isclose(np.abs(blend.corners), 0.5).all(axis=1).any(axis=1)

@@ -41,7 +41,7 @@ def made(shapes, resolution, **options):
 
 
 def counts(frames, kind):
-    """What every blend has in the end."""
+    """The final count of every blend."""
     return [frame.record["found"][kind] for frame in {frame.blend: frame for frame in frames}.values()]
 
 
@@ -64,7 +64,7 @@ def test_the_hole_of_a_torus_closes_once_on_the_way_to_a_ball():
 
 @pytest.fixture(scope="module")
 def flickering(tmp_path_factory):
-    """A window that becomes a ring: its second opening closes, opens and closes where every blend is by itself."""
+    """A window that becomes a ring: if blends are independent, its second opening closes, opens and closes."""
     shapes = (window(), turned(torus(1.0, 0.3)))
     cache = FrameCache(tmp_path_factory.mktemp("cache"))
     return shapes, made(shapes, 20, cache=cache), cache
@@ -79,7 +79,7 @@ def test_a_hole_that_flickers_closes_once(flickering):
     assert all(frame.record["most"]["handles"] == 2 for frame in again)
 
 
-def test_decided_frames_are_the_same_from_the_cache_and_elsewhere(flickering):
+def test_revised_frames_are_the_same_from_the_cache_and_other_processes(flickering):
     shapes, expected, cache = flickering
     reused = cache.reused
     from_cache = made(shapes, 20, cache=cache)
@@ -93,13 +93,13 @@ def test_decided_frames_are_the_same_from_the_cache_and_elsewhere(flickering):
                 np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
 
 
-def test_a_part_of_a_bake_is_not_decided_over(flickering):
+def test_a_part_of_a_bake_is_not_revised(flickering):
     shapes, expected, cache = flickering
     part = made(shapes, 20, cache=cache, wanted=range(len(BLENDS)))
     assert [frame.blend for frame in part] == [frame.blend for frame in expected[: len(BLENDS)]]
 
 
-def test_a_bake_can_be_stopped_while_it_decides(flickering):
+def test_a_bake_can_be_stopped_during_the_revision(flickering):
     shapes, expected, _ = flickering
     control = Control()
     steps = payloads(

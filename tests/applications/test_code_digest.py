@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames that other code computed are not taken for this code's."""
+"""Frames computed by other code are not used."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_a_file_that_is_added_or_renamed_counts(copied):
     assert len({before, added, digest_of(copied)}) == 3
 
 
-def test_line_endings_and_other_rooms_do_not(copied):
+def test_line_endings_and_other_packages_do_not_change_it(copied):
     before = digest_of(copied)
     path = copied / "transport" / "grid.py"
     path.write_bytes(path.read_bytes().replace(b"\n", b"\r\n"))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends that are to be near to the blend beside them."""
+"""Blends whose distance to a neighboring blend is limited."""
 
 from __future__ import annotations
 
@@ -44,14 +44,14 @@ def test_a_blend_reaches_no_farther_than_it_may(problem):
         assert least < away < most
 
 
-def test_nothing_changes_for_a_blend_that_is_near_anyway(problem):
+def test_a_blend_within_its_limit_is_unchanged(problem):
     free = frame_of(problem)
     held = frame_of(problem, Demand(TWO, free.mesh, 3.0 * problem.lattice.spacing))
     assert held.record["held"] == 0
     np.testing.assert_array_equal(held.mesh.vertices, free.mesh.vertices)
 
 
-def test_demands_are_told_apart():
+def test_different_demands_have_different_digests():
     demands = [
         Demand(ONE),
         Demand(TWO),

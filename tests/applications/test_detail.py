@@ -76,7 +76,7 @@ def test_a_bumpy_ball_that_turns_keeps_its_bumps(share):
     assert detailed.record["volume"] == detailed.mesh.volume
 
 
-def test_transport_carries_detail_where_it_is_asked_to():
+def test_transport_carries_detail_if_requested():
     """Beside a box the blend has the edges of the box; those of the paper are as round as the grid makes them."""
     shapes = (box(), ball(0.62, points=600))
     found = {}

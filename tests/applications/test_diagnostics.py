@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is said about bakes whose faults are known."""
+"""Diagnostics of bakes with known faults."""
 
 from __future__ import annotations
 
@@ -44,12 +44,12 @@ def body_with_leg(thickness, cells=(48, 32, 32)):
     return occupancy(mesh.corners, cells)
 
 
-def test_a_good_bake_is_said_to_be_good():
+def test_a_good_bake_is_reported_as_good():
     assert kinds([GOOD, GOOD]) == ["GOOD"]
     assert kinds([]) == ["GOOD"]
 
 
-def test_what_is_not_converged_names_the_frames_and_the_worst_error():
+def test_unconverged_frames_are_listed_with_the_largest_error():
     slack = {"converged": False, "marginal_error": 0.034}
     note = diagnose([GOOD, GOOD | slack, GOOD | slack | {"marginal_error": 0.02}, GOOD], SETTINGS, ["A", "B"])[0]
     assert note.severity == "ERROR"
@@ -62,7 +62,7 @@ def test_lost_parts_are_measured_and_a_resolution_is_proposed():
     assert kinds([GOOD | {"lost": lost(0.0005)}]) == ["GOOD"]
 
 
-def test_pieces_and_holes_that_no_shape_has_are_told():
+def test_additional_pieces_and_holes_are_reported():
     most = {"pieces": 1, "handles": 0, "bubbles": 0}
     torn = GOOD | {"found": most | {"pieces": 3, "handles": 1}, "most": most}
     notes = diagnose([GOOD, torn, GOOD | {"found": most, "most": most}], SETTINGS, ["A", "B"])
@@ -73,7 +73,7 @@ def test_pieces_and_holes_that_no_shape_has_are_told():
     assert kinds([GOOD | {"found": {"regions": 2, "holes": 0}}]) == ["GOOD"]
 
 
-def test_mass_at_the_wall_is_told():
+def test_mass_at_the_wall_is_reported():
     assert kinds([GOOD | {"wall": 0.004}]) == ["WALL"]
     assert kinds([GOOD | {"wall": 1e-5}]) == ["GOOD"]
 
@@ -85,7 +85,7 @@ def test_the_wall_is_the_outermost_layer_of_cells():
     assert wall_share(density) == 0.0
 
 
-def test_a_blur_wider_than_the_automatic_one_is_told_and_one_that_was_asked_for_is_not():
+def test_an_automatically_widened_blur_is_reported():
     assert kinds([GOOD, GOOD | {"sigma": 1.5625}]) == ["WIDENED"]
     assert kinds([GOOD | {"sigma": 3.0}], SETTINGS | {"blur": 3.0}) == ["GOOD"]
     assert kinds([GOOD | {"sigma": 2.0}], MorphSettings(motion="transport", resolution=160).as_dict()) == ["GOOD"]
@@ -99,7 +99,7 @@ def test_notices_about_parts_are_passed_on_once():
 @pytest.mark.parametrize(
     "notices", ["TOO_SMALL", 3, [3], [["TOO_SMALL"]], [["GOOD", "Tail"]], [[["TOO_SMALL"], "Tail"]]]
 )
-def test_notices_that_are_none_are_left_out(notices):
+def test_invalid_notices_are_left_out(notices):
     assert kinds([GOOD | {"notices": notices}]) == ["GOOD"]
 
 
@@ -123,7 +123,7 @@ def test_thick_parts_and_edges_are_no_thin_parts(shape):
     assert thin_parts(shape) == {"share": 0, "parts": ()}
 
 
-def test_a_shape_that_is_thin_all_over_is_told():
+def test_a_shape_without_thick_parts_is_reported():
     sheet = occupancy(box((20, 20, 1.0), (16, 16, 8.5)).corners, (32, 32, 16))
     found = thin_parts(sheet)
     assert found["share"] == 1.0
@@ -140,7 +140,7 @@ def test_too_coarse_for_the_legs_of_the_cow():
     assert thin_parts(body_with_leg(1.1 * note.values["better"] / 64, (64, 32, 32)))["parts"] == ()
 
 
-def test_figures_alone_say_the_same_as_whole_records_after_a_trip_through_json():
+def test_reduced_figures_give_the_same_diagnostics_after_json():
     record = GOOD | {"lost": lost(0.05), "input": 1, "thin": thin_parts(body_with_leg(1.2))}
     flat = {name: value for name, value in record.items() if not isinstance(value, dict)} | diagnostic_figures(record)
     assert diagnose([json.loads(json.dumps(flat))], SETTINGS, ["A", "B"]) == diagnose([record], SETTINGS, ["A", "B"])
@@ -162,7 +162,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "transport", "reason": "ASKED"}, ["GOOD"]),
     ],
 )
-def test_the_motion_that_was_chosen_is_told(motion, expected):
+def test_the_chosen_motion_is_reported(motion, expected):
     """Also from the figures that are stored with a frame."""
     record = {"motion": motion}
     assert kinds([record]) == expected

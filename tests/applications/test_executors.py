@@ -81,7 +81,7 @@ def kill(processes):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="Windows knows no SIGKILL")
 def test_a_bake_survives_workers_that_are_killed(cluster, expected):
-    """All of them, and with them all copies of what the runs have in common."""
+    """All arguments sent to the runs, including copies of common ones."""
     frames = []
     with counted(cluster.scheduler_address) as (executor, futures):
         before = set(executor.client.run(os.getpid).values())
@@ -97,7 +97,7 @@ def test_a_bake_survives_workers_that_are_killed(cluster, expected):
     assert_same(frames, expected)
 
 
-def test_what_runs_have_in_common_is_sent_once(cluster, monkeypatch):
+def test_common_arguments_of_runs_are_sent_once(cluster, monkeypatch):
     """And to all workers, which then all have work."""
     sent = []
     with cluster_workers(cluster.scheduler_address) as executor:
@@ -163,7 +163,7 @@ def test_libraries_of_blas_are_looked_for_where_a_module_has_come(monkeypatch):
             assert len(looked) == wanted
 
 
-def test_cancelling_cancels_what_has_not_begun(cluster):
+def test_cancelling_drops_runs_that_have_not_started(cluster):
     control = Control()
     with counted(cluster.scheduler_address) as (executor, futures):
         with pytest.raises(Cancelled):
@@ -177,7 +177,7 @@ def test_cancelling_cancels_what_has_not_begun(cluster):
 
 
 def test_a_bake_on_a_cluster_can_be_stopped_while_it_waits():
-    """No run ever ends here, and the user is heard all the same."""
+    """Cancelling works although no run ever ends."""
     never = threading.Event()
     with ThreadPoolExecutor(1) as elsewhere:
         elsewhere.submit(never.wait)
@@ -193,7 +193,7 @@ def test_frames_from_a_cluster_go_into_the_cache(cluster, expected, tmp_path):
     assert_same([step.payload for step in steps(cache=FrameCache(tmp_path), wanted=range(8))], expected[:8])
 
 
-def test_errors_of_a_run_arrive_as_they_are(cluster):
+def test_errors_of_a_run_are_passed_on_unchanged(cluster):
     with cluster_workers(cluster.scheduler_address) as executor, pytest.raises(InputError, match="no volume"):
         executor.submit(refuse).result(60)
 
@@ -202,7 +202,7 @@ def refuse():
     raise InputError("no volume")
 
 
-def test_a_cluster_that_lacks_the_package_is_told_what_it_needs(cluster):
+def test_a_cluster_without_the_package_gives_a_helpful_error(cluster):
     missing = ModuleNotFoundError(name="convwass_addon")
     for error, cause in ((missing, None), (RuntimeError("Error during deserialization"), missing)):
         with (

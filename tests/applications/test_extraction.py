@@ -43,7 +43,7 @@ def filled(mesh, cells=40):
     return occupancy((mesh.corners - (low + high) / 2) / spacing + cells / 2, (cells,) * 3)
 
 
-def test_what_tears_is_mended():
+def test_tears_are_repaired():
     """No frame has more pieces or handles than a horse or a bird."""
     shapes = animals()
     torn = [piece_count(frame.mesh) for frame in frames_of(shapes, 8, PLAIN)]
@@ -56,7 +56,7 @@ def test_what_tears_is_mended():
         assert frame.mesh.volume == pytest.approx(frame.record["volume_wanted"], rel=5e-3)
 
 
-def test_a_blend_may_have_what_one_of_its_shapes_has():
+def test_a_blend_may_have_the_holes_of_one_shape():
     pair = joined(ball(0.5, (-0.8, 0, 0)), ball(0.5, (0.8, 0, 0)))
     for frame in frames_of([pair, torus()], 4, MorphSettings(motion="transport", resolution=48)):
         assert frame.record["found"]["pieces"] <= 2
@@ -98,7 +98,7 @@ def test_connectivity_of_shapes():
 
 
 @pytest.mark.parametrize("changes", [{}, {"mend": False}, {"thin_parts": False}, {"level": "half-max"}])
-def test_records_say_what_was_found_and_lost(changes):
+def test_records_contain_found_and_lost_parts(changes):
     density = filled(ball()).astype(float)
     settings = MorphSettings(motion="transport", resolution=40, **changes)
     extracted = extract_surface(density, float(density.sum()), 1.0, [Connectivity(1, 0, 0)], settings)

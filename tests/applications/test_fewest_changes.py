@@ -19,7 +19,7 @@ def test_a_count_that_flickers_changes_once():
     assert fewest_changes([], [], 1, 3) == []
 
 
-def test_what_cannot_be_lowered_stays():
+def test_lower_bounds_are_respected():
     assert fewest_changes([0, 0, 2, 0], [1, 1, 2, 1], 0, 0) == [1, 1, 2, 1]
     assert fewest_changes([0, 0, 0, 0], [1, 1, 2, 1], 0, 0) == [0, 0, 0, 0]
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat morphs against closed forms, and what they refuse."""
+"""Flat morphs against closed forms, and invalid input."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def _root(matrix):
     return vectors @ np.diag(np.sqrt(values)) @ vectors.T
 
 
-def test_inputs_are_shown_as_they_are_and_blends_next_to_them_have_their_holes():
+def test_inputs_are_unchanged_and_neighboring_blends_have_their_holes():
     ring = [ellipse((0, 0), (2, 2)), ellipse((0, 0), (1, 1))[::-1]]
     two = [ellipse((0, 0), (2, 2)), ellipse((-0.9, 0), (0.6, 0.6))[::-1], ellipse((0.9, 0), (0.6, 0.6))[::-1]]
     blends = [Blend((1.0, 0.0)), Blend((0.98, 0.02)), Blend((0.02, 0.98)), Blend((0.0, 1.0))]
@@ -105,7 +105,7 @@ def test_inputs_are_shown_as_they_are_and_blends_next_to_them_have_their_holes()
     assert frames[0].record["area"] == pytest.approx(3 * np.pi, rel=1e-5)
 
 
-def test_rules_say_what_is_a_hole():
+def test_fill_rules_determine_holes():
     rings = [ellipse((0, 0), (2, 2)), ellipse((0, 0), (1, 1))]
     for rule, area in (("non-zero", 4 * np.pi), ("even-odd", 3 * np.pi)):
         frame = frames_of([shape(*rings, rule=rule), shape(ellipse())], [Blend((1.0, 0.0))])[0]
@@ -221,7 +221,7 @@ def test_colors_of_grays_lie_between_stops():
         (FlatImage(np.full((4, 4), 0.2), kind="silhouette"), "is empty"),
     ],
 )
-def test_what_fills_nothing_is_refused(bad, message):
+def test_shapes_without_area_are_refused(bad, message):
     with pytest.raises(InputError, match=message):
         frames_of([bad, shape(rectangle())], path_blends(2, 4))
 
@@ -244,7 +244,7 @@ def test_what_fills_nothing_is_refused(bad, message):
         lambda: FlatSettings(fit_error=0.0),
     ],
 )
-def test_what_makes_no_sense_is_refused(make):
+def test_invalid_input_is_refused(make):
     with pytest.raises(InputError):
         make()
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Flat shapes that move towards each other: a turned shape turns, and what has no limbs is transported."""
+"""Motions of flat shapes: a rotated shape rotates, and shapes without limbs are transported."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ def test_a_turned_shape_turns_at_every_time(frames):
     for frame in frames[1:-1]:
         t = frame.blend.weights[1]
         expected = turned(HOOK - center, t * TURN) + (1 - t) * center + t * (turned(center, TURN) + SHIFT)
-        # Where a turning shape is on the way is a matter of choice; it is laid where most of it moves least.
+        # The position of a rotating shape on the way is a free choice: it moves as little as possible.
         away = filled_boundary([expected], "non-zero").center - filled_boundary(frame.outline.rings, "non-zero").center
         assert np.linalg.norm(away) < 0.02 * np.ptp(HOOK)
         assert overlap([ring + away for ring in frame.outline.rings], [expected]) > 0.95
@@ -73,7 +73,7 @@ def test_a_turned_shape_turns_at_every_time(frames):
         assert frame.outline.area == pytest.approx(frame.record["area_wanted"], rel=1e-3)
 
 
-def test_matter_comes_from_where_it_was_on_the_turned_shape(frames, hooks):
+def test_origins_follow_the_rotation(frames, hooks):
     center = filled_boundary([HOOK], "non-zero").center
     inner = np.array([[1.0, 0.25], [0.2, 1.5], [0.2, 2.8]]) - [0.6, 1.2]
     frame = frames[1]

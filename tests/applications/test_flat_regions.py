@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Regions of one color within flat blends, where it is known what they are."""
+"""Regions of one color in flat blends with known regions."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def test_layers_of_both_shapes_cross():
         np.testing.assert_allclose(np.abs([x - 1, y - 1]), 0.5, atol=0.03)
 
 
-def test_what_is_painted_later_lies_over_what_was_before_and_leaves_a_hole():
+def test_later_layers_cover_earlier_ones():
     target = shape((ellipse(radii=(2, 2)), RED), (ellipse(radii=(1, 1)), WHITE))
     plain = shape((ellipse((6, 0), (2, 2)), BLUE))
     (frame,) = frames_of([target, plain], single_blend([1, 1], 2))
@@ -84,7 +84,7 @@ def test_shapes_of_one_color_are_not_divided(colors):
     assert frame.regions == ()
 
 
-def test_nothing_is_divided_where_colors_are_not_carried():
+def test_without_colors_there_are_no_regions():
     two = shape((rectangle((0, 0), (1, 2)), RED), (rectangle((1, 0), (2, 2)), BLUE))
     (frame,) = frames_of(
         [two, two], single_blend([1, 1], 2), FlatSettings(resolution=128, motion="transport", carry=False)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends of animated inputs are made of the shapes as they are at their frames."""
+"""Blends of animated inputs use the shapes in the poses of their frames."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ def test_origins_are_on_the_inputs_as_they_were_read(cubes):
     assert np.abs(np.abs(inside).max(axis=1) - 0.5).max() < 1e-4
 
 
-def test_a_blend_is_that_of_shapes_that_stand_still_as_they_are_then():
+def test_a_blend_equals_that_of_static_shapes_in_the_same_poses():
     def first(time):
         return TriangleMesh(
             torus(0.8, 0.3).vertices * (1.0, 1.0 + 0.2 * time, 1.0) + (time, 0, 0), torus(0.8, 0.3).faces
@@ -165,7 +165,7 @@ def test_a_motion_between_poses_at_rest_is_that_of_the_shapes(posed):
 
 
 def test_a_motion_follows_the_poses(posed):
-    """Rods that are bent otherwise meanwhile: half way, each is bent by the mean."""
+    """Rods whose bend changes during the morph: halfway, each is bent by the mean."""
     motion, _ = posed
     poses = [rod(0.6, (0, 5, 0)), rod(2.0, (3, 0, 0))]
     found = motion.at(poses, [0, 1], Control()).moved((0.5, 0.5))
@@ -185,7 +185,7 @@ def test_following_can_be_cancelled():
 
 
 def test_a_warp_follows_the_poses():
-    """Shapes that turn and move alike: what the warp does turns and moves with them."""
+    """Shapes with a common rigid motion: the warp moves with them."""
     shapes = [rod(0.0), box((1.5, 1.0, 0.6))]
     chosen = drained(warp_motion(shapes, ["A", "B"], [(0, 1)], 0.5, Control(), WarpEffort(24, 4)))
     motion = PosedMotion.of(chosen, shapes, ["A", "B"], [(0, 1)], 0.5, Control())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames in a folder: what is read is what was written or nothing, and nothing is computed twice."""
+"""Frames in a folder: they are read exactly as written or not at all, and never computed twice."""
 
 from __future__ import annotations
 
@@ -80,13 +80,13 @@ def test_frames_that_were_kept_are_the_frames_and_are_not_computed_again(tmp_pat
     assert len(list(tmp_path.iterdir())) == len(BLENDS)
 
 
-def test_what_is_all_there_needs_no_voxels(tmp_path, monkeypatch):
+def test_a_complete_cache_needs_no_voxels(tmp_path, monkeypatch):
     expected = bake(FrameCache(tmp_path))
     monkeypatch.setattr(bake_plan, "sketchable_problem", None)
     assert_same(bake(FrameCache(tmp_path)), expected)
 
 
-def test_an_interrupted_bake_goes_on_where_it_stopped(tmp_path, solved):
+def test_an_interrupted_bake_continues(tmp_path, solved):
     steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=FrameCache(tmp_path), workers=1)
     assert next(step for step in steps if step.payload)
     steps.close()
@@ -98,7 +98,7 @@ def test_an_interrupted_bake_goes_on_where_it_stopped(tmp_path, solved):
 
 
 def test_runs_that_are_finished_before_their_turn_are_kept_too(tmp_path, monkeypatch):
-    """The last run comes first and the first never ends; what the last found is in the folder all the same."""
+    """The last run ends first and the first never ends; the frames of the last are in the folder nevertheless."""
     last = len(BLENDS) % RUN_LENGTH
 
     control = ConditionalControl(lambda: len(list(tmp_path.iterdir())) >= last)
@@ -111,14 +111,14 @@ def test_runs_that_are_finished_before_their_turn_are_kept_too(tmp_path, monkeyp
 @pytest.mark.parametrize(
     ("wanted", "made"), [(range(5, 6), range(4, 8)), (range(3, 9), range(11)), (range(11), range(11))]
 )
-def test_a_range_is_made_in_whole_runs(tmp_path, wanted, made):
+def test_a_range_is_computed_in_complete_runs(tmp_path, wanted, made):
     expected = bake()
     frames = bake(FrameCache(tmp_path), wanted)
     assert_same(frames, [expected[index] for index in made])
     assert len(list(tmp_path.iterdir())) == len(made)
 
 
-def test_ranges_together_are_the_whole(tmp_path, solved):
+def test_ranges_together_are_the_complete_morph(tmp_path, solved):
     for wanted in (range(8, 11), range(4), range(4, 8)):
         bake(FrameCache(tmp_path), wanted)
     assert solved == [8, 0, 4]
@@ -135,7 +135,7 @@ def test_ranges_outside_are_refused(wanted):
 
 
 @given(count=st.integers(1, 60), data=st.data())
-def test_every_blend_lies_in_one_run_and_runs_do_not_depend_on_what_is_wanted(count, data):
+def test_every_blend_is_in_one_run_and_runs_do_not_depend_on_the_range(count, data):
     blends = list(range(count))
     runs = runs_of(blends)
     assert [blend for run in runs for blend in run] == blends
@@ -151,7 +151,7 @@ def keys(shapes=SHAPES, names=("a", "b"), labels=None, options=QUICK, blends=BLE
         return [path.name for path in cache.paths(blends)]
 
 
-def test_every_frame_has_a_name_of_its_own():
+def test_every_frame_has_its_own_name():
     assert len(set(keys())) == len(BLENDS)
     assert keys() == keys()
 
@@ -181,7 +181,7 @@ def test_every_setting_is_in_the_name(name):
     assert not set(keys(options=changed)) & set(keys())
 
 
-def test_a_frame_is_told_by_the_blends_before_it_in_its_run_and_by_none_after():
+def test_the_key_of_a_frame_depends_on_the_blends_before_it():
     assert keys(blends=BLENDS[:3]) == keys()[:3]
     assert keys(blends=BLENDS[1:4])[0] != keys()[1]
 
@@ -201,7 +201,7 @@ figures = st.none() | st.booleans() | st.integers() | st.floats(allow_nan=False)
     corners=st.lists(st.tuples(*[st.integers(0, 4)] * 3), max_size=5),
     record=st.dictionaries(st.text(max_size=3), figures | st.tuples(figures, figures)),
 )
-def test_what_is_written_is_read(tmp_path, vertices, corners, record):
+def test_frames_survive_writing_and_reading(tmp_path, vertices, corners, record):
     mesh = frame_file.TriangleMesh.from_arrays(vertices, np.reshape(corners, (-1, 3)) % len(vertices))
     write_frame(tmp_path / "f", KEY, StoredFrame(mesh, record))
     found = read_frame(tmp_path / "f", KEY)
@@ -331,7 +331,7 @@ def test_potentials_that_are_written_are_read(tmp_path, data):
         np.testing.assert_array_equal(part.columns, columns)
 
 
-def test_what_is_too_large_is_not_even_read(tmp_path):
+def test_files_that_are_too_large_are_not_read(tmp_path):
     with open(tmp_path / "f", "wb") as file:
         file.truncate(3 << 30)
     with pytest.raises(DamagedFrameError, match="too large"):
@@ -348,7 +348,7 @@ def test_pipes_links_and_folders_are_left_alone(tmp_path):
     for name in ("pipe", "link", "folder"):
         with pytest.raises(DamagedFrameError, match="regular file"):
             read_frame(tmp_path / name, KEY)
-    # Writing over a link replaces the link, not what it points at.
+    # Writing to a link replaces the link, not its target.
     before = outside.read_bytes()
     written(tmp_path / "link", StoredFrame(None, {}))
     assert outside.read_bytes() == before
@@ -402,7 +402,7 @@ def test_folders_that_cannot_be_are_refused(tmp_path):
 
 
 def test_spare_frames_take_a_bake_up_again_and_are_smaller(tmp_path, solved):
-    """Blender was closed in the middle: nothing was asked for, and what was finished is there all the same."""
+    """Blender is closed during a bake: finished frames are kept although no cache was requested."""
     spare, asked = tmp_path / "spare", tmp_path / "asked"
     steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=SpareFrameCache(spare, 1 << 30), workers=1)
     assert next(step for step in steps if step.payload)
@@ -426,7 +426,7 @@ def test_the_oldest_spare_frames_go_first(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0.frame", "1.frame", "2.frame", "mine.txt"]
 
 
-def test_a_bake_goes_on_where_spare_frames_cannot_be_written(tmp_path, monkeypatch):
+def test_a_bake_continues_if_spare_frames_cannot_be_written(tmp_path, monkeypatch):
     def full(*_):
         raise OSError(28, "No space left on device")
 

@@ -25,7 +25,7 @@ BLENDS = path_blends(2, 4)
 
 
 def peak_of(work):
-    """Return the peak of the second run, which excludes what is imported and cached once."""
+    """Return the peak of the second run, which excludes imports and caches of the first."""
     drained(work())
     tracemalloc.start()
     drained(work())

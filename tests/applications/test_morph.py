@@ -116,7 +116,7 @@ def test_a_shape_a_hundred_times_smaller_is_refused_for_its_size(small, thicknes
         frames_of([ball(), small], single_blend([1, 1], 2), settings)
 
 
-def test_equal_volume_is_what_helps_a_shape_that_is_too_small():
+def test_equal_volume_helps_a_shape_that_is_too_small():
     pair = [ball(), box((0.02, 0.02, 0.02))]
     moved = [move.moved(shape) for move, shape in zip(aligned(pair, "PLACED", "EQUAL_VOLUME"), pair, strict=True)]
     (frame,) = frames_of(moved, single_blend([1, 1], 2))
@@ -128,7 +128,7 @@ def test_a_rod_thinner_than_the_cells_is_not_called_too_small_beside_the_others(
         frames_of([box((1, 0.01, 0.01)), box((1, 0.01, 0.01))], single_blend([1, 1], 2))
 
 
-def test_sharpness_rises_towards_the_ends_only_by_itself():
+def test_only_automatic_sharpness_rises_towards_the_ends():
     automatic = [MorphSettings(motion="transport").sharpness_at((1 - t, t)) for t in (0.001, 0.1, 0.5, 0.9, 0.999)]
     assert automatic[2] == 0.75
     assert automatic[0] > automatic[1] > 0.75
@@ -217,7 +217,7 @@ def test_memory_is_checked_before_the_work(monkeypatch):
     Lattice.around([ball(), box()], fitting, 1.0)
 
 
-def test_this_machine_says_how_much_memory_it_has():
+def test_the_free_memory_of_this_machine_is_known():
     free = memory.available_memory()
     assert free is None or free > 10_000_000
 
@@ -267,12 +267,12 @@ def test_a_single_blend_is_scaled_to_sum_one():
         (lambda: Lattice.around([ball(), box()], 12, 1.0), "too coarse"),
     ],
 )
-def test_what_makes_no_sense_is_refused(make, message):
+def test_invalid_input_is_refused(make, message):
     with pytest.raises(InputError, match=message):
         make()
 
 
-def test_the_automatic_blur_widens_where_it_does_not_reach(monkeypatch):
+def test_the_automatic_blur_is_widened_if_it_is_too_narrow(monkeypatch):
     monkeypatch.setattr(MorphSettings, "sigma", property(lambda settings: 0.5))
     shapes = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))]
     frames = frames_of(shapes, path_blends(2, 2), MorphSettings(motion="transport", resolution=72))

@@ -35,7 +35,7 @@ def guided(arms, tmp_path_factory):
     return baked(arms, settings, previews=True, cache=cache), settings, cache
 
 
-def test_automatic_guides_an_arm_and_says_so(guided, arms):
+def test_automatic_chooses_a_guided_motion_for_an_arm(guided, arms):
     (frames, _), _, _ = guided
     assert [frame.record["motion"]["kind"] for frame in frames] == ["guided"] * 5
     assert frames[2].record["motion"]["reason"] == "FITS"
@@ -79,7 +79,7 @@ def test_coherence_zero_is_transport(arms):
     assert frames[1].record["motion"] == {"kind": "transport", "reason": "ASKED"}
 
 
-def test_a_guided_motion_that_cannot_be_made_is_refused_and_automatic_goes_on():
+def test_a_failing_guided_motion_is_refused_and_automatic_continues():
     shapes = (ball(points=60), torus())
     with pytest.raises(InputError, match="in 2 pairs"):
         baked(shapes, MorphSettings(resolution=24, motion="guided"), guides=[{0: 3, 1: 5}, {0: 3, 1: 9}])

@@ -21,7 +21,7 @@ NAMES = ("lying", "standing")
 
 
 def turned(mesh: TriangleMesh, angle: float) -> TriangleMesh:
-    """Turn about the end of the rod, where it is hinged."""
+    """Rotate about the hinged end of the rod."""
     c, s = np.cos(angle), np.sin(angle)
     return TriangleMesh(mesh.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), mesh.faces)
 
@@ -101,7 +101,7 @@ def test_velocity_is_that_of_the_turn(problem):
     assert np.abs(velocity - expected).mean() < 0.02 * rate * ANGLE
 
 
-def test_the_grid_holds_what_swings_out(problem):
+def test_the_grid_holds_the_swinging_rod(problem):
     """At half of the way the rod reaches further along no axis than before, but a rod that swings through does."""
     settings = MorphSettings(resolution=48)
     opposite = (ROD, turned(ROD, np.pi))
@@ -121,12 +121,12 @@ def test_the_grid_holds_what_swings_out(problem):
     frame = moving.frame(Blend((0.5, 0.5)), Control())
     assert frame.mesh.volume == pytest.approx(ROD.volume, rel=5e-3)
     assert frame.mesh.bounds[1, 1] == pytest.approx(2.0, abs=still.lattice.spacing)
-    # A blend between those that were looked at gets the cells that it needs.
+    # A blend between the sampled ones gets the cells that it needs.
     moving = MovingProblem.of(still, HalfCircle(), [Blend((0.95, 0.05))], NAMES, unparted(2), Control())
     assert moving.lattice.shape[1] < frame.record["cells"][1]
     again = moving.frame(Blend((0.5, 0.5)), Control())
     np.testing.assert_allclose(again.mesh.bounds, frame.mesh.bounds, atol=0.02 * still.lattice.spacing)
 
 
-def test_an_input_itself_is_shown_as_it_is(problem):
+def test_an_input_is_shown_unchanged(problem):
     assert problem.frame(Blend((1.0, 0.0)), Control()).mesh is None

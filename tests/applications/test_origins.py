@@ -44,7 +44,7 @@ def linear_map(one, other):
 
 
 @pytest.mark.parametrize("sharpness", [0.0, 0.75, 1.0])
-def test_a_moved_ball_comes_from_where_it_was(sharpness):
+def test_the_origins_of_a_moved_ball_are_on_the_inputs(sharpness):
     shift = np.array([10.0, -7.0, 4.0])
     balls = [ball(MIDDLE - shift / 2, 11.0), ball(MIDDLE + shift / 2, 11.0)]
     part = solved_part(balls, (0.7, 0.3), sharpness)
@@ -65,7 +65,7 @@ def test_ellipsoids_come_from_their_linear_images(t):
     points = (1 - t) * on_one + t * on_other + MIDDLE
     for moves, images in zip(displacements(points, part), (on_one, on_other), strict=True):
         distance = np.linalg.norm(points + moves - images - MIDDLE, axis=1)
-        # What moves farthest goes six cells. The blur's pull falls with the blur: it is as much on a finer grid.
+        # The farthest matter moves six cells. The error caused by the blur is proportional to it, in cells.
         assert distance.mean() < 0.45
         assert distance.max() < 0.9
 

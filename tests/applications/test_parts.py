@@ -68,7 +68,7 @@ def test_balls_with_crossed_names_cross_over():
     np.testing.assert_allclose(np.ptp(large, axis=0) / 2, 0.5, atol=0.06)
 
 
-def test_without_parts_the_same_balls_stay_where_they_are():
+def test_without_parts_the_same_balls_do_not_move():
     mesh = blended([pair(0.25, 0.5), pair(0.5, 0.25)], None, [0.75, 0.25]).mesh
     assert mesh.bounds[0, 0] < -1.1
     assert mesh.bounds[1, 0] > 1.3
@@ -123,7 +123,7 @@ def test_one_part_for_all_is_the_plain_morph_to_the_last_bit():
     assert "parts" not in plain.record
 
 
-def test_one_density_is_left_as_it_is():
+def test_a_single_density_is_unchanged():
     density = np.random.default_rng(0).random((4, 5, 6))
     merged = merged_parts([density], np.array([7.0]))
     assert merged.density is density
@@ -187,7 +187,7 @@ def test_no_name_in_common_is_refused_with_all_names():
 
 
 def shares(*cells):
-    """The parts of one shape, each of so many full cells."""
+    """The parts of one shape, each with the given number of full cells."""
     result = []
     for count in cells:
         part = np.zeros((10, 10, 10), np.float32)
@@ -211,7 +211,7 @@ def two_labels(*names):
         ((5, 6, 100), (30, 80, 0), ("the rest",), [[111, 110]], ["a is too small", "b is too small"]),
     ],
 )
-def test_what_is_too_small_joins_the_rest(first, second, names, volumes, words):
+def test_small_parts_join_the_rest(first, second, names, volumes, words):
     found = joined(two_labels("a", "b"), [shares(*first), shares(*second)])
     assert found.names == names
     np.testing.assert_allclose(found.volumes, volumes)

@@ -129,7 +129,7 @@ def problem_of(shapes, settings, labels=None):
             return end.value
 
 
-def test_what_was_sketched_is_not_solved_again(monkeypatch):
+def test_sketched_levels_are_not_solved_again(monkeypatch):
     problem, run = problem_of(SHAPES[:2], QUICK), path_blends(2, 3)
     sketches = list(blending.sketch_blends(problem, run))
     begun = []
@@ -222,7 +222,7 @@ def test_previews_come_from_everywhere_the_nearest_run_first():
     assert [frame.blend for frame in frames_of(steps)] == blends
 
 
-def test_no_more_is_sketched_than_there_is_memory_for(monkeypatch):
+def test_sketches_are_limited_by_the_memory(monkeypatch):
     shapes, blends = SHAPES[:2], path_blends(2, 11)
     problem = problem_of(shapes, QUICK)
     frames = frames_of(steps_of(shapes, blends, workers=1))
@@ -236,7 +236,7 @@ def test_no_more_is_sketched_than_there_is_memory_for(monkeypatch):
 
 @pytest.mark.parametrize("shapes", [[ball(), box()], [torus(1.0, 0.2), box((2.0, 0.3, 0.3))], parted_boxes()])
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
-def test_what_sketches_keep_is_estimated(shapes, sharpness):
+def test_the_memory_of_sketches_is_estimated(shapes, sharpness):
     labels, settings = None, MorphSettings(motion="transport", resolution=48, sharpness=sharpness)
     if isinstance(shapes, tuple):
         shapes, labels = shapes

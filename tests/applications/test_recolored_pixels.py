@@ -131,7 +131,7 @@ def test_gray_gets_the_mean_hue(target):
     np.testing.assert_allclose(mean_lab(recolored(gray, change_of(gray, target))), mean_lab(target), atol=0.5)
 
 
-def test_scenes_keep_what_is_brighter_than_white(source, target):
+def test_scenes_keep_values_above_white(source, target):
     """A scene with the source's own palette, plus a few lamps."""
     scene = source.copy()
     scene[..., :3] = linear_of_srgb(source[..., :3])

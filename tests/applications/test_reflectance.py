@@ -101,7 +101,7 @@ def test_the_fit_recovers_the_tabulated_material():
 
 
 def test_highlights_move_instead_of_doubling():
-    """Two separate narrow lobes: linear interpolation keeps both, transport makes one between them."""
+    """Two separate narrow lobes: linear interpolation keeps both, transport gives one between them."""
     table = tabulated(Ggx(0.1, 0.1), incoming_directions(9, 1), ROWS)
     # The same lobes four incoming angles further; the lobes between them are two angles further.
     near, far = (

@@ -41,7 +41,7 @@ def test_the_run_with_the_largest_boxes_comes_first_and_the_others_in_order(monk
     assert begun(monkeypatch, (large, small)) == [0, 4, 8]
 
 
-def test_frames_are_the_same_whoever_reads_their_surfaces():
+def test_frames_do_not_depend_on_the_extracting_thread():
     pairs = [*zip(*(frames_of((ball(), box()), workers=workers) for workers in (1, 3)), strict=True)]
     for one, other in pairs:
         assert one.record == other.record

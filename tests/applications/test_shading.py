@@ -81,7 +81,7 @@ def test_normals_are_averaged_with_the_weights():
 
 
 @pytest.mark.parametrize("triangle", [-1, 10_000])
-def test_where_no_triangle_is_known_the_surface_has_its_own_normals(triangle):
+def test_without_a_known_triangle_the_surface_has_its_own_normals(triangle):
     shape = box()
     triangles = np.full((1, len(shape.faces)), triangle, np.int32)
     found = frame_normals(shape, shape.vertices[None], triangles, [flat(shape)], (1.0,))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Work for idle threads: it is done exactly once, by any thread, and nobody waits forever."""
+"""Work for idle threads is done exactly once, by any thread, without deadlocks."""
 
 from __future__ import annotations
 

@@ -36,12 +36,12 @@ def test_legs_lie_between_shapes():
     assert legs_of(three[1:4]) == legs_of(grid_blends(4, 3)) == []
 
 
-def test_a_hole_that_comes_and_goes_is_asked_away():
+def test_a_flickering_hole_is_closed():
     assert topology_of([1, 1, 0, 1, 0, 0, 1]).asked() == {BLENDS[3]: Connectivity(1, 0, 0)}
     assert topology_of([1, 1, 1, 0, 0, 1, 1]).asked() == {}
 
 
-def test_a_piece_that_comes_and_goes_is_asked_away():
+def test_a_flickering_piece_is_joined():
     two = Connectivity(2, 0, 0)
     assert topology_of([0] * 7, [1, 1, 2, 1, 2, 2, 2], two).asked() == {BLENDS[2]: Connectivity(1, 0, 0)}
 
@@ -50,14 +50,14 @@ def test_more_than_the_shapes_have_is_asked_away_too():
     assert topology_of([1, 1, 1, 2, 1, 0, 1]).asked() == {BLENDS[3]: RINGS}
 
 
-def test_what_cannot_be_made_is_asked_for_once():
+def test_unreachable_counts_are_requested_once():
     topology = topology_of([1, 1, 0, 1, 0, 0, 1])
     ((blend, most),) = topology.asked().items()
     assert topology.better(frame(blend, RINGS, most), most) is None
     assert topology.asked() == {}
 
 
-def test_what_is_made_again_keeps_what_its_shapes_have():
+def test_recomputed_frames_keep_the_maximum_over_their_shapes():
     topology = topology_of([1, 1, 0, 1, 0, 0, 1])
     ((blend, most),) = topology.asked().items()
     better = topology.better(frame(blend, Connectivity(1, 0, 0), most), most)
@@ -66,7 +66,7 @@ def test_what_is_made_again_keeps_what_its_shapes_have():
 
 
 @pytest.mark.parametrize("record", [{}, {"found": 1}, {"found": {"pieces": 1}}, {"found": dict.fromkeys("abc", 1)}])
-def test_nothing_is_asked_for_where_a_frame_is_not_known(record):
+def test_nothing_is_requested_if_a_frame_is_unknown(record):
     topology = SteadyTopology(legs_of(BLENDS))
     for blend, handles in zip(BLENDS, [1, 1, 0, 1, 0, 0, 1], strict=True):
         topology.add(frame(blend, Connectivity(1, handles, 0)) if blend.frame != 2 else MorphFrame(blend, None, record))

@@ -22,7 +22,7 @@ def test_a_straight_and_even_path_is_one_piece():
 
 
 @pytest.mark.parametrize("pieces", [2, 3, 4, 6])
-def test_an_arc_takes_as_many_pieces_as_its_sagitta_says(pieces):
+def test_the_number_of_pieces_of_an_arc_follows_from_its_sagitta(pieces):
     """A chord of an arc of angle a stays within 1 - cos(a / 2) of it, up to where the pace differs a little."""
     angle = np.radians(120.0)
     sagitta = 1.0 - np.cos(angle / pieces / 2.0)

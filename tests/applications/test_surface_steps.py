@@ -29,21 +29,21 @@ def test_distances_of_balls():
     assert farthest(joined(ball(), ball(0.3, (2, 0, 0))), ball()) == pytest.approx(1.3, abs=0.05)
 
 
-def test_even_steps_are_left_as_they_are():
+def test_even_steps_are_unchanged():
     assert chains_of([0.2 * i for i in range(13)]) == []
 
 
-def test_what_appears_grows_afterwards_and_what_vanishes_has_shrunk():
+def test_appearing_parts_grow_afterwards_and_vanishing_parts_shrink_before():
     (grows,) = chains_of([0.2 * i for i in range(13)], extra=range(4, 13))
     assert (grows.beside, grows.blends) == (BLENDS[3], tuple(BLENDS[4:12]))
     assert len(grows.near.vertices) == len(ball().vertices)
-    # Over the eight steps that are left the small ball goes 1.3 and seven times 0.2.
+    # In the eight remaining steps the small ball moves by 1.3 and seven times 0.2.
     assert grows.reach == pytest.approx(2.7 / 8, abs=0.03)
     (shrinks,) = chains_of([0.2 * i for i in range(13)], extra=range(9))
     assert (shrinks.beside, shrinks.blends) == (BLENDS[9], tuple(BLENDS[8:0:-1]))
     assert len(shrinks.near.vertices) == len(ball().vertices)
 
 
-def test_what_is_there_once_grows_and_shrinks():
+def test_a_part_in_one_blend_grows_and_shrinks():
     grows, shrinks = chains_of([0.2 * i for i in range(13)], extra=[4])
     assert (grows.blends[0], shrinks.blends[0]) == (BLENDS[4], BLENDS[4])

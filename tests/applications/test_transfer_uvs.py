@@ -97,7 +97,7 @@ def test_pieces_without_points_get_no_place():
     ]
 
 
-def test_what_cannot_work_is_refused():
+def test_invalid_input_is_refused():
     own = exact_map(TUBE.vertices, TUBE)
     with pytest.raises(InputError, match="two numbers for every corner"):
         transferred_uvs(own, TUBE, TUBE_UVS[:5], TUBE)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Vertex animation textures: what a shader reads is what was written, within half a quantum."""
+"""Vertex animation textures: a shader reads the written values within half a quantization step."""
 
 from __future__ import annotations
 

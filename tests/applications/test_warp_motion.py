@@ -155,7 +155,7 @@ def test_bad_meshes_move_too(shape):
         assert np.abs(move.vertices[move.rest.faces]).max() < 5.0
 
 
-def test_what_makes_no_sense_is_refused():
+def test_invalid_input_is_refused():
     empty = TriangleMesh.from_arrays(np.zeros((3, 3)), np.zeros((0, 3), int))
     with pytest.raises(InputError, match="'shape 1' has no faces"):
         warp([LONG, empty])

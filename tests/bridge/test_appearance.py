@@ -166,7 +166,7 @@ def test_an_image_behind_other_nodes_is_found(make_object, depsgraph):
 
 
 @pytest.mark.parametrize("missing", ["image", "file", "coordinates", "node"])
-def test_what_cannot_be_seen_has_the_color_of_the_viewport(make_object, depsgraph, missing, tmp_path):
+def test_unreadable_images_are_replaced_by_the_viewport_color(make_object, depsgraph, missing, tmp_path):
     import bpy
 
     made = material("Broken")
@@ -208,7 +208,7 @@ def test_vertex_groups_become_attributes_if_all_inputs_have_them(bare_scene, mak
 
 
 def test_colors_travel_with_the_matter(bare_scene, make_object):
-    """Two balls side by side change their distance; each keeps its color."""
+    """The distance between two balls changes; each keeps its color."""
     inputs = []
     for name, gap, colors in (("Near", 0.3, (RED, GREEN)), ("Far", 0.9, (RED, WHITE))):
         pair = joined(ball(0.5, (-0.5 - gap / 2, 0, 0), 300), ball(0.5, (0.5 + gap / 2, 0, 0), 300))
@@ -295,7 +295,7 @@ def test_light_that_inputs_emit_is_mixed(bare_scene, make_object, tmp_path):
 
 @pytest.mark.parametrize("faces", ["TRIANGLES", "QUADS"])
 def test_frames_keep_the_slots_of_their_inputs(bare_scene, make_object, faces):
-    """Of two balls side by side the right ones have a slot of their own, which glows in one input."""
+    """In two pairs of balls, the right balls have their own slot, which is emissive in one input."""
     inputs = []
     for name, own in (("Near", glowing("Lamp", WHITE, 2.0)), ("Far", material("Bulb"))):
         pair = joined(ball(0.5, (-0.7, 0, 0), 300), ball(0.5, (0.7, 0, 0), 300))
@@ -343,7 +343,7 @@ def test_materials_that_frames_do_not_show_are_named(bare_scene, make_object):
         ("object", []),
     ],
 )
-def test_what_frames_do_not_show_of_a_material(make_object, depsgraph, kind, expected):
+def test_ignored_features_of_a_material_are_listed(make_object, depsgraph, kind, expected):
     made = material("Own")
     obj = with_uvs(add_shape(make_object, "Shape", ball(points=100), made))
     if kind == "glass":
@@ -414,7 +414,7 @@ def test_blends_without_detail_are_smooth(bare_scene, make_object):
     assert not first.attributes.get("sharp_face")
 
 
-def test_a_bake_that_is_discarded_leaves_nothing(bare_scene, make_object, depsgraph, inventory):
+def test_a_discarded_bake_leaves_nothing_behind(bare_scene, make_object, depsgraph, inventory):
     inputs = [add_shape(make_object, name, ball(points=300), material(name)) for name in "AB"]
     before = inventory()
     job = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), MorphSettings(32, motion="transport"), {}, 1)

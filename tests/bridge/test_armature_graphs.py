@@ -23,7 +23,7 @@ from tests.rigs import armature, chain, select_joints, tube, world_ends
 
 pytestmark = pytest.mark.usefixtures("registered_addon")
 
-# A body, two legs of which one begins in the spine's head, and one that hangs on it from farther off.
+# A spine, two legs, one of which begins at the spine's head, and a detached child.
 CREATURE = [
     ("Spine", (0, 0, 0), (2, 0, 0), None, False),
     ("Leg.L", (0, 0, 0), (0, 1, -1), "Spine", False),
@@ -145,8 +145,8 @@ def moved(obj, change):
 
 @settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(st.integers(0, 2**32 - 1), st.booleans())
-def test_joints_come_to_lie_where_they_belong(seed, in_edit_mode):
-    """Under any transform, in either mode, with names, parents and connections as they were."""
+def test_joints_are_placed_correctly(seed, in_edit_mode):
+    """Under any transform and in either mode; names, parents and connections are unchanged."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     random = np.random.default_rng(seed)
     obj = armature(CREATURE)
@@ -170,7 +170,7 @@ def test_joints_come_to_lie_where_they_belong(seed, in_edit_mode):
             np.testing.assert_allclose(found[end], place, atol=1e-4)
 
 
-def test_moving_nothing_changes_nothing():
+def test_moving_no_joints_changes_nothing():
     obj = armature(CREATURE)
     bpy.ops.object.mode_set(mode="EDIT")
     for place, bone in enumerate(obj.data.edit_bones):
@@ -205,7 +205,7 @@ def test_mirrored_editing_does_not_meddle():
     assert obj.data.use_mirror_x
 
 
-def test_handles_go_along_with_what_is_next_to_them():
+def test_handles_follow_adjacent_joints():
     obj = armature(
         [
             ("Thigh", (0, 0, 4), (0, 0, 2), None, False),
@@ -317,7 +317,7 @@ def test_selected_joints():
 
 
 def test_lengths_are_those_before_joints_were_moved():
-    """The last bone is pulled to three times its length, and pinned; it still counts as long as it was."""
+    """The last bone is stretched to three times its length and pinned; its original length still counts."""
     obj = chain(3)
     obj.scale = (2, 2, 2)
     bpy.context.view_layer.update()
@@ -348,7 +348,7 @@ def test_the_shape_before_is_kept_too():
     np.testing.assert_allclose(rig_graph(obj).graph.rest, rig.graph.rest, atol=1e-5)
 
 
-def test_new_bones_put_an_end_to_what_was_noted():
+def test_new_bones_invalidate_stored_lengths():
     obj = chain(2)
     pin(obj, "A.head")
     moved(obj, {"B.tail": (4, 0, 0)})

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph in the scene: what is visible when, what is left behind, what can be repeated."""
+"""A morph in the scene: visibility over time, cleanup, and repetition."""
 
 from __future__ import annotations
 
@@ -100,7 +100,7 @@ def test_each_frame_shows_one_object(bare_scene, baked):
     assert visible_over_time(bare_scene, collection) == expected_over_time(5)
 
 
-def test_early_stop_keeps_what_is_finished(bare_scene, baked):
+def test_stopping_keeps_finished_frames(bare_scene, baked):
     collection = baked(path_blends(2, 4), count=3)
     assert visible_over_time(bare_scene, collection) == expected_over_time(3)
     assert len(stored_morph(collection).records) == 3
@@ -186,7 +186,7 @@ def test_ends_are_as_they_were_at_the_beginning(bare_scene, inputs, morph_frames
     assert triangle_mesh(last, depsgraph).bounds.mean(axis=0)[0] == pytest.approx(5)
 
 
-def test_frames_are_where_they_belong_and_mixed_in_color(baked):
+def test_frames_have_positions_and_mixed_colors(baked):
     objects = frame_objects(baked(path_blends(2, 4)))
     assert [tuple(obj.location) for obj in objects] == [(0, 0, 0)] * 5
     assert [list(obj[WEIGHTS_KEY]) for obj in objects] == [[1 - t / 4, t / 4] for t in range(5)]
@@ -221,7 +221,7 @@ def test_shape_that_comes_twice_is_copied_once(bare_scene, inputs, morph_frames)
     assert bake.finish(hide_inputs=True).name == "Morph A to B to A"
 
 
-def test_sheet_stands_side_by_side(bare_scene, make_object, morph_frames):
+def test_sheet_frames_are_arranged_in_a_grid(bare_scene, make_object, morph_frames):
     shapes = [make_object(name) for name in "ABCD"]
     for place, shape in enumerate(shapes):
         shape.location = (-7 * place, place, 0)
@@ -263,7 +263,7 @@ def test_frames_are_made_of_the_faces_asked_for(bare_scene, inputs, faces, corne
     bake.finish(hide_inputs=True)
 
 
-def test_discard_leaves_nothing(bare_scene, inputs, morph_frames, inventory):
+def test_discard_leaves_nothing_behind(bare_scene, inputs, morph_frames, inventory):
     before, frames = inventory(), (bare_scene.frame_start, bare_scene.frame_end, bare_scene.frame_current)
     blends = path_blends(2, 4)
     for count in (0, 1, 4):
@@ -298,7 +298,7 @@ def test_first_frame_out_of_range(bare_scene, inputs, inventory, first_frame):
     assert inventory() == before
 
 
-def test_input_without_faces_leaves_nothing(bare_scene, inputs, make_object, inventory):
+def test_input_without_faces_leaves_nothing_behind(bare_scene, inputs, make_object, inventory):
     empty = make_object("Empty", [], faces=[])
     before = inventory()
     with pytest.raises(InputError, match="Empty"):
@@ -419,7 +419,7 @@ def test_collection_that_is_no_morph():
         stored_settings(bpy.data.collections.new("Props"))
 
 
-def test_input_that_is_gone(baked, inputs):
+def test_deleted_input(baked, inputs):
     collection = baked(path_blends(2, 4))
     inputs[1].name = "Renamed"
     with pytest.raises(InputError, match="baked from B"):

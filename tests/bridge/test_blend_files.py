@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of Blender: what is opened and appended, and what is refused."""
+"""Blender files that are opened, appended or refused."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ def test_names_that_are_not_there(file):
 
 
 @pytest.mark.parametrize("read", [open_blend, lambda path: appended_objects(path, None)])
-def test_what_is_no_blend(tmp_path, read):
+def test_invalid_blend_files(tmp_path, read):
     (tmp_path / "a.blend").write_bytes(b"BLENDER nonsense")
     with pytest.raises(InputError, match=r"a\.blend could not be read; it is damaged"):
         read(tmp_path / "a.blend")

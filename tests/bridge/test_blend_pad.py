@@ -56,7 +56,7 @@ def result_mesh(made):
 
 
 def seen_weights(made):
-    """The weights of the blend that is seen, as its color tells them."""
+    """The weights of the visible blend, encoded in its color."""
     return np.array(result_mesh(made).attributes[COLOR].data[0].color)
 
 
@@ -192,13 +192,13 @@ def test_the_way_back(bake, inventory):
     made = make_blend_pad(collection)
     assert shown_morph(made.result) == collection
     remove_stand_ins(collection)
-    # Blender keeps its own font until the file is saved.
+    # Blender's default font remains until the file is saved.
     assert {block for block in inventory() if block[0] != "FONT"} == before
     assert [obj.matrix_world for obj in frame_objects(collection)] == shown
     assert shows_frames(collection)
 
 
-def test_what_the_user_put_beside_the_pad_stays(bake, make_object):
+def test_other_objects_next_to_the_pad_are_kept(bake, make_object):
     collection = bake(SHEETS["grid"])
     made = make_blend_pad(collection)
     lamp = make_object("Mine")
@@ -228,7 +228,7 @@ def test_the_corners_show_the_shapes_in_their_colors(bake):
         assert np.ptp(own[:, 0]) == pytest.approx(0.22 * np.ptp(frame[:, 0]), rel=1e-5)
 
 
-def test_a_deleted_frame_leaves_a_gap_and_nothing_worse(bake):
+def test_a_deleted_frame_only_leaves_a_gap(bake):
     collection = bake(SHEETS["grid"])
     made = make_blend_pad(collection)
     place = made.pad.data.vertices[7].co.copy()
@@ -244,7 +244,7 @@ def test_a_deleted_frame_leaves_a_gap_and_nothing_worse(bake):
     [(grid_blends(4, 3), 8), (triangle_blends(3, 3), 4), (path_blends(3, 2), None), (single_blend([1, 2, 1], 3), None)],
     ids=["grid", "triangle", "path", "single"],
 )
-def test_only_whole_sheets(bake, inventory, blends, count):
+def test_only_complete_sheets(bake, inventory, blends, count):
     collection = bake(blends, count)
     before = inventory()
     with pytest.raises(InputError, match="not a complete sheet"):

@@ -137,7 +137,7 @@ def test_images_hold_the_values(quad, tmp_path, inventory, file_format, step):
     np.testing.assert_allclose(flat[:32, :32], 1 / scale, atol=step)
     assert not flat[32:].any()
     assert not flat[:, 32:].any()
-    # The polygon's two triangles share the corners 0 and 2, or 1 and 3; their values tell by which.
+    # The polygon's two triangles share the corners 0 and 2, or 1 and 3; their values show which.
     x, y = np.meshgrid((np.arange(32) + 0.5) / 32, (np.arange(32) + 0.5) / 32)
     ways = (
         np.where(y <= x, 3 * x + 2 * y, 2 * y + 3 * x),
@@ -155,7 +155,7 @@ def test_margins(quad, tmp_path):
     assert not seen[36:].any()
 
 
-def test_images_beside_the_file(quad, tmp_path):
+def test_images_next_to_the_file(quad, tmp_path):
     with pytest.raises(InputError, match="Save the file first"):
         write_step_images(quad, np.ones(4), "//images")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "file.blend"))
@@ -164,7 +164,7 @@ def test_images_beside_the_file(quad, tmp_path):
     assert path.is_file()
 
 
-def test_old_images_are_replaced_only_by_whole_ones(quad, tmp_path, monkeypatch):
+def test_old_images_are_replaced_only_by_complete_ones(quad, tmp_path, monkeypatch):
     settings = ImageSettings(size=8)
     (path,) = write_step_images(quad, np.ones(4), tmp_path, settings=settings)
     before = path.read_bytes()
@@ -215,7 +215,7 @@ def test_arrays_that_do_not_fit(obj, densities):
 
 
 def rendered(scene, path):
-    """Return the mean color of what is seen from above, in display space."""
+    """Return the mean color of a render from above, in display space."""
     scene.render.engine = "CYCLES"
     scene.cycles.samples, scene.cycles.use_denoising = 4, False
     scene.render.resolution_x = scene.render.resolution_y = 16

@@ -98,7 +98,7 @@ def test_any_value_of_any_times(obj, gaps, parts, seed):
     for part in [*parts, 0, 1]:
         set_value(obj, part)
         wanted = expected(frames, (times - times[0]) / (times[-1] - times[0]), part)
-        # Steps between frames are at least 1/40 of the way: single precision is magnified so much.
+        # Steps between frames are at least 1/40 of the path, which magnifies errors of single precision accordingly.
         np.testing.assert_allclose(values_of(obj, NAME), wanted, atol=3e-4)  # noqa: F821
 
 
@@ -186,7 +186,7 @@ def test_removed_without_a_trace(obj, densities, inventory):
         remove_density(obj)
 
 
-def test_other_animation_of_the_object_stays(obj, densities):
+def test_other_animation_of_the_object_is_kept(obj, densities):
     obj.keyframe_insert("location", frame=5)
     animate_density(obj, densities, TIMES, keys=KEYS)
     remove_density(obj)
@@ -285,12 +285,12 @@ def test_arrays_that_do_not_fit(obj, frames, times):
     assert list(obj.modifiers) == []
 
 
-def test_nothing_everywhere(obj):
+def test_densities_without_mass(obj):
     animate_density(obj, np.zeros((2, 6)), [0, 1])
     assert not values_of(obj, NAME).any()  # noqa: F821
 
 
-def test_what_is_remembered(obj, densities):
+def test_stored_settings(obj, densities):
     told = StoredDensity(["Head", "Tail"], {"blur": 0.1, "steps": 5}, [{"iterations": 3}])
     animate_density(obj, densities, 10 * TIMES, description=told)
     found = stored_density(obj, NAME)

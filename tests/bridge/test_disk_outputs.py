@@ -114,7 +114,7 @@ def test_a_sheet_is_one_volume_of_all(bare_scene, make_object, octahedron, tmp_p
 
 @pytest.mark.parametrize("kind", OUTPUTS)
 def test_frames_may_go_and_the_file_may_move(collection, tmp_path, kind):
-    """Files are kept relative to the .blend, and read by a Blender that has never heard of the add-on."""
+    """Paths are relative to the .blend file, and work in a Blender without the add-on."""
     (tmp_path / "before").mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before" / "morph ä.blend"))
     output = OUTPUTS[kind][0](collection, output_folder("//", collection))
@@ -139,9 +139,7 @@ print("shown")
 
 
 @pytest.mark.parametrize("kind", OUTPUTS)
-def test_deleting_the_morph_leaves_nothing_but_the_files(
-    bare_scene, make_object, octahedron, tmp_path, inventory, kind
-):
+def test_deleting_the_morph_leaves_only_the_files(bare_scene, make_object, octahedron, tmp_path, inventory, kind):
     before = inventory()
     collection = bake(bare_scene, make_object, octahedron, path_blends(2, 2), "AB")
     output = OUTPUTS[kind][0](collection, tmp_path)
@@ -163,7 +161,7 @@ def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_pat
     assert {file.name for file in tmp_path.iterdir()} == {"Morph_A_to_B_0003.vdb", "Morph_A_to_B_0004.vdb"}
 
 
-def test_no_frames_and_no_folder_are_said(collection, tmp_path):
+def test_missing_frames_and_folders_are_reported(collection, tmp_path):
     with pytest.raises(InputError, match="save that first"):
         output_folder("//convwass", collection)
     (tmp_path / "file").write_text("")
@@ -176,7 +174,7 @@ def test_no_frames_and_no_folder_are_said(collection, tmp_path):
         as_cache(collection, tmp_path, "usd")
 
 
-def test_a_blender_without_openvdb_is_said_to_be_one(collection, tmp_path, monkeypatch):
+def test_missing_openvdb_is_reported(collection, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "openvdb", None)
     with pytest.raises(InputError, match="this Blender lacks; use another Blender, or Make Cache"):
         drained(as_volume(collection, tmp_path / "volumes"))
@@ -188,7 +186,7 @@ def test_paths_are_relative_where_the_file_has_a_place(tmp_path):
     assert for_blender(tmp_path / "files" / "x.vdb") == "//files/x.vdb"
 
 
-def test_packed_meshes_weigh_what_their_arrays_do(make_object):
+def test_packed_meshes_have_the_size_of_their_arrays(make_object):
     first = make_object("A")
     twin = bpy.data.objects.new("Twin", first.data)
     assert packed_bytes([first]) == packed_bytes([first, twin]) == 6 * 12 + 24 * 8 + 12 * 8 + 8 * 4

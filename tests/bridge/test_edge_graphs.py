@@ -70,7 +70,7 @@ def test_selected_vertices_count_in_edit_mode_alone(path):
     assert rig_graph(path).selected.tolist() == [False, False, True]
 
 
-def test_what_is_no_skeleton_is_refused():
+def test_invalid_skeletons_are_refused():
     bpy.ops.mesh.primitive_cube_add()
     with pytest.raises(InputError, match="Cube has faces; a skeleton must be an armature"):
         edge_graph(bpy.context.object)

@@ -104,7 +104,7 @@ def test_frames_of_a_path_take_turns_in_one_gltf_file(collection, tmp_path, inve
     np.testing.assert_allclose(material["pbrMetallicRoughness"]["baseColorFactor"], [2 / 3, 0, 1 / 3, 1], atol=1e-3)
 
 
-def test_an_old_obj_stays_as_it_is_where_a_new_one_cannot_be_written(collection, tmp_path, monkeypatch):
+def test_an_old_obj_is_kept_if_a_new_one_cannot_be_written(collection, tmp_path, monkeypatch):
     for suffix in ("obj", "mtl"):
         (tmp_path / f"rise_0001.{suffix}").write_text("older")
 
@@ -246,7 +246,7 @@ def test_names(collection, tmp_path, given, written):
     assert (tmp_path / written).is_file()
 
 
-def test_scene_stays_as_it_is(collection, bare_scene, tmp_path):
+def test_scene_is_unchanged(collection, bare_scene, tmp_path):
     bare_scene.frame_set(5)
     for name in FORMATS:
         export_frames(collection, tmp_path, name)

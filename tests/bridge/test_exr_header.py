@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Files of OpenEXR, looked at before Blender reads them: whole ones of any kind pass, damaged ones never do."""
+"""OpenEXR files are checked before Blender reads them: complete ones of any kind pass, damaged ones never do."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ CODEC = b"compression\0compression\0\1\0\0\0"
 def written(path, codec="ZIP", mode="RGB", depth="32"):
     """Let Blender write a picture, and return its bytes."""
     pixels = np.ones((HEIGHT, WIDTH, 4), np.float32)
-    # Few values, so that every codec packs them: what gains nothing is stored as it is.
+    # Few distinct values, so that every codec compresses them: incompressible data would be stored raw.
     pixels[..., :3] = np.round(np.linspace(0.0, 8.0, HEIGHT * WIDTH * 3)).reshape(HEIGHT, WIDTH, 3)
     settings = bpy.context.scene.render.image_settings
     settings.file_format, settings.color_mode, settings.color_depth = "OPEN_EXR", mode, depth
@@ -43,7 +43,7 @@ def test_whole_files_of_every_codec_pass(empty_scene, tmp_path, codec):
 
 
 @pytest.mark.parametrize("codec", ["NONE", "ZIP", "PIZ"])
-def test_what_was_cut_off_is_refused_wherever(empty_scene, tmp_path, codec):
+def test_truncated_files_are_refused(empty_scene, tmp_path, codec):
     path = tmp_path / "a.exr"
     good = written(path, codec)
     for length in {*range(0, len(good), 89), len(good) - 1}:
@@ -74,7 +74,7 @@ def test_changed_bits_of_packed_rows_are_noticed(empty_scene, tmp_path):
     assert refused > 0.9 * length
 
 
-def test_lies_of_the_header_are_refused(empty_scene, tmp_path):
+def test_wrong_headers_are_refused(empty_scene, tmp_path):
     path = tmp_path / "a.exr"
     good = written(path, "NONE")
     window = good.index(b"dataWindow\0box2i\0") + 21
@@ -97,6 +97,6 @@ def test_lies_of_the_header_are_refused(empty_scene, tmp_path):
             exr_size(path)
 
 
-def test_files_that_are_not_there_are_said_not_to_be(tmp_path):
+def test_missing_files_are_reported(tmp_path):
     with pytest.raises(InputError, match="There is no file"):
         exr_size(tmp_path / "a.exr")

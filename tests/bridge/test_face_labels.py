@@ -16,7 +16,7 @@ from convwass_addon.errors import InputError
 
 
 def by_name(read):
-    """The name of the part of every triangle, empty for none."""
+    """The name of every triangle's part, empty without a part."""
     return [read.labels.names[index] if index >= 0 else "" for index in read.labels.faces]
 
 
@@ -47,7 +47,7 @@ def test_the_heaviest_group_of_a_triangle_counts(make_object, depsgraph):
     assert by_name(read) == ["top" if up else "bottom" for up in upper(read.mesh)]
 
 
-def test_what_weights_lack_is_no_group(make_object, depsgraph):
+def test_groups_need_sufficient_weights(make_object, depsgraph):
     obj = make_object("A")
     groups_of(obj, faint=dict.fromkeys(range(5), 0.25))
     assert set(by_name(labeled_mesh(obj, depsgraph, "vertex-groups"))) == {""}
@@ -130,7 +130,7 @@ def job_of(scene, depsgraph, objects, parts):
 
 
 def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
-    """Upside down: each half of the octahedron goes to the other side, so that half-way both are in the middle."""
+    """Upside down: each half of the octahedron moves to the other side, so that both are in the middle halfway."""
     objects = [halved(make_object, "A"), halved(make_object, "B", "bottom", "top")]
     extents = {}
     for parts in ("none", "vertex-groups"):
@@ -145,7 +145,7 @@ def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
     assert extents["vertex-groups"] < 0.75 * extents["none"]
 
 
-def test_a_job_says_what_it_left_out(bare_scene, make_object, depsgraph):
+def test_a_job_reports_parts_that_it_left_out(bare_scene, make_object, depsgraph):
     objects = [halved(make_object, "A"), halved(make_object, "B", "top", "belly")]
     job = job_of(bare_scene, depsgraph, objects, "vertex-groups")
     for step in job.steps(how=Computation(workers=1)):

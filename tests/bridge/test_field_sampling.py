@@ -42,7 +42,7 @@ def test_surfaces_inside_of_a_shape_do_not_count():
     both = joined(*(ball(RADIUS, center, points=1500) for center in (FIRST, SECOND)))
     found = sampled(both, repaired=True)
     expected = np.clip(np.maximum(inside(FIRST), inside(SECOND)), -BAND, BAND)
-    # Where they meet, the surface is read from cells and is rounded.
+    # Where they meet, the surface is extracted from cells and rounded.
     crease = np.abs(inside(FIRST) - inside(SECOND)) < 3.0
     assert np.abs(found - expected)[~crease].max() <= 0.4
     assert found[15, 13, 12] == BAND

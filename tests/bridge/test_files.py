@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Saving: whole files or none."""
+"""Files are saved completely or not at all."""
 
 from __future__ import annotations
 
@@ -113,7 +113,7 @@ def test_discarded_drafts_leave_nothing(tmp_path):
     assert list(tmp_path.iterdir()) == [tmp_path / "old.cube"] and (tmp_path / "old.cube").read_text() == "old"
 
 
-def test_drafts_that_were_cut_off_replace_nothing(tmp_path):
+def test_truncated_drafts_replace_nothing(tmp_path):
     targets = [tmp_path / "a.cube", tmp_path / "b.png"]
     drafts = DraftFiles()
     for target in targets:
@@ -125,7 +125,7 @@ def test_drafts_that_were_cut_off_replace_nothing(tmp_path):
     assert sorted(tmp_path.iterdir()) == targets and targets[0].read_text() == "old"
 
 
-def test_a_draft_that_finds_no_place_says_so(tmp_path):
+def test_a_draft_that_cannot_be_placed_is_reported(tmp_path):
     (tmp_path / "a.png").mkdir()
     drafts = DraftFiles()
     drafts.draft_of(tmp_path / "a.png").write_text("new")

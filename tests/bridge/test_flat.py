@@ -106,7 +106,7 @@ def test_open_splines_whose_ends_touch_are_closed():
     assert area(read(polygon([*SQUARE, SQUARE[0]], cyclic=False))[0]) == pytest.approx(4.0, rel=1e-6)
 
 
-def test_open_splines_beside_closed_ones_are_left_out_with_a_notice():
+def test_open_splines_among_closed_ones_are_left_out_with_a_notice():
     obj = polygon(SQUARE)
     spline = obj.data.splines.new("POLY")
     spline.points.add(1)
@@ -128,7 +128,7 @@ def test_open_splines_beside_closed_ones_are_left_out_with_a_notice():
         (lambda: polygon([*SQUARE[:3], (-1, 1, 1)], dimensions="3D"), "does not lie in one plane"),
     ],
 )
-def test_what_cannot_be_read_is_told(make, message):
+def test_unreadable_objects_are_reported(make, message):
     obj = make()
     with pytest.raises(InputError, match=message):
         read(obj)
@@ -143,7 +143,7 @@ def test_a_flat_mesh_is_its_border(make_object):
     faces = [
         (4 * x + y, 4 * x + 4 + y, 4 * x + 5 + y, 4 * x + 1 + y) for x in range(3) for y in range(3) if (x, y) != (1, 1)
     ]
-    # Every second face looks the other way.
+    # Every second face is flipped.
     faces = [face if index % 2 else face[::-1] for index, face in enumerate(faces)]
     grid.data.clear_geometry()
     grid.data.from_pydata([(x, y, 3) for x in range(4) for y in range(4)], [], faces)
@@ -154,7 +154,7 @@ def test_a_flat_mesh_is_its_border(make_object):
     assert flat.plane.origin[2] == pytest.approx(3.0)
 
 
-def test_meshes_are_told_flat_in_any_place(make_object):
+def test_flat_meshes_are_recognized_anywhere(make_object):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     flat = make_object("Flat", SQUARE, faces=[(0, 1, 2, 3)])
     flat.matrix_world = Matrix.LocRotScale((5, 6, 7), Euler((0.4, 0.5, 0.6)), (2, 1, 0))
@@ -287,7 +287,7 @@ def test_an_outline_becomes_a_curve_that_blender_fills():
 
 
 def drawing(rings, fills):
-    """A drawing of strokes, filled with a number each, or not where that is 0."""
+    """A drawing of strokes with given fill numbers; 0 is not filled."""
     lists = bpy.data.grease_pencils_v3 if hasattr(bpy.data, "grease_pencils_v3") else bpy.data.grease_pencils
     data = lists.new("Drawing")
     for name, filled in (("Line", False), ("Fill", True)):
@@ -331,7 +331,7 @@ def test_drawings_without_fills_are_refused():
         read(drawing([square(2.0)], [0]))
 
 
-def test_a_job_that_is_stopped_keeps_what_is_finished():
+def test_a_stopped_job_keeps_finished_frames():
     letters = [text("A"), text("B")]
     settings = FlatSettings(resolution=128, motion="transport")
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -350,7 +350,7 @@ def test_a_job_that_is_stopped_keeps_what_is_finished():
     assert [obj.hide_render for obj in shown] == [True] * (len(shown) - 1) + [False]
 
 
-def test_a_job_that_is_given_up_leaves_nothing(inventory):
+def test_a_discarded_job_leaves_nothing_behind(inventory):
     letters = [text("A"), text("B")]
     before = inventory()
     depsgraph = bpy.context.evaluated_depsgraph_get()

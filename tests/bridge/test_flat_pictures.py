@@ -89,7 +89,7 @@ def test_pictures_travel_and_mix_their_colors(tmp_path, grays):
     center = middle[middle.shape[0] // 2, middle.shape[1] // 2, :3]
     np.testing.assert_allclose(center, 0.5 * (np.array(RED) + np.array(BLUE)), atol=0.02)
     np.testing.assert_allclose(middle[0, 0], [*PAPER, 1.0], atol=0.01)
-    # A disc stays a disc of its size.
+    # A disc keeps its form and size.
     assert inked(middle) == pytest.approx(inked(pixels_of(files[0])), rel=0.03)
     (plane,) = frame_objects(next(c for c in bpy.data.collections if c.name.startswith("Morph")))
     (material,) = plane.data.materials
@@ -166,7 +166,7 @@ def test_a_bake_that_is_stopped_leaves_the_pictures_of_the_morph_that_it_would_r
     assert contents(tmp_path) == before
 
 
-def test_a_shorter_bake_takes_away_the_pictures_of_the_longer_one_and_nothing_else(tmp_path):
+def test_a_shorter_bake_removes_only_the_pictures_of_a_longer_one(tmp_path):
     objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
     bake(tmp_path, *objects, frames=7)
     (morph,) = (own for own in bpy.data.collections if own.name.startswith("Morph"))
@@ -186,7 +186,7 @@ def test_a_shorter_bake_takes_away_the_pictures_of_the_longer_one_and_nothing_el
 @pytest.mark.parametrize(
     "noted", ["", "[1]", "{", '{"../x.png": 3}', 7, '{"../keep.png": "DIGEST", "keep.png": "DIGEST"}']
 )
-def test_what_is_noted_about_files_is_not_trusted(noted, tmp_path):
+def test_stored_file_names_are_not_trusted(noted, tmp_path):
     outside, inside = tmp_path / "keep.png", tmp_path / "Morph" / "keep.png"
     inside.parent.mkdir()
     for path in (outside, inside):
@@ -208,7 +208,7 @@ def test_what_is_noted_about_files_is_not_trusted(noted, tmp_path):
         (lambda obj: None, {"words": "LETTERS"}, "has no letters"),
     ],
 )
-def test_what_cannot_become_pictures_is_told_and_leaves_nothing(tmp_path, change, options, message):
+def test_invalid_pictures_are_reported_and_leave_nothing_behind(tmp_path, change, options, message):
     objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
     change(objects[1])
     bpy.context.view_layer.update()
@@ -223,7 +223,7 @@ def test_an_image_of_one_tone_is_refused():
         gray_inputs([picture("Gray", np.full((8, 8, 4), 0.5))], bpy.context.evaluated_depsgraph_get())
 
 
-def test_the_command_writes_pictures_beside_the_blend(tmp_path, capsys):
+def test_the_command_writes_pictures_next_to_the_blend(tmp_path, capsys):
     sources = []
     for name, ink in (("first", RED), ("last", BLUE)):
         image = picture(name, spot(32, 32, 14, ink)).data

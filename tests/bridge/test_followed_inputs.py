@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Animated objects become animated objects: blends are where they are then, and the ends play on."""
+"""Morphs between animated objects: blends follow them, and the ends stay animated."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def finished(made):
 
 
 def seen(scene, frame):
-    """Bounds of what is seen in a frame, (2, 3)."""
+    """Bounds of the visible objects in a frame, (2, 3)."""
     scene.frame_set(frame)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     points = []
@@ -108,11 +108,11 @@ def test_the_ends_play_on(bare_scene, movers, hat, player):
 def test_a_morph_that_is_deleted_takes_its_ends_along(bare_scene, movers, inventory):
     before = inventory()
     remove_bake(finished(job(bare_scene, movers)))
-    # Morphs share one material, which stays.
+    # Morphs share one material, which is kept.
     assert inventory() - before == {("MATERIAL", "Convwass Morph")}
 
 
-def test_an_input_that_is_deleted_meanwhile_stays_as_it_was(bare_scene, movers):
+def test_an_input_deleted_during_the_bake_is_kept(bare_scene, movers):
     made = job(bare_scene, movers)
     bpy.data.objects.remove(movers[1])
     finished(made)
@@ -128,12 +128,12 @@ def test_shapes_that_are_laid_on_each_other_stay_so(bare_scene, movers):
     assert len(frame_objects(morph)) == 4
 
 
-def test_a_station_on_the_way_is_the_input_as_it_is_then(bare_scene, movers, make_object):
+def test_an_intermediate_shape_is_shown_in_its_current_pose(bare_scene, movers, make_object):
     finished(job(bare_scene, [*movers, make_object("Last")]))
     np.testing.assert_allclose(seen(bare_scene, FIRST + 3).mean(axis=0), [0, 0, 3], atol=1e-4)
 
 
-def test_what_cannot_be_followed_is_refused(bare_scene, movers, make_object, inventory):
+def test_inputs_that_cannot_be_followed_are_refused(bare_scene, movers, make_object, inventory):
     before = inventory()
     with pytest.raises(InputError, match="Only an animation can follow"):
         job(bare_scene, [*movers, make_object("C"), make_object("D")], grid_blends(4, 2))

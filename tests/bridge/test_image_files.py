@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Images in files: their values come back as they were, and nothing stays behind."""
+"""Images in files: values are preserved, and nothing is left behind."""
 
 from __future__ import annotations
 
@@ -62,7 +62,7 @@ def test_files_that_cannot_be_read(tmp_path):
     assert not bpy.data.images
 
 
-def test_what_cannot_be_written_leaves_nothing(tmp_path, inventory):
+def test_failed_writing_leaves_nothing_behind(tmp_path, inventory):
     (tmp_path / "taken.png").mkdir()
     before = inventory()
     with pytest.raises(ConvwassError, match="could not be written"), drawn_image(PIXELS) as image:

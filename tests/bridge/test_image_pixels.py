@@ -76,8 +76,8 @@ def test_results_are_like_their_source_and_used_again(noise, as_floats):
 
 @pytest.mark.parametrize("space", ["sRGB", "Linear Rec.709", "Non-Color"])
 @pytest.mark.parametrize("alpha_mode", ["STRAIGHT", "PREMUL", "CHANNEL_PACKED", "NONE"])
-def test_packed_files_hold_what_is_read(noise, tmp_path, space, alpha_mode):
-    """Also after the .blend was opened again; without an alpha where nothing is seen through."""
+def test_packed_files_hold_the_same_pixels(noise, tmp_path, space, alpha_mode):
+    """Also after reopening the .blend file; without alpha if all pixels are opaque."""
     if alpha_mode == "NONE":
         noise[..., 3] = 1.0
     image = image_of("A", np.tile(noise, (40, 3, 1)))
@@ -100,7 +100,7 @@ def test_packed_files_hold_what_is_read(noise, tmp_path, space, alpha_mode):
     ("name", "depth", "error"),
     [("a.png", "automatic", 1e-6), ("a.tif", "8", 1e-6), ("a.jpg", "automatic", 0.25), ("a.png", "16", 1e-4)],
 )
-def test_bytes_are_written_as_they_are(tmp_path, name, depth, error):
+def test_bytes_are_written_unchanged(tmp_path, name, depth, error):
     image = red_image()
     image_files.save_pixels(pixels_of(image), image, tmp_path / name, depth)
     with opened_image(tmp_path / name) as found:
@@ -113,7 +113,7 @@ def test_bytes_are_written_as_they_are(tmp_path, name, depth, error):
     assert not bpy.data.scenes.get("Recolored") and not bpy.data.images.get("Recolored")
 
 
-def test_scenes_are_written_as_they_are(tmp_path, noise):
+def test_scene_values_are_written_unchanged(tmp_path, noise):
     noise[..., 3] = np.linspace(0.1, 1.0, 24).reshape(4, 6)
     noise[..., :3] *= 50.0 * noise[..., 3:]
     image = image_of("A", noise, as_floats=True)

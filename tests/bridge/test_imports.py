@@ -35,7 +35,7 @@ WRITERS = {
 
 @pytest.fixture
 def two_parts(make_object):
-    """Put two shapes, one of which is moved and stretched, beside a camera and an empty into the scene."""
+    """Add two shapes, one of them moved and stretched, a camera and an Empty to the scene."""
     a, b = make_object("A"), make_object("B")
     b.location, b.scale = (5, 0, 1), (1, 1, 2)
     a.data.materials.append(bpy.data.materials.new("Paint"))

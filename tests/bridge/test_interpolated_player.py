@@ -77,7 +77,7 @@ def still_player(collection):
     return player
 
 
-def test_a_moving_ball_is_where_it_is(moving):
+def test_a_moving_ball_is_at_its_position(moving):
     player, cell = still_player(moving), 2.0 / CELLS
     for value in (0.04, 0.5, 0.613):
         morph_value(player).set(value)
@@ -144,7 +144,7 @@ def test_colors_are_mixed(moving):
 
 
 def test_parts_that_move_by_more_than_they_are_thick_stay(bare_scene, make_object):
-    """A small ball flies past a large one, five times as far in a frame as it is thick."""
+    """A small ball flies past a large one, by five times its diameter per frame."""
 
     def place(weights):
         return np.array((-1.5 + 3.0 * weights[1], 1.6, 0.0))
@@ -159,7 +159,7 @@ def test_parts_that_move_by_more_than_they_are_thick_stay(bare_scene, make_objec
         velocity = [(pace * (vertex.co.y > 1.2), 0.0, 0.0) for vertex in obj.data.vertices]
         obj.data.attributes.new("velocity", "FLOAT_VECTOR", "POINT").data.foreach_set("vector", np.ravel(velocity))
     player = still_player(collection)
-    # The shapes themselves have no velocity: next to them the blend beside them moves.
+    # Shapes have no velocity, so next to them the neighboring blend is moved.
     for value in (0.07, 0.5, 0.53, 0.9):
         morph_value(player).set(value)
         points = shown(player).vertices

@@ -212,7 +212,7 @@ def test_types_are_mixed_in_one_shape(bare_scene, add):
     assert mesh.volume > 2 * OCTAHEDRON + 5
 
 
-def test_what_has_no_radius_is_refused(add):
+def test_splines_without_radius_are_refused(add):
     obj = hair(add)
     obj.data.attributes.remove(obj.data.attributes["radius"])
     with pytest.raises(InputError, match="Hair has strands or points without a radius"):
@@ -227,7 +227,7 @@ def test_a_collection_without_surfaces_is_refused(bare_scene, inventory):
     assert inventory() == before
 
 
-def test_collections_are_morphed_and_stand_as_they_were_in_the_end(bare_scene, add, inventory):
+def test_collections_are_morphed_and_restored(bare_scene, add, inventory):
     """In centimeters; the ends have the parts of the collections, which are hidden and shown as a whole."""
     bare_scene.unit_settings.scale_length = 0.01
     for number, name in enumerate(("Hero", "Villain")):

@@ -36,7 +36,7 @@ def test_pinned_and_free_joints_in_every_mode():
         assert places(obj, False) == [(1, 0, 1), (2, 0, 1)]
 
 
-def test_posed_bones_are_followed_and_hidden_ones_have_none():
+def test_posed_bones_are_followed_and_hidden_ones_left_out():
     obj = chain(2)
     obj.pose.bones["B"].rotation_mode = "XYZ"
     obj.pose.bones["B"].rotation_euler = (0, 0, np.pi / 2)

@@ -29,7 +29,7 @@ UP, ASIDE = np.array([0.0, 0.0, 2.0]), np.array([1.0, 0.0, 1.0])
 
 @pytest.fixture
 def keyed(make_object, octahedron):
-    """Make an octahedron that goes aside and up in frames 3 to 7 by two keys, of which the first is at its half."""
+    """Return an octahedron that moves sideways and up in frames 3 to 7 by two shape keys, the first at value 0.5."""
     source = make_object("Shape")
     source.color = (0.8, 0.2, 0.1, 1.0)
     rest = octahedron.vertices

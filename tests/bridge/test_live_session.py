@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live morphs in a scene: what is shown, what happens to their inputs, and that nothing is left of them."""
+"""Live morphs in a scene: display, effect on the inputs, and cleanup."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SIZES = (0.6, 1.0, 0.8, 0.9)
 
 @pytest.fixture
 def begin(make_object):
-    """Give a function that begins a live morph of selected balls apart; what runs in the end is ended."""
+    """Yield a function that starts a live morph of selected separate balls; running ones are ended afterwards."""
 
     def begun(count=2, motion="transport", **live):
         inputs = [obj for obj in bpy.data.objects if obj.name.startswith("Ball")]
@@ -96,7 +96,7 @@ def test_pads_of_three_and_four_have_shapes_at_their_corners(begin, count, place
     assert session.weights == pytest.approx([1 / count] * count, abs=1e-5)
 
 
-def test_nothing_is_left_when_it_ends(begin, inventory):
+def test_nothing_is_left_behind(begin, inventory):
     session = begin(3)
     session.end()
     bpy.context.view_layer.update()
@@ -161,7 +161,7 @@ def test_a_deleted_input_freezes_it(begin):
     bpy.data.objects.remove(bpy.data.objects["Ball 1"])
     ticked(session, lambda: session.is_frozen)
     assert "Ball 1 was deleted" in str(session.message)
-    # What was found can still be looked at, and kept.
+    # The result so far can still be viewed and kept.
     session.move_to(0.4, 0.0)
     assert session.tick()
     kept = session.kept_shape(1.0)
@@ -176,7 +176,7 @@ def test_undone_objects_end_it(begin):
     assert not session.tick()
 
 
-def test_shapes_that_cannot_be_blended_are_told_of(begin, make_object):
+def test_shapes_that_cannot_be_blended_are_reported(begin, make_object):
     for place in range(2):
         make_object(f"Ball {place}", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], faces=[(0, 1, 2)]).select_set(True)
     session = begin()
@@ -189,7 +189,7 @@ def test_files_are_saved_without_it(begin, tmp_path, inventory):
     ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
     path = str(tmp_path / "live.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
-    # It goes on after the file has been saved.
+    # It continues after saving the file.
     assert session.tick() and bpy.data.objects["Ball 0"].hide_get()
     session.end()
     before = inventory()
@@ -214,7 +214,7 @@ def test_kept_shapes_are_solved_in_full_and_stay(begin):
     assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0 == pytest.approx(volume, rel=0.02)
 
 
-def test_what_undo_brings_back_is_removed(begin, inventory):
+def test_objects_restored_by_undo_are_removed(begin, inventory):
     session = begin()
     session.end()
     before = inventory()
@@ -226,7 +226,7 @@ def test_what_undo_brings_back_is_removed(begin, inventory):
     assert not any(obj.hide_get() for obj in hidden)
 
 
-def test_triangles_are_written_as_they_are():
+def test_triangles_are_written_unchanged():
     mesh = bpy.data.meshes.new("Written")
     for triangles in (ball(points=50), ball(2.0, points=20)):
         write_triangles(mesh, triangles)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials as lobes and lobes as materials: against closed forms, and against what Cycles itself makes of a lobe."""
+"""Materials as lobes and lobes as materials, against closed forms and Cycles' own rendering."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def table_of(alpha, rows=64):
 
 @pytest.fixture
 def studio(bare_scene, tmp_path):
-    """A ball, a colored sun and a camera; returns what renders a material, (pixels, pixels, 3)."""
+    """A ball, a colored sun and a camera; returns a function that renders a material, (pixels, pixels, 3)."""
     scene = bare_scene
     bpy.ops.mesh.primitive_uv_sphere_add(segments=128, ring_count=64)
     ball = bpy.context.object
@@ -80,7 +80,7 @@ def test_cycles_shows_a_table_as_it_shows_the_lobe_itself(studio):
 
 
 def test_the_blend_goes_evenly_from_one_table_of_the_stack_to_the_next(studio):
-    """Tables that are the same everywhere: what is seen is their value, times the cosine."""
+    """Constant tables: the rendered color is their value times the cosine."""
     material = lobe_material("Stack", [even(1.0), even(3.0), even(2.0)], [(0, 0, 0)] * 3, studio.sun, Frames(1, 9))
     seen = {}
     for frame in (1, 3, 5, 7, 9):
@@ -90,7 +90,7 @@ def test_the_blend_goes_evenly_from_one_table_of_the_stack_to_the_next(studio):
         np.testing.assert_allclose(seen[frame], value * seen[1], rtol=2e-3, atol=1e-4)
 
 
-def test_what_is_matte_looks_like_a_diffuse_bsdf(studio):
+def test_matte_tables_look_like_a_diffuse_bsdf(studio):
     exact = bpy.data.materials.new("Diffuse")
     if exact.node_tree is None:
         exact.use_nodes = True
@@ -145,13 +145,13 @@ def test_a_principled_bsdf_is_read_as_cycles_uses_it():
     assert (turned.alpha_x, turned.alpha_y) == (found.lobe.alpha_y, found.lobe.alpha_x)
 
 
-def test_what_is_no_metal_reflects_by_its_index_of_refraction():
+def test_dielectrics_reflect_by_their_index_of_refraction():
     found = read_glossy(principled("Plastic", 0.4, metallic=0.0, base_color=(0.2, 0.4, 0.8, 1.0)))
     np.testing.assert_allclose(found.lobe.color, 0.04, atol=1e-6)
     np.testing.assert_allclose(found.diffuse, (0.2, 0.4, 0.8), atol=1e-6)
 
 
-def test_what_cannot_be_read_is_refused():
+def test_unreadable_input_is_refused():
     material = principled("A", 0.5)
     tree = material.node_tree
     noise = tree.nodes.new("ShaderNodeTexNoise")
@@ -169,7 +169,7 @@ def test_what_cannot_be_read_is_refused():
 
 
 @pytest.mark.parametrize("what", ["node", "link"])
-def test_what_is_muted_is_not_read(what):
+def test_muted_nodes_are_ignored(what):
     material = glossy("Muted", 0.5)
     node = only(material, "BSDF_GLOSSY")
     if what == "node":
@@ -255,7 +255,7 @@ def test_files_that_are_no_tables_are_refused(tmp_path, values, message):
 
 
 @pytest.mark.parametrize(("turns", "kind"), [(1, Ggx(0.3, 0.3, (0.9, 0.5, 0.1))), (3, Ggx(0.2, 0.5, (0.4, 0.5, 0.6)))])
-def test_whole_tables_survive_a_file(tmp_path, turns, kind):
+def test_complete_tables_survive_a_file(tmp_path, turns, kind):
     table = tabulated(kind, incoming_directions(4, turns), 16)
     back = read_whole_table(write_table_exr(tmp_path / "a.lobes.exr", table))
     assert back.fits(table)
@@ -268,7 +268,7 @@ def test_whole_tables_survive_a_file(tmp_path, turns, kind):
             read_lobe_file(tmp_path / "a.lobes.exr")
 
 
-def test_a_whole_table_lies_in_its_file_as_it_is_told(tmp_path):
+def test_the_layout_of_table_files_is_documented(tmp_path):
     """The top row has the incoming directions; below lies f, from the normal down."""
     table = tabulated(Ggx(0.3, 0.3), incoming_directions(4, 1), 16)
     image = bpy.data.images.load(str(write_table_exr(tmp_path / "a.lobes.exr", table)))
@@ -279,7 +279,7 @@ def test_a_whole_table_lies_in_its_file_as_it_is_told(tmp_path):
     np.testing.assert_allclose(values[1 + 2 * 16 + 5, 7], table.reflectance()[2, 5, 7], rtol=1e-5)
 
 
-def test_a_file_that_only_says_it_is_large_makes_no_room(tmp_path):
+def test_a_wrong_size_in_a_header_allocates_nothing(tmp_path):
     path = write_lobe_exr(tmp_path / "a.exr", [even(1.0)])
     content = path.read_bytes()
     place = content.index(b"dataWindow\0box2i\0") + 21
@@ -303,14 +303,14 @@ def test_a_file_that_only_says_it_is_large_makes_no_room(tmp_path):
         (lambda picture: picture * [[[2.0, 1.0, 1.0]]], "has values"),
     ],
 )
-def test_pictures_that_are_no_whole_tables_are_refused(spoil, message):
+def test_incomplete_pictures_of_tables_are_refused(spoil, message):
     picture = table_picture(tabulated(Ggx(0.3, 0.3), incoming_directions(4, 1), 16))
     with pytest.raises(InputError, match=message):
         table_of_picture(spoil(picture), "a.lobes.exr")
 
 
 @given(st.integers(1, 64), st.integers(2, 8100))
-def test_every_number_of_directions_has_a_size_of_its_own(half_rows, count):
+def test_every_number_of_directions_has_its_own_size(half_rows, count):
     rows = 2 * half_rows
     height = count * rows + math.ceil(count / (4 * rows))
     assert has_table_size(4 * rows, height)

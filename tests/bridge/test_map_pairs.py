@@ -88,7 +88,7 @@ def test_groups_of_one_object_are_paired_across():
     assert groups((obj, obj)).pairs == (MapPair("Hand.L", 7, 3),)
 
 
-def test_empties_belong_to_what_is_nearer(pair):
+def test_empties_belong_to_the_nearer_object(pair):
     for place, obj in enumerate(pair):
         for name, direction in (("nose", (1, 0, 0)), ("top", (0, 0, 1))):
             empty(f"{name}.{place:03d}", np.array(obj.location) + 1.2 * np.array(direction))
@@ -136,7 +136,7 @@ def test_modifiers_and_loose_vertices_are_heeded(pair):
 
 @pytest.mark.parametrize("far", [1e30, 3e38])
 def test_objects_beyond_all_measure_have_pairs_too(pair, far):
-    """Blender's own numbers are single; squares and products of such ones are none."""
+    """Blender's coordinates are single precision, in which squares and products of large ones overflow."""
     pair[1].location, pair[1].scale = (far, 0, 0), (-far / 10, far / 10, far / 10)
     for obj, name in zip(pair, ("nose", "nose.001"), strict=True):
         empty(name, obj.location)

@@ -26,9 +26,9 @@ def fitted(weights, total=None, fixed=NONE, **rules):
         ([0.5, 0.3], {"normalize": False, "limit": 0}, [0.5, 0.3]),
         ([0.5, 0.3], {}, [0.625, 0.375]),
         ([0.5, 0.3, 0.2], {"limit": 2}, [0.625, 0.375, 0.0]),
-        # Without normalizing, what is cut off goes to those that stay.
+        # Without normalizing, removed weights go to the remaining groups.
         ([0.4, 0.2, 0.2], {"limit": 2, "normalize": False}, [0.8 * 2 / 3, 0.8 / 3, 0.0]),
-        # A part of all groups keeps its share of 1.
+        # A subset of the groups keeps its fraction of 1.
         ([0.2], {"total": 0.8}, [0.25]),
         # Locked groups count, and leave the rest.
         ([0.5, 0.5], {"fixed": [0.4]}, [0.3, 0.3]),

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pads of materials: what the empty drives, what Cycles shows of it, and that no script is needed."""
+"""Material pads: drivers, rendering in Cycles, and independence from scripts."""
 
 from __future__ import annotations
 
@@ -105,8 +105,8 @@ def rendered(material, folder):
     return values
 
 
-def test_what_is_seen_is_bilinear_between_the_blends(tmp_path):
-    """Tables that are the same everywhere: what is seen under a light from above is their value."""
+def test_the_shown_material_is_bilinear_between_blends(tmp_path):
+    """Constant tables: under a light from above, the rendered color is their value."""
     pad = material_pad(bpy.context.scene, "Pad", NAMES, 3)
     values = np.random.default_rng(1).random((3, 3, 3)).astype(np.float32)
     matte = np.random.default_rng(2).random((3, 3, 3))

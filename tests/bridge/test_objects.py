@@ -42,7 +42,7 @@ def test_polygons_become_triangles(make_object, depsgraph):
     assert triangle_mesh(obj, depsgraph).faces.shape == (2, 3)
 
 
-def test_mirrored_object_stays_outward(make_object, depsgraph):
+def test_mirrored_objects_are_oriented_outward(make_object, depsgraph):
     obj = make_object("A")
     obj.scale = (-2, 1, 1)
     assert triangle_mesh(obj, depsgraph).volume == pytest.approx(2 * VOLUME, rel=1e-6)
@@ -81,7 +81,7 @@ def _move(obj):
 
 
 @pytest.mark.parametrize("hide", [hide_viewport, hide_with_eye, hide_collection, exclude_collection, unlink])
-def test_hidden_objects_are_read_as_they_are_now(make_object, depsgraph, hide):
+def test_hidden_objects_are_read_in_their_current_state(make_object, depsgraph, hide):
     obj = make_object("A")
     hide(obj)
     obj.location = (7, 0, 0)

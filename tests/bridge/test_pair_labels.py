@@ -33,7 +33,7 @@ def test_labels_are_where_modifiers_put_the_vertices(cube):
     assert np.linalg.norm(moved - plain) == pytest.approx(0.25, abs=1e-3)
 
 
-def test_what_makes_other_vertices_leaves_the_own_ones(cube):
+def test_modifiers_that_change_vertices_are_ignored(cube):
     cube.modifiers.new("Subdivision", "SUBSURF")
     plain = np.array(cube.matrix_world @ cube.data.vertices[0].co)
     np.testing.assert_allclose(points(LabeledVertex(cube, 0, 1))[0], plain)
@@ -51,13 +51,13 @@ def test_in_edit_mode_they_follow_the_edits(cube):
     assert points(LabeledVertex(cube, 6, 1)) == []
 
 
-def test_vertices_that_are_not_there_have_none(cube):
+def test_missing_vertices_have_no_label(cube):
     assert points(LabeledVertex(cube, 8, 1), LabeledVertex(cube, -1, 2)) == []
     cube.hide_set(True)
     assert points(LabeledVertex(cube, 0, 1)) == []
 
 
-def test_those_on_the_far_side_are_told(cube):
+def test_labels_on_the_far_side_are_marked(cube):
     """Seen from above, in perspective and without."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     from_above = Matrix.Translation((1, 0, 10)).inverted()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A morph as one object: what is seen at which value and frame, with nothing but Blender itself."""
+"""A morph as one object: display by value and frame, without the add-on."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def set_value(player, value):
     bpy.context.view_layer.update()
 
 
-def test_it_shows_what_the_objects_showed(collection):
+def test_it_shows_the_same_as_the_objects(collection):
     frames = range(FIRST - 3, FIRST + 2 * STEPS + 4)
     before = heights(frames)
     player = make_player(collection)
@@ -176,7 +176,7 @@ def test_it_moves_as_one_object_and_takes_modifiers(collection, bare_scene):
     assert len(evaluated(player).data.polygons) == 3 * 8
 
 
-def test_frame_objects_stand_where_they_were_moved(collection):
+def test_moved_frame_objects_keep_their_place(collection):
     for obj in frame_objects(collection):
         obj.location.z = 20
     make_player(collection)
@@ -222,7 +222,7 @@ def test_attributes_come_along(collection):
 
 
 @pytest.mark.parametrize("count", [2, 4, 7])
-def test_an_early_stop_plays_what_there_is(bare_scene, make_object, octahedron, count):
+def test_an_early_stop_plays_the_finished_frames(bare_scene, make_object, octahedron, count):
     shapes = [make_object(name) for name in "AB"]
     shapes[1].location.z = 8 * RISE
     collection = bake(bare_scene, shapes, path_blends(2, 8), octahedron, count)
@@ -301,7 +301,7 @@ def test_a_linked_collection_plays_in_another_file(collection, tmp_path):
 
 
 def test_a_morph_whose_player_an_earlier_version_made_is_shown_again(collection, bare_scene):
-    """The player stood beside the collection of the morph, which was hidden."""
+    """The player is outside the morph's collection, which is hidden."""
     shown, player = heights([FIRST + 1]), make_player(collection)
     set_shown(collection, True)
     collection.hide_viewport = collection.hide_render = True

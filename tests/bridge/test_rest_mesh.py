@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shape keys of meshes with armatures, modifiers and shape keys of their own lead to what is seen in the scene."""
+"""Shape keys of meshes that have armatures, modifiers and shape keys already start from the visible shape."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def world(obj):
 
 
 def keyed(obj, target_of):
-    """Make keys that lead from what is seen to `target_of` it; return the object, what was seen, and the record."""
+    """Create keys from the visible shape to `target_of` it; return the object, the visible shape, and the record."""
     with armature_last(obj):
         rest = rest_mesh(obj, bpy.context.evaluated_depsgraph_get())
     coordinates = rest.key_coordinates(target_of(rest.seen)[None])
@@ -89,7 +89,7 @@ def test_keys_come_before_the_armature(rigged, angle):
     np.testing.assert_allclose(moved[far], (wider(rest.seen) - rest.seen)[far], atol=1e-5)
 
 
-def test_shape_keys_stay_and_what_is_seen_is_where_the_new_ones_begin(rigged):
+def test_new_shape_keys_begin_at_the_visible_shape(rigged):
     bar, _ = rigged
     bar.modifiers.clear()
     bar.shape_key_add(name="Basis")

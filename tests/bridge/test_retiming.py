@@ -41,7 +41,7 @@ def values(player, frames):
     return np.array(found, dtype=float)
 
 
-def test_slow_motion_has_its_speed(moving):
+def test_slow_motion_has_the_chosen_speed(moving):
     player = make_player(moving, between="INTERPOLATED")
     morph_value(player).set(0.5)
     player.animation_data.action = None

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Skies as images, files and worlds: what Cycles sees is what is in the file, where it is in the file."""
+"""Skies as images, files and worlds, with correct values and directions in Cycles."""
 
 from __future__ import annotations
 
@@ -43,11 +43,11 @@ def test_another_size_has_the_same_light(before, after):
 
 
 @given(st.integers(1, 24), st.integers(1, 24))
-def test_an_even_sky_stays_even_in_another_size(before, after):
+def test_a_uniform_sky_is_uniform_in_another_size(before, after):
     np.testing.assert_allclose(resized(np.full((before, 2 * before, 3), 0.7), after), 0.7)
 
 
-def test_cycles_sees_a_file_where_and_as_bright_as_it_is(tmp_path):
+def test_cycles_renders_files_with_correct_direction_and_brightness(tmp_path):
     """A lamp towards +Y, a little up: rendered from a world, it is read there."""
     image = sky((0, 1, 0.3), rows=32)
     write_sky(tmp_path / "sky.0001.exr", image)
@@ -124,7 +124,7 @@ def test_bytes_are_read_in_their_color_space_or_refused(space, expected):
         np.testing.assert_allclose(read_sky(image), expected, atol=0.003)
 
 
-def test_without_cycles_a_world_is_refused_with_what_to_do(monkeypatch):
+def test_without_cycles_a_world_is_refused_with_advice(monkeypatch):
     def refuse(scene):
         raise ConvwassError("Pictures need the Cycles render engine; switch it on.")
 
@@ -160,7 +160,7 @@ def test_numbers_have_the_same_digits(tmp_path):
     assert [path.name for path in SkyFiles(tmp_path, 9998, 2).paths] == ["sky.9998.exr", "sky.9999.exr"]
 
 
-def test_what_was_written_is_there_once_all_is(tmp_path):
+def test_files_appear_together(tmp_path):
     files = written(tmp_path / "new")
     assert not [item for item in (tmp_path / "new").iterdir() if not item.name.startswith(".")]
     files.finish()
@@ -169,12 +169,12 @@ def test_what_was_written_is_there_once_all_is(tmp_path):
     assert len(list((tmp_path / "new").iterdir())) == 2
 
 
-def test_what_was_written_is_discarded_with_its_folder(tmp_path):
+def test_written_files_are_discarded_with_their_folder(tmp_path):
     written(tmp_path / "new").discard()
     assert not list(tmp_path.iterdir())
 
 
-def test_older_files_outlive_what_is_discarded(tmp_path):
+def test_older_files_are_kept_when_new_ones_are_discarded(tmp_path):
     for name in ("sky.0007.exr", "sky.0008.exr", "note.txt"):
         (tmp_path / name).write_text(name)
     written(tmp_path).discard()
@@ -183,7 +183,7 @@ def test_older_files_outlive_what_is_discarded(tmp_path):
     }
 
 
-def test_a_file_that_cannot_be_replaced_is_told(tmp_path):
+def test_a_file_that_cannot_be_replaced_is_reported(tmp_path):
     (tmp_path / "sky.0008.exr").mkdir()
     files = written(tmp_path)
     with pytest.raises(ConvwassError, match=r"sky.0008.exr could not be written"):
@@ -192,7 +192,7 @@ def test_a_file_that_cannot_be_replaced_is_told(tmp_path):
     assert sorted(item.name for item in tmp_path.iterdir()) == ["sky.0007.exr", "sky.0008.exr"]
 
 
-def test_a_folder_that_cannot_be_made_is_told_and_discarding_says_nothing(tmp_path):
+def test_a_folder_that_cannot_be_created_is_reported_and_discarding_is_silent(tmp_path):
     (tmp_path / "gone").mkdir()
     files = SkyFiles(tmp_path / "gone" / "new", 1, 2)
     (tmp_path / "gone").rmdir()
@@ -203,7 +203,7 @@ def test_a_folder_that_cannot_be_made_is_told_and_discarding_says_nothing(tmp_pa
     assert not list(tmp_path.iterdir())
 
 
-def test_nothing_is_replaced_until_every_file_is_whole(tmp_path, monkeypatch):
+def test_nothing_is_replaced_until_every_file_is_complete(tmp_path, monkeypatch):
     """The second draft is cut off: the first one does not take its place either."""
     for name in ("sky.0007.exr", "sky.0008.exr"):
         (tmp_path / name).write_text("older")
@@ -236,7 +236,7 @@ def plain_world(tmp_path):
 
 
 @pytest.mark.parametrize("what", ["texture", "background", "link"])
-def test_what_is_muted_is_not_seen(tmp_path, what):
+def test_muted_nodes_are_ignored(tmp_path, what):
     world, texture = plain_world(tmp_path)
     background = texture.outputs["Color"].links[0].to_node
     if what == "link":
@@ -257,14 +257,14 @@ def test_a_world_without_its_nodes_has_one_color(tmp_path):
     np.testing.assert_allclose(world_sky(world, 8), np.full((8, 16, 3), (0.25, 0.5, 0.75)), atol=0.01)
 
 
-def test_a_world_that_is_rendered_leaves_nothing_behind():
+def test_rendering_a_world_leaves_nothing_behind():
     world = bpy.data.worlds.new("Gray")
     before = {(block.id_type, block.name) for block in bpy.data.user_map()}
     world_sky(world, 8)
     assert {(block.id_type, block.name) for block in bpy.data.user_map()} == before
 
 
-def test_the_sun_of_blenders_own_sky_is_found_where_it_stands():
+def test_the_sun_of_blenders_sky_texture_is_found():
     """Within a quarter of a pixel of 512 x 256, in a panorama that Cycles renders."""
     elevation = 12.0
     world = bpy.data.worlds.new("Sky")

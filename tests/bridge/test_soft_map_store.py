@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps stay with their source object, come back as they were, and damaged ones are refused with the reason."""
+"""Maps are stored with their source object without loss, and damaged ones are refused with the reason."""
 
 from __future__ import annotations
 
@@ -102,7 +102,7 @@ def test_vertices_without_an_image_come_back_as_such(pair):
     assert unpacked(packed(stored)).found.forward.spread[3] == np.inf
 
 
-def test_what_is_stored_is_compact():
+def test_stored_maps_are_compact():
     """Less than 60 bytes a vertex, of the 300 that the arrays take."""
     source, target = ball("Source", segments=150), ball("Target", segments=150)
     data = packed(stored_between(source, target))
@@ -128,7 +128,7 @@ def test_maps_to_several_targets(pair):
         stored_soft_map(source, target)
 
 
-def test_maps_to_objects_that_are_gone_are_dropped(pair):
+def test_maps_to_deleted_objects_are_dropped(pair):
     source, target = pair
     store_soft_map(source, target, stored_between(source, target))
     bpy.data.objects.remove(target)
@@ -257,7 +257,7 @@ def test_damaged_maps_of_the_version_before_are_refused(change):
 
 
 def test_a_bomb_is_not_unpacked():
-    """Compressed zeros beyond what the header announces."""
+    """Compressed zeros beyond the size in the header."""
     _, body = first_schema_parts()
     bomb = FIRST_SCHEMA[: -len(body)] + zlib.compress(zlib.decompress(body) + bytes(10**7))
     with pytest.raises(ValueError, match="bytes where"):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures and videos of morphs: what is on them, and that taking them leaves no trace."""
+"""Pictures and videos of morphs: their content, and cleanup."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SAMPLES = 2
 
 
 def cube(collection, index, count, size=1.0):
-    """Add a frame object, a cube whose color goes from red to green."""
+    """Add a frame object, a cube whose color changes from red to green."""
     t = index / max(count - 1, 1)
     name = f"Morph {index + 1:04d}"
     mesh = bpy.data.meshes.new(name)
@@ -69,7 +69,7 @@ def sheet_morph(collection):
 
 
 def photographed(objects, path, resolution, samples):
-    """Render objects where they are."""
+    """Render objects in place."""
     points = [world_points(obj) for obj in objects]
     view = broad_view(points, np.radians(18.0))
     with Studio() as studio:
@@ -101,7 +101,7 @@ def is_green(picture):
 
 
 def snapshot():
-    """Return what a user could notice of a change."""
+    """Return the state in which a user could notice a change."""
     scene = bpy.context.scene
     render = scene.render
     names = {
@@ -149,7 +149,7 @@ def test_contact_sheet_keeps_the_places_of_a_sheet(sheet_morph, tmp_path):
     assert columns.min() > 32
 
 
-def test_the_studio_shows_what_it_is_given(path_morph, tmp_path):
+def test_the_studio_shows_the_given_objects(path_morph, tmp_path):
     bpy.context.scene.frame_set(15)
     before = snapshot()
     visible = [obj for obj in path_morph.objects if not obj.hide_render]
@@ -160,7 +160,7 @@ def test_the_studio_shows_what_it_is_given(path_morph, tmp_path):
     assert snapshot() == before
 
 
-def test_what_has_a_far_hidden_parent_is_shown_where_it_is(collection, tmp_path):
+def test_objects_with_hidden_parents_are_shown_in_place(collection, tmp_path):
     anchor = bpy.data.objects.new("Anchor", None)
     anchor.location = (100.0, 0.0, 0.0)
     obj = cube(collection, 0, 1, size=0.01)
@@ -216,7 +216,7 @@ def test_output_is_checked_before_rendering(path_morph, tmp_path, render, name):
         drained(render(path_morph, tmp_path / "picture.xyz"))
 
 
-def test_what_cannot_be_pictured_is_refused(collection, tmp_path):
+def test_invalid_pictures_are_refused(collection, tmp_path):
     for render, name in ((render_contact_sheet, "a.png"), (render_animation, "a.mp4")):
         with pytest.raises(InputError):
             drained(render(collection, tmp_path / name))
@@ -250,7 +250,7 @@ def test_without_a_denoiser_more_light_is_followed(path_morph, tmp_path, monkeyp
         assert studio.scene.cycles.samples > 3
 
 
-def test_without_cycles_it_is_said_how_to_switch_it_on():
+def test_without_cycles_the_message_tells_how_to_enable_it():
     class Render:
         @property
         def engine(self):
@@ -265,7 +265,7 @@ def test_without_cycles_it_is_said_how_to_switch_it_on():
 
 
 @pytest.mark.parametrize("turn", [0.0, 1.0])
-def test_orbit_sees_all_points_and_wastes_no_room(turn):
+def test_orbit_frames_all_points_tightly(turn):
     points = np.random.default_rng(3).uniform([-3.0, -1.0, 5.0], [4.0, 2.0, 9.0], (500, 3))
     views = [View(0.4 + angle, 0.3) for angle in (-turn / 2.0, turn / 2.0)]
     tangents = (0.2, 0.15)

@@ -54,7 +54,7 @@ def test_world_units(obj, depsgraph):
     np.testing.assert_allclose(mesh.vertices[0], (5, 2, 0), atol=1e-6)
 
 
-def test_mirrored_objects_look_outward(obj, depsgraph):
+def test_mirrored_surfaces_are_oriented_outward(obj, depsgraph):
     obj.scale = (-1, 1, 1)
     assert surface_mesh(obj, depsgraph).volume == pytest.approx(4 / 3, rel=1e-6)
 
@@ -71,7 +71,7 @@ def test_a_flat_object_is_a_surface(make_object, depsgraph):
 
 
 @pytest.mark.parametrize("factor", [0.0, 0.5, 1.0])
-def test_shape_keys_as_they_are_now(obj, depsgraph, factor):
+def test_current_values_of_shape_keys_count(obj, depsgraph, factor):
     for name in ("Basis", "Tall"):
         obj.shape_key_add(name=name, from_mix=False)
     tall = obj.data.shape_keys.key_blocks["Tall"]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion blur of what moves at a known speed, though every frame is another object of other topology."""
+"""Motion blur at a known speed, although every frame is another object with another topology."""
 
 from __future__ import annotations
 
@@ -105,7 +105,7 @@ def test_velocity_is_in_units_per_second(bare_scene, make_object, fps, fps_base)
 
 
 @pytest.mark.parametrize(("places", "speed"), [((-4, 0, 4), 1.0), ((-4, 0, -4), 0.0), ((-2, 0, 4), 0.75)])
-def test_a_shape_that_is_passed_moves_as_what_is_before_and_after_it(bare_scene, make_object, places, speed):
+def test_an_intermediate_shape_has_the_velocity_of_its_neighbors(bare_scene, make_object, places, speed):
     frames = frame_objects(bake_a_moving_ball(bare_scene, make_object, 24, places=places))
     np.testing.assert_allclose(velocity_of(frames[STEPS].data)[:, 0], 24 * speed, atol=0.5)
     np.testing.assert_allclose(velocity_of(frames[STEPS].data)[:, 1:], 0, atol=0.5)

@@ -48,7 +48,7 @@ def test_other_groups_stay(obj):
         np.testing.assert_allclose(found, [weights, WEIGHTS, WEIGHTS[::-1]], rtol=1e-6)
 
 
-def test_what_is_active_stays_active(obj):
+def test_the_active_group_stays_active(obj):
     obj.vertex_groups.new(name="First")
     obj.vertex_groups.new(name="Second")
     obj.vertex_groups.active_index = 0
@@ -119,7 +119,7 @@ def test_weight_paint_mode(obj):
     np.testing.assert_allclose(read_groups(obj, ["Head", "New"]), [WEIGHTS[::-1], WEIGHTS], rtol=1e-6)
 
 
-def test_edit_mode_is_read_as_it_is_and_not_written(obj):
+def test_edit_mode_is_read_but_not_written(obj):
     import bmesh
 
     write_group(obj, "Head", WEIGHTS)

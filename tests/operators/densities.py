@@ -123,7 +123,7 @@ def window_context():
 
 
 def started(pressed, context):
-    """Press an operator as in a Blender with a window; return whether it goes on beside the user's work."""
+    """Start an operator as in a Blender with a window; return whether it continues in the background."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
         return pressed.invoke(context, None) == {"RUNNING_MODAL"}
@@ -149,7 +149,7 @@ def show_other_scene(context):
 
 
 def until(pressed, context, wanted=lambda: False):
-    """Send timer events until something holds; return what the last one returned."""
+    """Send timer events until a condition holds; return the result of the last one."""
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
         result = pressed.modal(context, TIMER)

@@ -34,7 +34,7 @@ def choose(source, target):
 
 
 def store_closest(source, target):
-    """Store the map to the closest points of objects that lie on each other, and choose them."""
+    """Store the closest-point map of coinciding objects, and choose both."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
     meshes = [surface_mesh(obj, depsgraph) for obj in (source, target)]
     sides = [mapped_side(obj, mesh.faces) for obj, mesh in zip((source, target), meshes, strict=True)]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Fitting armatures: what is written, what stays, what is refused; the layout itself is a stand-in here."""
+"""Fitting armatures: written and unchanged data, and refused input; the layout is replaced by a stub."""
 
 from __future__ import annotations
 
@@ -55,7 +55,7 @@ def rig(asked):
 
 
 def bend(rig):
-    """Move the middle joint away; lengths are noted by now."""
+    """Move the middle joint away after lengths have been stored."""
     bpy.context.view_layer.objects.active = rig
     bpy.ops.object.mode_set(mode="EDIT")
     rig.data.edit_bones["B"].tail = (1.8, 3, 0)
@@ -63,7 +63,7 @@ def bend(rig):
 
 
 def is_straight(rig):
-    """Whether all bones of the chain lie on the X axis, as long as they were."""
+    """Whether all bones of the chain are on the X axis with their original lengths."""
     ends = world_ends(rig)
     return all(
         np.allclose(ends[f"{name}.tail"], ((place + 1) * 0.9, 0, 0), atol=1e-5) for place, name in enumerate("ABCD")
@@ -101,7 +101,7 @@ def test_it_is_one_undo_step(rig, mode):
     assert body.parent is None
 
 
-def test_what_is_handed_over(rig, asked):
+def test_arguments_of_the_fit(rig, asked):
     own().body.location = (0, 0, 7)
     call(
         "fit_armature",
@@ -137,7 +137,7 @@ def test_defaults_are_those_of_the_application(rig, asked):
     assert asked[0].settings.as_dict() == pytest.approx(SkeletonSettings().as_dict())
 
 
-def test_bones_that_deform_nothing_go_along(asked):
+def test_bones_that_do_not_deform_move_along(asked):
     bones = [
         ("Arm", (0.2, 0, 0), (2, 0, 0), None, False),
         ("Hand", (2, 0, 0), (3.8, 0, 0), "Arm", True),
@@ -181,13 +181,13 @@ def test_automatic_weights(rig, capfd):
     shift = np.linalg.norm(moved - rest, axis=1)
     assert shift[rest[:, 0] > 3.5].min() > 0.3
     assert shift[rest[:, 0] < 0.5].max() < 0.05
-    # Again, on what is bound and posed by now.
+    # Repeat for the mesh that is now bound and posed.
     assert call("fit_armature", auto_weights=True) == {"FINISHED"}
     assert len(body.modifiers) == 1
     assert "Rig is posed, but the fit applies to its rest position" in capfd.readouterr().out
 
 
-def test_weights_without_a_solution_are_told(rig, monkeypatch, capfd):
+def test_weights_without_a_solution_are_reported(rig, monkeypatch, capfd):
     monkeypatch.setattr(armature_fit, "bind_with_weights", lambda body, rig: 7)
     call("fit_armature", auto_weights=True)
     assert "Automatic weights left 7 of" in capfd.readouterr().out
@@ -217,7 +217,7 @@ def test_weights_ask_for_object_mode(rig):
         call("fit_armature", auto_weights=True)
 
 
-def test_parents_that_cannot_be_are_told(rig):
+def test_impossible_parents_are_reported(rig):
     rig.parent = own().body
     bpy.context.view_layer.update()
     with pytest.raises(RuntimeError, match="Tube could not be bound to Rig"):
@@ -237,7 +237,7 @@ def test_rotated_scaled_and_parented(rig):
         np.testing.assert_allclose(found[f"{name}.tail"], ends[0] + place / 4 * (ends[1] - ends[0]), atol=1e-4)
 
 
-def test_a_pose_is_told_and_kept(rig, capfd):
+def test_a_pose_is_reported_and_kept(rig, capfd):
     bone = rig.pose.bones["B"]
     bone.rotation_mode = "XYZ"
     bone.rotation_euler = (0, 0, 0.5)
@@ -252,7 +252,7 @@ def test_a_pose_is_told_and_kept(rig, capfd):
     assert rig.pose.bones["B"].rotation_euler.z == pytest.approx(1)
 
 
-def test_what_should_be_known_is_told(rig, monkeypatch, capfd):
+def test_notices_are_reported(rig, monkeypatch, capfd):
     def steps(mesh, graph, settings, control=UNINTERRUPTED):
         found = harmonic(graph, [Sentence("Pins were moved.")])
         found.positions[2] = found.positions[1]
@@ -270,7 +270,7 @@ def test_what_should_be_known_is_told(rig, monkeypatch, capfd):
 # What stands in the way.
 
 
-def test_what_is_missing_is_told(asked):
+def test_missing_input_is_reported(asked):
     with pytest.raises(RuntimeError, match="Choose an armature, or make one active"):
         call("fit_armature")
     rig = chain(2)
@@ -289,7 +289,7 @@ def test_what_is_missing_is_told(asked):
         call("fit_armature")
 
 
-def test_bodies_that_are_none(rig):
+def test_invalid_bodies(rig):
     own().body = lines([(0, 0, 0), (1, 0, 0)], [(0, 1)])
     with pytest.raises(RuntimeError, match="Lines has edges but no faces"):
         call("fit_armature")
@@ -313,7 +313,7 @@ def test_two_pins_in_one_place(rig):
     rig.data.edit_bones["D"].tail = rig.data.edit_bones["A"].head
     with pytest.raises(RuntimeError, match=r"D\.tail and A\.head are pinned in the same place; move or unpin one"):
         call("fit_armature")
-    # They are one joint now, of which both pins go.
+    # They are one joint now, so both pins are removed.
     call("unpin_joints", joints="A.head")
     assert pinned_ends(rig) == []
 
@@ -331,7 +331,7 @@ def test_hidden_and_running(rig):
         progress.running = False
 
 
-def test_what_the_application_refuses_changes_nothing(rig, monkeypatch):
+def test_a_refused_fit_changes_nothing(rig, monkeypatch):
     def steps(mesh, graph, settings, control=UNINTERRUPTED):
         raise InputError("The pin {name} lies outside.", name="A.head")
         yield
@@ -389,7 +389,7 @@ def pressed_fit(**settings):
     return pressed
 
 
-def test_it_runs_beside_the_users_work(window, rig):
+def test_it_runs_in_the_background(window, rig):
     pressed = pressed_fit()
     assert pressed.invoke(window, None) == {"RUNNING_MODAL"}
     assert until(pressed, window) == {"FINISHED"}
@@ -443,7 +443,7 @@ def test_the_result_waits_for_a_stroke_and_comes_in_edit_mode(window, rig):
 
 
 @pytest.mark.parametrize("which", ["body", "rig"])
-def test_what_is_deleted_meanwhile_is_told(window, rig, which):
+def test_objects_deleted_during_the_fit_are_reported(window, rig, which):
     pressed = pressed_fit()
     pressed.invoke(window, None)
     bpy.data.objects.remove(own().body if which == "body" else rig)
@@ -451,7 +451,7 @@ def test_what_is_deleted_meanwhile_is_told(window, rig, which):
     assert "The body or the armature was deleted, or its creation undone" in pressed.reports[-1][1]
 
 
-def test_bones_that_are_added_meanwhile_are_told(window, rig):
+def test_bones_added_during_the_fit_are_reported(window, rig):
     pressed = pressed_fit()
     pressed.invoke(window, None)
     bpy.ops.object.mode_set(mode="EDIT")

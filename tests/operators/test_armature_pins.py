@@ -74,7 +74,7 @@ def test_each_is_an_undo_step(rig):
         assert pinned_ends(bpy.data.objects["Rig"]) == []
 
 
-def test_what_cannot_be_pinned(rig):
+def test_joints_that_cannot_be_pinned(rig):
     for name in ("pin_joints", "unpin_joints"):
         with pytest.raises(RuntimeError, match="No joint of Rig is selected; go to Edit Mode"):
             call(name)
@@ -87,7 +87,7 @@ def test_what_cannot_be_pinned(rig):
         call("pin_joints", joints="A.head")
 
 
-def test_the_active_armature_serves_while_none_is_chosen(rig):
+def test_the_active_armature_is_the_default(rig):
     own().rig = None
     assert chosen_rig(bpy.context) == rig
     call("pin_joints", joints="A.head")
@@ -101,7 +101,7 @@ def test_the_active_armature_serves_while_none_is_chosen(rig):
         call("pin_joints", joints="A.head")
 
 
-def test_only_what_fits_can_be_chosen(rig):
+def test_only_suitable_objects_can_be_chosen(rig):
     edges, body = lines([(0, 0, 0), (1, 0, 0)], [(0, 1)]), own().body
     assert [is_rig(own(), obj) for obj in (rig, edges, body)] == [True, True, False]
     assert [is_mesh(own(), obj) for obj in (rig, edges, body)] == [False, True, True]
@@ -166,7 +166,7 @@ def test_placing_is_one_undo_step(rig, axis):
     np.testing.assert_allclose(world_ends(rig)["C.tail"], (3, 0, 0), atol=1e-6)
 
 
-def test_what_cannot_be_placed(rig, monkeypatch):
+def test_pins_that_cannot_be_placed(rig, monkeypatch):
     with pytest.raises(RuntimeError, match="One surface point cannot place 2 joints"):
         call("place_joint", joints="A.head, C.tail", location=(0, 0, 0))
     with pytest.raises(RuntimeError, match="No joint of Rig is selected"):
@@ -235,7 +235,7 @@ def test_one_click_for_each_selected_joint(rig, clicking, axis):
     assert axis[0][0] == pytest.approx((0.5, 0, 0.4), abs=0.06)
 
 
-def test_escape_keeps_what_has_been_placed(rig, clicking):
+def test_escape_keeps_placed_pins(rig, clicking):
     in_edit_mode(rig, "A.head", "C.tail")
     pressed = place_operator()
     pressed.invoke(clicking, None)
@@ -244,7 +244,7 @@ def test_escape_keeps_what_has_been_placed(rig, clicking):
     assert pinned_ends(rig) == ["A.head"]
 
 
-def test_nothing_selected_and_a_body_that_is_gone(rig, clicking):
+def test_nothing_selected_or_a_deleted_body(rig, clicking):
     pressed = place_operator()
     assert pressed.invoke(clicking, None) == {"CANCELLED"}
     assert "No joint of Rig is selected" in pressed.reports[-1][1]

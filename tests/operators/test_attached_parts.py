@@ -24,7 +24,7 @@ def world(obj):
 
 @pytest.fixture
 def body():
-    """A ball that grows to twice its size by its first key, and rises besides by its second."""
+    """A ball that grows to twice its size with its first key, and also rises with its second."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
     source = bpy.context.object
     rest = world(source)
@@ -75,7 +75,7 @@ def test_a_part_follows_the_slider_of_the_body(body, hat, rigid):
         np.testing.assert_allclose(world(hat), expected, atol=1e-5)
 
 
-def test_what_cannot_follow_is_refused_and_nothing_changed(body, hat):
+def test_parts_that_cannot_follow_are_refused(body, hat):
     bpy.ops.object.empty_add()
     select(bpy.context.object, hat, body)
     with pytest.raises(RuntimeError, match="is not a mesh"):

@@ -65,7 +65,7 @@ def test_a_word_becomes_another_with_the_originals_at_both_ends():
         bpy.context.scene.frame_set(number)
         assert [obj for obj in frames if not obj.hide_render] == [frames[min(max(number, 1), 4) - 1]]
     assert first.hide_render and last.hide_render
-    # What Blender fills is what the solver asks for.
+    # The solver's area equals the area that Blender fills.
     wanted = [record["area_wanted"] for record in stored_morph(morph()).records[1:-1]]
     np.testing.assert_allclose([enclosed(obj) for obj in frames[1:-1]], wanted, rtol=5e-3)
     stored = stored_settings(morph())
@@ -166,7 +166,7 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
         (lambda obj: setattr(obj, "scale", (1e-3, 1e-3, 1)), "too small beside the others.*Equal Volume"),
     ],
 )
-def test_what_cannot_be_morphed_is_told_and_leaves_nothing(change, message):
+def test_invalid_shapes_are_reported_and_leave_nothing_behind(change, message):
     first, last = text("A"), text("B", 3.0)
     change(last)
     choose(first, last)
@@ -352,7 +352,7 @@ def test_drawings_of_a_sheet_are_objects_of_their_own():
     assert np.ptp([obj.matrix_world.translation.y for obj in frames]) > 1.0
 
 
-def test_what_shows_meshes_refuses_drawings():
+def test_operators_for_meshes_refuse_drawings():
     choose(text("A"), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK)
     with pytest.raises(RuntimeError, match="bake it again with meshes"):
@@ -370,7 +370,7 @@ def test_a_drawing_is_drawn_again_without_leaving_materials():
 
 
 @pytest.mark.parametrize("operator", ["make_cache", "make_blend_pad"])
-def test_what_is_refused_leaves_the_curves(operator):
+def test_refused_operators_leave_the_curves_unchanged(operator):
     """The file was never saved, and two shapes are no sheet."""
     choose(text("A"), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)

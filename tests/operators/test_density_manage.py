@@ -111,7 +111,7 @@ def test_polls_and_unknown_names(name):
         call(name)
 
 
-def test_it_is_made_again_from_what_is_stored(obj, capfd):
+def test_it_is_repeated_with_its_stored_settings(obj, capfd):
     keys, before = curve(obj), stored_density(obj, "Density")
     assert call("rebake_density", only_if_changed=True) == {"CANCELLED"}
     write_group(obj, "B", (positions(obj)[:, 1] < -0.8).astype(float))
@@ -134,7 +134,7 @@ def test_every_bound_comes_back(entropy_limit):
     assert stored_density(obj, "Density").settings == before
 
 
-def test_what_is_gone_is_noticed(obj):
+def test_deleted_parts_are_noticed(obj):
     stored = stored_density(obj, "Density")
     assert lost_inputs(obj, stored) == changed_inputs(obj, stored) == []
     obj.vertex_groups["A"].add([5], 0.125, "REPLACE")
@@ -151,7 +151,7 @@ def test_what_is_gone_is_noticed(obj):
     ("key", "value"),
     [("steps", "many"), ("entropy_limit", "much"), ("frames", 3), ("frames", ["a"]), ("blur", "x"), ("pieces", "torn")],
 )
-def test_damaged_settings_are_told(obj, key, value):
+def test_damaged_settings_are_reported(obj, key, value):
     data = json.loads(obj[DENSITIES_KEY])
     data["densities"]["Density"]["settings"][key] = value
     obj[DENSITIES_KEY] = json.dumps(data)
@@ -159,7 +159,7 @@ def test_damaged_settings_are_told(obj, key, value):
         call("rebake_density")
 
 
-def test_frames_that_are_missing_are_told_and_missing_settings_get_their_defaults(obj):
+def test_missing_frames_are_reported_and_missing_settings_get_defaults(obj):
     data = json.loads(obj[DENSITIES_KEY])
     del data["densities"]["Density"]["settings"]["blend_sharpness"]
     obj[DENSITIES_KEY] = json.dumps(data)
@@ -184,7 +184,7 @@ def test_images_can_be_stopped_and_those_that_are_there_stay(obj, monkeypatch, t
     assert len(stored_density(obj, "Density").outputs["images"]) == len(written)
 
 
-def test_images_are_written_beside_the_users_work(obj, monkeypatch, tmp_path):
+def test_images_are_written_in_the_background(obj, monkeypatch, tmp_path):
     context = window_context()
     pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=16)
     monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))

@@ -26,7 +26,7 @@ def call(name, **arguments):
 
 @pytest.mark.parametrize("radius", [1.0, 10.0])
 def test_caps_at_both_ends_are_as_far_apart_as_their_meridians_say(radius, capfd):
-    """Mass stays on its meridian: the edge of one cap goes to the middle of the other."""
+    """Mass stays on its meridian, so the edge of one cap moves to the middle of the other."""
     obj = ball(radius=radius)
     assert call("measure_distance", first="A", second="B") == {"FINISHED"}
     found = obj.convwass_density_findings
@@ -37,7 +37,7 @@ def test_caps_at_both_ends_are_as_far_apart_as_their_meridians_say(radius, capfd
     assert f"From A to B: {length_text(bpy.context.scene, found.distance)}" in capfd.readouterr().out
 
 
-def test_the_choice_of_the_object_counts_where_nothing_is_named():
+def test_the_settings_of_the_object_are_the_default():
     obj = ball()
     obj.convwass_density.first, obj.convwass_density.second = "A", "A"
     call("measure_distance")
@@ -106,7 +106,7 @@ def test_distances_from_a_vertex_become_a_group(mode, capfd):
     assert "Distance: a weight of 1 is 5." in capfd.readouterr().out
 
 
-def test_what_is_not_reached_is_told(capfd):
+def test_unreached_mass_is_reported(capfd):
     obj = two_balls()
     call("distance_from_vertices", vertices="0", group="Far")
     assert (read_group(obj, "Far")[positions(obj)[:, 0] > 2] == 1).all()
@@ -172,7 +172,7 @@ def test_escape_stops_it(press):
     assert obj.convwass_density_findings.first == ""
 
 
-def test_an_object_that_is_gone_is_told(press):
+def test_a_deleted_object_is_reported(press):
     obj = ball()
     context = window_context()
     pressed = press(context, first="A", second="B")

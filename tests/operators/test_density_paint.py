@@ -35,7 +35,7 @@ def findings(obj):
     return obj.convwass_density_findings
 
 
-def test_normalizing_scales_the_heat_map_and_tells_figures():
+def test_normalizing_scales_the_heat_map_and_reports_figures():
     obj = ball()
     write_group(obj, "A", read_group(obj, "A") / 4)
     assert call("normalize_density") == {"FINISHED"}
@@ -73,7 +73,7 @@ def test_diffusing_spreads_by_the_length_in_scene_units():
     assert np.sqrt(variance) == pytest.approx(0.6, rel=0.15)
 
 
-def test_heat_that_nobody_sees_covers_nothing():
+def test_hidden_heat_maps_cover_nothing():
     obj = ball()
     call("drop_density", vertices="0", radius=0.2)
     assert (read_group(obj, "A") > 0).mean() > 0.9
@@ -118,7 +118,7 @@ def test_mass_is_dropped_on_selected_vertices_in_edit_mode():
     assert set(np.flatnonzero(read_group(obj, "A"))) == {3, 70}
 
 
-def test_a_share_is_dropped_and_the_rest_stays():
+def test_one_share_is_dropped_and_the_others_are_kept():
     obj = ball()
     far = int(read_group(obj, "B").argmax())
     call("drop_density", vertices=str(far), share=0.25, radius=0.3)
@@ -127,7 +127,7 @@ def test_a_share_is_dropped_and_the_rest_stays():
     assert (weights[read_group(ball(), "A") > 0] > 0).all()
 
 
-def test_a_group_is_made_for_mass_where_there_is_none():
+def test_a_missing_group_is_created():
     obj = ball()
     obj.vertex_groups.clear()
     call("drop_density", vertices="5")
@@ -152,7 +152,7 @@ def test_vertices_that_cannot_be(arguments, message):
         call("drop_density", **arguments)
 
 
-def test_no_selection_is_told():
+def test_a_missing_selection_is_reported():
     obj = ball()
     obj.data.vertices.foreach_set("select", np.zeros(len(obj.data.vertices), bool))
     with pytest.raises(RuntimeError, match="No vertex of Sphere is selected"):
@@ -190,7 +190,7 @@ def test_hidden_vertices_count_like_others():
     assert (read_group(obj, "A") > 0).all()
 
 
-def test_what_cannot_be_written_is_told():
+def test_failed_writing_is_reported():
     obj = ball()
     with pytest.raises(RuntimeError, match="no vertex group Nobody"):
         call("normalize_density", group="Nobody")
@@ -213,7 +213,7 @@ def test_undo_takes_it_back():
     np.testing.assert_array_equal(read_group(bpy.context.object, "A"), before)
 
 
-def test_ignored_modifiers_are_told(capfd):
+def test_ignored_modifiers_are_reported(capfd):
     obj = ball()
     obj.modifiers.new("Finer", "SUBSURF")
     call("normalize_density")
@@ -324,7 +324,7 @@ def test_sidebars_over_a_view_are_not_clicked_through(view):
     assert picking.view_at(window, 250, 100) is None
 
 
-def test_stopping_what_is_seldom_checked_leaves_the_window_alone(monkeypatch):
+def test_stopping_rarely_checked_work_does_not_block_the_window(monkeypatch):
     """A factorization cannot be stopped; Esc is taken in at once all the same, and nothing is written."""
     obj = ball()
     before = read_group(obj, "A")

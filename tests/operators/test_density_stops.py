@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of groups that a density goes through."""
+"""The list of groups that a density passes."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_all_groups_come_once(obj):
     assert call("add", which="ALL") == {"CANCELLED"}
 
 
-def test_moving_leaves_the_frames_where_they_are(obj):
+def test_moving_a_stop_keeps_the_frames(obj):
     call("add", which="ALL")
     call("move", direction="UP")
     assert listed(obj) == [("B", 1), ("A", 25)]

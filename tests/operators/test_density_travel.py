@@ -41,7 +41,7 @@ QUICK = {**PAIR, "steps": 4}
 
 @pytest.fixture
 def obj():
-    """A ball of which a third group, C, is a cap at the front."""
+    """A ball with a third group, C, a cap at the front."""
     made = ball()
     write_group(made, "C", (positions(made)[:, 1] < -0.8).astype(float))
     made.vertex_groups.active_index = 0
@@ -84,7 +84,7 @@ def test_a_density_travels_from_group_to_group(obj):
     assert len(stored.records) == 5
 
 
-def test_of_two_groups_there_is_nothing_to_choose(obj):
+def test_two_groups_need_no_choice(obj):
     with pytest.raises(RuntimeError, match="Choose a first and a second group"):
         call("interpolate_density", steps=2)
     obj.vertex_groups.remove(obj.vertex_groups["C"])
@@ -116,7 +116,7 @@ def test_scripts_name_groups_and_frames(obj):
 @pytest.mark.parametrize(
     ("frames", "end"), [("1, 13", 13), ("1, 300.5", 301), ("", 3), ("20, 40", 250), ("20, 400", 400)]
 )
-def test_the_scene_ends_with_a_density_that_begins_where_it_does(obj, frames, end):
+def test_the_scene_range_is_extended_to_the_density(obj, frames, end):
     """One that begins later is played among all that the scene had."""
     scene = bpy.context.scene
     assert (scene.frame_start, scene.frame_end) == (1, 250)
@@ -124,7 +124,7 @@ def test_the_scene_ends_with_a_density_that_begins_where_it_does(obj, frames, en
     assert (scene.frame_start, scene.frame_end) == (1, end)
 
 
-def test_keys_that_stay_leave_the_scene_as_it_is(obj):
+def test_unchanged_keys_leave_the_scene_unchanged(obj):
     call("interpolate_density", groups="A, C", frames="1, 13", steps=2)
     bpy.context.scene.frame_end = 99
     call("interpolate_density", groups="A, C", frames="1, 13", steps=2, set_keys=False)
@@ -179,7 +179,7 @@ def test_undo_takes_it_away(obj):
         ({**PAIR, "blur": 100.0}, "longer than the whole surface"),
     ],
 )
-def test_what_cannot_work_is_told_and_leaves_nothing(obj, arguments, message):
+def test_invalid_input_is_reported_and_leaves_nothing_behind(obj, arguments, message):
     before = inventory()
     with pytest.raises(RuntimeError, match=message):
         call("interpolate_density", **arguments)
@@ -217,7 +217,7 @@ def test_pieces_are_named_or_matched():
     assert call("interpolate_density", groups="Both, Whole", steps=2, pieces="match") == {"FINISHED"}
 
 
-def test_loose_vertices_hold_nothing(obj):
+def test_loose_vertices_have_no_mass(obj):
     obj.data.vertices.add(2)
     obj.vertex_groups["A"].add([266], 1.0, "REPLACE")
     call("interpolate_density", **QUICK)
@@ -249,7 +249,7 @@ def test_weights_that_cannot_be(obj, arguments, message):
         call("blend_densities", groups="A, B", **arguments)
 
 
-def test_a_locked_group_is_told_before_the_work(obj, monkeypatch):
+def test_a_locked_group_is_reported_before_the_work(obj, monkeypatch):
     group = obj.vertex_groups.new(name="Blend")
     group.lock_weight = True
     with pytest.raises(RuntimeError, match="Blend is locked"):
@@ -315,7 +315,7 @@ def test_it_runs_in_the_background(obj, press):
 
 @pytest.mark.parametrize("kind", [CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities])
 @pytest.mark.parametrize("way", ["escape", "button", "file"])
-def test_stopping_in_the_middle_leaves_nothing(obj, press, kind, way):
+def test_stopping_leaves_nothing_behind(obj, press, kind, way):
     before = inventory()
     context = window_context()
     pressed = press(context, kind, groups="A, X, C" if kind is CONVWASS_OT_propagate_densities else "A, B, C, A")
@@ -346,7 +346,7 @@ def test_the_result_waits_until_edit_mode_is_left(obj, press):
     assert played_densities(obj) == ["Density"]
 
 
-def test_giving_up_in_edit_mode_leaves_nothing(obj, press):
+def test_cancelling_in_edit_mode_leaves_nothing_behind(obj, press):
     before = inventory()
     context = window_context()
     pressed = press(context, **QUICK)
@@ -359,7 +359,7 @@ def test_giving_up_in_edit_mode_leaves_nothing(obj, press):
     assert inventory() == before
 
 
-def test_another_mesh_than_before_is_told(obj, press):
+def test_a_changed_mesh_is_reported(obj, press):
     context = window_context()
     pressed = press(context, **QUICK)
     obj.data.vertices.add(1)
@@ -368,7 +368,7 @@ def test_another_mesh_than_before_is_told(obj, press):
     assert played_densities(obj) == []
 
 
-def test_what_goes_wrong_on_the_way_is_told(obj, press):
+def test_errors_during_the_work_are_reported(obj, press):
     context = window_context()
     pressed = press(context, **QUICK, blur=1e-5)
     assert until(pressed, context) == {"CANCELLED"}

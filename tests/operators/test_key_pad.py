@@ -60,7 +60,7 @@ def test_the_handle_drives_the_sliders(count):
         handle.keyframe_insert("location", frame=frame)
     assert keyed_span(obj) == range(4, 10)
     handle.animation_data_clear()
-    # Beyond a corner it stays there.
+    # Beyond a corner it is clamped.
     handle.location = 3.0 * places[1] - 2.0 * places[2]
     found = world(obj)[0] - rest[0]
     assert found.min() >= -1e-5 and found.sum() <= 1.0 + 1e-5
@@ -74,7 +74,7 @@ def test_another_number_of_targets_is_refused():
 
 
 def test_targets_can_be_added_to_a_mesh_that_has_some():
-    """The copy keeps keys and sliders, and a target of the same name gets another one."""
+    """The copy keeps keys and sliders, and a target with an existing name gets a new one."""
     obj, rest = cube_with_targets(2)
     obj.animation_data_clear()
     obj["A"] = 0.25

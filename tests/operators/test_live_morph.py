@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live Morph between two events: its handle, its sidebar, its buttons, and what ends it."""
+"""Live Morph between two events: its handle, sidebar and buttons, and its end."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_escape_leaves_no_trace(press):
     assert CONVWASS_OT_live_morph.poll(bpy.context)
 
 
-def test_undo_ends_it_and_redo_brings_nothing_back(press):
+def test_undo_ends_it_and_redo_restores_nothing(press):
     bpy.ops.ed.undo_push(message="empty")
     operator, context = press()
     goes_on(operator, context, is_shown)
@@ -102,7 +102,7 @@ def test_another_one_has_to_wait(press):
     assert not bpy.ops.convwass.live_morph.poll()
 
 
-def test_shapes_can_be_kept_while_it_goes_on(press):
+def test_shapes_can_be_kept_while_it_runs(press):
     operator, context = press()
     goes_on(operator, context, is_shown)
     assert bpy.ops.convwass.keep_live_shape() == {"FINISHED"}

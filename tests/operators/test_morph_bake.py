@@ -110,7 +110,7 @@ def test_suzanne_works_untouched():
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=48) == {"FINISHED"}
 
 
-def test_sheets_stand_side_by_side():
+def test_sheets_are_arranged_in_a_grid():
     add("cube", size=1.5)
     add("uv_sphere", location=(3, 0, 0))
     add("torus", location=(6, 0, 0))
@@ -141,14 +141,14 @@ def test_settings_are_stored_and_taken_back():
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
 
 
-def test_delete_leaves_nothing_and_shows_the_inputs():
+def test_delete_removes_everything_and_shows_the_inputs():
     cube, _ = two_shapes()
     before = census()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert cube.hide_render
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
     after = census()
-    after["materials"] = before["materials"] = []  # the shared material may stay
+    after["materials"] = before["materials"] = []  # the shared material may remain
     assert after == before
     assert not cube.hide_render
     assert not cube.hide_get()
@@ -185,7 +185,7 @@ def not_a_number():
 
 
 @pytest.mark.parametrize("bad", [plane, only_edges, no_geometry, no_size, not_a_number])
-def test_bad_shapes_are_named_and_nothing_is_left(bad):
+def test_bad_shapes_are_named_and_nothing_is_left_behind(bad):
     cube = add("cube")
     obj = bad()
     cube.select_set(True)
@@ -210,7 +210,7 @@ def test_a_grid_needs_four_shapes():
     assert census() == before
 
 
-def test_too_fine_a_resolution_says_which_fits(monkeypatch):
+def test_an_excessive_resolution_is_refused_with_one_that_fits(monkeypatch):
     two_shapes()
     monkeypatch.setattr(memory, "available_memory", lambda: 200_000_000)
     before = census()
@@ -219,7 +219,7 @@ def test_too_fine_a_resolution_says_which_fits(monkeypatch):
     assert census() == before
 
 
-def test_poll_says_what_is_missing():
+def test_poll_reports_missing_input():
     add("cube")
     with pytest.raises(RuntimeError, match="Select at least two shapes"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT")
@@ -255,7 +255,7 @@ def test_order_and_reverse():
 
 
 def two_cubes(name, left, right):
-    """A mesh of two cubes side by side with a material each."""
+    """A mesh of two separate cubes with a material each."""
     corners = np.array([(x, y, z) for x in (-0.5, 0.5) for y in (-0.5, 0.5) for z in (-0.5, 0.5)])
     sides = np.array([(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)])
     mesh = bpy.data.meshes.new(name)

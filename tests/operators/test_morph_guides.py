@@ -86,7 +86,7 @@ def test_bones_point_at_the_vertices_at_their_ends(cubes):
         assert np.allclose(obj.data.vertices[found.points[obj.name]].co, (1.0, 1.0, 1.0))
 
 
-def test_without_names_in_common_it_says_so(cubes):
+def test_missing_common_names_are_reported(cubes):
     with pytest.raises(RuntimeError, match="no small vertex groups, Empties or bones"):
         bpy.ops.convwass.morph_guides_from_names(kind="GROUPS")
 
@@ -135,7 +135,7 @@ def stored_guides():
 
 
 @pytest.mark.parametrize("points", ['{"One": 1, "Two": 2}}, {"points": {"One": 0, "Two": 0}', "null", "3", '"One"'])
-def test_what_are_no_points_is_refused(cubes, points):
+def test_invalid_points_are_refused(cubes, points):
     with pytest.raises(RuntimeError, match="cannot be read"):
         bpy.ops.convwass.add_morph_guide(points=points)
 
@@ -162,7 +162,7 @@ def test_an_argument_about_other_shapes_is_refused(cubes):
 
 
 def test_a_shape_that_is_deleted_takes_its_points_along(cubes):
-    """The list still holds it, as Blender keeps what something points at."""
+    """The list still refers to it, so Blender keeps it."""
     bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
     (item,) = guides().items
     assert item.problem is None

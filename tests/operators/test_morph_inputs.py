@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The list of inputs: edited by its buttons, checked when asked, and what is baked once it has entries."""
+"""The list of inputs: editing, checking, and baking."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def morph_collection():
     return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
 
 
-def test_adding_keeps_the_order_asked_for_and_takes_nothing_twice(shapes):
+def test_adding_keeps_the_order_and_skips_duplicates(shapes):
     assert bpy.ops.convwass.add_morph_inputs() == {"FINISHED"}
     assert listed() == ["A", "B", "C"]
     assert bpy.ops.convwass.add_morph_inputs() == {"FINISHED"}
@@ -148,7 +148,7 @@ def test_holes_are_found(shapes):
     assert (item.verdict, item.finding[:24]) == ("HOLES", "Holes with 4 open edges;")
 
 
-def test_the_warning_says_what_is_wrong(shapes):
+def test_the_warning_states_the_problem(shapes):
     from convwass_addon.operators.morph_inputs import CONVWASS_OT_check_morph_inputs
 
     class Properties:
@@ -177,7 +177,7 @@ def test_names_are_baked_rather_than_the_list(shapes):
     assert stored_morph(morph_collection()).inputs == ["C", "A"]
 
 
-def test_names_with_commas_stand_on_lines_of_their_own(shapes):
+def test_names_with_commas_are_on_separate_lines(shapes):
     shapes[0].name = "Cow, brown"
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="Cow, brown\nA\n")
     assert stored_morph(morph_collection()).inputs == ["Cow, brown", "A"]
@@ -194,14 +194,14 @@ def test_names_with_commas_stand_on_lines_of_their_own(shapes):
         ({"inputs": "A, B", "layout": "BLEND", "weights": "0, 0"}, "All weights are zero"),
     ],
 )
-def test_wrong_arguments_are_refused_and_leave_nothing(shapes, arguments, message):
+def test_wrong_arguments_are_refused_and_leave_nothing_behind(shapes, arguments, message):
     with pytest.raises(RuntimeError, match=message):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, **arguments)
     assert not bpy.data.collections.get("Morph A to B")
     assert len(bpy.data.objects) == 3
 
 
-def test_a_shape_that_was_deleted_is_told(shapes):
+def test_a_deleted_shape_is_reported(shapes):
     bpy.ops.convwass.add_morph_inputs()
     select(shapes[0])
     bpy.ops.object.delete()
@@ -232,7 +232,7 @@ def world_points(obj):
     return found.reshape(-1, 3)
 
 
-def test_aligned_shapes_stand_at_the_place_of_the_first_in_all_frames(shapes):
+def test_aligned_shapes_are_at_the_place_of_the_first_in_all_frames(shapes):
     cube, ball, _ = shapes
     cube.rotation_euler.z = 0.4
     ball.scale = (1.5, 0.7, 1.0)
@@ -254,7 +254,7 @@ def test_aligned_shapes_stand_at_the_place_of_the_first_in_all_frames(shapes):
         assert obj.location.length == 0.0
     volumes = [summary_volume(obj) for obj in frames]
     np.testing.assert_allclose(volumes, 8.0, rtol=0.02)
-    # The originals stay where they are.
+    # The originals are not moved.
     assert (ball.location.x, ball.scale.x) == (0.0, 1.5)
     stored = stored_settings(morph_collection())
     assert (stored["alignment"], stored["scaling"]) == ("CENTERED", "EQUAL_VOLUME")
@@ -295,8 +295,8 @@ def test_principal_axes_turn_a_copy_back(shapes):
         ({"start": "CUSTOM", "frame_start": 100, "fit_range": True}, 100, (100, 102)),
     ],
 )
-def test_a_morph_begins_where_it_is_told(shapes, arguments, first, span):
-    """The scene keeps its frame range unless it is to be that of the morph."""
+def test_a_morph_begins_at_the_given_frame(shapes, arguments, first, span):
+    """The scene keeps its frame range unless the option to change it is set."""
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 5, 50
     scene.frame_set(40)
@@ -305,7 +305,7 @@ def test_a_morph_begins_where_it_is_told(shapes, arguments, first, span):
     assert (scene.frame_start, scene.frame_end) == span
 
 
-def test_a_step_makes_a_mesh_for_every_so_many_frames_and_for_every_shape(shapes):
+def test_a_step_skips_frames_but_no_shapes(shapes):
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=5, frame_step=2, resolution=24, inputs="A,B,C")
     frames = frame_objects(morph_collection())
     assert len(frames) == 7
@@ -385,7 +385,7 @@ def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path):
 
 @pytest.mark.parametrize("output", ["CACHE", "VOLUME"])
 def test_a_folder_that_cannot_be_is_refused_before_the_bake(shapes, tmp_path, output):
-    """A file that was never saved has no folder beside it."""
+    """A file that was never saved has no folder."""
     known = len(bpy.data.objects)
     with pytest.raises(RuntimeError, match="Save the file first"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", output=output)
@@ -412,7 +412,7 @@ def test_every_property_and_operator_explains_itself():
         operator = getattr(bpy.ops.convwass, name).get_rna_type()
         assert operator.description, name
         assert not operator.description.endswith("."), name
-        # Nobody sees what is hidden, such as the endings of files that a dialog shows.
+        # Hidden properties, such as the file extensions of a dialog, have no labels.
         seen = [prop for prop in operator.properties if not prop.is_hidden]
         groups.append((name, [prop for prop in seen if prop.identifier not in blenders]))
     for name, properties in groups:

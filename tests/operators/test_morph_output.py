@@ -40,7 +40,7 @@ def test_the_frames_become_files(morph, tmp_path, operator, options, files):
     assert len(frames) == 4
 
 
-def test_an_unsaved_file_has_no_folder_beside_it(morph):
+def test_an_unsaved_file_has_no_folder(morph):
     with pytest.raises(RuntimeError, match="save that first"):
         bpy.ops.convwass.make_volume()
     assert sum("convwass_weights" in obj for obj in morph.objects) == 4
@@ -55,7 +55,7 @@ def test_undo_brings_the_frames_back(morph, tmp_path):
     assert sum("convwass_weights" in obj for obj in bpy.data.collections[name].objects) == 4
 
 
-def test_without_a_morph_they_say_what_is_missing(empty_scene):
+def test_without_a_morph_they_report_it(empty_scene):
     for operator in (bpy.ops.convwass.make_volume, bpy.ops.convwass.make_cache):
         assert not operator.poll()
         with pytest.raises(RuntimeError, match="Select an object of a baked morph"):
@@ -70,7 +70,7 @@ def test_a_morph_whose_frames_are_on_disk_can_be_deleted(morph, tmp_path):
 
 
 @pytest.mark.parametrize(("output", "kind", "suffix"), [("CACHE", "usd", ".usdc"), ("VOLUME", "alembic", ".vdb")])
-def test_a_bake_puts_its_files_where_it_is_told(empty_scene, tmp_path, output, kind, suffix):
+def test_a_bake_writes_its_files_to_the_given_folder(empty_scene, tmp_path, output, kind, suffix):
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
@@ -93,7 +93,7 @@ def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
 
 
 def two_bakes():
-    """Bake two morphs one after the other in time: each has set the scene's range to its own."""
+    """Bake two morphs that follow each other in time; each sets the scene's frame range."""
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_cube_add(location=(x, 0, 0), scale=(1, 1, 1 + x / 3))
     first, second = bpy.context.scene.objects.keys()
@@ -132,7 +132,7 @@ def test_each_of_two_morphs_has_its_own_frames(empty_scene, tmp_path, operator, 
 
 
 @pytest.mark.parametrize("layout", ["BLEND", "GRID"])
-def test_what_stands_still_has_no_cache_and_leaves_nothing_behind(empty_scene, tmp_path, layout):
+def test_a_static_morph_has_no_cache_and_leaves_nothing_behind(empty_scene, tmp_path, layout):
     for x in (0.0, 3.0, 6.0, 9.0)[: 4 if layout == "GRID" else 2]:
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
@@ -168,7 +168,7 @@ def test_a_first_shape_that_lasts_is_written_from_its_beginning(empty_scene, tmp
 
 @pytest.mark.parametrize(("output", "key"), [("PLAYER", "convwass_shows"), ("CACHE", "convwass_output")])
 def test_the_morph_of_the_scene_that_it_began_in_is_handed_over(morph, tmp_path, output, key):
-    """Another morph is active where the user is by then; that one stays as it is."""
+    """Another morph is active by then; it is not changed."""
     own, frames = bpy.context.scene, list(morph.objects)
     names = "\n".join(obj.name for obj in own.objects if "convwass_weights" not in obj)
     settings = {"frames": 2, "resolution": 24, "folder": str(tmp_path)}

@@ -155,7 +155,7 @@ def test_a_player_that_was_deleted_leaves_a_way_back(path):
     assert shown() == ["Morph 0001"]
 
 
-def test_polls_say_what_is_missing(path):
+def test_polls_report_missing_input(path):
     with pytest.raises(RuntimeError, match="neither a player nor a blend pad"):
         bpy.ops.convwass.remove_player()
     bpy.ops.object.mode_set(mode="EDIT")

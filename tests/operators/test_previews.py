@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Previews in the scene, as the operator shows them where there is a window: with a context that stands in for one."""
+"""Previews in the scene, as the operator shows them in a window, which a context imitates here."""
 
 from __future__ import annotations
 
@@ -107,7 +107,7 @@ def test_every_frame_is_there_coarsely_and_then_finished(press, context, monkeyp
 
 
 def held_back(monkeypatch, frames):
-    """Let bakes write only so many finished frames, as if the others took long; return those that are written."""
+    """Limit the number of frames that bakes write, as if others took long; return the written ones."""
     write, finished = job.MorphJob.write, []
 
     def writing(own, report):
@@ -134,7 +134,7 @@ def test_stopping_keeps_finished_frames_and_no_previews(press, context, monkeypa
     assert len([mesh for mesh in bpy.data.meshes if mesh.name.startswith("Morph")]) == 2
 
 
-def test_stopping_among_the_previews_keeps_them_and_says_so(press, context, monkeypatch):
+def test_stopping_during_previews_keeps_and_reports_them(press, context, monkeypatch):
     two_shapes()
     held_back(monkeypatch, 0)
     pressed = press(150)
@@ -158,7 +158,7 @@ def test_inputs_are_hidden_behind_previews_and_come_back(press, context, monkeyp
     assert [obj.select_get() for obj in shapes] == chosen
 
 
-def test_closing_the_window_leaves_nothing(press, context):
+def test_closing_the_window_leaves_nothing_behind(press, context):
     two_shapes()
     before = census()
     pressed = press(150)
@@ -167,7 +167,7 @@ def test_closing_the_window_leaves_nothing(press, context):
     assert census() == before
 
 
-def test_taking_the_add_on_away_leaves_nothing_of_a_bake(press, context, registered_addon):
+def test_disabling_the_add_on_leaves_nothing_of_a_bake(press, context, registered_addon):
     """Blender drops the handlers of operators that go and calls nothing of them."""
     two_shapes()
     before, manager = census(), bpy.context.window_manager
@@ -179,7 +179,7 @@ def test_taking_the_add_on_away_leaves_nothing_of_a_bake(press, context, registe
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     assert manager.convwass_progress.running
     assert not bpy.ops.convwass.bake_morph.poll()
-    # It goes with its class; nothing may look at it any more.
+    # It is removed with its class, and must not be accessed any more.
     context.window_manager.convwass_progress = None
     registered_addon.unregister()
     try:
@@ -261,7 +261,7 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
         assert asked["looked_at"] == expected
 
 
-def test_without_a_window_nothing_is_previewed(monkeypatch):
+def test_without_a_window_there_are_no_previews(monkeypatch):
     two_shapes()
     previews = []
     monkeypatch.setattr(job.MorphJob, "write", noting(job.MorphJob.write, previews))
@@ -288,7 +288,7 @@ def test_the_button_stops_as_escape_does(press, context, monkeypatch):
     assert not context.window_manager.convwass_progress.running
 
 
-def test_without_a_bake_there_is_nothing_to_stop():
+def test_without_a_bake_stopping_is_refused():
     assert not bpy.ops.convwass.stop.poll()
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baking a morph again from what is stored with it."""
+"""Baking a morph again with its stored settings."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def test_a_changed_shape_is_noticed_and_baked_again(morph):
         lambda obj: bpy.data.objects.remove(obj),
     ],
 )
-def test_what_counts_as_a_change(morph, change):
+def test_changed_inputs_are_recognized(morph, change):
     obj = shapes(morph)[0]
     name = obj.name
     change(obj)
@@ -88,7 +88,7 @@ def test_what_counts_as_a_change(morph, change):
     assert changed_inputs(morph) == [name]
 
 
-def test_only_what_is_stale_is_baked(morph):
+def test_only_outdated_morphs_are_baked(morph):
     other = bake()
     kept = frame_objects(morph)
     shapes(other)[0].scale.z = 1.5
@@ -134,7 +134,7 @@ def _curve(player):
     return action_get_channelbag_for_slot(data.action, data.action_slot).fcurves[0]
 
 
-def test_shapes_that_are_gone_are_named_and_the_morph_stays(morph):
+def test_deleted_shapes_are_named_and_the_morph_is_kept(morph):
     kept, gone = frame_objects(morph), shapes(morph)[0].name
     bpy.data.objects.remove(bpy.data.objects[gone])
     bpy.context.view_layer.objects.active = kept[0]
@@ -143,8 +143,8 @@ def test_shapes_that_are_gone_are_named_and_the_morph_stays(morph):
     assert frame_objects(morph) == kept
 
 
-def test_shapes_that_only_the_list_holds_are_gone(morph):
-    """As the user deletes them: an object that something points to stays in the file for a while."""
+def test_shapes_that_only_the_list_refers_to_count_as_deleted(morph):
+    """Deleted as a user does it: an object that something refers to remains in the file for a while."""
     bpy.context.view_layer.objects.active = frame_objects(morph)[0]
     gone = shapes(morph)[1]
     item = bpy.context.scene.convwass_morph.inputs.add()
@@ -170,7 +170,7 @@ def test_one_undo_brings_the_old_frames_back(morph):
     assert middle_width(bpy.data.collections[name]) == pytest.approx(width, rel=1e-6)
 
 
-def test_without_a_morph_it_says_so(empty_scene):
+def test_a_missing_morph_is_reported(empty_scene):
     with pytest.raises(RuntimeError, match="Bake a morph first"):
         bpy.ops.convwass.rebake_morph()
 
@@ -180,7 +180,7 @@ def test_without_a_morph_it_says_so(empty_scene):
     [("resolution", "a"), ("blur", "much"), ("layout", "SPIRAL"), ("frames", [1, 2]), ("mend", 10**30)],
 )
 def test_damaged_settings_are_refused_in_words(morph, name, value):
-    """Each is of a kind that JSON has, so that only whoever takes it finds out."""
+    """Each is valid JSON, so that only the code using it can detect the error."""
     data = json.loads(morph["convwass_morph"])
     data["settings"][name] = value
     morph["convwass_morph"] = json.dumps(data)
@@ -258,7 +258,7 @@ def test_guides_of_the_list_are_stored_and_used_again(empty_scene, monkeypatch):
     bpy.ops.convwass.clear_morph_guides()
     assert bpy.ops.convwass.rebake_morph(morphs=name) == {"FINISHED"}
     assert heard == [[], *[[{0: 3, 1: 5}, {0: 7, 1: 8}]] * 2]
-    # Without them nobody could take away one that is wrong.
+    # Without them, wrong ones could not be removed.
     for _ in range(2):
         bpy.context.view_layer.objects.active = frame_objects(bpy.data.collections[name])[0]
         bpy.ops.convwass.select_morph_inputs()
@@ -266,7 +266,7 @@ def test_guides_of_the_list_are_stored_and_used_again(empty_scene, monkeypatch):
     assert found == [guide["points"] for guide in stored_guides(bpy.data.collections[name])]
 
 
-def test_what_was_baked_before_there_were_motions_stays_transported(morph, monkeypatch):
+def test_morphs_without_a_stored_motion_stay_transported(morph, monkeypatch):
     data = json.loads(morph["convwass_morph"])
     for name in ("motion", "coherence", "guides"):
         del data["settings"][name]
@@ -278,7 +278,7 @@ def test_what_was_baked_before_there_were_motions_stays_transported(morph, monke
     assert (again["motion"], again["guides"]) == ("transport", [])
 
 
-def test_a_guide_whose_vertex_has_gone_refuses_and_keeps_the_morph(empty_scene, monkeypatch):
+def test_a_guide_on_a_missing_vertex_is_refused_and_the_morph_kept(empty_scene, monkeypatch):
     heard_guides(monkeypatch)
     guides = [{"name": "top", "points": {"Icosphere": 40, "Icosphere.001": 5}}]
     morph = bake(guides=json.dumps(guides), motion="GUIDED")

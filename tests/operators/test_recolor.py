@@ -90,7 +90,7 @@ def test_masks(own):
     np.testing.assert_allclose(mean_lab(pixels_of(red)[:, 30:]), mean_lab(palette[20:]), atol=0.6)
 
 
-def test_what_is_missing_is_said(own):
+def test_missing_input_is_reported(own):
     with pytest.raises(RuntimeError, match="Open an image in the Image Editor first"):
         call("recolor_image")
     with pytest.raises(RuntimeError, match="no image named Nobody"):
@@ -175,7 +175,7 @@ def test_the_palette_that_has_a_weight_gives_the_name(own):
 
 @pytest.mark.parametrize("operator", ["recolor_image", "build_grade_nodes"])
 def test_names_are_those_of_the_beginning(own, operator):
-    """What is chosen while the job runs has no say in what it tells and makes."""
+    """Choices made while the job runs do not affect its messages and results."""
     red_image()
     context = window_context()
     context.space_data = None
@@ -187,7 +187,7 @@ def test_names_are_those_of_the_beginning(own, operator):
     assert "Blue" in told and "Later" not in told
 
 
-def test_the_compositor_applies_tables_as_they_are(own, tmp_path):
+def test_the_compositor_applies_tables_unchanged(own, tmp_path):
     """Rendered: random colors, colors over white, and half transparent ones."""
     red_image()
     call("write_cube", image="Red", filepath=str(tmp_path / "a.cube"), cube_size=9)
@@ -288,7 +288,7 @@ def test_objects_without_colors_are_refused(own):
 
 
 @pytest.mark.parametrize("ends", [{"FINISHED"}, {"CANCELLED"}])
-def test_beside_the_users_work(own, ends):
+def test_in_the_background(own, ends):
     red_image()
     known, drawn = inventory(), []
     context = window_context()

@@ -35,7 +35,7 @@ def saved(image, path):
 
 @pytest.fixture
 def files(tmp_path):
-    """Frames 7 to 9 of a shot that grows brighter, and what has no place among them."""
+    """Frames 7 to 9 of a shot that becomes brighter, and other files among them."""
     red = red_image()
     pixels = pixels_of(red)
     bpy.data.images.remove(red)
@@ -153,7 +153,7 @@ def test_the_folder_of_the_frames_is_known_by_any_name(clip, files, tmp_path, sp
     assert [path.read_bytes() for path in files] == before
 
 
-def test_what_cannot_work_is_refused(clip, files, tmp_path):
+def test_invalid_input_is_refused(clip, files, tmp_path):
     (tmp_path / "taken").write_text("x")
     for folder, said in (
         (tmp_path, "overwrite the frames of Shot"),
@@ -176,7 +176,7 @@ def test_what_cannot_work_is_refused(clip, files, tmp_path):
         call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
 
 
-def test_a_broken_frame_leaves_what_was_there(clip, files, tmp_path):
+def test_a_broken_frame_keeps_existing_files(clip, files, tmp_path):
     folder = tmp_path / "graded"
     call("recolor_clip", image="Shot", folder=str(folder))
     before, known = {path: path.read_bytes() for path in folder.iterdir()}, inventory()
@@ -191,7 +191,7 @@ def test_a_broken_frame_leaves_what_was_there(clip, files, tmp_path):
 
 
 @pytest.mark.parametrize("stops", [None, "Measuring frame 2", "Recoloring frame 2"])
-def test_beside_the_users_work(clip, tmp_path, stops, monkeypatch):
+def test_in_the_background(clip, tmp_path, stops, monkeypatch):
     """On its thread; stopped, it leaves neither files nor folders, and nothing in the scene."""
     known, seen = inventory(), []
     context = window_context()
@@ -217,7 +217,7 @@ def test_beside_the_users_work(clip, tmp_path, stops, monkeypatch):
     assert not progress.running
 
 
-def test_the_clip_is_found_by_what_it_is_and_not_by_its_name(clip, tmp_path):
+def test_the_clip_is_found_by_identity_not_by_name(clip, tmp_path):
     """Renamed while the job runs, with another image in its name's place."""
     context = window_context()
     pressed = Pressed(CONVWASS_OT_recolor_clip, image="Shot", folder=str(tmp_path / "graded"))

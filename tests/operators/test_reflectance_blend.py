@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blending materials: what is made, what is keyed, what is refused; lobes are coarse here."""
+"""Blending materials: results, keys, and refused input, with coarse lobes."""
 
 from __future__ import annotations
 
@@ -81,7 +81,7 @@ def test_weights_make_one_still_material():
 
 
 @pytest.mark.usefixtures("metals")
-def test_the_materials_of_the_panel_count_where_none_is_named():
+def test_the_materials_of_the_panel_are_the_default():
     own = bpy.context.scene.convwass_reflectance
     own.material, own.material_2 = bpy.data.materials["A"], bpy.data.materials["B"]
     own.weight_2 = 0.0
@@ -116,7 +116,7 @@ def test_the_table_is_written_and_can_be_imported(tmp_path):
         bpy.ops.convwass.import_lobes(filepath="")
 
 
-def test_the_cursor_tells_that_blender_is_busy_and_is_given_back():
+def test_the_cursor_shows_that_blender_is_busy_and_is_restored():
     context, cursors = window_context(), []
     context.window.cursor_modal_set = cursors.append
     context.window.cursor_modal_restore = lambda: cursors.append("own")
@@ -140,7 +140,7 @@ def test_the_cursor_tells_that_blender_is_busy_and_is_given_back():
         ({"table": "/tmp/x.lobes.exr"}, "one blend"),
     ],
 )
-def test_what_makes_no_sense_is_refused_and_changes_nothing(arguments, message):
+def test_invalid_input_is_refused_and_changes_nothing(arguments, message):
     before = {block.name for block in bpy.data.materials}
     with pytest.raises(RuntimeError, match=message):
         blend(**arguments)
@@ -148,7 +148,7 @@ def test_what_makes_no_sense_is_refused_and_changes_nothing(arguments, message):
 
 
 @pytest.mark.usefixtures("metals")
-def test_escape_leaves_nothing():
+def test_escape_leaves_nothing_behind():
     pressed, window = Pressed(CONVWASS_OT_blend_materials, materials="A, B", detail=32), window_context()
     assert started(pressed, window)
     pressed.modal(window, TIMER)

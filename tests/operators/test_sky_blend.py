@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blending skies: files, the world that shows them, what is refused, and that nothing stays when it is stopped."""
+"""Blending skies: files, the world that shows them, refused input, and cleanup after stopping."""
 
 from __future__ import annotations
 
@@ -64,7 +64,7 @@ def test_every_frame_is_a_file_and_the_world_shows_them(worlds):
     assert 90 - (row + 0.5) * 180 / 64 == pytest.approx(np.degrees(np.arctan2(0.4, np.sqrt(0.5))), abs=2.9)
 
 
-def test_the_worlds_of_the_panel_count_where_none_is_named(worlds):
+def test_the_worlds_of_the_panel_are_the_default(worlds):
     own = bpy.context.scene.convwass_sky
     with pytest.raises(RuntimeError, match="Choose at least two worlds, not 0"):
         blend(worlds, worlds="")
@@ -72,7 +72,7 @@ def test_the_worlds_of_the_panel_count_where_none_is_named(worlds):
     assert blend(worlds, worlds="", frame_end=5) == {"FINISHED"}
 
 
-def test_a_sky_without_a_sun_is_told(worlds, tmp_path):
+def test_a_sky_without_a_sun_is_reported(worlds, tmp_path):
     write_sky(tmp_path / "in.1.exr", np.full((64, 128, 3), 0.3, np.float32))
     bpy.data.worlds["1"].node_tree.nodes["Environment Texture"].image.reload()
     assert blend(worlds, frame_end=5) == {"FINISHED"}
@@ -101,7 +101,7 @@ def test_angles_are_those_of_the_application_and_frames_have_ends():
         ({"near": np.radians(80.0), "far": np.radians(50.0)}, "glow must end"),
     ],
 )
-def test_what_makes_no_sense_is_refused(worlds, arguments, message):
+def test_invalid_input_is_refused(worlds, arguments, message):
     with pytest.raises(RuntimeError, match=message):
         blend(worlds, **arguments)
     assert not worlds.exists()
@@ -138,7 +138,7 @@ def test_worlds_are_read_one_by_one_while_the_window_answers(worlds, monkeypatch
     assert not worlds.exists()
 
 
-def test_a_world_that_is_deleted_meanwhile_is_told(worlds):
+def test_a_world_deleted_during_the_work_is_reported(worlds):
     pressed = Pressed(CONVWASS_OT_blend_skies, worlds="0, 1", folder=str(worlds), frame_start=1, frame_end=3, width=128)
     window = window_context()
     assert started(pressed, window)
@@ -149,7 +149,7 @@ def test_a_world_that_is_deleted_meanwhile_is_told(worlds):
 
 
 @pytest.mark.parametrize("older", [False, True])
-def test_escape_leaves_what_was_there(worlds, older):
+def test_escape_keeps_existing_files(worlds, older):
     if older:
         worlds.mkdir()
         (worlds / "sky.0001.exr").write_text("older")

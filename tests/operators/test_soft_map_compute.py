@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Computing soft maps: what is handed over, what is stored, and what a map can be asked for afterwards."""
+"""Computing soft maps: arguments, storage, and later use."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def pair():
 
 @pytest.fixture
 def asked(monkeypatch):
-    """Put the map to the closest points in the place of the solver; gives what that is asked for."""
+    """Replace the solver by the closest-point map; yields the solver's arguments."""
     calls = []
 
     def steps(source, target, pairs, settings, control=UNINTERRUPTED):
@@ -109,7 +109,7 @@ def test_a_pair_that_has_lost_its_vertex_is_named(pair, asked):
         call("compute_soft_map")
 
 
-def test_modifiers_that_make_vertices_are_told(pair, asked, capfd):
+def test_modifiers_that_add_vertices_are_reported(pair, asked, capfd):
     pair[0].modifiers.new("Subdivision", "SUBSURF")
     call("compute_soft_map")
     assert "Modifiers that change the vertices are ignored: Subdivision" in capfd.readouterr().out
@@ -148,7 +148,7 @@ def test_linked_objects_hold_no_map(pair, asked, tmp_path):
     assert call("transfer_by_map", what={"UVS"}, direction="BACKWARD") == {"FINISHED"}
 
 
-def test_an_object_for_itself_has_a_button_of_its_own(pair, asked):
+def test_a_mirror_map_has_its_own_button(pair, asked):
     with pytest.raises(RuntimeError, match="Choose the same object as source and target"):
         call("mirror_map")
     choose(pair[0], pair[0])
@@ -200,7 +200,7 @@ def colors(obj, name):
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "EDIT"])
-def test_what_belongs_together_has_the_same_color(pair, mode):
+def test_corresponding_points_have_the_same_color(pair, mode):
     store_closest(*pair)
     bpy.ops.object.mode_set(mode=mode)
     assert call("show_soft_map") == {"FINISHED"}
@@ -280,7 +280,7 @@ NAMES = ("compute_soft_map", "repair_soft_map", "remove_soft_map", "show_soft_ma
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_they_say_what_is_missing(name):
+def test_missing_input_is_reported(name):
     with pytest.raises(RuntimeError, match="Choose a source and a target"):
         call(name)
 
@@ -293,7 +293,7 @@ def start(monkeypatch, **arguments):
     return pressed, context
 
 
-def test_it_goes_on_beside_the_users_work(pair, asked, monkeypatch):
+def test_it_runs_in_the_background(pair, asked, monkeypatch):
     pressed, context = start(monkeypatch, pairs="1:2")
     assert until(pressed, context) == {"FINISHED"}
     assert has_soft_map(*pair)

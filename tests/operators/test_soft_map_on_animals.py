@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From two horses of different meshes and poses to weights and shape keys, as a rigger would go about it."""
+"""From two horses with different meshes and poses to weights and shape keys, as a rigger works."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ def bent(places):
 
 
 def horse(name, share, move=None):
-    """Import the horse, move its vertices, and decimate it; its rest places stay as an attribute."""
+    """Import the horse, move its vertices, and decimate it; its rest positions are kept as an attribute."""
     bpy.ops.wm.ply_import(filepath=str(HORSE))
     obj = bpy.context.object
     obj.name = name

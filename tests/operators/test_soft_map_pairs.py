@@ -67,7 +67,7 @@ def test_both_at_once_in_edit_mode(pair):
     assert {obj.mode for obj in pair} == {"EDIT"}
 
 
-def test_everything_selected_says_nothing(pair):
+def test_selecting_everything_identifies_no_vertex(pair):
     with pytest.raises(RuntimeError, match="All vertices of Cow are selected; select fewer"):
         call("add_map_pair")
 
@@ -84,7 +84,7 @@ def test_two_vertices_of_one_object(pair):
         call("add_map_pair")
 
 
-def test_groups_and_empties_add_what_is_new(pair, capfd):
+def test_groups_and_empties_add_only_new_pairs(pair, capfd):
     for obj in pair:
         for name, vertex in (("nose", 3), ("tail", 4)):
             obj.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
@@ -141,7 +141,7 @@ NAMES = ("add_map_pair", "map_pairs_from_groups", "map_pairs_from_empties", "swa
 
 
 @pytest.mark.parametrize("name", NAMES)
-def test_they_say_what_is_missing(name):
+def test_missing_input_is_reported(name):
     with pytest.raises(RuntimeError, match="Choose a source and a target"):
         call(name)
     objects = sphere("Cow"), sphere("Horse")
@@ -200,7 +200,7 @@ def test_clicks_make_pairs_until_escape(pair, clicking):
     assert pressed.invoke(clicking, None) == {"RUNNING_MODAL"}
     assert "Pair 1: click on Cow or Horse" in clicking.said[-1]
     assert pressed.modal(clicking, TIMER) == {"PASS_THROUGH"}
-    # Horse first, beside its middle; the vertex is the nearest one.
+    # Horse first, next to its middle; the vertex is the nearest one.
     click(clicking, pressed, 700, 205)
     assert listed() == [("", -1, listed()[0][2])]
     assert "Pair 1: now click on Cow" in clicking.said[-1]
@@ -261,7 +261,7 @@ def test_an_object_that_cannot_be_read_ends_it(pair, clicking, monkeypatch):
     assert pressed.reports[-1] == ("ERROR", "No surface.")
 
 
-def test_a_choice_that_is_gone_ends_it(pair, clicking):
+def test_a_deleted_choice_ends_it(pair, clicking):
     pressed = Pressed(CONVWASS_OT_add_map_pair)
     pressed.invoke(clicking, None)
     own().target = None

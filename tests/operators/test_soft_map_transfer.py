@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is carried along maps that are known: to the closest points of spheres that lie on each other."""
+"""Transfers along known maps: to the closest points of coinciding spheres."""
 
 from __future__ import annotations
 
@@ -97,7 +97,7 @@ def test_locked_groups_stay_and_leave_the_rest(pair, capfd):
     assert call("transfer_by_map") == {"FINISHED"}
     np.testing.assert_allclose(read_group(receiver, "Left"), 0.25)
     np.testing.assert_allclose(read_group(receiver, "Other"), 0.5)
-    # Half of what the giver has on average, and never more than what is left.
+    # Half of the giver's average, and never more than what is left.
     right = read_group(receiver, "Right")
     np.testing.assert_allclose(right, np.minimum(halves(receiver)["Right"], 0.75), atol=0.01)
     said = capfd.readouterr().out
@@ -106,7 +106,7 @@ def test_locked_groups_stay_and_leave_the_rest(pair, capfd):
 
 
 def test_a_part_of_the_groups_keeps_its_share(pair):
-    """One of two bones is not blown up to 1, and the order and the other groups of the receiver stay."""
+    """The weights of one of two bones are not scaled up to 1; the order and the receiver's other groups are kept."""
     giver, receiver = pair
     paint(giver, **halves(giver))
     paint(receiver, Mine=np.full(len(receiver.data.vertices), 0.5))
@@ -116,7 +116,7 @@ def test_a_part_of_the_groups_keeps_its_share(pair):
     np.testing.assert_allclose(read_group(receiver, "Mine"), 0.5)
 
 
-def test_what_is_there_can_be_kept(pair):
+def test_existing_data_can_be_kept(pair):
     giver, receiver = pair
     paint(giver, **halves(giver))
     paint(receiver, Left=np.full(len(receiver.data.vertices), 0.125))
@@ -237,7 +237,7 @@ def test_uv_maps_bring_their_seams(pair):
     assert np.median(np.abs(uvs[:, 1] - height)) < 0.01
 
 
-def test_too_many_uv_maps_are_refused_at_once(pair):
+def test_too_many_uv_maps_are_refused_immediately(pair):
     giver, receiver = pair
     giver.data.uv_layers[0].name = "Ninth"
     while len(receiver.data.uv_layers) < 8:
@@ -321,7 +321,7 @@ def test_a_mirror_carries_left_to_right_and_back(empty_scene):
         ("COLORS", "Cow has no color attributes to transfer"),
     ],
 )
-def test_nothing_to_transfer_is_told(pair, what, message):
+def test_missing_data_is_reported(pair, what, message):
     giver = pair[0]
     giver.data.uv_layers.remove(giver.data.uv_layers[0])
     with pytest.raises(RuntimeError, match=message):
@@ -330,7 +330,7 @@ def test_nothing_to_transfer_is_told(pair, what, message):
         call("transfer_by_map", what=set())
 
 
-def test_what_fails_leaves_nothing(pair):
+def test_failures_leave_nothing_behind(pair):
     giver = pair[0]
     paint(giver, **halves(giver))
     before = inventory()
@@ -339,7 +339,7 @@ def test_what_fails_leaves_nothing(pair):
     assert inventory() == before
 
 
-def test_the_receiver_must_be_writable(pair):
+def test_the_receiver_must_be_editable(pair):
     giver, receiver = pair
     paint(giver, **halves(giver))
     bpy.context.view_layer.objects.active = receiver
@@ -385,7 +385,7 @@ def test_in_sculpt_mode_it_waits_for_another_one(pair):
         call("transfer_by_map")
 
 
-def test_reshaping_since_is_told(pair, capfd):
+def test_later_changes_of_the_shape_are_reported(pair, capfd):
     giver = pair[0]
     paint(giver, **halves(giver))
     giver.data.vertices[5].co.x += 0.25
@@ -394,7 +394,7 @@ def test_reshaping_since_is_told(pair, capfd):
 
 
 def test_polygons_that_are_cut_otherwise_since_do_no_harm(pair):
-    """The triangles of the map are stored with it: bending a face until it is cut the other way changes nothing."""
+    """The triangles are stored with the map: bending a face until it is triangulated differently changes nothing."""
     giver, receiver = pair
     paint(giver, **halves(giver))
     call("transfer_by_map")
@@ -420,7 +420,7 @@ def test_one_step_is_undone(pair):
     assert inventory() == before
 
 
-def test_without_a_map_it_says_so():
+def test_a_missing_map_is_reported():
     with pytest.raises(RuntimeError, match="Choose a source and a target"):
         call("transfer_by_map")
     choose(sphere("Cow"), sphere("Horse"))
@@ -439,7 +439,7 @@ def start(monkeypatch, **arguments):
 ALL = {"what": {"GROUPS", "KEYS"}, "direction": "FORWARD", "existing": "REPLACE"}
 
 
-def test_it_goes_on_beside_the_users_work(pair, monkeypatch):
+def test_it_runs_in_the_background(pair, monkeypatch):
     giver, receiver = pair
     paint(giver, **halves(giver))
     add_key(giver, "Smile", points(giver) * 0.2)

@@ -40,7 +40,7 @@ def test_the_shipped_ones_are_found_and_get_finer():
     assert not apply_preset("No Such")
 
 
-def test_standard_is_what_a_new_scene_has():
+def test_the_standard_preset_equals_a_new_scene():
     before = values()
     apply_preset("Standard")
     assert values() == before
@@ -68,7 +68,7 @@ def another_value(prop):
     return most if most != prop.default else prop.hard_min
 
 
-def test_presets_leave_what_belongs_to_the_shapes():
+def test_presets_keep_settings_of_the_shapes():
     solver = set(PRESET_PROPERTIES)
     assert solver < set(SolverProperties.__annotations__)
     assert not solver & {"thickness", "parts", "layout", "frames"}
@@ -88,7 +88,7 @@ def test_users_add_and_remove_their_own():
     assert "My Own" not in preset_names()
 
 
-def test_the_default_preset_is_taken_with_the_first_shapes_of_a_scene_that_nobody_has_touched(monkeypatch):
+def test_the_default_preset_is_applied_to_the_first_shapes_of_an_unchanged_scene(monkeypatch):
     module = "convwass_addon.operators.morph_inputs.preferences"
     monkeypatch.setattr(module, lambda _: Preferences(default_preset="Fine"))
     bpy.ops.mesh.primitive_cube_add()
@@ -104,7 +104,7 @@ def test_the_default_preset_is_taken_with_the_first_shapes_of_a_scene_that_nobod
 @pytest.mark.parametrize(
     "content", ["settings.", "1 / 0", "\0", "bpy.context.scene.convwass_morph.resolution = 'many'", "raise"]
 )
-def test_a_default_preset_of_nonsense_is_told_and_left_out(content, monkeypatch, tmp_path, capfd):
+def test_an_invalid_default_preset_is_reported_and_ignored(content, monkeypatch, tmp_path, capfd):
     preset = tmp_path / "Broken.py"
     preset.write_text(f"import bpy\n{content}\n", encoding="utf-8")
     monkeypatch.setattr(bpy.utils, "preset_find", lambda *_, **__: str(preset))
@@ -137,7 +137,7 @@ def test_preferences_are_read(tmp_path):
     assert read == Preferences(tmp_path, None, 1_000_000_000, 3, "Fine")
 
 
-def test_an_extension_keeps_frames_in_its_own_folder_unless_told_not_to(monkeypatch, tmp_path):
+def test_an_extension_keeps_frames_in_its_own_folder_by_default(monkeypatch, tmp_path):
     monkeypatch.setattr(bpy.utils, "extension_path_user", lambda name, path: str(tmp_path / name / path))
     own = tmp_path / "convwass_addon" / "frames"
     assert preferences.preferences(with_preferences()) == Preferences(None, own, 1_000_000_000)
@@ -145,7 +145,7 @@ def test_an_extension_keeps_frames_in_its_own_folder_unless_told_not_to(monkeypa
     assert preferences.preferences(with_preferences(cache_folder=str(tmp_path))).spare_folder is None
 
 
-def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monkeypatch, tmp_path, capfd):
+def test_an_interrupted_bake_continues_from_kept_frames(monkeypatch, tmp_path, capfd):
     """Blender was closed, or another file opened: pressing the button again is enough."""
     spare = Preferences(None, tmp_path / "spare", 1_000_000_000, 1)
     monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: spare)
@@ -161,7 +161,7 @@ def test_a_bake_that_was_interrupted_goes_on_from_the_frames_that_were_kept(monk
     ]
 
 
-def test_a_bake_does_without_a_folder_of_its_own_and_says_so(monkeypatch, tmp_path, capfd):
+def test_a_bake_without_a_usable_folder_continues_and_reports_it(monkeypatch, tmp_path, capfd):
     (tmp_path / "file").write_text("")
     spare = Preferences(None, tmp_path / "file", 1_000_000_000, 1)
     monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: spare)
@@ -179,7 +179,7 @@ def test_a_bake_keeps_its_frames_where_the_preferences_say(monkeypatch, tmp_path
     assert len(list((tmp_path / "cache").glob("*.frame"))) == 3
 
 
-def test_a_cache_folder_that_cannot_be_is_told_and_nothing_is_left(monkeypatch, tmp_path):
+def test_an_invalid_cache_folder_is_reported_and_nothing_is_left_behind(monkeypatch, tmp_path):
     (tmp_path / "file").write_text("")
     monkeypatch.setattr("convwass_addon.operators.morph_bake.preferences", lambda: Preferences(tmp_path / "file"))
     two_shapes()

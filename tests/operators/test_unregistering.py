@@ -48,7 +48,7 @@ def test_windows_get_their_cursor_and_status_bar_back(windows):
     assert len(windows.given) == 4
 
 
-def test_what_waits_no_more_leaves_windows_alone(windows):
+def test_finished_waiting_leaves_windows_unchanged(windows):
     waiting = wait_for_a_click(windows.context)
     waiting.cancel(windows.context)
     windows.given.clear()
@@ -57,7 +57,7 @@ def test_what_waits_no_more_leaves_windows_alone(windows):
 
 
 def test_a_status_text_does_not_stay_where_the_user_has_been(monkeypatch):
-    """Blender sets the text of the context's workspace, whichever is asked; every one keeps its own."""
+    """Blender always sets the status text of the context's workspace; every workspace keeps its own."""
     texts = {}
     context = window_context()
 
@@ -101,7 +101,7 @@ def test_the_windows_of_blender_are_cleared(windows, registered_addon):
     assert windows.given == [], "nothing waits any more"
 
 
-def test_what_was_running_runs_no_more_once_the_add_on_is_back(registered_addon):
+def test_jobs_do_not_continue_after_enabling_again(registered_addon):
     progress = bpy.context.window_manager.convwass_progress
     progress.running = progress.stopping = True
     registered_addon.unregister()

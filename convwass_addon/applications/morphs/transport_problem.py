@@ -20,7 +20,7 @@ from .parts import SplitShapes
 _SKETCH_CELLS = 300_000
 # Maximum bytes that a sketch keeps until its blend is finished, per cell of the level that it is solved on: for all
 # cells, for those that the largest shape fills, and for every further part (tests/applications/test_previews.py,
-# test_what_sketches_keep_is_estimated).
+# test_the_memory_of_sketches_is_estimated).
 _SKETCH_BYTES, _SKETCH_BYTES_FILLED, _SKETCH_BYTES_PART = 52, 85, 45
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which node comes next, and that what is mixed never jumps while finer levels take over."""
+"""The order in which nodes are filled, and mixtures that never jump while finer levels take over."""
 
 from __future__ import annotations
 
@@ -115,14 +115,14 @@ def test_neighbors_that_differ_too_much_are_refined():
     assert asked[-1] == Wanted((11,), pytest.approx((13 / FINEST, 11 / FINEST)))
     assert count_of_nodes(PathLayout(2), LEVELS) == len(asked) - 1
     assert lattice.mixture(path_weights(11 / 24, 2), 0.0).shares == pytest.approx([1.0])
-    # With memory for no more nodes than these there are none.
+    # If memory suffices only for these nodes, there are no finer ones.
     small = FillingLattice(PathLayout(2), LEVELS, count_of_nodes(PathLayout(2), LEVELS), 0.0)
     while (wanted := small.next_wanted((0.5, 0.5))) is not None:
         small.add(wanted.node, ball_field(radius[wanted.node[0]]), 0.0)
     assert small.filled == count_of_nodes(PathLayout(2), LEVELS)
 
 
-def test_levels_are_as_many_as_there_is_memory_for():
+def test_levels_that_exceed_the_memory_are_left_out():
     triangle = TriangleLayout()
     assert fitting_levels(triangle, 1000) == (4, 8, 12)
     assert fitting_levels(triangle, 60) == (4, 8)

@@ -104,7 +104,7 @@ def test_the_first_shape_is_there_before_the_lattice(filled):
     assert live.filled == 0
     filled.point((0.5, 0.5))
     assert live.shown().mesh.volume == pytest.approx(filled.shown().mesh.volume, rel=0.01)
-    # Before the clock goes on, nothing of the lattice is seen; the blend at the hand is solved wherever that is.
+    # Until the clock advances, the lattice has no effect; the blend at the cursor is solved wherever that is.
     live.point((0.3, 0.7))
     while live.shown().center[0] != pytest.approx(2.8) or live.filled == 0:
         next(work)
@@ -113,7 +113,7 @@ def test_the_first_shape_is_there_before_the_lattice(filled):
     assert live.shown().mesh.volume == pytest.approx(filled.shown().mesh.volume, rel=0.01)
 
 
-def test_a_coarser_stand_in_has_the_place_and_the_size():
+def test_a_coarser_substitute_has_the_same_position_and_size():
     live = live_balls(Clock(), live_resolution=72)
     work = live.work(Control())
     while live.shown() is None:
@@ -169,7 +169,7 @@ def test_a_motion_takes_over_from_plain_transport():
     assert ClosestPointFinder(expected.corners).find(found).distances.mean() < 0.5 / 12
 
 
-def test_shapes_without_a_motion_get_the_whole_lattice():
+def test_shapes_without_a_motion_get_the_complete_lattice():
     # Balls have no limbs that transport could tear off.
     live = live_balls(Clock(), motion="automatic", live_resolution=24)
     drained(live.work(Control()))
@@ -182,7 +182,7 @@ def test_fields_of_moved_shapes_turn_with_them():
     source = MovingSource(problem)
     blend = Blend((0.7, 0.3))
     mesh = mixed([source.field(blend.weights)], [1.0]).surface()
-    # Its cells are those of the lattice of the shapes where they stand.
+    # Its cells are those of the lattice of the shapes at rest.
     placed = still.lattice.to_scene(mesh, np.array(blend.weights))
     expected = turned(ROD, 0.3 * ANGLE)
     assert placed.volume == pytest.approx(ROD.volume, rel=0.01)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The choice of a motion by what is known of the map; the motions themselves have tests of their own."""
+"""The choice of a motion by the score of the map; the motions themselves have their own tests."""
 
 from types import SimpleNamespace
 
@@ -21,7 +21,7 @@ def guided_with(score):
 
 
 def work_of(outcome):
-    """Return what makes a motion: work that yields nothing and returns, or raises."""
+    """Return a generator function that yields nothing and returns the outcome, or raises it."""
 
     def work(*_arguments):
         if isinstance(outcome, Exception):
@@ -53,19 +53,19 @@ def test_automatic_follows_the_score_of_the_map(motions, score, kind):
     assert found.reason == ("FITS" if kind == "guided" else "UNLIKE")
 
 
-def test_automatic_warps_where_there_is_no_map(motions):
+def test_automatic_warps_without_a_map(motions):
     motions(InputError("no map"))
     assert choice().record() == {"kind": "warp", "reason": "FAILED", "failure": "no map"}
 
 
-def test_automatic_goes_on_without_a_motion_where_none_can_be_made(motions):
+def test_automatic_falls_back_to_transport_after_errors(motions):
     motions(guided_with(0.1), warp=ResourceError("no memory"))
     found = choice()
     assert found.motion is None
     assert found.record() == {"kind": "transport", "reason": "FAILED", "score": 0.1, "failure": "no memory"}
 
 
-def test_what_is_asked_for_is_made_or_refused(motions):
+def test_a_requested_motion_is_computed_or_refused(motions):
     motions(guided_with(0.1))
     assert [choice(asked).kind for asked in ("guided", "warp", "transport")] == ["guided", "warp", "transport"]
     motions(InputError("no map"))
@@ -73,7 +73,7 @@ def test_what_is_asked_for_is_made_or_refused(motions):
         choice("guided")
 
 
-def test_guides_are_never_dropped_in_silence(motions):
+def test_guides_are_never_dropped_silently(motions):
     motions(InputError("no vertex 7"))
     with pytest.raises(InputError, match="no vertex 7"):
         choice(guides=[{0: 7, 1: 7}])
@@ -87,6 +87,6 @@ def test_shapes_without_limbs_are_transported(motions):
     assert choice("guided", shapes=(ball(points=200), box())).kind == "guided"
 
 
-def test_without_coherence_nothing_is_moved(motions):
+def test_without_coherence_there_is_no_motion(motions):
     motions(AssertionError("must not be asked for"))
     assert choice(coherence=0.0).kind == "transport"

@@ -15,8 +15,8 @@ def moved(mesh, offset, scale=1.0):
     return TriangleMesh(mesh.vertices * scale + offset, mesh.faces)
 
 
-def test_places_are_found_where_most_of_the_shapes_lies_on_each_other():
-    """One of two balls beside a body has moved, and the other may have taken its place: pairs are on the body."""
+def test_coinciding_points_are_on_the_largest_common_part():
+    """One of two balls next to a body has moved, and the other may have taken its place: pairs are on the body."""
     first, second = joined(BODY, LEFT, RIGHT), joined(BODY, LEFT, UP)
     (pairs,) = coinciding_places(first, second)
     assert len(pairs) >= 6
@@ -26,13 +26,13 @@ def test_places_are_found_where_most_of_the_shapes_lies_on_each_other():
 
 
 @pytest.mark.parametrize(("offset", "scale"), [((9.0, 2.0, -1.0), 1.0), ((0.0, 0.0, 0.0), 3.0)])
-def test_shapes_that_stand_elsewhere_are_compared_about_their_middles(offset, scale):
+def test_shapes_apart_from_each_other_are_centered_first(offset, scale):
     first = joined(BODY, LEFT, RIGHT)
     (pairs,) = coinciding_places(first, moved(first, np.array(offset), scale))
     assert len(pairs) >= 6
     assert np.array_equal(pairs[:, 0], pairs[:, 1])
 
 
-def test_shapes_that_face_each_other_do_not_coincide():
+def test_shapes_with_opposite_normals_do_not_coincide():
     """A ball and the same ball turned inside out."""
     assert coinciding_places(BODY, BODY.flipped()) == []

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Limbs that look alike, found from where bodies coincide."""
+"""Limbs that look alike, registered from where bodies coincide."""
 
 from __future__ import annotations
 

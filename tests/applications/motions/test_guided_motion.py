@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motions between shapes of which nothing is known, from map to moved shapes."""
+"""Motions between shapes without known correspondence, from the map to the moved shapes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def motion_of(*shapes, settings=QUICK, pairs=((0, 1),), guides=(), control=UNINT
 
 
 def noted(work, reports):
-    """Do all of the work, and keep what it reports."""
+    """Complete some work, and collect its reports."""
     while True:
         try:
             reports.append(next(work))
@@ -75,7 +75,7 @@ def test_one_mesh_swings_its_arm_with_few_keys(arms, swing):
     assert end.volume == pytest.approx(arms[1].volume, rel=0.01)
 
 
-def test_the_record_says_how_well_it_fits(swing):
+def test_the_record_has_figures_of_the_fit(swing):
     (pair,) = swing.record()["pairs"]
     assert pair["shapes"] == ["shape 0", "shape 1"]
     assert pair["confidence"] > 0.9
@@ -105,7 +105,7 @@ def test_dense_meshes_are_deformed_by_coarser_ones():
     line = one.vertices[: 32 * 120].reshape(120, 32, 3).mean(axis=1)
     assert np.linalg.norm(np.diff(line, axis=0), axis=1).sum() == pytest.approx(4.0, rel=0.03)
     assert apart(one.mesh, other.mesh) < 0.02
-    # As smooth as it was: no triangle is turned over or much larger than before.
+    # As smooth as before: no triangle is flipped or much larger.
     before, after = (
         np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2) for mesh in (straight, one.mesh)
     )
@@ -118,7 +118,7 @@ def open_arm(angle):
 
 
 def with_a_fin(angle):
-    """One more triangle on an edge, and two crumbs beside it."""
+    """A mesh with a third triangle on an edge, and two separate triangles."""
     mesh = arm(angle)[0]
     faces = np.concatenate([mesh.faces, [[0, 16, len(mesh.vertices)]]])
     fin = TriangleMesh(np.concatenate([mesh.vertices, [[0.05, 0.6, 0.0]]]), faces)
@@ -196,7 +196,7 @@ HANDS_HEAD_FOOT_TAIL = ((0.9, 0.1, 0.35), (-0.9, 0.1, 0.35), (0.0, 0.15, 1.0), (
 
 @pytest.fixture(scope="module")
 def turned_figure():
-    """A figure, the same turned by half a circle, and a map from guides at the tips to where the tips come to lie."""
+    """A figure, its copy rotated by half a circle, and a function from guides at the tips to the mapped tips."""
     mesh = figure()[0]
     turned = TriangleMesh(mesh.vertices * (-1.0, -1.0, 1.0), mesh.faces)
     other, place = shuffled(turned)

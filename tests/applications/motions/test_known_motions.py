@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motions between shapes of which it is known what belongs to what, and how they move."""
+"""Motions between shapes with known correspondence and known motion."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def test_a_rotation_is_one_all_the_way(body, share):
     path = one.vertices - expected
     np.testing.assert_allclose(path, np.tile(path.mean(axis=0), (len(path), 1)), atol=1e-5)
     np.testing.assert_allclose(other.vertices, one.vertices, atol=1e-5)
-    # Its middle, though not the center of mass, goes straight.
+    # Its centroid, though not its center of mass, moves on a straight line.
     straight = (1.0 - share) * center + share * rotated(center, vector, 2.0)
     np.testing.assert_allclose(path[0], straight, atol=0.01)
 
@@ -157,12 +157,12 @@ def test_the_way_around_a_triangle_closes(rod):
     loop = [[1, 0, 0], [0.5, 0.5, 0], [0, 1, 0], [0, 0.5, 0.5], [0, 0, 1], [0.5, 0, 0.5], [1, 0, 0]]
     frames = [motion.moved(weights) for weights in loop]
     np.testing.assert_array_equal(frames[0][0].vertices, frames[-1][0].vertices)
-    # What is left between three shapes with turns about different axes is small against what they move.
+    # Three shapes that rotate about different axes still differ, but by little compared with their motion.
     moved = motion.moved([1 / 3, 1 / 3, 1 / 3])
     apart = [np.linalg.norm(moved[k].vertices - moved[0].vertices, axis=1).mean() for k in (1, 2)]
     before = [np.linalg.norm(swung[k].vertices - swung[0].vertices, axis=1).mean() for k in (1, 2)]
     assert (np.array(apart) < 0.05 * np.array(before)).all()
-    # No jump where a weight goes to zero.
+    # There is no jump when a weight approaches zero.
     nearly, at = motion.moved([0.5, 0.5 - 1e-7, 1e-7]), motion.moved([0.5, 0.5, 0.0])
     for one, other in zip(nearly[:2], at[:2], strict=True):
         np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-5)
@@ -201,7 +201,7 @@ def test_coherence_goes_from_no_motion_to_no_stretch(rod):
     assert lengths[2] < lengths[1] < lengths[0]
 
 
-def test_components_stay_where_they_belong():
+def test_components_keep_their_position_on_the_body():
     mesh = fine(joined(arm()[0], ball(0.2, (3.8, 0.45, 0.0), points=60)))
     target = deformed(mesh, bent(mesh.vertices, np.radians(150.0)))
     one, _ = known_motion([mesh, target]).moved([0.5, 0.5])
