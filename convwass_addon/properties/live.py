@@ -8,7 +8,7 @@ import bpy
 from bpy.props import FloatProperty, PointerProperty
 
 from ..applications.live.live_settings import LiveSettings
-from ..bridge.live.live_scene import remove_leftovers
+from ..bridge.live.leftovers import ignore_undo
 from ..bridge.live.running import running_live, set_running
 from .from_schema import values_of, with_properties
 
@@ -84,28 +84,16 @@ _classes = (CONVWASS_PG_live, CONVWASS_PG_live_handle)
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
 
 
-@bpy.app.handlers.persistent
-def _after_undo(*_: object) -> None:
-    if running_live() is None:
-        remove_leftovers()
-
-
-_HANDLERS = (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post)
-
-
 def register() -> None:
     """Register the properties of scenes and of the window manager."""
     _register_classes()
     bpy.types.Scene.convwass_live = PointerProperty(type=CONVWASS_PG_live)
     bpy.types.WindowManager.convwass_live = PointerProperty(type=CONVWASS_PG_live_handle)
-    for handlers in _HANDLERS:
-        handlers.append(_after_undo)
 
 
 def unregister() -> None:
     """Remove the properties."""
-    for handlers in _HANDLERS:
-        handlers.remove(_after_undo)
+    ignore_undo()
     set_running(None)
     del bpy.types.WindowManager.convwass_live
     del bpy.types.Scene.convwass_live

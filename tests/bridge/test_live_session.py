@@ -12,7 +12,8 @@ import pytest
 
 from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.live.live_scene import remove_leftovers, write_triangles
+from convwass_addon.bridge.live.leftovers import ignore_undo, remove_leftovers
+from convwass_addon.bridge.live.live_scene import write_triangles
 from convwass_addon.bridge.live.live_session import LiveRequest, LiveSession
 from convwass_addon.bridge.live.running import running_live
 from convwass_addon.errors import InputError
@@ -224,6 +225,20 @@ def test_objects_restored_by_undo_are_removed(begin, inventory):
     remove_leftovers()
     assert inventory() == before
     assert not any(obj.hide_get() for obj in hidden)
+
+
+def test_undo_is_watched_from_the_first_live_morph_on(begin):
+    def watched():
+        return [len(handlers) for handlers in (bpy.app.handlers.undo_post, bpy.app.handlers.redo_post)]
+
+    ignore_undo()
+    before = watched()
+    for _ in range(2):
+        begin().end()
+    assert watched() == [count + 1 for count in before]
+    # Another file has no undo steps of it.
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert watched() == before
 
 
 def test_triangles_are_written_unchanged():

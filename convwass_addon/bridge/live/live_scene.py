@@ -12,14 +12,12 @@ import numpy as np
 
 from ..handles import Handle
 from ..shape_sources import ShapeSource
+from .leftovers import LIVE_KEY, remove_live_objects
 from .live_pad import LivePad
 
 if TYPE_CHECKING:
     from ...applications.live.live_shapes import LiveShape
     from ...geometry.mesh import TriangleMesh
-
-LIVE_KEY = "convwass_live"
-"""Custom property of the collection of a live morph: names of the inputs that it has hidden, one per line."""
 
 
 class LiveScene:
@@ -143,25 +141,3 @@ def write_triangles(mesh: bpy.types.Mesh, triangles: TriangleMesh) -> None:
     mesh.attributes[".corner_vert"].data.foreach_set("value", corners.ravel())
     mesh.polygons.foreach_set("loop_start", np.arange(0, 3 * count, 3, dtype=np.int32))
     mesh.update(calc_edges=True)
-
-
-def remove_leftovers() -> None:
-    """Remove ended live morphs that undo has restored, and show their inputs."""
-    for home in [collection for collection in bpy.data.collections if LIVE_KEY in collection]:
-        for name in home[LIVE_KEY].split("\n"):
-            obj = bpy.data.objects.get(name)
-            for scene in bpy.data.scenes if obj is not None else ():
-                for layer in scene.view_layers:
-                    if obj.name in layer.objects:
-                        obj.hide_set(False, view_layer=layer)
-        remove_live_objects(home)
-
-
-def remove_live_objects(home: bpy.types.Collection | None) -> None:
-    """Remove the collection of a live morph with all its objects."""
-    if home is None:
-        return
-    objects = list(home.objects)
-    data = [obj.data for obj in objects if obj.data is not None]
-    bpy.data.batch_remove([*objects, home])
-    bpy.data.batch_remove([block for block in data if block.users == 0])

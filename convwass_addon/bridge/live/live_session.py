@@ -26,6 +26,7 @@ from ..morphs.shape_reading import ReadShapes, read_shapes
 from ..objects import write_mesh
 from ..shape_sources import OBJECTS, shape_source
 from .input_watch import InputWatch
+from .leftovers import watch_undo
 from .live_scene import LiveScene
 from .running import running_live, set_running
 
@@ -100,6 +101,7 @@ class LiveSession:
         self._shown: LiveShape | None = None
         bpy.app.handlers.save_pre.append(self._before_saving)
         bpy.app.handlers.save_post.append(self._after_saving)
+        watch_undo()
         set_running(self)
 
     def _blends_of(self, read: ReadShapes) -> LiveBlends:

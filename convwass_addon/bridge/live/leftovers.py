@@ -1,0 +1,60 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Remove the objects of live morphs, including those that undo brings back after a live morph has ended."""
+
+from __future__ import annotations
+
+import bpy
+
+from .running import running_live
+
+LIVE_KEY = "convwass_live"
+"""Custom property of the collection of a live morph: names of the inputs that it has hidden, one per line."""
+
+
+def remove_leftovers() -> None:
+    """Remove ended live morphs that undo has restored, and show their inputs."""
+    for home in [collection for collection in bpy.data.collections if LIVE_KEY in collection]:
+        for name in home[LIVE_KEY].split("\n"):
+            obj = bpy.data.objects.get(name)
+            for scene in bpy.data.scenes if obj is not None else ():
+                for layer in scene.view_layers:
+                    if obj.name in layer.objects:
+                        obj.hide_set(False, view_layer=layer)
+        remove_live_objects(home)
+
+
+def remove_live_objects(home: bpy.types.Collection | None) -> None:
+    """Remove the collection of a live morph with all its objects."""
+    if home is None:
+        return
+    objects = list(home.objects)
+    data = [obj.data for obj in objects if obj.data is not None]
+    bpy.data.batch_remove([*objects, home])
+    bpy.data.batch_remove([block for block in data if block.users == 0])
+
+
+def watch_undo() -> None:
+    """Remove what undo and redo bring back from now on, until another file is opened.
+
+    Blender keeps the undo steps of a live morph after its end, and drops them and this handler with the file.
+    """
+    for handlers in _handlers():
+        if _after_undo not in handlers:
+            handlers.append(_after_undo)
+
+
+def ignore_undo() -> None:
+    """Stop what `watch_undo` has started."""
+    for handlers in _handlers():
+        if _after_undo in handlers:
+            handlers.remove(_after_undo)
+
+
+def _handlers() -> tuple[list[object], ...]:
+    return bpy.app.handlers.undo_post, bpy.app.handlers.redo_post
+
+
+def _after_undo(*_: object) -> None:
+    if running_live() is None:
+        remove_leftovers()
