@@ -157,6 +157,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         """Return the computation settings of the preferences; raises InputError if the cache folder cannot be used."""
         from ..applications.morphs.computation import Computation
         from ..applications.morphs.frame_cache import FrameCache, SpareFrameCache
+        from ..bridge.morphs.found_motions import FOUND_MOTIONS
 
         preferred = preferences()
         cache = None
@@ -174,7 +175,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             except InputError as error:
                 # This cache is optional, so the bake continues without it.
                 self.report({"WARNING"}, translated(error.sentence))
-        return Computation(workers=preferred.workers, cache=cache)
+        return Computation(workers=preferred.workers, cache=cache, motions=FOUND_MOTIONS)
 
     def _steps(self) -> Callable[[Control], Work[None]]:
         # Previews are only useful if the user can see them and stop the bake.

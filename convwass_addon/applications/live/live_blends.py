@@ -31,7 +31,8 @@ from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovingProblem
 from ..morphs.preparing import sketchable_problem, with_connectivity
 from ..morphs.volumes import Lattice
-from ..motions.choosing import MotionChoice, chosen_motion
+from ..motions.choosing import MotionChoice
+from ..motions.motion_memory import MotionMemory
 from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
 from .filling_lattice import FAR, LEVELS, FillingLattice, Mixture, count_of_nodes, fitting_levels
 from .layered_fields import LEAST_REST, LayeredFields
@@ -71,10 +72,10 @@ class LiveBlends:
         How; the resolution is that of `live`.
     live : LiveSettings
         Resolution and memory.
-    choice : MotionChoice, optional
-        How the shapes move, where that is known; otherwise it is found when plain blends are there.
     clock : callable
         Seconds that pass while finer levels take over.
+    motions : MotionMemory, optional
+        Motions that are in it are not searched for again; others are found when plain blends are there.
 
     Raises
     ------
@@ -87,12 +88,13 @@ class LiveBlends:
         shapes: LiveShapes,
         settings: MorphSettings,
         live: LiveSettings,
-        choice: MotionChoice | None = None,
         clock: Callable[[], float] = time.monotonic,
+        motions: MotionMemory | None = None,
     ) -> None:
         self.layout = layout_of(len(shapes.meshes))
         self.notices: list[Sentence] = []
-        self._shapes, self._live, self._choice, self._clock = shapes, live, choice, clock
+        self._shapes, self._live, self._clock = shapes, live, clock
+        self._motions = motions or MotionMemory()
         self._settings = replace(settings, resolution=live.live_resolution, carry=False)
         self._lattice = Lattice.around(shapes.meshes, self._settings.resolution, self._settings.sigma)
         self._fields = LayeredFields(box_of_shapes(shapes.meshes, self._lattice))
@@ -335,26 +337,25 @@ class LiveBlends:
     def _find_motion(self, control: Control) -> Work[None]:
         """Find how the shapes move, and begin a lattice of moved shapes; or go on with this one."""
         blends = [Blend(self.layout.weights(node, LEVELS[0])) for node in self.layout.nodes(LEVELS[0])]
-        if self._choice is None:
-            try:
-                self._choice = yield from self._attended(self._choosing(blends, control), control)
-            except Cancelled:
-                raise
-            except ConvwassError as error:
-                self.notices.append(Sentence("Transported without a motion: {reason}", {"reason": error.sentence}))
-                self._choice = MotionChoice("transport", "FAILED")
+        try:
+            choice = yield from self._attended(self._choosing(blends, control), control)
+        except Cancelled:
+            raise
+        except ConvwassError as error:
+            self.notices.append(Sentence("Transported without a motion: {reason}", {"reason": error.sentence}))
+            choice = MotionChoice("transport", "FAILED")
         self._motion_is_known = True
-        if self._choice.motion is None:
+        if choice.motion is None:
             self._fields.newest.extend(self._fitting(self._fields.box), self._clock())
             return
-        still = with_connectivity(replace(self._problem, motion=self._choice.record()), 1)
+        still = with_connectivity(replace(self._problem, motion=choice.record()), 1)
         names, matching = self._shapes.names, self._shapes.matching
-        self._begin_motion(MovingProblem.of(still, self._choice.motion, blends, names, matching, control))
+        self._begin_motion(MovingProblem.of(still, choice.motion, blends, names, matching, control))
 
     def _choosing(self, blends: Sequence[Blend], control: Control) -> Work[MotionChoice]:
         shapes, settings = self._shapes, self._settings
         outward = [orient_outward(mesh) for mesh in shapes.meshes]
-        work = chosen_motion(
+        work = self._motions.chosen(
             outward, shapes.names, pairs_of(blends), settings.motion, settings.coherence, shapes.guides, control
         )
         return (yield from within(work, _PLAIN_SHARE, _MOTION_SHARE))

@@ -18,8 +18,9 @@ from ...geometry.orientation import orient_outward
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
-from ..motions.choosing import MotionChoice, chosen_motion
+from ..motions.choosing import MotionChoice
 from ..motions.guides import Guide
+from ..motions.motion_memory import MotionMemory
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation
 from .first_preview import first_preview
@@ -106,6 +107,7 @@ class BakePlan:
     executor: Executor | None
     previews: bool
     looked_at: int
+    motions: MotionMemory
     animation: Animation | None = None
 
     def begun(self, stack: ExitStack, control: Control) -> Work[BegunRuns]:
@@ -193,7 +195,8 @@ class BakePlan:
         asked, coherence = self.settings.motion, self.settings.coherence
         # With "transport" the shapes are oriented when they are voxelized.
         outward = self.shapes if asked == "transport" else [orient_outward(shape) for shape in self.shapes]
-        work = chosen_motion(outward, self.names, pairs_of(self.blends), asked, coherence, self.guides, control)
+        pairs = pairs_of(self.blends)
+        work = self.motions.chosen(outward, self.names, pairs, asked, coherence, self.guides, control)
         return (yield from within(work, VOXEL_SHARE, self._chosen_at))
 
     def _moving(self, moving: MovingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:

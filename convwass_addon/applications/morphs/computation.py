@@ -7,12 +7,13 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
+from ..motions.motion_memory import MotionMemory
 from .frame_cache import FrameCache
 
 
 @dataclass(frozen=True)
 class Computation:
-    """Which frames are computed, by which threads or processes, and where they are cached.
+    """Which frames are computed, by which threads or processes, and what is cached.
 
     See :func:`.morph.morph`. Flat shapes are computed quickly: their frames are neither cached, nor sent to other
     machines, nor previewed.
@@ -29,6 +30,8 @@ class Computation:
         Indices of the blends to compute; None for all.
     previews : bool
         Whether previews are yielded.
+    motions : MotionMemory or None
+        Stores motions.
     """
 
     workers: int | None = None
@@ -36,3 +39,4 @@ class Computation:
     cache: FrameCache | None = None
     wanted: range | None = None
     previews: bool = False
+    motions: MotionMemory | None = None

@@ -18,6 +18,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
 from ..motions.guides import Guide
+from ..motions.motion_memory import MotionMemory
 from .animation import Animation
 from .bake_plan import BakePlan
 from .frame_cache import BakeCache, FrameCache
@@ -48,6 +49,7 @@ def morph(
     previews: bool = False,
     looked_at: int = 0,
     animation: Animation | None = None,
+    motions: MotionMemory | None = None,
 ) -> Work[None]:
     """Compute the blends of shapes.
 
@@ -82,11 +84,12 @@ def morph(
         given, if the grid has no coarser level, and for runs beyond the available memory. The frames are the same.
     looked_at : int
         Index of the displayed blend, among those to compute: previews near it come first.
-
     animation : Animation, optional
         The inputs of a path at all of its frames, with the vertices in the order of `shapes`: every blend uses them as
         they are at its frame. Motions are determined for `shapes`. If the triangles of an input change from frame to
         frame, there is no motion.
+    motions : MotionMemory, optional
+        Motions in the memory are not computed again.
 
     Yields
     ------
@@ -125,6 +128,7 @@ def morph(
         previews=previews,
         looked_at=looked_at,
         animation=animation,
+        motions=motions or MotionMemory(),
     )
     # If other parts of the morph are computed elsewhere, no decisions over all of it are possible here.
     review = BakeReview(blends if wanted is None else ())

@@ -22,6 +22,7 @@ from ...applications.system_errors import error_to_tell
 from ...errors import Cancelled, InputError
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
+from ..morphs.found_motions import FOUND_MOTIONS
 from ..morphs.shape_reading import ReadShapes, read_shapes
 from ..objects import write_mesh
 from ..shape_sources import OBJECTS, shape_source
@@ -107,7 +108,8 @@ class LiveSession:
     def _blends_of(self, read: ReadShapes) -> LiveBlends:
         matching = unparted(len(read.meshes)) if read.labels is None else matched(read.labels, read.names)
         shapes = LiveShapes(tuple(read.meshes), tuple(read.names), matching, tuple(read.guides))
-        return LiveBlends(shapes, self._request.settings, self._request.live, clock=self._clock)
+        request = self._request
+        return LiveBlends(shapes, request.settings, request.live, clock=self._clock, motions=FOUND_MOTIONS)
 
     @property
     def count(self) -> int:

@@ -106,6 +106,7 @@ class MorphJob:
             previews=how.previews,
             looked_at=self._looked_at,
             animation=self._animation,
+            motions=how.motions,
         )
         return work if self._carrying is None else self._carrying.looked_up(work)
 

@@ -18,10 +18,11 @@ from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.progress import Control, drained
+from convwass_addon.progress import Control, Work, drained
 from tests.applications.test_moving_problem import ANGLE, NAMES, ROD, SHAPES, Turning, turned
 from tests.shapes import ball
 
@@ -36,6 +37,14 @@ class Clock:
 
     def __call__(self) -> float:
         return self.now
+
+
+class TurningFound(MotionMemory):
+    """A memory that knows how rods turn."""
+
+    def chosen(self, *_arguments: object) -> Work[MotionChoice]:
+        return MotionChoice("guided", "ASKED", Turning())
+        yield
 
 
 def live_balls(clock: Clock, count: int = 2, motion: str = "transport", **live: int) -> LiveBlends:
@@ -150,9 +159,8 @@ def test_weights_that_are_no_numbers_are_refused(filled):
 
 def test_a_motion_takes_over_from_plain_transport():
     clock = Clock()
-    choice = MotionChoice("guided", "ASKED", Turning())
     shapes = LiveShapes(SHAPES, NAMES, unparted(2))
-    live = LiveBlends(shapes, MorphSettings(), LiveSettings(live_resolution=32), choice, clock)
+    live = LiveBlends(shapes, MorphSettings(), LiveSettings(live_resolution=32), clock, TurningFound())
     live.point((0.499, 0.501))
     reaches = []
     for _ in live.work(Control()):

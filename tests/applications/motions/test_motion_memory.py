@@ -1,0 +1,80 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motions are found once for the same shapes and settings, and again if any of them changes."""
+
+from __future__ import annotations
+
+import pytest
+
+from convwass_addon.applications.motions import motion_memory
+from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_memory import MotionMemory
+from convwass_addon.errors import InputError
+from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.shapes import ball
+
+SHAPES = (ball(points=40), ball(2.0, points=40))
+SAME = {"names": ("A", "B"), "pairs": [(0, 1)], "asked": "automatic", "coherence": 0.5, "guides": ()}
+
+
+@pytest.fixture
+def finding(monkeypatch):
+    """Replace the search, which takes seconds; return the list of all searches."""
+    searches = []
+
+    def found(*arguments):
+        searches.append(arguments)
+        if arguments[3] == "guided":
+            raise InputError("no map")
+        return MotionChoice("warp", "ASKED")
+        yield
+
+    monkeypatch.setattr(motion_memory, "chosen_motion", found)
+    return searches
+
+
+def choice(memory, shapes=SHAPES, **changed):
+    given = SAME | changed
+    return drained(memory.chosen(shapes, *given.values(), UNINTERRUPTED))
+
+
+def test_the_same_motion_is_found_once(finding):
+    memory = MotionMemory()
+    first = choice(memory)
+    assert choice(memory, (ball(points=40), ball(2.0, points=40))) is first
+    assert len(finding) == 1
+    assert choice(MotionMemory()) is not first
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"shapes": (SHAPES[0], ball(2.1, points=40))},
+        {"shapes": SHAPES[::-1]},
+        {"names": ("A", "C")},
+        {"asked": "warp"},
+        {"coherence": 0.6},
+        {"guides": [{0: 1, 1: 2}]},
+    ],
+)
+def test_anything_that_changes_is_found_again(finding, changed):
+    memory = MotionMemory()
+    first = choice(memory)
+    assert choice(memory, **changed) is not first
+    assert choice(memory) is first and len(finding) == 2
+
+
+def test_only_the_last_two_are_kept(finding):
+    memory = MotionMemory()
+    first = choice(memory)
+    for coherence in (0.1, 0.2):
+        choice(memory, coherence=coherence)
+    assert choice(memory) is not first
+
+
+def test_errors_are_not_kept(finding):
+    memory = MotionMemory()
+    for _ in range(2):
+        with pytest.raises(InputError, match="no map"):
+            choice(memory, asked="guided")
+    assert len(finding) == 2
