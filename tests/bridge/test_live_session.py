@@ -26,7 +26,7 @@ SIZES = (0.6, 1.0, 0.8, 0.9)
 def begin(make_object):
     """Yield a function that starts a live morph of selected separate balls; running ones are ended afterwards."""
 
-    def begun(count=2, motion="transport", **live):
+    def begun(count=2, motion="transport", carry=False, **live):
         inputs = [obj for obj in bpy.data.objects if obj.name.startswith("Ball")]
         for place in range(len(inputs), count):
             mesh = ball(SIZES[place], (3.0 * place, 0.0, 0.0), 200)
@@ -35,7 +35,9 @@ def begin(make_object):
             obj.select_set(not obj.hide_get())
         bpy.context.view_layer.objects.active = inputs[-1]
         bpy.context.view_layer.update()
-        request = LiveRequest(MorphSettings(motion=motion), LiveSettings(**{"live_resolution": 24} | live), {})
+        request = LiveRequest(
+            MorphSettings(motion=motion, carry=carry), LiveSettings(**{"live_resolution": 24} | live), {}
+        )
         return LiveSession(bpy.context, sorted(inputs, key=lambda obj: obj.name), request)
 
     yield begun
@@ -225,6 +227,33 @@ def test_objects_restored_by_undo_are_removed(begin, inventory):
     remove_leftovers()
     assert inventory() == before
     assert not any(obj.hide_get() for obj in hidden)
+
+
+def test_colors_are_mixed_and_kept(begin, inventory):
+    session = begin(carry=True)
+    session.end()
+    for place, color in enumerate([(1.0, 0.0, 0.2, 1.0), (0.0, 0.5, 0.2, 1.0)]):
+        bpy.data.objects[f"Ball {place}"].color = color
+    before = inventory()
+    session = begin(carry=True)
+    session.move_to(0.25, 0.0)
+    ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
+    mesh = session.scene.shape.data
+    colors = [tuple(value.color) for value in mesh.color_attributes["Color"].data]
+    np.testing.assert_allclose(colors, np.tile((0.75, 0.125, 0.2, 1.0), (len(mesh.vertices), 1)), atol=2e-3)
+    kept = session.kept_shape(60.0)
+    np.testing.assert_allclose(kept.data.color_attributes["Color"].data[7].color, (0.75, 0.125, 0.2, 1.0), atol=1e-3)
+    assert [material.name for material in kept.data.materials] == ["Convwass Blend"]
+    session.end()
+    for block in (kept.data, bpy.data.materials["Convwass Blend"]):
+        bpy.data.batch_remove([block])
+    assert inventory() == before
+
+
+def test_shapes_of_one_color_keep_their_material(begin):
+    session = begin(carry=True)
+    ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
+    assert not session.scene.shape.data.color_attributes and not session.scene.shape.data.materials
 
 
 def test_undo_is_watched_from_the_first_live_morph_on(begin):

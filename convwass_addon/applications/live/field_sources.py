@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Protocol
 
 import numpy as np
@@ -15,14 +16,18 @@ from scipy.ndimage import affine_transform
 from ...geometry.isosurface import surface_enclosing
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
-from ..morphs.blend_solver import BlendSolver
+from ..morphs.blend_solver import BlendSolver, SolvedBlend
 from ..morphs.extraction import LevelDensity, estimated_level_density, level_density
 from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphProblem
 from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovedBlend, MovingProblem
+from ..morphs.origins import blend_origins, part_transports
+from ..morphs.transport_problem import TransportProblem
 from ..morphs.volumes import Lattice
+from .color_fields import ColorField, centers_of, places_about
 from .level_fields import OUTSIDE, FieldBox, LevelField
+from .shape_colors import ShapeColors
 
 # Margin in cells around shapes for their blends: the distance that blurs reach.
 _MARGIN = 3
@@ -50,6 +55,32 @@ def box_of_shapes(shapes: Sequence[TriangleMesh], lattice: Lattice) -> FieldBox:
     return FieldBox.between(np.maximum(begin, 0), np.minimum(end, lattice.shape))
 
 
+@dataclass(frozen=True)
+class TransportBlend:
+    """A blend of shapes that stand still.
+
+    Attributes
+    ----------
+    blend : Blend
+        Which one.
+    level : LevelDensity
+        Its density.
+    solved : SolvedBlend or None
+        What its origins are read from; None for a shape as it is.
+    """
+
+    blend: Blend
+    level: LevelDensity
+    solved: SolvedBlend | None
+
+    def origins(self, points: NDArray[np.float64], transport: TransportProblem) -> NDArray[np.floating]:
+        """Return where on the shapes the matter at points, (n, 3) in cells, comes from, (k, n, 3) in the scene."""
+        lattice = transport.lattice
+        if self.solved is None:
+            return points * lattice.spacing + (lattice.origin + lattice.centers)[:, None]
+        return blend_origins(points, part_transports(self.solved, transport), lattice, self.blend.weights)
+
+
 class TransportSource:
     """Blends by transport alone, each started from the nearest recent one.
 
@@ -63,6 +94,8 @@ class TransportSource:
         Cancels a solve.
     read : callable
         Finds the level of a density: :func:`.extraction.level_density` or :func:`.extraction.estimated_level_density`.
+    colors : sequence of ShapeColors
+        One per shape, or none.
     """
 
     def __init__(
@@ -71,28 +104,33 @@ class TransportSource:
         box: FieldBox,
         control: Control = UNINTERRUPTED,
         read: Callable[[NDArray[np.floating], float, MorphSettings], LevelDensity] = level_density,
+        colors: Sequence[ShapeColors] = (),
     ) -> None:
-        self._problem, self._box, self._read = problem, box, read
+        self._problem, self._box, self._read, self._colors = problem, box, read, tuple(colors)
         self._cold = BlendSolver(problem.transport, control)
         self._warm: deque[tuple[NDArray[np.float64], BlendSolver]] = deque(maxlen=_KEPT)
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
         """Solve the blend with these weights; an unblended shape is represented by its occupancy."""
         control.check()
-        found = self.density(weights)
-        return LevelField.of(found.density, found.low, found.level, found.volume, self._box)
+        found = self.blended(weights)
+        field = LevelField.of(found.level.density, found.level.low, found.level.level, found.level.volume, self._box)
+        transport = self._problem.transport
+        return _colored(field, weights, self._colors, lambda points: found.origins(points, transport))
 
-    def density(self, weights: Sequence[float]) -> LevelDensity:
-        """Return the density of a blend."""
+    def blended(self, weights: Sequence[float]) -> TransportBlend:
+        """Solve a blend."""
         transport, blend = self._problem.transport, Blend(tuple(float(weight) for weight in weights))
         if blend.source is not None:
             occupancy = transport.occupancy(blend.source)
-            return self._read(occupancy, float(occupancy.sum()), self._problem.settings)
+            level = self._read(occupancy, float(occupancy.sum()), self._problem.settings)
+            return TransportBlend(blend, level, None)
         weights = np.array(blend.weights)
         solver = self._nearest(weights).branched()
-        merged = solver.solve(blend, transport.blend_volumes(blend)).merged()
+        solved = solver.solve(blend, transport.blend_volumes(blend))
         self._warm.append((weights, solver))
-        return self._read(merged.density, merged.volume, self._problem.settings)
+        merged = solved.merged()
+        return TransportBlend(blend, self._read(merged.density, merged.volume, self._problem.settings), solved)
 
     def _nearest(self, weights: NDArray[np.float64]) -> BlendSolver:
         """Return the solver whose last blend is nearest, among those with weight on the same shapes."""
@@ -108,18 +146,29 @@ class MovingSource:
     ----------
     problem : MovingProblem
         The shapes and their motion.
+    colors : sequence of ShapeColors
+        One per shape, or none.
     """
 
-    def __init__(self, problem: MovingProblem) -> None:
-        self._problem = problem
+    def __init__(self, problem: MovingProblem, colors: Sequence[ShapeColors] = ()) -> None:
+        self._problem, self._colors = problem, tuple(colors)
         self.box = FieldBox(self._first_cell(problem.lattice) + 1, tuple(n - 2 for n in problem.lattice.shape))
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
         """Move the shapes, and transport the remaining difference."""
-        moved = self._problem.moved_blend(Blend(tuple(float(weight) for weight in weights)), control)
+        blend = Blend(tuple(float(weight) for weight in weights))
+        moved = self._problem.moved_blend(blend, control)
         found = self._density(moved, control)
         low = found.low + self._first_cell(moved.problem.lattice)
-        return LevelField.of(found.density, low, found.level, found.volume, self.box)
+        field = LevelField.of(found.density, low, found.level, found.volume, self.box)
+        if not self._colors:
+            return field
+        colors = [self._colors[index].moved(shape) for index, shape in zip(moved.active, moved.shapes, strict=True)]
+        still = self._problem.still.lattice
+        place = still.origin + np.array(blend.weights) @ still.centers
+        return _colored(
+            field, moved.blend.weights, colors, lambda points: [points * still.spacing + place] * len(colors)
+        )
 
     def _first_cell(self, lattice: Lattice) -> NDArray[np.int64]:
         """Return the first cell of a lattice, in cells of the lattice of the shapes at rest, (3,)."""
@@ -147,25 +196,64 @@ class StandInSource:
         The finer grid.
     box : FieldBox
         Box of the fields.
+    colors : sequence of ShapeColors
+        One per shape, or none.
     """
 
-    def __init__(self, problem: MorphProblem, lattice: Lattice, box: FieldBox) -> None:
+    def __init__(
+        self, problem: MorphProblem, lattice: Lattice, box: FieldBox, colors: Sequence[ShapeColors] = ()
+    ) -> None:
         self._coarse = TransportSource(problem, box, read=estimated_level_density)
-        self._lattice, self._box, self._own = lattice, box, problem.lattice
+        self._lattice, self._box, self._colors, self._transport = lattice, box, tuple(colors), problem.transport
+        self._own = problem.lattice
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
         """Solve the blend with these weights on the coarser grid."""
         control.check()
-        found = self._coarse.density(weights)
+        blended = self._coarse.blended(weights)
+        found = blended.level
         ratio = self._lattice.spacing / self._own.spacing
         first = self._first_center(found.low)
         excess = np.maximum(found.density / np.float32(found.level) + np.float32(OUTSIDE), np.float32(OUTSIDE))
         values = affine_transform(
             excess, np.full(3, ratio), first, self._box.shape, np.float32, order=1, mode="constant", cval=OUTSIDE
         )
-        return LevelField.of_values(values, found.volume / ratio**3, self._box)
+        field = LevelField.of_values(values, found.volume / ratio**3, self._box)
+        return _colored(
+            field, weights, self._colors, lambda points: blended.origins(self._in_own_cells(points), self._transport)
+        )
 
     def _first_center(self, low: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return the position of the box's first cell center in samples of a coarse density, (3,)."""
-        place = (self._box.low + 0.5) * self._lattice.spacing + self._lattice.origin
-        return (place - self._own.origin) / self._own.spacing - 0.5 - low
+        return self._in_own_cells(self._box.low + 0.5) - 0.5 - low
+
+    def _in_own_cells(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points of the finer lattice, in cells, in those of the coarser one."""
+        return (points * self._lattice.spacing + self._lattice.origin - self._own.origin) / self._own.spacing
+
+
+def _colored(
+    field: LevelField,
+    weights: Sequence[float],
+    colors: Sequence[ShapeColors],
+    origins: Callable[[NDArray[np.float64]], Sequence[NDArray[np.floating]]],
+) -> LevelField:
+    """Return a field with the colors of its blend, if shapes have any.
+
+    Parameters
+    ----------
+    field : LevelField
+        Without colors.
+    weights : sequence of float
+        Of the blend, (k,).
+    colors : sequence of ShapeColors
+        One per shape, or none.
+    origins : callable
+        Returns where on each shape, (k, n, 3), the matter at points comes from, (n, 3) in cells of the common grid.
+    """
+    if not colors:
+        return field
+    places = places_about(field.reach, field.box.low)
+    shares = zip(weights, colors, origins(centers_of(places)), strict=True)
+    mean = sum(weight * own.near(points) for weight, own, points in shares if weight > 0.0)
+    return replace(field, colors=ColorField(places, mean.astype(np.float16)))

@@ -179,7 +179,7 @@ class FillingLattice:
     @property
     def bytes(self) -> int:
         """Memory that the fields take, in bytes."""
-        return sum(field.values.nbytes for field in self._fields.values())
+        return sum(field.nbytes for field in self._fields.values())
 
     @cached_property
     def _nodes(self) -> dict[int, list[Wanted]]:

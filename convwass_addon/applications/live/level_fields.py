@@ -10,7 +10,7 @@ neighboring blends differ little, so the zero set of their mean is close to the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,6 +20,7 @@ from ...errors import InputError
 from ...geometry.isosurface import bounding_box
 from ...geometry.mesh import TriangleMesh
 from ...one_line import one_line
+from .color_fields import ColorField, mixed_colors
 
 OUTSIDE = -1.0
 """Value of a level field where nothing is."""
@@ -90,6 +91,8 @@ class LevelField:
         Number of cells inside, with those close to the surface counted in part.
     span : (2, 3) int64
         In cells of the box, the first cell and the cell after the last that the surface of a mixture can reach.
+    colors : ColorField or None
+        Colors of the blend; None if it carries none.
     """
 
     box: FieldBox
@@ -97,8 +100,19 @@ class LevelField:
     volume: float
     cells: float
     span: NDArray[np.int64]
+    colors: ColorField | None = None
 
     __repr__ = one_line("values", "volume", "cells")
+
+    @property
+    def nbytes(self) -> int:
+        """Memory that it takes."""
+        return self.values.nbytes + (0 if self.colors is None else self.colors.nbytes)
+
+    @property
+    def reach(self) -> NDArray[np.bool_]:
+        """Cells that a surface of a mixture can reach, (nx, ny, nz)."""
+        return self.values > np.float16(_LEAST_LEVEL)
 
     @classmethod
     def of(
@@ -150,7 +164,7 @@ class LevelField:
         source = tuple(slice(a, b) for a, b in zip(begin - self.box.low, end - self.box.low, strict=True))
         target = tuple(slice(a, b) for a, b in zip(begin - box.low, end - box.low, strict=True))
         values[target] = self.values[source]
-        return LevelField.of_values(values, self.volume, box)
+        return replace(LevelField.of_values(values, self.volume, box), colors=self.colors)
 
     def difference(self, other: LevelField) -> float:
         """Return how much two blends differ, as a fraction of their mean mass, 0 to 2.
@@ -223,6 +237,14 @@ def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:
     volume = float(np.dot(shares, [field.volume for field in fields]))
     wanted = volume * float(np.dot(shares, [field.cells / field.volume for field in fields]))
     return MixedField(values, first.low + low, _enclosing_level(values, wanted), volume)
+
+
+def colors_at(
+    fields: Sequence[LevelField], shares: Sequence[float], points: NDArray[np.float64]
+) -> NDArray[np.float32] | None:
+    """Return the colors of a mixture at points, (n, 3) in cells of the common grid; None if no field has colors."""
+    known = [(field.colors, share) for field, share in zip(fields, shares, strict=True) if field.colors is not None]
+    return mixed_colors(*zip(*known, strict=True), points) if known else None
 
 
 def _enclosing_level(values: NDArray[np.float32], wanted: float) -> float:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,6 +22,7 @@ from ...geometry.orientation import orient_outward
 from ...progress import Control, Progress, Result, Work, within
 from ...sentence import Sentence
 from ..memory import available_memory
+from ..morphs.appearance import carried
 from ..morphs.bake_plan import pairs_of
 from ..morphs.blending import solve_blends
 from ..morphs.extraction import estimated_level_density
@@ -36,9 +37,10 @@ from ..motions.motion_memory import MotionMemory
 from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
 from .filling_lattice import FAR, LEVELS, FillingLattice, Mixture, count_of_nodes, fitting_levels
 from .layered_fields import LEAST_REST, LayeredFields
-from .level_fields import FieldBox, mixed
+from .level_fields import FieldBox, colors_at, mixed
 from .live_settings import LiveSettings
 from .live_shapes import LiveShape, LiveShapes
+from .shape_colors import ShapeColors
 from .weight_layouts import checked_weights, layout_of
 
 FADE = 0.4
@@ -59,6 +61,19 @@ _HAND_TOLERANCE = 2e-2
 _WITHOUT_MOTION = LEVELS[:2]
 # Shares of the progress: until the plain lattice is filled, and until the motion is found.
 _PLAIN_SHARE, _MOTION_SHARE = 0.3, 0.5
+
+
+@dataclass(frozen=True)
+class _SolvedRest:
+    """The blend that was solved in full where the hand rested."""
+
+    weights: tuple[float, ...]
+    mesh: TriangleMesh
+    colors: NDArray[np.float32] | None
+
+    def shown(self, center: NDArray[np.float64]) -> LiveShape:
+        """Return it about its center, (3,)."""
+        return LiveShape(self.mesh.moved(-center), center, is_solved=True, colors=self.colors)
 
 
 class LiveBlends:
@@ -95,19 +110,20 @@ class LiveBlends:
         self.notices: list[Sentence] = []
         self._shapes, self._live, self._clock = shapes, live, clock
         self._motions = motions or MotionMemory()
-        self._settings = replace(settings, resolution=live.live_resolution, carry=False)
+        self._settings = replace(settings, resolution=live.live_resolution, carry=bool(shapes.appearances))
         self._lattice = Lattice.around(shapes.meshes, self._settings.resolution, self._settings.sigma)
         self._fields = LayeredFields(box_of_shapes(shapes.meshes, self._lattice))
         self._problem: MorphProblem | None = None
         self._finished: MorphProblem | None = None
         self._moving: MovingProblem | None = None
+        self._colors: tuple[ShapeColors, ...] = ()
         self._nodes: FieldSource | None = None
         self._at_hand: FieldSource | None = None
         self._hand = tuple(np.full(len(shapes.meshes), 1.0 / len(shapes.meshes)).tolist())
         self._motion_is_known = settings.motion == "transport" or settings.coherence == 0.0
         self._rests = self._solved_hand_last = False
         self._rest_control: Control | None = None
-        self._solved: MorphFrame | None = None
+        self._solved: _SolvedRest | None = None
         self._last_shape: LiveShape | None = None
         self._last_made_of: tuple[object, ...] = ()
         self._fraction = 0.0
@@ -161,8 +177,8 @@ class LiveBlends:
         While that is the same as at the last call, so is the object that is returned.
         """
         hand, solved = self._hand, self._solved
-        if solved is not None and solved.blend.weights == hand:
-            return self._remembered((solved,), lambda center: self._solved_shape(solved, center))
+        if solved is not None and solved.weights == hand:
+            return self._remembered((solved,), solved.shown)
         found = self._fields.mixture(hand, self._clock())
         if not found.fields:
             return None
@@ -176,13 +192,11 @@ class LiveBlends:
             self._last_shape, self._last_made_of = make(np.asarray(self._hand) @ self._lattice.centers), made_of
         return self._last_shape
 
-    def _solved_shape(self, solved: MorphFrame, center: NDArray[np.float64]) -> LiveShape:
-        mesh = solved.mesh if solved.mesh is not None else self._shapes.meshes[solved.blend.source]
-        return LiveShape(mesh.moved(-center), center, is_solved=True)
-
     def _mixed_shape(self, found: Mixture, center: NDArray[np.float64]) -> LiveShape:
         mesh = mixed(found.fields, np.array(found.shares) / sum(found.shares)).surface()
-        return LiveShape(TriangleMesh(mesh.vertices * self._lattice.spacing + self._lattice.origin, mesh.faces), center)
+        colors = colors_at(found.fields, found.shares, mesh.vertices)
+        vertices = mesh.vertices * self._lattice.spacing + self._lattice.origin
+        return LiveShape(TriangleMesh(vertices, mesh.faces), center, colors=colors)
 
     @property
     def bytes(self) -> int:
@@ -226,25 +240,26 @@ class LiveBlends:
             # Between two blends at the hand, one for the lattice: the hand may never stand still.
             return None if known or is_base_there or self._solved_hand_last else self._solve_hand
         waits = self._rests and self._motion_is_known and self._fields.newest.is_whole(LEVELS[0])
-        known = self._solved is not None and self._solved.blend.weights == hand
+        known = self._solved is not None and self._solved.weights == hand
         return self._solve_rest if waits and not known else None
 
     def _prepared(self, control: Control) -> Work[None]:
         """Voxelize the shapes; of fine lattices a coarser one first, on which the first blend is solved."""
         if self._nodes is not None:
             return
+        self._colors = tuple(ShapeColors.of(appearance) for appearance in self._shapes.appearances)
         if self._settings.resolution > _FINE:
             coarse = replace(quick_settings(self._settings), resolution=_STAND_IN, blur=None)
             problem = yield from self._voxelized(coarse, control)
-            self._at_hand = StandInSource(problem, self._lattice, self._fields.box)
+            self._at_hand = StandInSource(problem, self._lattice, self._fields.box, self._colors)
             yield from self._solve_hand(control)
         self._problem = yield from self._voxelized(self._settings, control)
         if self._at_hand is None:
             quick = replace(self._problem.transport, settings=quick_settings(self._settings))
             problem = replace(self._problem, transport=quick)
-            self._at_hand = TransportSource(problem, self._fields.box, control, estimated_level_density)
+            self._at_hand = TransportSource(problem, self._fields.box, control, estimated_level_density, self._colors)
         box = self._fields.box
-        self._nodes = TransportSource(self._problem, box, control)
+        self._nodes = TransportSource(self._problem, box, control, colors=self._colors)
         levels = self._fitting(box)
         if not self._motion_is_known:
             levels = tuple(steps for steps in levels if steps in _WITHOUT_MOTION)
@@ -316,15 +331,27 @@ class LiveBlends:
         try:
             if blend.weights != self._hand:
                 return
-            frame = self._frame(blend, self._rest_control)
+            solved = self._in_full(self._frame(blend, self._rest_control))
         except Cancelled:
             control.check()
             return
         finally:
             self._rest_control = None
-        self._solved = frame
+        self._solved = solved
         self.version += 1
         yield self._report(Sentence("Solved"))
+
+    def _in_full(self, frame: MorphFrame) -> _SolvedRest:
+        """Return what is shown of a frame."""
+        blend, appearances = frame.blend, self._shapes.appearances
+        mesh = self._shapes.meshes[blend.source] if frame.mesh is None else frame.mesh
+        if not appearances:
+            return _SolvedRest(blend.weights, mesh, None)
+        if frame.mesh is None:
+            colors = appearances[blend.source].at(mesh.vertices).colors
+        else:
+            colors = carried(frame.origins, mesh.faces, appearances, blend.weights).color
+        return _SolvedRest(blend.weights, mesh, colors[:, :3])
 
     def _frame(self, blend: Blend, control: Control) -> MorphFrame:
         if self._moving is not None:
@@ -362,7 +389,7 @@ class LiveBlends:
 
     def _begin_motion(self, moving: MovingProblem) -> None:
         """Lay a lattice of moved shapes over the one of plain transport, in a box that holds both."""
-        source = MovingSource(moving)
+        source = MovingSource(moving, self._colors)
         box = self._fields.box.union(source.box)
         source.box = box
         self._fields.cover(self._empty_lattice(self._fitting(box), box), box)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
+from ..morphs.appearance import Appearance
 from ..morphs.part_labels import Matching
 from ..motions.guides import Guide
 
@@ -28,12 +29,15 @@ class LiveShapes:
         The parts that travel together.
     guides : tuple of mappings from int to int
         Corresponding points; see :func:`.morph.morph`.
+    appearances : tuple of Appearance
+        Colors, one per shape, in the space of the meshes; empty if blends carry no colors.
     """
 
     meshes: tuple[TriangleMesh, ...]
     names: tuple[str, ...]
     matching: Matching
     guides: tuple[Guide, ...] = ()
+    appearances: tuple[Appearance, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -48,8 +52,11 @@ class LiveShape:
         Position of the blend in the scene.
     is_solved : bool
         Whether it was solved completely; otherwise it was mixed.
+    colors : (n, 3) float32 or None
+        Colors of the vertices: RGB, scene linear; None if there are none.
     """
 
     mesh: TriangleMesh
     center: NDArray[np.float64]
     is_solved: bool = False
+    colors: NDArray[np.float32] | None = None

@@ -135,9 +135,12 @@ class Appearance:
         if self.is_even:
             nowhere = ClosestPoints(np.zeros(len(points), np.int64), np.empty((0, 3)), np.empty(0))
             return Seen(self.paints[0].at(nowhere), nowhere.triangles, {})
-        places = self.finder.find_about(points)
+        return self.seen(self.finder.find_about(points))
+
+    def seen(self, places: ClosestPoints) -> Seen:
+        """Return what there is at places of the shape."""
         materials = self.materials[places.triangles]
-        colors = np.empty((len(points), 4), np.float32)
+        colors = np.empty((len(materials), 4), np.float32)
         for index in np.unique(materials):
             own = materials == index
             there = ClosestPoints(places.triangles[own], places.shares[own], places.distances[own])

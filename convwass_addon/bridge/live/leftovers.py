@@ -9,7 +9,10 @@ import bpy
 from .running import running_live
 
 LIVE_KEY = "convwass_live"
-"""Custom property of the collection of a live morph: names of the inputs that it has hidden, one per line."""
+"""Custom property of the collection of a live morph: names of the inputs that it has hidden, one per line.
+
+Its material has the property, too.
+"""
 
 
 def remove_leftovers() -> None:
@@ -25,13 +28,16 @@ def remove_leftovers() -> None:
 
 
 def remove_live_objects(home: bpy.types.Collection | None) -> None:
-    """Remove the collection of a live morph with all its objects."""
+    """Remove the collection of a live morph with all its objects, their data and their material."""
     if home is None:
         return
     objects = list(home.objects)
     data = [obj.data for obj in objects if obj.data is not None]
+    slots = {slot for block in data for slot in block.materials if slot is not None}
+    materials = [material for material in slots if LIVE_KEY in material]
     bpy.data.batch_remove([*objects, home])
-    bpy.data.batch_remove([block for block in data if block.users == 0])
+    for blocks in (data, materials):
+        bpy.data.batch_remove([block for block in blocks if block.users == 0])
 
 
 def watch_undo() -> None:

@@ -13,6 +13,7 @@ import numpy as np
 from ..handles import Handle
 from ..shape_sources import ShapeSource
 from .leftovers import LIVE_KEY, remove_live_objects
+from .live_colors import show_colors
 from .live_pad import LivePad
 
 if TYPE_CHECKING:
@@ -87,6 +88,8 @@ class LiveScene:
         shape = self.shape
         if shape is not None and not shape.data.is_editmode:
             write_triangles(shape.data, blend.mesh)
+            if blend.colors is not None:
+                show_colors(shape.data, blend.colors, in_solid=blend.is_solved)
             shape.location = blend.center
 
     def hide_inputs(self) -> None:

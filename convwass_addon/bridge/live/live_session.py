@@ -16,6 +16,7 @@ from ...applications.live.live_blends import FADE, LiveBlends
 from ...applications.live.live_settings import LiveSettings
 from ...applications.live.live_shapes import LiveShape, LiveShapes
 from ...applications.live.pad_places import pad_weights
+from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import matched, unparted
 from ...applications.system_errors import error_to_tell
@@ -23,11 +24,14 @@ from ...errors import Cancelled, InputError
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..morphs.found_motions import FOUND_MOTIONS
+from ..morphs.frame_attributes import COLOR
+from ..morphs.materials import attribute_material
 from ..morphs.shape_reading import ReadShapes, read_shapes
 from ..objects import write_mesh
-from ..shape_sources import OBJECTS, shape_source
+from ..shape_sources import OBJECTS, ShapeSource, shape_source
 from .input_watch import InputWatch
 from .leftovers import watch_undo
+from .live_colors import KEPT_MATERIAL, are_alike, read_colors, write_colors
 from .live_scene import LiveScene
 from .running import running_live, set_running
 
@@ -86,8 +90,9 @@ class LiveSession:
             raise InputError("Another live morph is running; end it first.")
         self._request, self._clock = request, clock
         self._read = read_shapes(inputs, context.evaluated_depsgraph_get(), request.settings, request.options)
-        self._blends = self._blends_of(self._read)
-        sources = [shape_source(obj, request.options.get("grouping", OBJECTS)) for obj in inputs]
+        sources = self._sources_of(inputs)
+        self._looks = self._looks_of(sources, self._read)
+        self._blends = self._blends_of(self._read, self._looks)
         self.scene = LiveScene(context.scene, context.view_layer, sources, self._read.meshes)
         self.watch = InputWatch(sources)
         self.watch.register()
@@ -105,9 +110,15 @@ class LiveSession:
         watch_undo()
         set_running(self)
 
-    def _blends_of(self, read: ReadShapes) -> LiveBlends:
+    def _sources_of(self, inputs: Sequence[bpy.types.Object]) -> list[ShapeSource]:
+        return [shape_source(obj, self._request.options.get("grouping", OBJECTS)) for obj in inputs]
+
+    def _looks_of(self, sources: Sequence[ShapeSource], read: ReadShapes) -> tuple[Appearance, ...]:
+        return read_colors(sources, read.moves) if self._request.settings.carry else ()
+
+    def _blends_of(self, read: ReadShapes, looks: tuple[Appearance, ...]) -> LiveBlends:
         matching = unparted(len(read.meshes)) if read.labels is None else matched(read.labels, read.names)
-        shapes = LiveShapes(tuple(read.meshes), tuple(read.names), matching, tuple(read.guides))
+        shapes = LiveShapes(tuple(read.meshes), tuple(read.names), matching, tuple(read.guides), looks)
         request = self._request
         return LiveBlends(shapes, request.settings, request.live, clock=self._clock, motions=FOUND_MOTIONS)
 
@@ -246,15 +257,16 @@ class LiveSession:
         try:
             depsgraph = bpy.context.evaluated_depsgraph_get()
             read = read_shapes(self.watch.roots, depsgraph, request.settings, request.options)
+            looks = self._looks_of(self._sources_of(self.watch.roots), read)
             self.watch.note()
-            if _are_same(read.meshes, self._read.meshes):
+            if _are_same(read.meshes, self._read.meshes) and are_alike(looks, self._looks):
                 return
-            blends = self._blends_of(read)
+            blends = self._blends_of(read, looks)
         except InputError as error:
             self._freeze(error.sentence)
             return
         self._job.cancel(0.0)
-        self._read, self._blends = read, blends
+        self._read, self._looks, self._blends = read, looks, blends
         self._blends.point(pad_weights(self.count, *self.place))
         self._job = BackgroundJob(self._blends.work)
         self._fraction, self._shown_version, self._shown = 0.0, -1, None
@@ -280,8 +292,12 @@ class LiveSession:
             return None
         mesh = bpy.data.meshes.new("Blend")
         write_mesh(mesh, shown.mesh)
-        for material in live.data.materials:
-            mesh.materials.append(material)
+        if shown.colors is None:
+            for material in live.data.materials:
+                mesh.materials.append(material)
+        else:
+            write_colors(mesh, shown.colors)
+            mesh.materials.append(attribute_material(KEPT_MATERIAL, COLOR))
         obj = bpy.data.objects.new("Blend", mesh)
         obj.location, obj.color = shown.center, live.color
         live.users_scene[0].collection.objects.link(obj)
