@@ -168,6 +168,11 @@ class LiveSession:
         return self._frozen and self._shown is None
 
     @property
+    def is_solved(self) -> bool:
+        """Return whether the shown blend was solved completely."""
+        return self._shown is not None and self._shown.is_solved
+
+    @property
     def place(self) -> tuple[float, float]:
         """Position of the handle, across and up."""
         return self.scene.pad.place or (0.0, 0.0)
