@@ -138,7 +138,7 @@ def live_shape(text: str) -> list[bpy.types.Object]:
     source = parse_source(text)
     if source.path.suffix.lower() != BLEND or source.object_name is None:
         raise InputError(
-            "{text}: animation is followed of objects and collections in .blend files, as file.blend:NAME.", text=text
+            "{text}: only objects and collections of .blend files can be followed, given as file.blend:NAME.", text=text
         )
     names = [source.object_name]
     file = checked_file(source.path, names, (BLEND,))

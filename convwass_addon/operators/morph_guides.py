@@ -156,7 +156,7 @@ def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
         An object or vertex does not exist or is in another guide, or there are fewer than two points.
     """
     if len(guide.points) < 2:
-        raise InputError("A guide connects points of at least two shapes; mark the same point on another shape too.")
+        raise InputError("A guide connects points of at least two shapes; mark the same point on another shape, too.")
     for name, vertex in guide.points.items():
         obj = bpy.data.objects.get(name)
         if obj is None or obj.type != "MESH":

@@ -123,7 +123,7 @@ class CONVWASS_OT_retime_player(_OnPlayer, bpy.types.Operator):
 
 
 class CONVWASS_OT_update_player_speed(_OnPlayer, bpy.types.Operator):
-    """Key the speed of the player as its value goes now, for motion blur; needed after its curve was edited"""
+    """Key the speed of the player from its current value curve, for motion blur; needed after editing the curve"""
 
     bl_idname = "convwass.update_player_speed"
     bl_label = "Update Motion Blur"
@@ -152,7 +152,7 @@ class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
 
     rate: bpy.props.FloatProperty(
         name="Frame Rate",
-        description="Frames per second of what is made; they are shown in one scene frame after the other",
+        description="Frames per second of the new morph, which shows each of its frames for one scene frame",
         default=24.0,
         min=0.1,
         soft_max=120.0,

@@ -133,7 +133,7 @@ def test_the_bake_gives_the_first_mesh_keys_that_lead_to_the_second_shape(monkey
 
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [({"coherence": 0.2}, "does not arrive"), ({"inputs": "Word,Label"}, "is not a mesh")],
+    [({"coherence": 0.2}, "does not reach the other shape"), ({"inputs": "Word,Label"}, "is not a mesh")],
 )
 def test_shapes_that_cannot_share_a_mesh_are_refused(arguments, message):
     hook("First", 0.0)

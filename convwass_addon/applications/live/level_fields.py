@@ -153,7 +153,7 @@ class LevelField:
         """Create a field from its values, (nx, ny, nz) in a box; other parameters as for :meth:`of`."""
         values = values.astype(np.float16, copy=False)
         if not (values > 0).any():
-            raise InputError("A blend without a cell inside has no level field; use a finer resolution.")
+            raise InputError("A blend that fills no cell has no level field; use a finer resolution.")
         span = np.stack(bounding_box(values > np.float16(_LEAST_LEVEL)))
         return cls(box, values, float(volume), _cells_inside(values, 0.0), span)
 

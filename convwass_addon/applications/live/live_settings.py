@@ -25,7 +25,7 @@ class LiveSettings(Settings):
     live_memory: int = setting(
         512,
         "Memory",
-        "Most memory for the blends that are kept; where it does not do, the lattice of blends is coarser",
+        "Maximum memory for stored blends; if it is too small, the lattice of blends is coarser",
         least=1,
         soft_least=64,
         most=16_384,

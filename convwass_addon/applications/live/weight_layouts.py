@@ -84,7 +84,7 @@ def layout_of(count: int) -> WeightLayout:
     """
     layouts = {2: PathLayout(2), 3: TriangleLayout(), 4: SquareLayout()}
     if count not in layouts:
-        raise InputError("A live morph takes two, three or four shapes, not {count}.", count=count)
+        raise InputError("A live morph requires two, three or four shapes, not {count}.", count=count)
     return layouts[count]
 
 

@@ -47,11 +47,11 @@ class MorphSettings(Settings):
             Choice(
                 "automatic",
                 "Automatic",
-                "Guided where the shapes map onto each other, completed or replaced by Warp where they do not",
+                "Guided if the shapes match; otherwise completed or replaced by Warp",
             ),
             Choice("guided", "Guided", "Limbs swing: for poses, people, animals and other shapes of one build"),
-            Choice("warp", "Warp", "Shapes are drawn towards each other smoothly: for shapes of different build"),
-            Choice("transport", "Transport", "Mass takes the nearest free place, as in the paper"),
+            Choice("warp", "Warp", "Shapes bend smoothly towards each other: for shapes of different build"),
+            Choice("transport", "Transport", "Matter flows to the nearest free place, as in the paper"),
         ),
         note="Flat shapes are transported",
         panel="motion",
@@ -59,8 +59,7 @@ class MorphSettings(Settings):
     coherence: float = setting(
         0.5,
         "Coherence",
-        "How firmly shapes hold together: 0 is free transport, 0.5 moves them all of the way, and at 1 they are as "
-        "stiff as can be",
+        "How firmly shapes stay connected: 0 only transports, 0.5 moves them all the way, 1 keeps them stiffest",
         least=0.0,
         most=1.0,
         subtype="FACTOR",
@@ -69,14 +68,14 @@ class MorphSettings(Settings):
     detail: float | None = setting(
         None,
         "Detail",
-        "How much blends carry along of what the resolution cannot show: faces, wrinkles, sharp edges",
+        "How much detail beyond the resolution blends keep: faces, wrinkles, sharp edges",
         least=0.0,
         most=1.0,
         subtype="FACTOR",
         switch=Companion(
             "use_custom_detail",
             "Set Detail",
-            "Set how much detail blends carry along instead of all of it, or none with the motion Transport",
+            "Set the amount of detail; otherwise it is all, or none with the motion Transport",
             start=1.0,
         ),
         automatic="1, and 0 with the motion Transport, whose blends are those of the paper",

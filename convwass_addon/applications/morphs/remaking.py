@@ -90,7 +90,7 @@ class Remaking:
                 self._evened(chain, review.topology), 0.5 * done / len(chains), 0.5 * (done + 1) / len(chains)
             )
         yield from within(self._steadied(review.topology), 0.5, 1.0)
-        yield Progress(1.0, Sentence("Blends fit each other"))
+        yield Progress(1.0, Sentence("Blends match their neighbors"))
 
     def _evened(self, chain: Chain, topology: SteadyTopology) -> Work[None]:
         """Limit the distances between successive blends of a chain, until one is within its limit anyway.

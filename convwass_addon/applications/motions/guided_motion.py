@@ -254,7 +254,7 @@ def guided_motion(
         quality = map_quality(one, other, there, back).or_worse(map_quality(other, one, back, there))
         score = max(found.score, quality.confidence) if quality.is_beyond_doubt else found.score
         known[pair] = GuidedPair(quality, found.guides, len(found.pairs), score, found.score_without)
-    yield Progress(1.0, Sentence("The shapes know how to move"))
+    yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 
 
@@ -262,7 +262,7 @@ def _deformed(
     one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
 ) -> Work[tuple[ShapeDeformation, ShapeDeformation, PairMap]]:
     """Deform two shapes to match each other."""
-    message = Sentence("Laying {first} on {second}", {"first": one.name, "second": other.name})
+    message = Sentence("Registering {first} to {second}", {"first": one.name, "second": other.name})
     yield Progress(0.0, message)
     with one_blas_thread():
         grown = None if len(pairs) else grown_pair((one, other), control)

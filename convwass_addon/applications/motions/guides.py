@@ -34,7 +34,9 @@ def check_guides(guides: Sequence[Guide], shapes: Sequence[TriangleMesh], names:
                 "A guide names shape {shape}, but there are {count} shapes.", shape=unknown[0], count=len(shapes)
             )
         if len(guide) < 2:
-            raise InputError("A guide joins points of at least two shapes; mark the same point on another shape, too.")
+            raise InputError(
+                "A guide connects points of at least two shapes; mark the same point on another shape, too."
+            )
     for shape, (mesh, name) in enumerate(zip(shapes, names, strict=True)):
         vertices = [guide[shape] for guide in guides if shape in guide]
         # Paired with itself, so that messages about one shape appear once.

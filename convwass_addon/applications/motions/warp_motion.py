@@ -189,7 +189,7 @@ def warp_motion(
     for number, (i, j) in enumerate(wanted):
         begin, end = number / len(wanted), (number + _REGISTERED) / len(wanted)
         flows = yield from within(registered(solids[i], solids[j], effort.rounds, control), begin, end)
-        yield Progress(end, Sentence("Following the shapes"))
+        yield Progress(end, Sentence("Moving the shapes"))
         courses[i][j] = warped[i].course(flows.first, flows.second, control)
         courses[j][i] = warped[j].course(flows.second, flows.first, control)
         errors[i, j] = inverse_error(warped[i].nodes.positions, courses[i][j], flows, control)

@@ -67,7 +67,7 @@ def registered(
     flows = [StepFlow(rest.shape) for rest in rests]
     solved = None
     for turn in range(rounds):
-        yield Progress(turn / rounds, Sentence("Drawing the shapes together"))
+        yield Progress(turn / rounds, Sentence("Warping the shapes"))
         sigma, reach, width = (_annealed(ends, turn / (rounds - 1)) for ends in (_SIGMAS, _REACHES, _WIDTHS))
         masses = [np.clip(flow.carried(rest), 0.0, 1.0) for flow, rest in zip(flows, rests, strict=True)]
         met = meeting(*masses, Grid(rests[0].shape, sigma), reach, control, solved)

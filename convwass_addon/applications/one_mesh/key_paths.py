@@ -121,15 +121,15 @@ def key_paths(
     if len(shapes) < 2:
         raise InputError("Shape keys need a mesh and at least one shape for it to take.")
     if settings.way < 1.0:
-        raise InputError("With a coherence below 0.5 the mesh does not arrive; set it to 0.5 or more.")
+        raise InputError("With a coherence below 0.5, the mesh does not reach the other shape; set it to 0.5 or more.")
     outward = [orient_outward(shape) for shape in shapes]
     pairs = [(0, index) for index in range(1, len(shapes))]
     motion = yield from within(guided_motion(outward, names, pairs, settings, guides, control), 0.0, _GUIDED)
     for pair in pairs:
         if motion.pairs[pair].score < _LEAST_SCORE:
             raise InputError(
-                "{first} and {second} agree too little ({score:.0%}) for one mesh to take both shapes. Add guides: "
-                "points of both that belong together.",
+                "{first} and {second} match too poorly ({score:.0%}) for one mesh to take both shapes. "
+                "Add guides: corresponding points of both.",
                 first=names[0],
                 second=names[pair[1]],
                 score=motion.pairs[pair].score,
@@ -151,7 +151,7 @@ def paths_along(
     """
     found = []
     for index in range(1, len(shapes)):
-        message = Sentence("Drawing {first} onto {second}", {"first": names[0], "second": names[index]})
+        message = Sentence("Projecting {first} onto {second}", {"first": names[0], "second": names[index]})
         yield Progress((index - 1) / (len(shapes) - 1), message)
         way = _Way.of(motion, index, shapes[0], shapes[index], control)
         found.append(_path(way, names[index], motion.pairs[0, index].score, accuracy, control))

@@ -248,7 +248,7 @@ class LiveSession:
         lost = self.watch.lost
         if lost:
             names = ", ".join(lost)
-            self._freeze(Sentence("{names} was deleted; the live morph stays with what was found", {"names": names}))
+            self._freeze(Sentence("{names} was deleted; the live morph keeps the existing blends", {"names": names}))
         elif self.watch.may_have_changed:
             self.watch.note()
             self._changed_at = now
@@ -275,7 +275,7 @@ class LiveSession:
         self._blends.point(pad_weights(self.count, *self.place))
         self._job = BackgroundJob(self._blends.work)
         self._fraction, self._shown_version, self._shown = 0.0, -1, None
-        self._message = Sentence("The shapes have changed; blending anew")
+        self._message = Sentence("The shapes have changed; blending again")
 
     def kept_shape(self, patience: float) -> bpy.types.Object | None:
         """Create an object from the visible blend, solved completely if that takes at most this many seconds.

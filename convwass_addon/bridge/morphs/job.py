@@ -130,7 +130,7 @@ class MorphJob:
             The inputs are to be followed.
         """
         if self._follows:
-            raise InputError("--at makes blends of still inputs; leave out --follow.")
+            raise InputError("--at requires inputs at rest; leave out --follow.")
         work = between_frames(
             self._shapes,
             self._names,

@@ -72,7 +72,7 @@ class MorphRequest(Settings):
         "Inputs",
         "How animated shapes are used",
         choices=(
-            Choice("BAKE_FRAME", "At Bake Frame", "As they are in the current frame"),
+            Choice("BAKE_FRAME", "At Bake Frame", "In their state at the current frame"),
             Choice(
                 "FOLLOW", "Follow Animation", "Every blend uses the shapes of its own frame; the ends stay animated"
             ),

@@ -29,10 +29,10 @@ class Retiming(Settings):
         "Timing of the value between shapes",
         choices=(
             Choice("LINEAR", "Linear", "At constant speed"),
-            Choice("EASE", "Ease", "Slow away from every shape and slow into the next"),
-            Choice("HOLD", "Hold", "Ease, and stand still at every shape"),
+            Choice("EASE", "Ease", "Ease out of every shape and into the next"),
+            Choice("HOLD", "Hold", "Ease, and pause at every shape"),
             Choice("BOUNCE", "Bounce", "Fall into every shape and bounce back from it, less each time"),
-            Choice("SLOW_MOTION", "Slow Motion", "At constant speed, and slowly about the moment that is seen now"),
+            Choice("SLOW_MOTION", "Slow Motion", "At constant speed, but slowly around the current moment"),
             Choice("BACK_AND_FORTH", "Back and Forth", "Ease to the last shape and back to the first"),
         ),
     )
@@ -41,7 +41,7 @@ class Retiming(Settings):
         24, "Hold", "Scene frames for which every shape is shown unchanged", least=0, most=10_000, soft_most=250
     )
     slowness: float = setting(
-        10.0, "Slowness", "How many times slower slow motion is", least=1.0, most=1000.0, soft_most=20.0
+        10.0, "Slowness", "Factor by which slow motion is slower", least=1.0, most=1000.0, soft_most=20.0
     )
 
 

@@ -69,7 +69,7 @@ def test_fields_are_the_same_in_a_larger_box():
 
 
 def test_a_field_without_a_cell_inside_is_refused():
-    with pytest.raises(InputError, match="without a cell inside"):
+    with pytest.raises(InputError, match="fills no cell"):
         LevelField.of(np.full((3, 3, 3), 0.2), (0, 2, 0), 0.5, 1.0, BOX)
 
 
