@@ -79,7 +79,14 @@ def density_at(
     """Solve the application's barycenter at t from a cold start."""
     weights = (1.0 - t, t)
     grid, sharpness = lattice.grid(settings.sigma), settings.sharpness_at(weights)
-    return barycenter(densities, weights, grid, sharpness=sharpness, tolerance=settings.stopping_error).density
+    return barycenter(
+        densities,
+        weights,
+        grid,
+        sharpness=sharpness,
+        tolerance=settings.stopping_error,
+        debias_tolerance=settings.debias_stopping_error_at(weights),
+    ).density
 
 
 def surface_at(

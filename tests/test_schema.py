@@ -326,8 +326,7 @@ def option_help(command, option):
 
 
 def test_the_documented_tolerance_is_the_one_used():
-    usual, crisp = MorphSettings().stopping_error, MorphSettings(sharpness=1.0).stopping_error
-    told = f"{usual:g}, falling to {crisp:g} where"
+    told = f"{MorphSettings().stopping_error:g}, and less for the debiasing density"
     assert told in MorphSettings.__doc__
     assert told in option_help("morph", "--tolerance")
 

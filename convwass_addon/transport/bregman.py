@@ -128,7 +128,7 @@ class BregmanIteration:
         self._geometric_mean()
         self._normalize()
         before = self.marginal_error
-        self.marginal_error = max(self._marginal_error(i) for i in range(len(self.alphas)))
+        self.marginal_error = float(self.alphas @ [self._marginal_error(i) for i in range(len(self.alphas))])
         if self.marginal_error > _STALLED * before:
             self._relaxation = min(self._relaxation, 1.0)
         self._project_on_common()
@@ -309,15 +309,6 @@ class BregmanIteration:
     def grow(self, cells: int) -> None:
         """Continue on a larger region."""
         self._enter(self.potentials().on(self.region.grown(cells)))
-
-    @property
-    def error(self) -> float:
-        """The larger of the marginal error and the error of d, since mu lags behind d even when the marginals agree.
-
-        The error of d is measured before the step that :meth:`settle` takes. After a start nearby, twice as large an
-        error of d would be acceptable; after a distant one it has the size of cells and shows as jagged creases.
-        """
-        return max(self.marginal_error, self.debias_error)
 
     @property
     def mass(self) -> float:

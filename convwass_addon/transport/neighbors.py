@@ -29,6 +29,7 @@ def barycenter_between(
     entropy_limit: Literal["max"] | float | None = None,
     reach: float | None = None,
     tolerance: float = 1e-2,
+    debias_tolerance: float | None = None,
     max_iterations: int = 100,
     numerics: Literal["automatic", "scaling"] = "automatic",
     control: Control = UNINTERRUPTED,
@@ -48,7 +49,7 @@ def barycenter_between(
         Their inputs.
     sharpness : float, optional
         By default interpolated as well.
-    entropy_limit, reach, tolerance, max_iterations, numerics, control
+    entropy_limit, reach, tolerance, debias_tolerance, max_iterations, numerics, control
         As for :func:`barycenter`.
 
     Raises
@@ -72,6 +73,7 @@ def barycenter_between(
         reach=reach,
         initial=replace(first, levels=(mixed,)),
         tolerance=tolerance,
+        debias_tolerance=debias_tolerance,
         max_iterations=max_iterations,
         numerics=numerics,
         control=control,
@@ -87,6 +89,7 @@ def barycenter_from_neighbor(
     entropy_limit: Literal["max"] | float | None = None,
     reach: float | None = None,
     tolerance: float = 1e-2,
+    debias_tolerance: float | None = None,
     max_iterations: int = 500,
     numerics: Literal["automatic", "scaling"] = "automatic",
     control: Control = UNINTERRUPTED,
@@ -104,7 +107,7 @@ def barycenter_from_neighbor(
         The new weights.
     inputs : Inputs
         Its inputs.
-    sharpness, entropy_limit, reach, tolerance, max_iterations, numerics, control
+    sharpness, entropy_limit, reach, tolerance, debias_tolerance, max_iterations, numerics, control
         As for :func:`barycenter`.
 
     Raises
@@ -116,6 +119,7 @@ def barycenter_from_neighbor(
     options = {
         "entropy_limit": entropy_limit,
         "tolerance": tolerance,
+        "debias_tolerance": debias_tolerance,
         "max_iterations": max_iterations,
         "numerics": numerics,
         "control": control,

@@ -136,15 +136,16 @@ def test_only_automatic_sharpness_rises_towards_the_ends():
     assert MorphSettings(motion="transport", sharpness=0.0).sharpness_at((0.001, 0.999)) == 0.0
 
 
-def test_the_automatic_tolerance_is_smaller_where_full_sharpness_is_asked_for():
-    assert (
-        MorphSettings(motion="transport").stopping_error
-        == MorphSettings(motion="transport", sharpness=0.9).stopping_error
-        == 0.01
-    )
-    assert MorphSettings(motion="transport", sharpness=1.0).stopping_error == pytest.approx(0.001)
-    assert MorphSettings(motion="transport", sharpness=0.96).stopping_error < 0.01
-    assert MorphSettings(motion="transport", sharpness=1.0, tolerance=0.05).stopping_error == 0.05
+def test_the_dial_of_sharpness_ends_where_blends_converge():
+    """What the kernel hides of the errors of the debiasing density is 1 / (1 - sharpness) times what it shows."""
+    half = (0.5, 0.5)
+    usual, crisp, full = (MorphSettings(motion="transport", sharpness=sharpness) for sharpness in (None, 0.9, 1.0))
+    assert crisp.sharpness_at(half) == 0.9
+    assert full.sharpness_at(half) == MorphSettings(motion="transport").sharpness_at((0.001, 0.999)) == 0.95
+    assert usual.stopping_error == full.stopping_error == usual.debias_stopping_error_at(half) == 0.01
+    assert full.debias_stopping_error_at(half) == pytest.approx(0.002)
+    asked = MorphSettings(motion="transport", sharpness=1.0, tolerance=0.05)
+    assert asked.stopping_error == asked.debias_stopping_error_at(half) == 0.05
 
 
 def test_progress_never_goes_back_and_ends_at_one():

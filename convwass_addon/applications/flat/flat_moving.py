@@ -13,7 +13,7 @@ from scipy.ndimage import gaussian_filter
 
 from ...geometry.coverage import coverage
 from ...progress import Control
-from ..morphs.blend_solver import BlendSolver
+from ..morphs.blend_solver import ALONE, BlendSolver
 from ..morphs.coinciding_solids import CoincidingSolids
 from ..morphs.layouts import Blend
 from ..morphs.moved_room import room_of_moved
@@ -80,7 +80,7 @@ class FlatMovingProblem:
             return coinciding_frame(self.still, blend, solids, self._origins(blend, moved, filled, None))
         problem = self._problem_of(blend, filled, active)
         alone = Blend(tuple(blend.weights[index] for index in active))
-        solved = BlendSolver(problem.transport, control).solve(alone, problem.blend_areas(alone))
+        solved = BlendSolver(problem.transport, control, ALONE).solve(alone, problem.blend_areas(alone))
         transported = FlatOrigins.of(problem, solved) if self.still.settings.carry else None
         origins = self._origins(blend, moved, filled, transported)
         return surfaced_frame(self.still, replace(solved, blend=blend), origins, solids)

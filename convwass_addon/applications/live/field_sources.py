@@ -16,7 +16,7 @@ from scipy.ndimage import affine_transform
 from ...geometry.isosurface import surface_enclosing
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
-from ..morphs.blend_solver import BlendSolver, SolvedBlend
+from ..morphs.blend_solver import ALONE, BlendSolver, SolvedBlend
 from ..morphs.extraction import LevelDensity, estimated_level_density, level_density
 from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphProblem
@@ -181,7 +181,7 @@ class MovingSource:
             volume = float(volumes.sum())
             surface = surface_enclosing(moved.solids.density, volume)
             return LevelDensity(moved.solids.density, np.zeros(3, np.int64), surface.level, volume)
-        merged = BlendSolver(moved.problem.transport, control).solve(moved.blend, volumes).merged()
+        merged = BlendSolver(moved.problem.transport, control, ALONE).solve(moved.blend, volumes).merged()
         return level_density(merged.density, merged.volume, self._problem.still.settings, moved.solids)
 
 

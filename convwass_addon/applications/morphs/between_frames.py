@@ -269,6 +269,7 @@ def _solve_from(
         "entropy_limit": limit,
         "reach": settings.reach,
         "tolerance": settings.stopping_error,
+        "debias_tolerance": settings.debias_stopping_error_at(place.blend.weights),
         # As in a bake, an automatic blur is widened instead of continuing in logarithms.
         "numerics": "scaling" if settings.blur is None else "automatic",
         "control": control,

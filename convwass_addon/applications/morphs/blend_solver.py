@@ -20,9 +20,13 @@ from .transport_problem import MorphPart, TransportProblem
 
 # Factor by which the automatic blur grows if it is too narrow for float64.
 _WIDEN = 1.25
-# The errors of a distant start decay slowly. A blend further than this from the one it starts from is solved to half of
-# the automatic tolerance, and one without a start to this fraction (docs/performance.md, "Few frames").
-_FAR, _FROM_AFAR, _FROM_NOTHING = 1.0 / 12.0, 0.5, 0.7
+# The errors of a distant start decay slowly, and have the opposite sign of those without a start. A blend further than
+# this from the one it starts from, and one without a start, are solved to this fraction of the automatic tolerance
+# (docs/performance.md, "Few frames").
+_FAR, _FROM_AFAR, _FROM_NEAR, _FROM_NOTHING = 1.0 / 12.0, 0.35, 0.4, 0.3
+
+ALONE = 0.7
+"""Fraction of the automatic tolerance for blends that are all solved without a start, so that they do not differ."""
 
 
 @dataclass(frozen=True)
@@ -101,11 +105,15 @@ class BlendSolver:
         The shapes and the settings.
     control : Control
         Ends the solve when cancelled.
+    from_nothing : float
+        Fraction of the automatic tolerance for a blend without a start.
     """
 
-    def __init__(self, problem: TransportProblem, control: Control = UNINTERRUPTED) -> None:
+    def __init__(
+        self, problem: TransportProblem, control: Control = UNINTERRUPTED, from_nothing: float = _FROM_NOTHING
+    ) -> None:
         self._problem = problem
-        self._parts = [_PartSolver(part, problem, control) for part in problem.parts]
+        self._parts = [_PartSolver(part, problem, control, from_nothing) for part in problem.parts]
 
     def branched(self) -> BlendSolver:
         """Return another solver whose next blend starts from the same blend."""
@@ -129,8 +137,9 @@ class BlendSolver:
 class _PartSolver:
     """Solves one part of successive blends, starting from previous solutions."""
 
-    def __init__(self, part: MorphPart, problem: TransportProblem, control: Control) -> None:
+    def __init__(self, part: MorphPart, problem: TransportProblem, control: Control, from_nothing: float) -> None:
         self._inputs = part.inputs
+        self._from_nothing = from_nothing
         self._lattice = problem.lattice
         self._settings = problem.settings
         self._control = control
@@ -200,12 +209,14 @@ class _PartSolver:
     ) -> Barycenter:
         sigma = inputs.domain.sigma
         initial = self._last if sigma == self.sigma else None
+        share = self._share(blend, initial)
         options = {
             "sharpness": self._settings.sharpness_at(blend.weights),
             "entropy_limit": limit,
             "reach": self._settings.reach,
             "initial": initial,
-            "tolerance": self._tolerance(blend, initial),
+            "tolerance": share * self._settings.stopping_error,
+            "debias_tolerance": share * self._settings.debias_stopping_error_at(blend.weights),
             "max_iterations": self._settings.max_iterations,
             "numerics": numerics,
             "control": self._control,
@@ -214,12 +225,11 @@ class _PartSolver:
         self._last, self.sigma = solved, sigma
         return solved
 
-    def _tolerance(self, blend: Blend, initial: Barycenter | None) -> float:
-        """Return the tolerance of the settings; an automatic one is tighter for a distant start."""
-        asked = self._settings.stopping_error
+    def _share(self, blend: Blend, initial: Barycenter | None) -> float:
+        """Return the fraction of the tolerances to solve to: less than 1 for automatic ones and a distant start."""
         if self._settings.tolerance is not None:
-            return asked
+            return 1.0
         if initial is None:
-            return asked * _FROM_NOTHING
+            return self._from_nothing
         moved = float(np.abs(initial.weights - np.asarray(blend.weights)).sum()) / 2.0
-        return asked * (_FROM_AFAR if moved > _FAR else 1.0)
+        return _FROM_AFAR if moved > _FAR else _FROM_NEAR

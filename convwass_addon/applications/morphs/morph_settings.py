@@ -18,8 +18,12 @@ _CRISP_FROM = 0.85
 # Automatic blur: one cell, but no narrower than float64 permits across a grid. With one cell of a hundred, frames next
 # to a distant shape exceed its range; with 1.25 none did. Other pairs widen it automatically (`blend_solver`).
 _CELLS_PER_BLUR = 80.0
-# The automatic tolerance, that for full sharpness, and the sharpness from which it falls to the latter.
-_TOLERANCE, _CRISP_TOLERANCE, _SLOW_FROM = 1e-2, 1e-3, 0.9
+# With a sharpness s, errors that the kernel blurs away fall by 1 - s a round: near 1 they never do, and wrinkles stay
+# (docs/performance.md, "Sharpness").
+_SHARPEST = 0.95
+# The automatic tolerance. That of the debiasing density falls with 1 - s beyond the automatic sharpness, because the
+# errors that the kernel does not show grow as much.
+_TOLERANCE = 1e-2
 # At a locality of one half, mass moves a quarter of the longest side, and at least this many cells.
 _REACHES = 4.0
 _LEAST_REACH = 1.0
@@ -85,18 +89,19 @@ class MorphSettings(Settings):
     sharpness: float | None = setting(
         None,
         "Sharpness",
-        "0 is smooth and may melt details, 1 is crisp and may tear",
+        "0 is smooth and may melt details, 1 is crisp and may tear; more than 0.95 counts as 0.95, because beyond that "
+        "blends wrinkle and never converge",
         least=0.0,
         most=1.0,
         subtype="FACTOR",
         switch=Companion(
             "use_custom_sharpness",
             "Set Sharpness",
-            "Set one sharpness for all frames instead of 0.75, rising to 1 close to the original shapes",
+            "Set one sharpness for all frames instead of 0.75, rising to 0.95 close to the original shapes",
             start=_SHARPNESS,
         ),
-        automatic=f"{_SHARPNESS:g}, rising to 1 close to the original shapes",
-        note="0 is the paper's barycenter, 1 the debiased one",
+        automatic=f"{_SHARPNESS:g}, rising to {_SHARPEST:g} close to the original shapes",
+        note="0 is the paper's barycenter, 1 would be the debiased one",
         panel="solver",
     )
     blur: float | None = setting(
@@ -204,12 +209,11 @@ class MorphSettings(Settings):
     tolerance: float | None = setting(
         None,
         "Tolerance",
-        "Marginal error at which a blend is done, which is that of the debiasing density too",
+        "Errors of the marginals and of the debiasing density at which a blend is done",
         least=0.0,
         most=1.0,
         open_ends=True,
-        automatic=f"{_TOLERANCE:g}, falling to {_CRISP_TOLERANCE:g} where a sharpness of more than {_SLOW_FROM:g} is "
-        "set",
+        automatic=f"{_TOLERANCE:g}, and less for the debiasing density of blends that are sharper than {_SHARPNESS:g}",
         prop=None,
     )
     max_iterations: int = setting(
@@ -274,14 +278,17 @@ class MorphSettings(Settings):
     def sharpness_at(self, weights: Sequence[float]) -> float:
         """Sharpness of the blend with these weights, after the automatic choice."""
         if self.sharpness is not None:
-            return self.sharpness
+            return min(self.sharpness, _SHARPEST)
         near = np.clip((max(weights) - _CRISP_FROM) / (1.0 - _CRISP_FROM), 0.0, 1.0)
-        return float(_SHARPNESS + (1.0 - _SHARPNESS) * near**2 * (3.0 - 2.0 * near))
+        return min(float(_SHARPNESS + (1.0 - _SHARPNESS) * near**2 * (3.0 - 2.0 * near)), _SHARPEST)
 
     @property
     def stopping_error(self) -> float:
-        """The tolerance, after the automatic choice."""
+        """The tolerance of the marginals, with the automatic choice made."""
+        return _TOLERANCE if self.tolerance is None else self.tolerance
+
+    def debias_stopping_error_at(self, weights: Sequence[float]) -> float:
+        """Tolerance of the debiasing density of the blend with these weights, after the automatic choice."""
         if self.tolerance is not None:
             return self.tolerance
-        crisp = 0.0 if self.sharpness is None else max(self.sharpness - _SLOW_FROM, 0.0) / (1.0 - _SLOW_FROM)
-        return _TOLERANCE * (_CRISP_TOLERANCE / _TOLERANCE) ** crisp
+        return _TOLERANCE * min((1.0 - self.sharpness_at(weights)) / (1.0 - _SHARPNESS), 1.0)

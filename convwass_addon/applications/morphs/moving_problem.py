@@ -18,7 +18,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...progress import UNINTERRUPTED, Control
 from ..motions.motion import Motion, MovedShape
-from .blend_solver import BlendSolver
+from .blend_solver import ALONE, BlendSolver
 from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
 from .demands import Demand
@@ -152,7 +152,7 @@ class MovingProblem:
         if moved.coincides:
             solved = self._coinciding(problem, alone, solids)
         else:
-            solver = BlendSolver(problem.transport, control)
+            solver = BlendSolver(problem.transport, control, ALONE)
             solved = surfaced_frame(problem, solver.solve(alone, problem.transport.blend_volumes(alone)), solids)
         surface = self._placed(problem, solved, shapes, occupancies, solids, control)
         mesh, places = surface.mesh, surface.places
