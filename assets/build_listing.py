@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw what the extension platform shows: ``PYTHONPATH=. python assets/build_listing.py``, some minutes.
+"""Draw the pictures for the extension platform: ``PYTHONPATH=. python assets/build_listing.py``, some minutes.
 
-A horse leaps and becomes a dove: the way there is listing/featured.png, a horse with wings listing/icon.png.
+A leaping horse becomes a dove: all frames are in listing/featured.png, one of them in listing/icon.png.
 """
 
 from __future__ import annotations
@@ -24,14 +24,14 @@ _ASSETS = Path(__file__).resolve().parent
 _FRAMES, _RESOLUTION = 5, 160
 # A horse with wings.
 _ICON_FRAME = 1
-# Linear colors on the way, none of them gray in between.
+# Linear colors of the frames; interpolations between them are not gray.
 _COLORS = ((0.86, 0.21, 0.05), (0.80, 0.10, 0.14), (0.45, 0.08, 0.42), (0.12, 0.14, 0.75), (0.02, 0.32, 0.86))
 _NIGHT = (0.012, 0.014, 0.035)
 
 
 @dataclass(frozen=True)
 class Lamp:
-    """A soft light: what it looks from and at, (3,) each, its power in watts, its edge and its color."""
+    """A soft light: position and target, (3,) each, power in watts, edge length, and color."""
 
     place: tuple[float, float, float]
     target: tuple[float, float, float]
@@ -50,7 +50,7 @@ def main() -> None:
 
 
 def _baked() -> list[bpy.types.Mesh]:
-    """Return the meshes on the way from the horse to the dove, ends included."""
+    """Return the frames from the horse to the dove, including both."""
     inputs = [import_objects(_ASSETS / "shapes" / f"{name}.ply", None)[0] for name in ("horse", "bird")]
     bpy.context.view_layer.objects.active = inputs[0]
     for obj in inputs:
@@ -71,7 +71,7 @@ def _baked() -> list[bpy.types.Mesh]:
 
 
 def _featured_scene(meshes: list[bpy.types.Mesh]) -> bpy.types.Scene:
-    """Set the whole way up, rising from the floor."""
+    """Arrange all frames, rising from the floor."""
     scene = _dark_scene("Featured")
     count = len(meshes)
     for place, mesh in enumerate(meshes):
@@ -79,7 +79,7 @@ def _featured_scene(meshes: list[bpy.types.Mesh]) -> bpy.types.Scene:
         obj = _figure(scene, mesh, _color(share))
         across = 1.95 * (place - 0.5 * (count - 1))
         low = min((obj.matrix_world @ vertex.co).z for vertex in mesh.vertices)
-        # Off the ground from the second on, higher and higher, and nearer.
+        # From the second frame on, increasingly high and near.
         obj.matrix_world = Matrix.Translation((across, -3.6 * share, 2.9 * share**1.3 - low)) @ obj.matrix_world
     _backdrop(scene)
     for lamp in (
@@ -94,7 +94,7 @@ def _featured_scene(meshes: list[bpy.types.Mesh]) -> bpy.types.Scene:
 
 
 def _icon_scene(mesh: bpy.types.Mesh) -> bpy.types.Scene:
-    """Set up one shape alone, on nothing, in the colors of both ends."""
+    """Arrange a single shape without a floor, in the colors of both ends."""
     scene = _dark_scene("Icon")
     scene.render.film_transparent = True
     scene.render.image_settings.color_mode = "RGBA"
@@ -114,12 +114,12 @@ def _icon_scene(mesh: bpy.types.Mesh) -> bpy.types.Scene:
 
 
 def _dark_scene(name: str) -> bpy.types.Scene:
-    """Make an empty scene at night, for Cycles."""
+    """Create an empty dark scene for Cycles."""
     scene = bpy.data.scenes.new(name)
     scene.render.engine = "CYCLES"
     scene.cycles.device = "CPU"
     scene.render.image_settings.color_mode = "RGB"
-    # The file is to tell nothing of where and when it was made.
+    # The file must not contain the place and time of its creation.
     for name in (prop.identifier for prop in scene.render.bl_rna.properties):
         if name.startswith("use_stamp_"):
             setattr(scene.render, name, False)
@@ -134,7 +134,7 @@ def _dark_scene(name: str) -> bpy.types.Scene:
 
 
 def _figure(scene: bpy.types.Scene, mesh: bpy.types.Mesh, color: NDArray[np.float64]) -> bpy.types.Object:
-    """Bring a mesh into a scene, turned a little to the viewer, in a linear color, (3,)."""
+    """Add a mesh to a scene, rotated slightly towards the viewer, in a linear color, (3,)."""
     obj = bpy.data.objects.new(mesh.name, mesh)
     scene.collection.objects.link(obj)
     if len(mesh.vertices) < 10_000:
@@ -156,13 +156,13 @@ def _figure(scene: bpy.types.Scene, mesh: bpy.types.Mesh, color: NDArray[np.floa
 
 
 def _color(share: float) -> NDArray[np.float64]:
-    """Return the color at a share of the way, linear, (3,)."""
+    """Return the color at a fraction of the path, linear, (3,)."""
     places = np.linspace(0.0, 1.0, len(_COLORS))
     return np.array([np.interp(share, places, channel) for channel in zip(*_COLORS, strict=True)])
 
 
 def _shade_across(mesh: bpy.types.Mesh) -> None:
-    """Color a mesh from its lowest corner to its highest as the way from one end to the other."""
+    """Color a mesh from its lowest to its highest corner with the colors of the path."""
     points = np.array([vertex.co for vertex in mesh.vertices])
     along = points @ (-0.75, 0.0, 1.0)
     share = (along - along.min()) / np.ptp(along)
@@ -176,7 +176,7 @@ def _shade_across(mesh: bpy.types.Mesh) -> None:
 
 
 def _backdrop(scene: bpy.types.Scene) -> None:
-    """Put up a floor that bends into a wall, matte."""
+    """Add a matte floor that curves into a wall."""
     turns = np.linspace(0.0, 0.5 * math.pi, 33)
     profile = [(-40.0, 0.0), *((4.0 + 7.0 * math.sin(t), 7.0 - 7.0 * math.cos(t)) for t in turns), (11.0, 60.0)]
     vertices = [(x, y, z) for y, z in profile for x in (-90.0, 90.0)]
@@ -212,12 +212,12 @@ def _look(scene: bpy.types.Scene, place: tuple[float, ...], target: tuple[float,
 
 
 def _aim(obj: bpy.types.Object, place: Vector, target: Vector) -> None:
-    """Put a camera or a lamp somewhere, looking at a point."""
+    """Place a camera or a lamp, aimed at a point."""
     obj.matrix_world = Matrix.Translation(place) @ (place - target).to_track_quat("Z", "Y").to_matrix().to_4x4()
 
 
 def _render(scene: bpy.types.Scene, size: tuple[int, int], samples: int, name: str) -> None:
-    """Render listing/NAME.png with so many light paths per pixel, which are then denoised."""
+    """Render listing/NAME.png with this many samples per pixel, and denoise it."""
     render = scene.render
     render.resolution_x, render.resolution_y = size
     scene.cycles.samples = samples

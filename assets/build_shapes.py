@@ -5,8 +5,8 @@
     PYTHONPATH=. python assets/build_shapes.py [name ...]
 
 Needs bpy, numpy, scipy and scikit-image. Every shape is a closed surface that stands on z = 0 and is 2 units long at
-its longest, except that two poses of one body have one scale; animals look along +X, people along -Y, from where
-letters are read. The shapes themselves are dedicated to the public domain
+its longest, except that two poses of one body have the same scale; animals face +X, people face -Y, from where
+letters are readable. The shapes are dedicated to the public domain
 (CC0 1.0), see README.md in this folder.
 """
 
@@ -218,7 +218,7 @@ def knot() -> Clay:
 
 
 def double_torus() -> Clay:
-    """Sculpt two rings grown together, each turned a little out of their common plane."""
+    """Sculpt two joined rings, each rotated slightly out of their common plane."""
     clay = Clay((-1.3, -0.8, -0.95), (1.3, 0.8, 0.95), 0.018)
     angle = np.linspace(0, 2 * np.pi, 32, endpoint=False)
     for side in (-1, 1):
@@ -316,9 +316,9 @@ def letter_b() -> Clay:
 
 @dataclass(frozen=True)
 class Recipe:
-    """What sculpts a shape, what topology comes of it, how far it is reduced, and how often it is then evened out.
+    """The function that sculpts a shape, its expected topology, its number of triangles, and rounds of smoothing.
 
-    Evening out makes plain round bodies shine without dents, but wears off feathers and hooves.
+    Smoothing removes dents from round bodies, but also wears off feathers and hooves.
     """
 
     sculpt: Callable[[], Clay]
@@ -336,7 +336,7 @@ class Recipe:
 
 @dataclass(frozen=True)
 class PoseRecipe:
-    """A body of the benchmarks in one of its poses, with vertices of its own."""
+    """A body of the benchmarks in one of its poses, with its own vertices."""
 
     sculpture: Sculpture
     triangles: int = 5400
@@ -387,7 +387,7 @@ def reduced(vertices: np.ndarray, triangles: np.ndarray, count: int) -> tuple[np
 
 
 def placed(vertices: np.ndarray) -> np.ndarray:
-    """Scale to the longest side, center in x and y, and put on the ground."""
+    """Scale to the longest side, center in x and y, and place on the ground."""
     low, high = vertices.min(0), vertices.max(0)
     origin = np.array([*(low + high)[:2] / 2, low[2]])
     return (vertices - origin) * (LONGEST_SIDE / (high - low).max())
@@ -411,7 +411,7 @@ def checked_genus(vertices: np.ndarray, triangles: np.ndarray) -> tuple[int, int
     Raises
     ------
     ValueError
-        Where the surface is open, not a manifold, or inside out.
+        The surface is open, not a manifold, or inside out.
     """
     halves = np.vstack([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]).astype(np.int64)
     key = halves[:, 0] * len(vertices) + halves[:, 1]

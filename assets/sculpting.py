@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Solids described by signed distances, and the block of clay that they are added to and carved from.
+"""Solids as signed distance functions, and a grid to which they are added or from which they are carved.
 
 A `Solid` is a function of coordinates that is negative inside, together with a box around it. `Clay` keeps the combined
-field on a regular grid; adding a solid touches only the part of the grid that it can reach, so fine grids stay quick.
+field on a regular grid; adding a solid changes only the part of the grid that it can reach, so fine grids are fast.
 
 The distance to an ellipsoid, the smooth minimum and the extrusion follow Inigo Quilez, "Distance functions" and
 "Smooth minimum", https://iquilezles.org/articles/.
@@ -36,7 +36,7 @@ class Solid:
 
 
 def smooth_minimum(first: Field, second: Field, blend: float) -> Field:
-    """Minimum of two fields, rounded where they differ by less than `blend`."""
+    """Return the minimum of two fields, rounded where they differ by less than `blend`."""
     if blend == 0:
         return np.minimum(first, second)
     overlap = np.maximum(blend - np.abs(first - second), 0) / blend
@@ -44,13 +44,13 @@ def smooth_minimum(first: Field, second: Field, blend: float) -> Field:
 
 
 def rounded_intersection(first: Field, second: Field) -> Field:
-    """Where both fields are negative, with the exact distance outside the corner between them."""
+    """Return the intersection of two fields, with the exact distance outside the corner between them."""
     outside = np.sqrt(np.maximum(first, 0) ** 2 + np.maximum(second, 0) ** 2)
     return outside + np.minimum(np.maximum(first, second), 0)
 
 
 def spline(points: np.ndarray, steps: int, closed: bool = False) -> np.ndarray:
-    """Catmull-Rom curve through the rows of `points`, `steps` pieces between two of them."""
+    """Return the Catmull-Rom curve through the rows of `points`, with `steps` pieces between two of them."""
     before, after = (points[-1], points[:2]) if closed else (2 * points[0] - points[1], 2 * points[-1] - points[-2])
     padded = np.vstack([before, points, after])
     t = np.linspace(0, 1, steps, endpoint=False)[:, None]
@@ -61,7 +61,7 @@ def spline(points: np.ndarray, steps: int, closed: bool = False) -> np.ndarray:
 
 
 def ellipsoid(center: Point, radii: Point, forward: Point = (1, 0, 0)) -> Solid:
-    """Ellipsoid whose first axis points `forward`, its second staying level."""
+    """Return an ellipsoid whose first axis points `forward` and whose second axis is horizontal."""
     center, radii = np.asarray(center, float), np.asarray(radii, float)
     along = np.asarray(forward, float) / np.linalg.norm(forward)
     level = np.cross([0, 0, 1], along)
@@ -98,7 +98,7 @@ def tube(points: Sequence[Point], radii: Sequence[float], steps: int = 6, closed
 
 
 def ribbon(points: Sequence[Point], widths: Sequence[float], thickness: Sequence[float], across: Point) -> Solid:
-    """Tube of elliptical section: half-widths in the direction `across`, half-heights `thickness` square to it."""
+    """Return a tube of elliptical section: half-widths in the direction `across`, half-heights perpendicular to it."""
     rows = spline(np.column_stack([np.asarray(points, float), widths, thickness]), 5)
     path = rows[:, :3]
     across = np.asarray(across, float)
@@ -131,7 +131,7 @@ def ribbon(points: Sequence[Point], widths: Sequence[float], thickness: Sequence
 
 
 def frustum(start: Point, end: Point, radii: tuple[float, float], edge: float) -> Solid:
-    """Cone cut flat at `start` and `end`, where it has the two radii; its rims rounded with radius `edge`."""
+    """Return a truncated cone from `start` to `end` with these radii; its rims are rounded with radius `edge`."""
     start, end = np.asarray(start, float), np.asarray(end, float)
     length = np.linalg.norm(end - start)
     along = (end - start) / length
@@ -150,7 +150,7 @@ def frustum(start: Point, end: Point, radii: tuple[float, float], edge: float) -
 
 
 def extruded(strokes: Sequence[Solid], half_depth: float, edge: float, blend: float) -> Solid:
-    """Strokes drawn in the plane y = 0 and joined over `blend`, twice `half_depth` deep, edges of radius `edge`."""
+    """Return strokes in the plane y = 0, joined over `blend`, extruded by `half_depth` both ways, edges rounded."""
 
     def distance(x: Field, y: Field, z: Field) -> Field:
         flat = np.float32(REACH)
@@ -165,14 +165,14 @@ def extruded(strokes: Sequence[Solid], half_depth: float, edge: float, blend: fl
 
 
 def both_sides(solid: Solid) -> Solid:
-    """Join the solid, which lies on the side y > 0, with its mirror image."""
+    """Return the union of a solid at y > 0 and its mirror image."""
     low, high = solid.low.copy(), solid.high.copy()
     low[1] = -high[1]
     return Solid(lambda x, y, z: solid.distance(x, np.abs(y), z), low, high)
 
 
 class Clay:
-    """A field on a regular grid, negative inside what has been added so far."""
+    """A field on a regular grid, negative inside the solids added so far."""
 
     def __init__(self, low: Point, high: Point, spacing: float) -> None:
         self.spacing = spacing
@@ -180,31 +180,31 @@ class Clay:
         self.field = np.full([len(axis) for axis in self.axes], REACH, np.float32)
 
     def add(self, solid: Solid, blend: float = 0.0) -> Clay:
-        """Add a solid, its joint rounded over about `blend`."""
+        """Add a solid; the joint is rounded over about `blend`."""
         window, distance = self._evaluate(solid)
         self.field[window] = smooth_minimum(self.field[window], distance, blend)
         return self
 
     def carve(self, solid: Solid, blend: float = 0.0) -> Clay:
-        """Take a solid away, the rim rounded over about `blend`."""
+        """Remove a solid; the rim is rounded over about `blend`."""
         window, distance = self._evaluate(solid)
         self.field[window] = -smooth_minimum(-self.field[window], distance, blend)
         return self
 
     def merge(self, other: Clay) -> Clay:
-        """Add what another block on the same grid holds, without any blend."""
+        """Add another field on the same grid, without blending."""
         np.minimum(self.field, other.field, out=self.field)
         return self
 
     def surface(self) -> tuple[np.ndarray, np.ndarray]:
         """Vertices (V, 3) and outward triangles (T, 3) of the zero level."""
-        # A grid point on the surface would give triangles without area.
+        # A grid point on the surface would cause degenerate triangles.
         clear = np.copysign(np.maximum(np.abs(self.field), 0.02 * self.spacing), self.field)
         vertices, triangles, _, _ = marching_cubes(-clear, 0.0, gradient_direction="ascent", method="lewiner")
         return vertices * self.spacing + [axis[0] for axis in self.axes], triangles
 
     def relaxed(self, vertices: np.ndarray, triangles: np.ndarray, rounds: int) -> np.ndarray:
-        """Spread vertices more evenly over the zero level, each move followed by a step back onto it."""
+        """Distribute vertices more evenly over the zero level, projecting them back onto it after each move."""
         corners = triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
         valence = np.bincount(corners[:, 0], minlength=len(vertices))[:, None]
         gradient = np.gradient(self.field)
@@ -217,7 +217,7 @@ class Clay:
                 where = ((vertices - origin) / self.spacing).T
                 slope = np.stack([map_coordinates(part, where, order=1) for part in gradient], 1) / self.spacing
                 height = map_coordinates(self.field, where, order=1)[:, None]
-                # Blends flatten the slope where they overlap; the floor keeps such a step short.
+                # Blending flattens the slope; the lower bound limits the length of the step there.
                 vertices = vertices - height * slope / np.maximum((slope * slope).sum(1, keepdims=True), 0.25)
         return vertices
 

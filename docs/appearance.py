@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw looks that are carried along, docs/pictures/appearance.jpg: ``python3 run.py python docs/appearance.py``."""
+"""Draw a morph with colors, docs/pictures/appearance.jpg: ``python3 run.py python docs/appearance.py``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SPOTS = 26
 
 
 def main() -> None:
-    """Paint two shapes, morph them and render the way from one to the other."""
+    """Paint two shapes, morph them and render the frames."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     convwass_addon.register()
     for name, paint in (("horse", _spotted), ("bird", _banded)):
@@ -33,7 +33,7 @@ def main() -> None:
 
 
 def _paint(obj: bpy.types.Object, paint: Callable[[NDArray[np.float32]], NDArray[np.float64]]) -> None:
-    """Give an object colors by the places of its vertices, and a material that shows them."""
+    """Color an object by the positions of its vertices, and add a material that shows the colors."""
     mesh = obj.data
     mesh.shade_smooth()
     points = np.empty(3 * len(mesh.vertices), dtype=np.float32)

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw the picture of densities on a surface, docs/pictures/densities.jpg: ``python3 run.py python docs/densities.py``.
 
-First row: distances from a vertex, and midpoints of two densities whose entropy may be less and less. Second and third
-row: a density of two peaks that travels to another, without a bound for the entropy and with one.
+First row: distances from a vertex, and midpoints of two densities with decreasing entropy bounds. Second and third
+row: a density of two peaks that moves to another, without and with an entropy bound.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ _SIZE = (2000, 1100)
 
 
 def main() -> None:
-    """Compute all densities on one animal, and render them side by side."""
+    """Compute all densities on one animal, and render them in rows."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     obj = finer(sample_shape("horse"), 1)
     obj.data.shade_smooth()

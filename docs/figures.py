@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of what the transport functions compute, after figures 2 to 6 of Solomon et al. 2015, and of parts.
+"""Draw results of the transport functions, after figures 2 to 6 of Solomon et al. 2015, and a morph with parts.
 
 ``python3 run.py python docs/figures.py [NAME ...]`` writes docs/pictures/NAME.png, all of them by default. It needs
 matplotlib, which ``python3 run.py gallery --only 2`` installs.
@@ -52,13 +52,13 @@ _GRAY = "#9a9a9a"
 _FIRST, _SECOND = "#5b5f97", "#b8476b"
 _GIVEN = "#e4e7f0"
 
-# A map of even steps, from clay, which shows the shape, to a red dark enough to be seen in its shadows.
+# A perceptually even color map, from clay, which shows the shape, to a red that is visible even in shadows.
 _DENSITY = LinearSegmentedColormap.from_list(
     "density", ["#eeebe6", "#f9d9b4", *matplotlib.colormaps["magma_r"](np.linspace(0.22, 0.80, 7))]
 )
 _DISTANCE = matplotlib.colormaps["viridis_r"]
 
-# Which part of the horse becomes which of the bird; colors of these, and clay for what is in none.
+# Corresponding parts of horse and bird, their colors, and clay for everything else.
 _PARTS = ("head", "tail", "left limbs", "right limbs", "body")
 _PART_COLORS = np.array([to_rgb(name) for name in ("#c8553d", "#4a7fb5", "#5a9e6f", "#d9a441", "#a39a94", "#eeebe6")])
 
@@ -70,9 +70,9 @@ class Subject:
     Attributes
     ----------
     shape : Shape
-        As it is drawn.
+        The drawn shape.
     surface : Surface
-        Made of the same vertices.
+        The domain on the same vertices.
     """
 
     shape: Shape
@@ -80,19 +80,19 @@ class Subject:
 
     @staticmethod
     def of(name: str, turn: float, tilt: float, gamma: float | None = None) -> Subject:
-        """Read a sample shape, turn it about the vertical and tilt it, in degrees; -90 shows it from the side."""
+        """Read a sample shape, rotate it about the vertical and tilt it, in degrees; -90 shows it from the side."""
         rotation = Rotation.from_euler("zx", [turn, tilt], degrees=True).as_matrix()
         shape = read_shape(PROJECT / "assets" / "shapes" / f"{name}.ply", rotation)
         return Subject(shape, Surface(shape.vertices, shape.faces, gamma=gamma))
 
     def at(self, x: float, y: float) -> int:
-        """Return the vertex in front at a place of the picture, in [-0.5, 0.5]."""
+        """Return the front vertex at a position of the picture, in [-0.5, 0.5]."""
         vertices = self.shape.vertices
         near = np.linalg.norm(vertices[:, :2] - (x, y), axis=1)
         return int(np.where(near < near.min() + 0.015, vertices[:, 2], -np.inf).argmax())
 
     def bump(self, x: float, y: float, radius: float) -> NDArray[np.float64]:
-        """Return a Gaussian of the distance along the surface, mass 1, with a radius in lengths of the picture."""
+        """Return a Gaussian of mass 1 in the distance along the surface, with a radius in units of the picture."""
         lengths = point_distances(self.at(x, y), self.surface)
         density = np.exp(-0.5 * (lengths / radius) ** 2)
         return density / float(density @ self.surface.weights)
@@ -102,7 +102,7 @@ class Subject:
         return entropy(density, self.surface.weights)
 
     def density_image(self, density: NDArray[np.float64], width: int) -> NDArray[np.float64]:
-        """Draw a density, relative to its own maximum, by its square root."""
+        """Draw the square root of a density, relative to its maximum."""
         shares = np.sqrt(np.clip(density / density.max(), 0.0, 1.0))
         return rendered(self.shape, shares, lambda values, _: _DENSITY(values)[:, :3], width)
 
@@ -113,7 +113,7 @@ def transport_plans() -> Figure:
     x = (np.arange(cells) + 0.5) / cells
     first = np.exp(-0.5 * ((x - 0.25) / 0.07) ** 2) + 0.6 * np.exp(-0.5 * ((x - 0.62) / 0.05) ** 2)
     second = 0.5 * np.exp(-0.5 * ((x - 0.35) / 0.05) ** 2) + np.exp(-0.5 * ((x - 0.74) / 0.09) ** 2)
-    # A little everywhere, so that the narrowest kernel reaches from mass to mass.
+    # A small constant, so that the narrowest kernel connects all mass.
     first, second = first + 0.003, second + 0.003
     side, strip, gap = 306, 52, 34
     canvas = Canvas(_WIDTH, side + strip + 70)
@@ -138,7 +138,7 @@ def transport_plans() -> Figure:
 
 
 def distances() -> Figure:
-    """Figure 3: distances from a point, and what the logarithm of the kernel gives without correction."""
+    """Figure 3: distances from a point, and the logarithm of the kernel without correction."""
     horse = Subject.of("horse", -18, -84)
     source = horse.at(0.16, 0.06)
     surface = horse.surface
@@ -160,7 +160,7 @@ def distances() -> Figure:
 
 
 def _raw_distances(source: int, surface: Surface) -> NDArray[np.float64]:
-    """Return sqrt(-gamma ln H), as eq. (7) has it; infinite where float64 ends."""
+    """Return sqrt(-gamma ln H) as in eq. (7); infinite where float64 underflows."""
     peak = np.full((1, *surface.shape), -1e300)
     peak[0, source] = -np.log(surface.weights[source])
     logs = np.empty_like(peak)
@@ -169,7 +169,7 @@ def _raw_distances(source: int, surface: Surface) -> NDArray[np.float64]:
 
 
 def _with_lines(shares: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Colors of distances in shares of the longest one, with lines of equal width at equal steps."""
+    """Return colors of distances relative to the largest one, with lines of equal width at equal steps."""
     step, half_width = 1.0 / 24.0, 0.8
     colors = _DISTANCE(0.05 + 0.9 * np.clip(shares, 0.0, 1.0))[:, :3]
     nearest = np.maximum(np.round(shares / step), 1.0) * step
@@ -178,7 +178,7 @@ def _with_lines(shares: NDArray[np.float64], slopes: NDArray[np.float64]) -> NDA
 
 
 def barycenters() -> Figure:
-    """Figure 4: barycenters of two densities under tighter and tighter entropy bounds."""
+    """Figure 4: barycenters of two densities under increasingly tight entropy bounds."""
     horse = Subject.of("horse", -18, -84)
     inputs = np.stack([horse.bump(-0.22, 0.04, 0.05), horse.bump(0.36, 0.38, 0.05)])
     bound = max(map(horse.entropy, inputs))
@@ -203,7 +203,7 @@ def barycenters() -> Figure:
 
 
 def propagations() -> Figure:
-    """Figure 5: a star and a line, solid vertices given."""
+    """Figure 5: propagation on a star and a line; solid vertices are given."""
     diameter = 292
     canvas = Canvas(_WIDTH, 1060)
     horse = Subject.of("horse", -18, -84)
@@ -231,7 +231,7 @@ def propagations() -> Figure:
 
 def interpolations() -> Figure:
     """Figure 6: displacement interpolation of two peaks, without and with a bound on the entropy."""
-    # Narrow enough for the two peaks to stay apart where the shape is narrow.
+    # Narrow enough to separate the two peaks in thin parts of the shape.
     rings = Subject.of("double_torus", 0, -84, gamma=0.006)
     first = rings.bump(-0.28, 0.22, 0.04) + rings.bump(-0.28, -0.22, 0.04)
     second = rings.bump(0.28, 0.22, 0.04) + rings.bump(0.28, -0.22, 0.04)
@@ -293,7 +293,7 @@ def _parts_of_bird(mesh: TriangleMesh) -> NDArray[np.int64]:
 
 def _part_image(mesh: TriangleMesh, labels: NDArray[np.int64], rotation: NDArray[np.float64]) -> NDArray[np.float64]:
     """Draw a mesh in the colors of its parts, all meshes at one scale."""
-    # A vertex for every part that it belongs to, so that colors end at edges.
+    # Duplicate vertices for every part that they belong to, so that colors end at edges.
     pairs, faces = np.unique(
         np.stack([mesh.faces, np.repeat(labels[:, None], 3, axis=1)], -1).reshape(-1, 2), axis=0, return_inverse=True
     )
@@ -305,7 +305,7 @@ def _part_image(mesh: TriangleMesh, labels: NDArray[np.int64], rotation: NDArray
 
 
 class Canvas:
-    """A white picture on which things are put by pixels, from its lower left corner."""
+    """A white picture with content placed in pixels, relative to its lower left corner."""
 
     def __init__(self, width: int, height: int) -> None:
         self.size = (width, height)
@@ -319,12 +319,12 @@ class Canvas:
         return axes
 
     def image(self, left: float, bottom: float, image: NDArray[np.float64]) -> None:
-        """Put a picture with its lower left corner here, pixel by pixel."""
+        """Draw an image with its lower left corner at a position, pixel by pixel."""
         height, width = image.shape[:2]
         self.axes(round(left), round(bottom), width, height).imshow(image, interpolation="none", aspect="auto")
 
     def centered(self, place: tuple[float, float], image: NDArray[np.float64]) -> None:
-        """Put the middle of a picture here."""
+        """Draw an image centered at a position."""
         height, width = image.shape[:2]
         self.image(place[0] - width / 2, place[1] - height / 2, image)
 
@@ -374,7 +374,7 @@ def main(names: Sequence[str]) -> None:
         print(name)
         canvas = FigureCanvasAgg(FIGURES[name]())
         canvas.draw()
-        # Seven bits per color: nothing is seen of it, and it takes a third less space.
+        # Seven bits per color: the difference is invisible, and the file is a third smaller.
         pixels = np.asarray(canvas.buffer_rgba())[..., :3] | 1
         Image.fromarray(np.ascontiguousarray(pixels)).save(PICTURES / f"{name}.png", optimize=True)
 

@@ -55,7 +55,7 @@ def main() -> None:
 
 
 def lettered(text: str) -> FlatShape:
-    """Turn a text of Blender's own font into rings."""
+    """Convert a text in Blender's default font to rings."""
     curve = bpy.data.curves.new(text, "FONT")
     curve.body, curve.resolution_u = text, _STEPS
     obj = bpy.data.objects.new(text, curve)
@@ -85,7 +85,7 @@ def heart() -> FlatShape:
 
 
 def bubbles() -> FlatShape:
-    """Draw a shape of two parts, as one of the corners of Fig. 12 is."""
+    """Draw a shape of two parts, like one of the corners of Fig. 12."""
     t = np.linspace(0.0, 2 * np.pi, 300, endpoint=False)
     circle = np.stack([np.cos(t), np.sin(t)], axis=1)
     large, hole, small = circle * 0.8 + [-0.55, 0.5], circle[::-1] * 0.35 + [-0.55, 0.5], circle * 0.6 + [0.75, -0.6]
@@ -93,7 +93,7 @@ def bubbles() -> FlatShape:
 
 
 def centered(rings: Sequence[NDArray[np.float64]], rule: str) -> FlatShape:
-    """Bring rings to a height of one about their center of mass."""
+    """Scale rings to a height of one, and center them."""
     whole = np.concatenate(rings)
     rings = [(ring - whole.min(axis=0)) / np.ptp(whole, axis=0).max() for ring in rings]
     center = filled_boundary(rings, rule).center
@@ -106,7 +106,7 @@ def tinted(shape: FlatShape, ink: tuple[float, float, float]) -> FlatShape:
 
 
 def frames_of(shapes: Sequence[FlatShape], blends: Sequence[Blend], settings: FlatSettings) -> list[FlatFrame]:
-    """Make all blends."""
+    """Compute all blends."""
     names = [str(index) for index in range(len(shapes))]
     return [step.payload for step in flat_morph(shapes, names, blends, settings) if step.payload is not None]
 
@@ -119,7 +119,7 @@ def pixels(rings: Sequence[NDArray[np.float64]], rule: str) -> NDArray[np.float6
 
 
 def drawn(frame: FlatFrame, shapes: Sequence[FlatShape]) -> NDArray[np.float64]:
-    """Draw a blend in the colors that it carries, (n, n, 3)."""
+    """Draw a blend in its own colors, (n, n, 3)."""
     if frame.outline is None:
         shape = shapes[frame.blend.source]
         return _inked(pixels(shape.rings, shape.rule), shape.colors[0, :3])
@@ -128,7 +128,7 @@ def drawn(frame: FlatFrame, shapes: Sequence[FlatShape]) -> NDArray[np.float64]:
 
 
 def fade(shapes: Sequence[FlatShape], blend: Blend) -> NDArray[np.float64]:
-    """Draw the mean of the shapes' densities, which is as dark as a full shape where it is densest of all."""
+    """Draw the mean of the shapes' densities, scaled so that its maximum is as dark as a shape."""
     masks = [pixels(shape.rings, shape.rule) / filled_by(shape, np.arange(len(shape.rings))).area for shape in shapes]
     mixed = sum(weight * mask for weight, mask in zip(blend.weights, masks, strict=True))
     ink = sum(weight * shape.colors[0, :3] for weight, shape in zip(blend.weights, shapes, strict=True))
@@ -140,12 +140,12 @@ def _inked(mask: NDArray[np.float64], ink: NDArray[np.float64]) -> NDArray[np.fl
 
 
 def row(frames: Sequence[FlatFrame], shapes: Sequence[FlatShape]) -> NDArray[np.float64]:
-    """Draw blends side by side."""
+    """Draw blends in a row."""
     return np.concatenate([drawn(frame, shapes) for frame in frames], axis=1)
 
 
 def save(image: NDArray[np.float64], name: str) -> None:
-    """Write a picture; colors are those of the screen."""
+    """Write a picture in display colors."""
     Image.fromarray(np.rint(255 * np.clip(image, 0, 1)).astype(np.uint8)).save(PICTURES / name, optimize=True)
 
 

@@ -3,7 +3,7 @@
 """Draw a word that becomes another, and Fig. 13 of Solomon et al. 2015: ``python3 run.py python docs/flat_rows.py``.
 
 Writes docs/pictures/flat_words.png, letter by letter above and as one mass below, and docs/pictures/flat_grays.png: two
-gray images by a linear fade, by transport as it comes out, then with the grays of the images, and with a threshold.
+gray images by a linear fade, by transport, with the grays of the images, and with a threshold.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ _WORDS = ("MILK", "TOAST")
 _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
 _WIDE, _HIGH = 300, 110
 _SCALE = 270.0
-# Signs of the gray images, and the pixels about them.
+# Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 
 
@@ -41,7 +41,7 @@ def main() -> None:
 
 
 def draw_words() -> None:
-    """Draw two words: letters travel to letters, or all of a word as one mass."""
+    """Draw two words: letter by letter, and as one mass."""
     words = [_inked(lettered(word), ink) for word, ink in zip(_WORDS, _INKS, strict=True)]
     rows = []
     for how in ("letters", "mass"):

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw the figures of the paper with shapes of our own, and write docs/gallery.md: ``python3 run.py gallery``.
 
-It starts the scripts beside it, one after the other; the longest, that of Fig. 8, takes a quarter of an hour.
-``--only 7 14`` draws these two, ``--page`` none. What drawing needs besides the project's own environment, the extra
-``docs`` of pyproject.toml, is installed at the first start.
+It runs the other scripts in this folder one by one; the longest, for Fig. 8, takes a quarter of an hour.
+``--only 7 14`` draws only these, ``--page`` none. The first start installs the extra ``docs`` of pyproject.toml.
 """
 
 from __future__ import annotations
@@ -24,13 +23,13 @@ PROJECT = DOCS.parent
 _HEAD = """# The figures of the paper, with shapes of our own
 
 All figures of *Convolutional Wasserstein Distances* (Solomon et al. 2015), in its order. `python3 run.py gallery`
-draws them and writes this page, with `--only 7 14` some. Below each is what computes it: a command, or Python that
-goes on from names that speak for themselves.
+draws them and writes this page; `--only 7 14` draws only these. Below each picture is the command or the Python code
+that computes it.
 """
 
 
 def main() -> int:
-    """Draw what is asked for and write the page; return the exit code."""
+    """Draw the requested figures and write the page; return the exit code."""
     parser = argparse.ArgumentParser(description=__doc__)
     numbers = [figure.number for figure in FIGURES]
     parser.add_argument("--only", type=int, nargs="+", choices=numbers, metavar="FIG", help="draw these figures")
@@ -49,17 +48,17 @@ def main() -> int:
 
 
 def install_drawing() -> None:
-    """Install what drawing needs besides, into the environment that this runs in."""
+    """Install the packages for drawing into the current environment."""
     declared = tomllib.loads((PROJECT / "pyproject.toml").read_text(encoding="utf-8"))
     wanted = declared["project"]["optional-dependencies"]["docs"]
     subprocess.run([sys.executable, "-m", "pip", "install", "--quiet", *wanted], check=True)
 
 
 def drawn(figure: Figure) -> bool:
-    """Start the script of a figure; tell whether it did what it should."""
+    """Run the script of a figure; return whether it succeeded."""
     name, *arguments = figure.script
     if not (DOCS / name).is_file():
-        print(f"Fig. {figure.number}: docs/{name} is not there", file=sys.stderr)
+        print(f"Fig. {figure.number}: docs/{name} is missing", file=sys.stderr)
         return False
     print(f"Fig. {figure.number}: docs/{' '.join(figure.script)}", flush=True)
     path = os.pathsep.join(filter(None, [str(PROJECT), os.environ.get("PYTHONPATH")]))

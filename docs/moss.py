@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw the picture of moss that creeps over a horse, docs/pictures/moss.jpg: ``python3 run.py python docs/moss.py``."""
+"""Draw moss that spreads over a horse, docs/pictures/moss.jpg: ``python3 run.py python docs/moss.py``."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _SIZE = (1600, 400)
 
 
 def main() -> None:
-    """Make the demo's file, and render some of its frames side by side."""
+    """Create the demo's file, and render some of its frames in a row."""
     view = View(-math.pi / 2 + math.radians(24.0), math.radians(12.0))
     with TemporaryDirectory() as folder:
         save_moss(PROJECT / "assets" / "shapes" / "horse.ply", Path(folder) / "moss.blend")

@@ -37,7 +37,7 @@ PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 7
 """In a row, the two shapes among them."""
 
-# Pixels: of the picture, of the names at its left and above, and between two pairs.
+# Pixels: width of the picture, margins for names at the left and at the top, and gap between two pairs.
 _WIDTH, _GUTTER, _HEAD, _BETWEEN = 1500, 130, 30, 12
 _QUALITY = 85
 _INK, _FAINT = (52, 52, 56), (120, 120, 126)
@@ -46,14 +46,14 @@ _CLAY = (0.48, 0.12, 0.05, 1.0)
 
 @dataclass(frozen=True)
 class Block:
-    """A pair of shapes, and the motions that are shown of it, one in a row.
+    """A pair of shapes, and the motions shown for it, one per row.
 
     Attributes
     ----------
     pair : str
         A name of `benchmarks.coherence_pairs`.
     motions : tuple of str
-        As `MorphSettings` calls them.
+        Values of `MorphSettings.motion`.
     """
 
     pair: str
@@ -61,7 +61,7 @@ class Block:
 
     @classmethod
     def compared(cls, pair: str) -> Block:
-        """Show transport alone above what is chosen automatically."""
+        """Show transport above the automatic motion."""
         return cls(pair, ("transport", "automatic"))
 
 
@@ -109,7 +109,7 @@ def baked_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
 
 
 def kept_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
-    """Return frames that the coherence benchmark has kept; without them, bake some."""
+    """Return frames stored by the coherence benchmark; if there are none, bake some."""
     path = kept_frames(pair, motion)
     if not path.exists():
         return baked_row(pair, motion, cells)
@@ -118,12 +118,12 @@ def kept_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
 
 
 def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int, samples: int) -> Image.Image:
-    """Render rows of frames by the contact sheet of morphs, so many pixels wide."""
+    """Render rows of frames with the contact sheet of morphs, `width` pixels wide."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     collection = bpy.data.collections.new("Sheet")
     bpy.context.scene.collection.children.link(collection)
     clay = _clay()
-    # The sheet leaves room between neighbors that touch.
+    # The sheet adds a gap between neighbors that touch.
     extents = np.max([np.ptp(frame.bounds, axis=0) for frames in rows for frame in frames], axis=0)
     across, down = float(extents[:2].max()), float(extents[2])
     for row, frames in enumerate(rows):
@@ -158,7 +158,7 @@ def _object(mesh: TriangleMesh, material: bpy.types.Material) -> bpy.types.Objec
 
 
 def labeled(sheet: Image.Image, block: Block) -> Image.Image:
-    """Write the name of the pair above a sheet, and the names of the motions beside its rows."""
+    """Write the name of the pair above a sheet, and the motions at the left of its rows."""
     picture = Image.new("RGB", (_WIDTH, sheet.height + _HEAD), "white")
     picture.paste(sheet, (_GUTTER, _HEAD))
     draw, font = ImageDraw.Draw(picture), ImageFont.load_default(20)
@@ -170,7 +170,7 @@ def labeled(sheet: Image.Image, block: Block) -> Image.Image:
 
 
 def stacked(blocks: Sequence[Image.Image]) -> Image.Image:
-    """Put pictures below each other."""
+    """Stack pictures vertically."""
     height = sum(block.height + _BETWEEN for block in blocks) - _BETWEEN
     picture = Image.new("RGB", (_WIDTH, height), "white")
     top = 0

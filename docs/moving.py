@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Render the moving pictures of the README, docs/pictures/*.webp: ``python3 run.py python docs/moving.py``.
 
-Each is baked as a user bakes it, rendered in Cycles, and played forth and back. ``--only NAME`` renders one of them.
+Each is baked as by a user, rendered in Cycles, and played back and forth. ``--only NAME`` renders one of them.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 24
 """From one shape to the other."""
 
-# Radians above the horizon; milliseconds of a frame, and of both ends; light paths per pixel; per cent of WebP.
+# Elevation of the camera in radians; duration of a frame and of both ends in milliseconds; samples; WebP quality.
 _ELEVATION = math.radians(18.0)
 _FRAME, _HOLD = 45, 700
 _SAMPLES, _QUALITY = 10, 86
@@ -47,21 +47,21 @@ _POINTS_PER_SHAPE = 1500
 
 @dataclass(frozen=True)
 class Film:
-    """The frames of a morph, seen by a camera that stands still.
+    """The frames of a morph, seen by a static camera.
 
     Attributes
     ----------
     frames : list of bpy.types.Object
-        Of which one is seen at a time.
+        Shown one at a time.
     label : str
-        Written below; may be empty.
+        Text at the bottom; may be empty.
     """
 
     frames: list[bpy.types.Object]
     label: str = ""
 
     def rendered(self, size: tuple[int, int], view: View | None = None) -> list[Image.Image]:
-        """Render every frame, `size` pixels wide and high, from where the shapes are broadest or from `view`."""
+        """Render every frame, `size` pixels wide and high, from `view` or where the shapes are widest."""
         pictures = []
         with Studio() as studio, TemporaryDirectory() as folder:
             copies = [studio.show(frame) for frame in self.frames]
@@ -93,12 +93,12 @@ def labeled(picture: Image.Image, label: str) -> Image.Image:
 
 
 def save(name: str, *columns: Sequence[Image.Image]) -> None:
-    """Save films side by side as docs/pictures/NAME.webp, which plays forth and back for ever."""
+    """Save films in columns as docs/pictures/NAME.webp, which plays back and forth forever."""
     forth = [_beside(pictures) for pictures in zip(*columns, strict=True)]
     loop = [*forth, *forth[-2:0:-1]]
     durations = [_HOLD if index in (0, len(forth) - 1) else _FRAME for index in range(len(loop))]
     path = PICTURES / f"{name}.webp"
-    # Frames that are stored as differences leave traces of the ones before.
+    # Differential frames would leave traces of previous ones.
     options = {"save_all": True, "loop": 0, "quality": _QUALITY, "method": 6, "kmin": 0, "kmax": 1}
     loop[0].save(path, append_images=loop[1:], duration=durations, **options)
     print(f"{path.name}: {path.stat().st_size / 1e6:.2f} MB")
@@ -114,7 +114,7 @@ def _beside(pictures: Sequence[Image.Image]) -> Image.Image:
 
 
 def first() -> None:
-    """Turn a chestnut horse into a spotted cow: limbs, faces and colors go along."""
+    """Turn a chestnut horse into a spotted cow, with limbs, faces and colors."""
     begin()
     paint(finer(sample_shape("horse"), 2), _chestnut)
     paint(finer(sample_shape("cow"), 2), _piebald)
@@ -122,7 +122,7 @@ def first() -> None:
 
 
 def hold_together() -> None:
-    """Raise the arm of a man, by transport alone and with the motion that is chosen automatically."""
+    """Raise the arm of a man, by transport alone and with the automatic motion."""
     save("hold_together", *(_raising(motion).rendered((420, 480)) for motion in ("TRANSPORT", "AUTOMATIC")))
 
 
@@ -171,7 +171,7 @@ def begin() -> None:
 
 
 def clay_pair(pair: str) -> tuple[str, str]:
-    """Make the shapes of a pair of the coherence benchmark, in an empty scene, and return their names."""
+    """Create the shapes of a pair of the coherence benchmark in an empty scene, and return their names."""
     begin()
     (chosen,) = pairs_named([pair], None)
     ends = chosen.ends()
@@ -190,18 +190,18 @@ def _object(name: str, mesh: TriangleMesh) -> bpy.types.Object:
 
 
 def bake(first: str, second: str, motion: str = "AUTOMATIC") -> list[bpy.types.Object]:
-    """Bake a morph from the first of two objects to the second and return its frames, the shapes among them."""
+    """Bake a morph from the first of two objects to the second, and return its frames including the shapes."""
     for obj in bpy.data.objects:
         obj.select_set(obj.name in (first, second))
     bpy.context.view_layer.objects.active = bpy.data.objects[first]
-    # Objects that are selected by a script come in the order of their names.
+    # Objects selected by a script are sorted by name.
     bpy.ops.convwass.bake_morph(frames=FRAMES, resolution=100, motion=motion, reverse=first > second)
     morph = next(collection for collection in bpy.data.collections if collection.name.startswith("Morph"))
     return frame_objects(morph)
 
 
 def paint(obj: bpy.types.Object, color: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> None:
-    """Give an object colors by the places of its vertices, and a material of its name that shows them."""
+    """Color an object by the positions of its vertices, and add a material of its name that shows the colors."""
     mesh = obj.data
     mesh.shade_smooth()
     points = world_points(obj).astype(np.float64)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the scripts beside this one that render pictures have in common; it needs Blender's module bpy."""
+"""Shared functions of the scripts in this folder that render pictures; requires Blender's module bpy."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from convwass_addon.bridge.studio import Studio, world_points
 
 PROJECT = Path(__file__).resolve().parents[1]
 
-# Light paths per pixel, and per cent of JPEG.
+# Samples per pixel, and JPEG quality.
 _SAMPLES, _QUALITY = 24, 90
 
 
@@ -28,7 +28,7 @@ def sample_shape(name: str) -> bpy.types.Object:
 
 
 def finer(obj: bpy.types.Object, levels: int) -> bpy.types.Object:
-    """Subdivide an object so many times, make it the active one, and return it."""
+    """Subdivide an object `levels` times, activate it, and return it."""
     modifier = obj.modifiers.new("Finer", "SUBSURF")
     modifier.levels = levels
     bpy.context.view_layer.objects.active = obj
@@ -57,14 +57,14 @@ def save_jpeg(rendered: Path, name: str, size: tuple[int, int] | None = None) ->
     Parameters
     ----------
     rendered : Path
-        The picture, a file that Blender reads.
+        Image file that Blender can read.
     name : str
-        Without ending.
+        File name without suffix.
     size : (int, int), optional
-        Width and height that it is brought to, in pixels.
+        Width and height to scale to, in pixels.
     """
     picture = bpy.data.images.load(str(rendered))
-    # Reading the file sets the format again, and it is read only when it is looked at.
+    # Reading the file, which Blender delays until pixels are used, resets the format.
     picture.update()
     if size is not None:
         picture.scale(*size)
@@ -75,22 +75,22 @@ def save_jpeg(rendered: Path, name: str, size: tuple[int, int] | None = None) ->
 def photograph_row(
     studio: Studio, shown: Sequence[bpy.types.Object], view: View, step: float, size: tuple[int, int], name: str
 ) -> None:
-    """Photograph objects side by side, without perspective, as docs/pictures/NAME.jpg.
+    """Render objects in a row, without perspective, as docs/pictures/NAME.jpg.
 
     Parameters
     ----------
     studio : Studio
-        In which they are shown, each `step` to the right of the one before.
+        The studio; each object is `step` to the right of the previous one.
     shown : sequence of bpy.types.Object
         The objects.
     view : View
-        From where.
+        Direction of the view.
     step : float
-        In units of the scene.
+        Distance between objects, in scene units.
     size : (int, int)
         Width and height in pixels.
     name : str
-        Of the picture, without ending.
+        Name of the picture, without suffix.
     """
     points = [world_points(one) for one in shown]
     studio.build(points, view)

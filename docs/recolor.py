@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/pictures/recolor.jpg, the colors of two photographs exchanged: ``python3 run.py python docs/recolor.py``.
 
-As in figure 11 of Solomon et al. 2015: above, each photograph with the barycenter of both palettes, from its own to the
-other's, with the slope of the lightness and the grain of even parts held down; below, the barycenter's histogram of b
-(to the right) and a (up), where a place has its color and is the paler the less there is of it. The photographs, from
+As in figure 11 of Solomon et al. 2015. Above: each photograph with barycenters of both palettes, from its own to the
+other's, with limited lightness slope and grain. Below: the histogram of the barycenter over b
+(to the right) and a (up), in the colors that it counts; rarer ones are paler. The photographs, from
 scikit-image, are in the public domain: coffee by Rachel Michetti, a rocket by SpaceX.
 """
 
@@ -32,15 +32,15 @@ PICTURE = Path(__file__).resolve().parent / "pictures" / "recolor.jpg"
 _TIMES = (0.0, 0.25, 0.5, 0.75, 1.0)
 _WIDTH, _GAP = 420, 12
 _SETTINGS = RecolorSettings(steepest=2.0, edge_radius=8)
-# The part of the plane of a and b that is shown, in their units: the middle, and pixels for a unit. Faint colors are
-# shown as the power of how much there is of them.
+# The part of the plane of a and b that is shown: its center, and pixels per unit. Rare colors are
+# emphasized by a power of their frequency.
 _MIDDLE, _SCALE, _POWER = (18.0, 24.0), 3.0, 0.3
 _HISTOGRAM_HEIGHT = 260
 _FORM = PixelFormat()
 
 
 def main() -> None:
-    """Make all pictures, and put them side by side."""
+    """Draw all pictures, and combine them."""
     photographs = [_fitted(own) for own in (data.coffee(), data.rocket())]
     palettes = [image_palette(own, _FORM) for own in photographs]
     changes = [recoloring(own, [other], None, _SETTINGS) for own, other in (palettes, palettes[::-1])]
@@ -58,7 +58,7 @@ def main() -> None:
 
 
 def _fitted(photograph: NDArray[np.uint8]) -> NDArray[np.float32]:
-    """Return a photograph of the common width, from the top, cut to 3 : 2."""
+    """Return a photograph scaled to the common width, and cropped to 3 : 2 from the top."""
     width = photograph.shape[1]
     photograph = photograph[: width * 2 // 3]
     height = _WIDTH * 2 // 3
@@ -102,7 +102,7 @@ def _histogram(chroma: NDArray[np.float64]) -> NDArray[np.float32]:
 
 
 def _joined(parts: list[NDArray[np.float32]], axis: int) -> NDArray[np.float32]:
-    """Put pictures next to each other, with a white gap."""
+    """Concatenate pictures with a white gap."""
     shape = list(parts[0].shape)
     shape[axis] = _GAP
     spaced = [piece for part in parts for piece in (part, np.ones(shape, dtype=np.float32))]

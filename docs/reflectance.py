@@ -2,11 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/pictures/reflectance.png, materials between four others: ``python3 run.py python docs/reflectance.py``.
 
-Three times five by five balls under one lamp, after figure 8 of Solomon et al. 2015: at the left materials are mixed
-linearly, as a Mix Shader does, in the middle every lobe is a Wasserstein barycenter, at the right it may spread no more
-than the widest of the materials besides. In the corners, alike everywhere: facets that lean to one side and to the
-other (twill, hammered metal), and metals brushed along the parallels and along the meridians of the ball. The balls are
-lit straight from the tables, so that nothing but the interpolation differs.
+Three sheets of five by five balls under one lamp, after figure 8 of Solomon et al. 2015: at the left materials are
+mixed linearly, as by a Mix Shader; in the middle every lobe is a Wasserstein barycenter; at the right its entropy is
+also bounded by that of the widest material. The corners are the same in all sheets: facets tilted to one side and to
+the other (twill, hammered metal), and metals brushed along the parallels and the meridians of the ball. The balls are
+shaded directly from the tables, so that only the interpolation differs.
 
 It takes a quarter of an hour.
 """
@@ -33,7 +33,7 @@ SETTINGS = ReflectanceSettings(rows=48, incoming=9, turns=12, tolerance=2e-2)
 _SIDE = 5
 _BALL, _GAP, _MIDDLE = 124, 8, 32
 _SAMPLES = 2
-# Towards the lamp; the eye is at +Z, and Y is up.
+# Direction of the lamp; the eye is at +Z, and Y is up.
 _LAMP = np.array([-0.25, 0.5, 0.83])
 _EXPOSURE, _MATTE = 0.62, 0.035
 _BACKGROUND = 0.028
@@ -41,14 +41,14 @@ _BACKGROUND = 0.028
 
 @dataclass(frozen=True)
 class LeaningFacets:
-    """Facets of a GGX around an axis that leans along the tangent: the highlight lies beside its usual place.
+    """GGX facets around an axis that is tilted along the tangent, which shifts the highlight.
 
     Attributes
     ----------
     lobe : Ggx
-        Of the facets.
+        Lobe of the facets.
     lean : float
-        Radians from the normal towards the tangent.
+        Tilt from the normal towards the tangent, in radians.
     """
 
     lobe: Ggx
@@ -56,7 +56,7 @@ class LeaningFacets:
     is_isotropic = False
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return that of the facets, (..., 3); nothing for what comes from below them."""
+        """Return the reflectance of the facets, (..., 3); zero for light from below them."""
         cosine, sine = np.cos(self.lean), np.sin(self.lean)
         turned = np.array([[cosine, 0.0, -sine], [0.0, 1.0, 0.0], [sine, 0.0, cosine]])
         light, seen = turned @ incoming, outgoing @ turned.T
@@ -89,14 +89,14 @@ def main() -> None:
 
 
 def _weights() -> Iterator[NDArray[np.float64]]:
-    """Weights of the corners, row by row from the top left."""
+    """Yield the weights of the corners, row by row from the top left."""
     for down in np.linspace(0.0, 1.0, _SIDE):
         for right in np.linspace(0.0, 1.0, _SIDE):
             yield np.outer([1.0 - down, down], [1.0 - right, right]).ravel()
 
 
 def _moved(blends: list[LobeBlend]) -> Iterator[list[LobeTable]]:
-    """Blend for all weights, each time from what the blend before has found."""
+    """Blend for all weights, each started from the previous solution."""
     before = None
     for place, weights in enumerate(_weights()):
         tables = []
@@ -117,7 +117,7 @@ def _sheet(tables: Sequence[LobeTable]) -> NDArray[np.float64]:
 
 
 def _ball(table: LobeTable) -> NDArray[np.float64]:
-    """Light of a ball that is seen from +Z without perspective, (pixels, pixels, 3)."""
+    """Shade a ball seen from +Z without perspective, (pixels, pixels, 3)."""
     fine = _BALL * _SAMPLES
     x = (np.arange(fine) + 0.5) / fine * 2.0 - 1.0
     x, y = np.meshgrid(x, -x)
@@ -132,14 +132,14 @@ def _ball(table: LobeTable) -> NDArray[np.float64]:
     colors = (reflectance_with_grain(table, light, eye) + _MATTE * table.albedo[0]) * lit
     picture = np.full((fine, fine, 3), _BACKGROUND)
     picture[inside] = colors + 0.012
-    # Toned before it is averaged: the rim would be jagged else.
+    # Tone mapping before averaging avoids a jagged rim.
     return _linear(_display(picture).reshape(_BALL, _SAMPLES, _BALL, _SAMPLES, 3).mean(axis=(1, 3)))
 
 
 def reflectance_with_grain(
     table: LobeTable, light: NDArray[np.float64], eye: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Look a table with a grain up, (n, 3), between four incoming directions, each by the given half vector."""
+    """Look up a table with grain, (n, 3), between four incoming directions, each by the given half vector."""
     half = light + eye
     half /= np.maximum(np.linalg.norm(half, axis=-1, keepdims=True), 1e-12)
     angles, turns = SETTINGS.incoming, SETTINGS.turns
@@ -161,7 +161,7 @@ def reflectance_with_grain(
 
 
 def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Bilinear in latitude and longitude."""
+    """Interpolate bilinearly in latitude and longitude."""
     rows = table.rows
     row = np.clip(np.arccos(np.clip(outgoing[:, 2], -1, 1)) / (np.pi / 2) * rows - 0.5, 0.0, rows - 1.001)
     column = np.arctan2(outgoing[:, 1], outgoing[:, 0]) / (2.0 * np.pi) * 4 * rows - 0.5
@@ -175,7 +175,7 @@ def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float
 
 
 def _display(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Tone of a screen, with a shoulder in which highlights keep their color."""
+    """Convert to display values, with a shoulder that preserves the color of highlights."""
     toned = 1.0 - np.exp(-_EXPOSURE * values)
     return np.where(toned < 0.0031308, 12.92 * toned, 1.055 * toned ** (1 / 2.4) - 0.055)
 

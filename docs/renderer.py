@@ -22,7 +22,7 @@ _KEY, _FILL = np.array([-0.35, 0.55, 0.76]), np.array([0.8, 0.1, 0.55])
 
 @dataclass(frozen=True)
 class Shape:
-    """A triangle mesh and how it is looked at.
+    """A triangle mesh in the coordinates of the view.
 
     Attributes
     ----------
@@ -43,7 +43,7 @@ class Shape:
 
 
 def read_shape(path: Path, rotation: NDArray[np.float64]) -> Shape:
-    """Read one of the project's own sample shapes and turn it."""
+    """Read one of the project's sample shapes and rotate it."""
     mesh = read_mesh(path)
     return posed(mesh.vertices, mesh.faces, rotation)
 
@@ -59,7 +59,7 @@ def read_mesh(path: Path) -> TriangleMesh:
 
 
 def posed(vertices: NDArray[np.float64], faces: NDArray[np.int64], rotation: NDArray[np.float64]) -> Shape:
-    """Turn a mesh and fit it into the unit box around the origin."""
+    """Rotate a mesh and fit it into the unit box around the origin."""
     turned = vertices @ rotation.T
     low, high = turned.min(axis=0), turned.max(axis=0)
     return Shape((turned - 0.5 * (low + high)) / (high - low)[:2].max(), faces)
@@ -103,7 +103,7 @@ def rendered(shape: Shape, values: NDArray[np.float64], shader: Shader, width: i
 def _visible(
     pixels: NDArray[np.float64], depths: NDArray[np.float64], faces: NDArray[np.int64], size: tuple[int, int]
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-    """Return the face that is seen at every pixel, -1 for none, and the weights of its corners there."""
+    """Return the visible face at every pixel, -1 for none, and its barycentric coordinates there."""
     nearest = np.full(size, -np.inf)
     seen = np.full(size, -1)
     weights = np.zeros((*size, 3))
@@ -129,7 +129,7 @@ def _visible(
 
 
 def _slopes(corners: NDArray[np.float64], values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Length of the gradient of values that are linear on triangles in the plane."""
+    """Return the gradient norms of values that are linear on triangles in the plane."""
     first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     u, v = values[:, 1] - values[:, 0], values[:, 2] - values[:, 0]
     doubled = first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
@@ -146,7 +146,7 @@ def _vertex_normals(shape: Shape) -> NDArray[np.float64]:
 
 
 def _lit(colors: NDArray[np.float64], normals: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Light colors by a key light and a fill light, softly, so that they can still be compared."""
+    """Shade colors softly with a key light and a fill light, so that they remain comparable."""
     key = np.clip(normals @ (_KEY / np.linalg.norm(_KEY)), 0.0, 1.0)
     fill = np.clip(normals @ (_FILL / np.linalg.norm(_FILL)), 0.0, 1.0)
     # Darker toward the outline, so that shapes stand out from white.

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/pictures/side_by_side.jpg: ``python3 run.py python docs/side_by_side.py``.
 
-Morphs beside what else Blender offers: four pairs of shapes, five methods, five frames each, all from the same meshes
-at the same resolution, in one material and under one camera; the figures of docs/side_by_side.md are printed. The
-first pair alone is written beside it, as side_by_side_one.jpg. Needs Blender 5.0 or newer.
+Compare morphs with other methods in Blender: four pairs of shapes, five methods, five frames each, from the same meshes
+at the same resolution, with one material and one camera; the figures of docs/side_by_side.md are printed. The
+first pair is also written as side_by_side_one.jpg. Requires Blender 5.0 or newer.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ from benchmarks.side_by_side import COLUMNS, PAIRS, TITLES, line, passage
 
 PICTURE = Path(__file__).resolve().parent / "pictures" / "side_by_side.jpg"
 _VIEW = View(-math.pi / 2 + math.radians(24.0), math.radians(12.0))
-# From column to column, between rows, and what is left free for the names, in scene units.
+# Column spacing, gap between rows, and margins for the names, in scene units.
 _STEP, _GAP, _GUTTER, _HEAD = 2.12, 0.2, 1.75, 0.36
 _WIDTH, _MARGIN, _BETWEEN = 1440, 26, 30
 _QUALITY = 77
@@ -42,7 +42,7 @@ _CLAY = (0.48, 0.12, 0.05, 1.0)
 
 
 def main() -> None:
-    """Make all frames, print their figures and render them."""
+    """Compute all frames, print their figures and render them."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--cells", type=int, default=100, help="along the longest side (%(default)s)")
     parser.add_argument("--samples", type=int, default=12, help="light paths per pixel (%(default)s)")
@@ -61,7 +61,7 @@ def main() -> None:
 
 
 def _block(pair: tuple[str, str], cells: int, samples: int, folder: Path) -> Image.Image:
-    """Make, measure and render the frames from one shape to another."""
+    """Compute, measure and render the frames from one shape to another."""
     print(f"\n{' to '.join(pair).replace('_', ' ')}\n{COLUMNS}")
     rows = []
     for method in TITLES:
@@ -80,7 +80,7 @@ def _kept_frames(path: Path) -> list[TriangleMesh]:
 
 
 def _rendered(rows: Sequence[Sequence[TriangleMesh]], samples: int, path: Path) -> Image.Image:
-    """Render rows of frames; each stands where it is on its way, not on its own feet."""
+    """Render rows of frames at their own positions, not all on the ground."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     material = _material()
     points = np.concatenate([frame.vertices for frames in rows for frame in frames])
@@ -91,7 +91,7 @@ def _rendered(rows: Sequence[Sequence[TriangleMesh]], samples: int, path: Path) 
     with Studio() as studio:
         shown = []
         for row, frames in enumerate(rows):
-            # Rows stand behind each other on the floor, so far that they are above each other in the picture.
+            # Rows are placed behind each other on the floor, far enough to appear above each other in the picture.
             back = step * (len(rows) - 1 - row) / math.sin(_VIEW.elevation)
             for column, frame in enumerate(frames):
                 shift = _STEP * column * right + back * _VIEW.forward - [0.0, 0.0, floor]
@@ -147,7 +147,7 @@ def _write_names(block: Image.Image, pair: tuple[str, str]) -> None:
 
 
 def _wrapped(title: str, length: Callable[[str], float], most: float) -> list[str]:
-    """Break a title into lines that are no longer than that."""
+    """Break a title into lines of at most this length."""
     lines = [""]
     for word in title.split():
         longer = f"{lines[-1]} {word}".strip()

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/pictures/skeletons.jpg, skeletons in bodies as in Fig. 9: ``python3 run.py python docs/skeletons.py``.
 
-Green joints were pinned, blue ones found their place. From the left: horse, bird, octopus and double torus; then the
-octopus bound to such bones by Blender's automatic weights, and posed.
+Green joints were pinned, blue ones placed by the fit. From the left: horse, bird, octopus and double torus; then the
+octopus bound to its bones by Blender's automatic weights, and posed.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ _BODIES = ("horse", "bird", "octopus", "double_torus")
 _STEP = 2.15
 _SIZE = (2800, 700)
 _COLORS = {"free": (0.05, 0.2, 0.9), "pinned": (0.05, 0.6, 0.15), "bone": (0.9, 0.7, 0.25)}
-# By how much every bone of an arm is turned, in degrees.
+# Rotation of every bone of an arm, in degrees.
 _CURL = (28.0, 10.0)
 
 

@@ -3,7 +3,7 @@
 """Draw docs/pictures/skies.jpg, skies between two others: ``python3 run.py python docs/skies.py``.
 
 Blender's sky texture with the sun 12 degrees high, and 50 degrees high a quarter of the way around; from the top to
-the bottom t = 0, 1/4, 1/2, 3/4 and 1. At the left the two pictures are mixed, at the right the sun and its glow travel.
+the bottom t = 0, 1/4, 1/2, 3/4 and 1. At the left the two pictures are mixed, at the right the sun and its glow move.
 Each picture is the upper half of the panorama and a little of the ground.
 """
 
@@ -23,7 +23,7 @@ from convwass_addon.bridge.skies.world_skies import world_sky
 
 PICTURE = Path(__file__).resolve().parent / "pictures" / "skies.jpg"
 _HEIGHT, _GROUND, _GAP = 384, 24, 10
-# Elevation of the sun, and where it stands around the horizon, in degrees.
+# Elevation and azimuth of the sun, in degrees.
 _SUNS = ((12.0, 20.0), (50.0, 113.0))
 _EXPOSURE = 0.11
 
@@ -59,7 +59,7 @@ def _world(elevation: float, rotation: float) -> bpy.types.World:
 
 
 def _seen(sky: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Values of a screen from 0 to 1, with a soft shoulder."""
+    """Convert to display values from 0 to 1, with a soft shoulder."""
     colors = turned(sky)[: _HEIGHT // 2 + _GROUND].astype(np.float64)
     toned = 1.0 - np.exp(-_EXPOSURE * colors)
     return np.where(toned < 0.0031308, 12.92 * toned, 1.055 * toned ** (1 / 2.4) - 0.055)

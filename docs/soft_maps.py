@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw docs/pictures/soft_maps.jpg, the weights of a horse on a cow: ``python3 run.py python docs/soft_maps.py``.
 
-From the left: a horse and a cow that its colors were carried to by a soft map from sixteen pairs; the cow bound to its
-own bones with the horse's weights and set to graze; the same by Blender's Data Transfer from the nearest point, the two
-animals laid onto each other; and the two with a shape key of humps that was sculpted on the horse.
+From the left: a horse, and a cow with its colors, transferred by a soft map from sixteen pairs; the cow bound to its
+own bones with the horse's weights, grazing; the same by Blender's Data Transfer from the nearest point of the
+aligned animals; and both with a shape key of humps that was sculpted on the horse.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ Place = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Animal:
-    """One of the two, in the coordinates that it was sculpted in.
+    """One of the two animals, in the coordinates in which it was sculpted.
 
     Attributes
     ----------
     name : str
-        Its file's.
+        Name of its file.
     scale, offset : float
-        From there to the file's: scale * (x - offset, y, z).
+        Conversion to the coordinates of the file: scale * (x - offset, y, z).
     places : list of (float, float, float)
         Nose, ears, hooves, knees, hocks, root and tip of the tail, chest, belly and back; left before right.
     spine, neck, tail : list of (float, float, float)
@@ -104,7 +104,7 @@ COW = Animal(
     },
 )
 # fmt: on
-# How the cow stands: bones and their turns about the axis across the body, in degrees.
+# Pose of the cow: rotations of its bones about the transverse axis, in degrees.
 _GRAZING = {
     "neck.1": 35.0,
     "neck.2": 25.0,
@@ -119,7 +119,7 @@ _GRAZING = {
 
 
 def main() -> None:
-    """Make everything, and render it side by side."""
+    """Create all objects, and render them in a row."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     convwass_addon.register()
     horse, cow = (_read(animal) for animal in (HORSE, COW))
@@ -172,7 +172,7 @@ def _bind(obj: bpy.types.Object, rig: bpy.types.Object, kind: str) -> None:
 
 
 def _keyed(horse: bpy.types.Object) -> None:
-    """Give the horse a shape key of two humps."""
+    """Add a shape key of two humps to the horse."""
     horse.shape_key_add(name="Basis")
     key = horse.shape_key_add(name="Humps")
     key.value = 0.0
@@ -213,7 +213,7 @@ def _copied(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def _by_map(cow: bpy.types.Object) -> None:
-    """Leave the weights that came along the map."""
+    """Keep the weights transferred along the map."""
 
 
 def _by_nearest(cow: bpy.types.Object) -> None:
@@ -230,7 +230,7 @@ def _by_nearest(cow: bpy.types.Object) -> None:
 
 
 def _grazing(cow: bpy.types.Object, weigh) -> bpy.types.Object:
-    """Bind the cow to bones of its own, by the weights that it gets, and let it graze."""
+    """Bind the cow to its own bones with the given weights, and let it graze."""
     cow.shape_key_clear()
     weigh(cow)
     rig = _rig(COW)
@@ -250,7 +250,7 @@ def _with_key(animal: bpy.types.Object) -> bpy.types.Object:
 
 
 def _as_seen(obj: bpy.types.Object) -> bpy.types.Object:
-    """Return a copy whose mesh is as modifiers and keys make it: bones do not move with what they are bound to."""
+    """Return a copy with the evaluated mesh, independent of bones."""
     seen = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     copy = bpy.data.objects.new(obj.name, bpy.data.meshes.new_from_object(seen))
     copy.matrix_world = obj.matrix_world

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw morphs of solids, as Figs. 1, 7 and 14: ``python3 run.py python docs/solids.py [path] [triangle] [grid]``.
 
-Writes docs/pictures/solids_path.jpg, a cow that becomes a bird that becomes a double torus, solids_triangle.jpg, all
-between the three, and solids_grid.jpg, all between four shapes, of which one is in two parts.
+Writes docs/pictures/solids_path.jpg, a cow that becomes a bird that becomes a double torus, solids_triangle.jpg, blends
+of the three, and solids_grid.jpg, blends of four shapes, one of them in two parts.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from convwass_addon.progress import drained
 
 PROJECT = Path(__file__).resolve().parents[1]
 PICTURES = PROJECT / "docs" / "pictures"
-# Of the shapes in their order, scene linear.
+# Colors of the shapes in order, scene linear.
 _COLORS = ((0.50, 0.10, 0.04, 1.0), (0.03, 0.16, 0.42, 1.0), (0.70, 0.32, 0.03, 1.0), (0.06, 0.26, 0.12, 1.0))
 
 
@@ -34,11 +34,11 @@ class Sheet:
     Attributes
     ----------
     shapes : tuple of str
-        Of the samples, in the order that the layout has.
+        Names of sample shapes, in the order of the layout.
     baking : dict
-        What `bake_morph` is told.
+        Arguments of `bake_morph`.
     columns, width : int
-        Of the picture: shapes in a row, where they follow each other, and pixels.
+        Shapes per row of the picture, for a path, and its width in pixels.
     """
 
     shapes: tuple[str, ...]
@@ -55,7 +55,7 @@ SHEETS = {
 
 
 def main() -> None:
-    """Draw the pictures that are asked for, or all."""
+    """Draw the requested pictures, or all."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("names", nargs="*", metavar="NAME", help="path, triangle, grid; all by default")
     parser.add_argument("--resolution", type=int, default=100, help="cells along the longest side (%(default)s)")
@@ -66,7 +66,7 @@ def main() -> None:
 
 
 def _draw(sheet: Sheet, resolution: int, target: Path) -> None:
-    """Bake a morph as the button in the sidebar does, and photograph all of it."""
+    """Bake a morph like the button in the sidebar, and render all frames."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     convwass_addon.register()
     try:
@@ -84,7 +84,7 @@ def _draw(sheet: Sheet, resolution: int, target: Path) -> None:
 
 
 def _shape(name: str, number: int) -> None:
-    """Bring in a sample shape, smooth and in its color."""
+    """Import a sample shape, shade it smooth, and color it."""
     (obj,) = import_objects(PROJECT / "assets" / "shapes" / f"{name}.ply", None)
     obj.name, obj.color = f"{number} {name}", _COLORS[number]
     modifier = obj.modifiers.new("Finer", "SUBSURF")

@@ -3,7 +3,7 @@
 """Draw a map and its mirror image, as Fig. 10 of Solomon et al. 2015: ``python3 run.py python docs/two_maps.py``.
 
 Writes docs/pictures/two_maps.png. At the left a cow with points in colors and fixed points in black; then the horse
-with the distributions that these have on it, the fixed points paired left with left, and left with right.
+with their distributions on it, the fixed points paired left with left, and left with right.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from convwass_addon.progress import drained
 
 PROJECT = Path(__file__).resolve().parents[1]
 PICTURE = PROJECT / "docs" / "pictures" / "two_maps.png"
-# The side from which both bodies are seen, a little from above and from the front.
+# The view of both bodies, slightly from above and from the front.
 _TURN, _TILT = -42.0, -66.0
 _WIDTH, _GAP = 500, 36
 _CLAY = np.array([0.93, 0.92, 0.90])
@@ -33,7 +33,7 @@ _BLACK = np.array([0.05, 0.05, 0.06])
 # Radii of the points in the picture's unit, which is the longer side of a body.
 _POINT, _FIXED = 0.075, 0.022
 _LEAST = 0.15
-# The blur of the paper's maps, which shows how sure they are.
+# The blur of the paper's maps, which shows their uncertainty.
 _SETTINGS = SoftMapSettings(sharpness=0.0)
 
 # Ears, knees, hocks, muzzle and tip of the tail of the cow and of the horse, in the units of their files.
@@ -48,7 +48,7 @@ _FIXED_PLACES = (
     ((-0.97, 0.00, 0.37), (-1.00, 0.00, 0.60)),
 )
 _CROSSED = (1, 0, 3, 2, 5, 4, 6, 7)
-# Points of the cow that are followed: hooves, flank and back; and their colors.
+# Points of the cow: hooves, flank and back; and their colors.
 _FOLLOWED = (
     ((0.41, 0.14, 0.04), (0.86, 0.12, 0.16)),
     ((0.41, -0.14, 0.04), (0.12, 0.35, 0.85)),
@@ -60,7 +60,7 @@ _FOLLOWED = (
 
 
 def main() -> None:
-    """Solve both maps and draw the bodies side by side."""
+    """Solve both maps and draw the bodies in a row."""
     cow, horse = (read_mesh(PROJECT / "assets" / "shapes" / f"{name}.ply") for name in ("cow", "horse"))
     pairs = np.array([[_nearest(cow, here), _nearest(horse, there)] for here, there in _FIXED_PLACES])
     followed = [_nearest(cow, place) for place, _ in _FOLLOWED]
@@ -85,7 +85,7 @@ def _solved(source: TriangleMesh, target: TriangleMesh, pairs: NDArray[np.int64]
 
 
 def _shown(density: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Raise what is faint, relative to the largest value, and leave out what would only tint the body."""
+    """Emphasize small values relative to the largest, and drop those that would only tint the body."""
     return np.clip((np.sqrt(density / density.max()) - _LEAST) / (1.0 - _LEAST), 0.0, 1.0)
 
 
@@ -99,7 +99,7 @@ def _posed(mesh: TriangleMesh) -> Shape:
 
 
 def _disc(shape: Shape, vertex: int, radius: float) -> NDArray[np.float64]:
-    """Return 1 within a radius of a vertex, and 0 beyond, with an edge that is as soft as the triangles."""
+    """Return 1 within a radius of a vertex, and 0 beyond, with an edge as soft as the triangles."""
     distances = np.linalg.norm(shape.vertices - shape.vertices[vertex], axis=1)
     return np.clip(1.5 - distances / radius, 0.0, 1.0)
 

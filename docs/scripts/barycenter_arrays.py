@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycenters and distances of distributions that are nothing but arrays; no Blender.
+"""Barycenters and distances of distributions in plain arrays, without Blender.
 
 python3 run.py python docs/scripts/barycenter_arrays.py [--cells 64] [--out blends.npz]
 
-Two round heaps on a plane: their distance, what lies between them, and how wide it is. A fade would show both heaps,
-each at half of its height; transport shows one that is on its way.
+Two round peaks on a plane: their distance, and positions and widths of blends. A fade would show both peaks,
+each at half of its height; transport shows a single one that moves.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from convwass_addon.transport import Grid, barycenter, distance
 
 
 def heap(domain: Grid, center: tuple[float, float], width: float) -> np.ndarray:
-    """Return a round heap of mass 1 on a square grid; center and width are shares of its side."""
+    """Return a round peak of mass 1 on a square grid; center and width are fractions of its side."""
     side = domain.shape[0]
     away = np.linalg.norm(domain.positions / side - center, axis=-1)
     density = np.exp(-0.5 * (away / width) ** 2)
@@ -26,7 +26,7 @@ def heap(domain: Grid, center: tuple[float, float], width: float) -> np.ndarray:
 
 
 def moments(density: np.ndarray, domain: Grid) -> tuple[np.ndarray, float]:
-    """Return the mean position and the standard deviation along an axis, as shares of the side."""
+    """Return the mean position and the standard deviation along an axis, as fractions of the side."""
     masses = density * domain.weights
     middle = np.tensordot(masses, domain.positions, axes=density.ndim)
     spread = (masses[..., None] * (domain.positions - middle) ** 2).sum() / density.ndim
@@ -34,7 +34,7 @@ def moments(density: np.ndarray, domain: Grid) -> tuple[np.ndarray, float]:
 
 
 def main() -> None:
-    """Print a table of what is found, and save the densities where that is asked for."""
+    """Print a table of the results, and save the densities if requested."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("--cells", type=int, default=64, help="of the grid, along a side")
     parser.add_argument("--out", help="an .npz file for the densities")

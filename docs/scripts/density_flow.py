@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Let a density flow along a mesh, from around one vertex to around another, and keep every step as a vertex group.
+"""Move a density along a mesh from one vertex to another, and store every step as a vertex group.
 
 python3 run.py python docs/scripts/density_flow.py assets/shapes/cow.ply --start 0 --end 900 --steps 6 --out flow.blend
 
-The work is a job of steps, on arrays; a loop drives it, and what Blender is to keep is written afterwards.
+The computation is a generator on arrays, run by a loop; the results are written to Blender afterwards.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ def main() -> None:
     mesh = read_surface(obj, bpy.context.evaluated_depsgraph_get()).mesh
     surface = density_surface(mesh)
 
-    # A spot of paint at each end: what lies on one vertex, spread over a twentieth of the size of the surface.
+    # A spot at each end: the mass of one vertex, spread over a twentieth of the size of the surface.
     width = 0.05 * mesh.area**0.5
     ends = [diffused(unit_mass(vertex, surface), surface, width, "the spot") for vertex in (options.start, options.end)]
     steps = interpolation_steps(*ends, surface, DensitySettings(steps=options.steps))

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Give every image of a folder the palette of one image, each by a map of its own, and keep the maps as .cube tables.
+"""Give every image of a folder the palette of one image, each by its own map, and save the maps as .cube tables.
 
 python3 run.py python docs/scripts/grade_folder.py photos --palette painting.jpg --strength 0.8 --out graded
 
-Frames of one clip want one map for all of them, or they flicker: for these there is the command ``recolor``.
+Frames of a clip need a common map, or they flicker: use the command ``recolor`` for these.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ ENDINGS = (".png", ".jpg", ".jpeg", ".tif", ".tiff", ".exr")
 
 
 def main() -> None:
-    """Measure the palette once, then grade image after image."""
+    """Measure the palette once, then grade every image."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--palette", type=Path, required=True, help="the image whose colors are wanted")

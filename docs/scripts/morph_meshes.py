@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Morph two meshes without a window, and write every frame as a mesh of its own.
+"""Morph two meshes without a window, and write every frame as a mesh file.
 
 python3 run.py python docs/scripts/morph_meshes.py assets/shapes/horse.ply assets/shapes/bird.ply --out frames
 
-The operators are those behind the buttons. In a script they do all of their work before they return.
+The operators are the same as those of the buttons. In a script they return when all work is done.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def main() -> None:
     options = parser.parse_args()
 
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    # In a Blender that has the extension enabled, this line is not needed.
+    # Not needed in a Blender with the extension enabled.
     convwass_addon.register()
     names = [imported(path).name for path in options.shapes]
     bpy.ops.convwass.bake_morph(

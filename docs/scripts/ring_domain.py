@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A new place for distributions to live, in thirty lines: the hours of a day, hues, directions; all that goes round.
+"""A new domain in thirty lines: a periodic line, such as the hours of a day, hues or directions.
 
 python3 run.py python docs/scripts/ring_domain.py
 
-Solvers know a domain only by what `transport.domain.Domain` asks of it: area weights and the heat kernel. This one
-applies the kernel as a matrix of logarithms, which reaches everywhere and is quick enough for a few hundred cells.
+Solvers use a domain only through `transport.domain.Domain`: area weights and the heat kernel. This one
+applies the kernel as a matrix of logarithms, which has an unlimited range and is fast enough for a few hundred cells.
 """
 
 from __future__ import annotations
@@ -19,12 +19,12 @@ from convwass_addon.transport.gaussian import GaussianKernel
 from convwass_addon.transport.log_range import LOG_NOTHING
 from convwass_addon.transport.region import ThroughWholeArrays
 
-# Turns of the ring from which heat still arrives.
+# Number of turns around the ring that contribute heat.
 _TURNS = np.arange(-3, 4)
 
 
 class Ring(GaussianKernel, ThroughWholeArrays):
-    """A line of cells whose end is its beginning; `sigma`, in cells, is the blur of its kernel."""
+    """A periodic line of cells; `sigma`, in cells, is the blur of its kernel."""
 
     dimension = 1
     has_fast_propagation = has_fast_balance = False
@@ -38,13 +38,13 @@ class Ring(GaussianKernel, ThroughWholeArrays):
         self.unit_length = float(cells)
         self.gamma = 2.0 * (sigma / cells) ** 2
         self.positions = np.arange(cells)[:, None] + 0.5
-        # Heat that has gone round comes from the mirror images of its source, a whole turn apart.
+        # Heat from around the ring comes from periodic images of its source.
         apart = (self.positions - self.positions.T)[..., None] / cells + _TURNS
         logs = logsumexp(-(apart**2) / self.gamma, axis=-1)
         self._log_kernel = logs - logsumexp(logs + np.log(self.weights), axis=1, keepdims=True)
 
     def apply(self, columns: ArrayLike) -> np.ndarray:
-        """H (a * column) of every column."""
+        """Return H (a * column) of every column."""
         return np.asarray(columns) * self.weights @ np.exp(self._log_kernel)
 
     def log_apply(self, logs: np.ndarray, out: np.ndarray) -> None:
@@ -55,7 +55,7 @@ class Ring(GaussianKernel, ThroughWholeArrays):
     log_apply_far = log_apply
 
     def coarser(self) -> None:
-        """Return None: there are few cells, so that solvers need not begin with fewer."""
+        """Return None: there are so few cells that coarser levels are not needed."""
         return None
 
 
@@ -67,13 +67,13 @@ def hours_around(ring: Ring, hour: float, width: float = 0.5) -> np.ndarray:
 
 
 def mean_hour(density: np.ndarray, ring: Ring) -> float:
-    """Return the hour around which a density lies."""
+    """Return the mean hour of a density."""
     turns = np.exp(2j * np.pi * ring.positions[:, 0] / ring.shape[0])
     return round(float(np.angle((density * turns).sum())) / (2.0 * np.pi) * 24.0, 6) % 24.0
 
 
 def main() -> None:
-    """Print what lies between eleven at night and three in the morning."""
+    """Print blends between eleven at night and three in the morning."""
     ring = Ring(240, sigma=2.0)
     evening, night = hours_around(ring, 23.0), hours_around(ring, 3.0)
     found = distance(evening, night, ring)

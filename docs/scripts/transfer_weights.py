@@ -1,11 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Carry all vertex groups of an object in one .blend to an object in another, along a soft map.
+"""Transfer all vertex groups from an object in one .blend to an object in another by a soft map.
 
 python3 run.py python docs/scripts/transfer_weights.py fox.blend Fox dog.blend Dog --pairs 12:40 77:301 5:9 63:118
 
-Pairs are vertices that belong together: 12 of the first object, 40 of the second. The second file is opened, the first
-object comes into it for as long as it is needed, and the result is saved under a new name.
+Pairs are corresponding vertices: 12 of the first object, 40 of the second. The second file is opened, the first
+object is appended temporarily, and the result is saved under a new name.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import convwass_addon
 
 
 def appended(path: Path, name: str) -> bpy.types.Object:
-    """Bring an object of another file into the scene."""
+    """Append an object of another file to the scene."""
     with bpy.data.libraries.load(str(path.absolute()), link=False) as (_available, wanted):
         wanted.objects = [name]
     (obj,) = wanted.objects
@@ -48,7 +48,7 @@ def main() -> None:
     bpy.ops.convwass.compute_soft_map(pairs=", ".join(options.pairs), vertices=options.vertices)
     bpy.ops.convwass.transfer_by_map(what={"GROUPS"}, direction="FORWARD")
 
-    # The map is stored with the source, and goes with it.
+    # The map is stored with the source, and removed with it.
     bpy.data.objects.remove(source)
     bpy.ops.wm.save_as_mainfile(filepath=str(options.out.absolute()))
     for group in target.vertex_groups:
