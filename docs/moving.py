@@ -8,109 +8,33 @@ Each is baked as by a user, rendered in Cycles, and played back and forth. ``--o
 from __future__ import annotations
 
 import argparse
-import math
 import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
+from filming import Film, save, save_loop
+from live_films import live_frames, with_pad
 from numpy.typing import NDArray
 from photographs import color_material, finer, sample_shape
-from PIL import Image, ImageDraw, ImageFont
 
 import convwass_addon
-from convwass_addon.bridge.framing import View, broad_view, orbit
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.objects import write_mesh
-from convwass_addon.bridge.studio import Studio, opening, world_points
+from convwass_addon.bridge.objects import triangle_mesh, write_mesh
+from convwass_addon.bridge.studio import world_points
 from convwass_addon.geometry.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.coherence_pairs import pairs_named
 
-PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 24
 """From one shape to the other."""
 
-# Elevation of the camera in radians; duration of a frame and of both ends in milliseconds; samples; WebP quality.
-_ELEVATION = math.radians(18.0)
-_FRAME, _HOLD = 45, 700
-_SAMPLES, _QUALITY = 10, 86
-_INK = (52, 52, 56)
 _CLAY = (0.48, 0.12, 0.05)
-_POINTS_PER_SHAPE = 1500
-
-
-@dataclass(frozen=True)
-class Film:
-    """The frames of a morph, seen by a static camera.
-
-    Attributes
-    ----------
-    frames : list of bpy.types.Object
-        Shown one at a time.
-    label : str
-        Text at the bottom; may be empty.
-    """
-
-    frames: list[bpy.types.Object]
-    label: str = ""
-
-    def rendered(self, size: tuple[int, int], view: View | None = None) -> list[Image.Image]:
-        """Render every frame, `size` pixels wide and high, from `view` or where the shapes are widest."""
-        pictures = []
-        with Studio() as studio, TemporaryDirectory() as folder:
-            copies = [studio.show(frame) for frame in self.frames]
-            points = [world_points(frame) for frame in self.frames]
-            points = [shape[:: 1 + len(shape) // _POINTS_PER_SHAPE] for shape in points]
-            view = view or broad_view(points, _ELEVATION)
-            depth = studio.build(points, view)
-            studio.set_quality(size, _SAMPLES)
-            (pose,) = orbit(np.concatenate(points), [view], opening(size))
-            studio.look(pose, depth)
-            for shown in copies:
-                for copy in copies:
-                    copy.hide_render = copy != shown
-                path = Path(folder) / "frame.png"
-                studio.render(path)
-                with Image.open(path) as picture:
-                    pictures.append(labeled(picture.convert("RGB"), self.label))
-                print(".", end="", flush=True)
-        print()
-        return pictures
-
-
-def labeled(picture: Image.Image, label: str) -> Image.Image:
-    """Write a label at the lower edge of a picture."""
-    if label:
-        place = (picture.width / 2, picture.height - 18)
-        ImageDraw.Draw(picture).text(place, label, _INK, ImageFont.load_default(18), anchor="mm")
-    return picture
-
-
-def save(name: str, *columns: Sequence[Image.Image]) -> None:
-    """Save films in columns as docs/pictures/NAME.webp, which plays back and forth forever."""
-    forth = [_beside(pictures) for pictures in zip(*columns, strict=True)]
-    loop = [*forth, *forth[-2:0:-1]]
-    durations = [_HOLD if index in (0, len(forth) - 1) else _FRAME for index in range(len(loop))]
-    path = PICTURES / f"{name}.webp"
-    # Differential frames would leave traces of previous ones.
-    options = {"save_all": True, "loop": 0, "quality": _QUALITY, "method": 6, "kmin": 0, "kmax": 1}
-    loop[0].save(path, append_images=loop[1:], duration=durations, **options)
-    print(f"{path.name}: {path.stat().st_size / 1e6:.2f} MB")
-
-
-def _beside(pictures: Sequence[Image.Image]) -> Image.Image:
-    joined = Image.new("RGB", (sum(picture.width for picture in pictures), pictures[0].height), "white")
-    left = 0
-    for picture in pictures:
-        joined.paste(picture, (left, 0))
-        left += picture.width
-    return joined
+# Milliseconds of a frame of a live morph.
+_MOMENT = 60
 
 
 def first() -> None:
@@ -130,6 +54,27 @@ def _raising(motion: str) -> Film:
     names = clay_pair("man raises arm")
     label = {"TRANSPORT": "Transport alone", "AUTOMATIC": "Convwass: Automatic"}[motion]
     return Film(bake(*names, motion=motion), label)
+
+
+def live() -> None:
+    """Lead the handle of a live morph of three animals around its pad."""
+    begin()
+    names = ("horse", "dog", "cow")
+    shapes = [sample_shape(name) for name in names]
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    moments = live_frames([triangle_mesh(obj, depsgraph) for obj in shapes], names)
+    frames = [_object("Moment", moment.mesh) for moment in moments]
+    for frame in frames:
+        paint(frame, _clay)
+    pictures = Film(frames).rendered((560, 460))
+    with_pads = [with_pad(picture, moment.weights, names) for picture, moment in zip(pictures, moments, strict=True)]
+    save_loop("live", with_pads, [_MOMENT] * len(moments))
+
+
+def any_topology() -> None:
+    """Turn a ball into a knot: a hole opens where it costs least."""
+    names = clay_pair("ball to knot")
+    save("any_topology", Film(bake(*names, motion="TRANSPORT")).rendered((560, 460)))
 
 
 def one_mesh() -> None:
@@ -235,7 +180,7 @@ def _piebald(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return inside * [0.015, 0.013, 0.012] + (1.0 - inside) * [0.82, 0.78, 0.72]
 
 
-FILMS = {film.__name__: film for film in (first, hold_together, one_mesh)}
+FILMS = {film.__name__: film for film in (first, hold_together, live, any_topology, one_mesh)}
 
 
 def main() -> None:
