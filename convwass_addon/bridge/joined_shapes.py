@@ -10,9 +10,13 @@ from contextlib import ExitStack, contextmanager
 import bpy
 
 from ..errors import InputError
+from .object_copies import copied, copies_of, has_copies
 from .objects import evaluated_object, frozen_copy
 from .sequence import MODIFIER, frame_group
 from .shape_sources import ShapeSource, shows_collection
+
+VOLUME_THRESHOLD = 0.1
+"""Density of volumes at their surface, as in Blender's Volume to Mesh."""
 
 _MESHED = ("MESH", "FONT", "CURVE", "SURFACE", "META")
 _WITH_RADIUS = ("CURVES", "POINTCLOUD")
@@ -28,7 +32,8 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
     """Provide an object with the surface of a whole shape: its only part, or a joined mesh that is removed afterwards.
 
     Modifiers are applied, in world space; materials, UV maps, vertex groups and attributes are kept, and instances
-    realized. Strands and points become tubes and balls of their radius.
+    realized, also those of particles. Strands and points become tubes and balls of their radius, volumes their surface
+    at a density of `VOLUME_THRESHOLD`.
 
     Parameters
     ----------
@@ -72,21 +77,23 @@ def shown_live(tree: bpy.types.NodeTree, parts: Sequence[bpy.types.Object]) -> b
     bpy.types.NodeSocket or None
         None if a part has no mesh that nodes could show.
     """
-    if any(part.type not in ("MESH", "META") and not shows_collection(part) for part in parts):
+    if any((part.type not in ("MESH", "META") and not shows_collection(part)) or has_copies(part) for part in parts):
         return None
     join = tree.nodes.new("GeometryNodeJoinGeometry")
     # The last link comes first.
     for part in reversed(parts):
-        tree.links.new(_realized(tree, part), join.inputs["Geometry"])
+        tree.links.new(_realized(tree, _as_instance(tree, part)), join.inputs["Geometry"])
     return join.outputs["Geometry"]
 
 
 def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Return whether an object must be converted to a joined mesh."""
-    if obj.type in ("SURFACE", "META", *_WITH_RADIUS) or shows_collection(obj):
+    if obj.type in ("SURFACE", "META", "VOLUME", *_WITH_RADIUS) or shows_collection(obj):
         return True
     # For mirrored meshes, all data must come from one copy with flipped faces.
-    return obj.type == "MESH" and (obj.matrix_world.determinant() < 0 or _has_instances(obj, depsgraph))
+    return obj.type == "MESH" and (
+        obj.matrix_world.determinant() < 0 or _has_instances(obj, depsgraph) or has_copies(obj)
+    )
 
 
 def _has_instances(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
@@ -124,9 +131,11 @@ def _piece(
     """Return the mesh of one part in world space; None if it is empty."""
     if part.type in _WITH_RADIUS:
         _require_radius(part, depsgraph)
-        return _solid_of(tree, part.type, _realized(tree, part))
+        return _solid_of(tree, part.type, _realized(tree, _as_instance(tree, part)))
     if shows_collection(part) or (part.type == "MESH" and _has_instances(part, depsgraph)):
-        return _realized(tree, part)
+        return _realized(tree, _as_instance(tree, part))
+    if part.type == "VOLUME":
+        return _surface_of_volume(tree, part)
     if part.type not in _MESHED:
         kind = part.bl_rna.properties["type"].enum_items[part.type].name.lower()
         raise InputError(
@@ -135,7 +144,29 @@ def _piece(
             kind=kind,
         )
     mesh = _own_mesh(part, depsgraph)
-    return None if mesh is None else _info(tree, _linked(mesh, depsgraph, stack)).outputs["Geometry"]
+    own = None if mesh is None else _info(tree, _linked(mesh, depsgraph, stack)).outputs["Geometry"]
+    return _with_copies(tree, part, own, depsgraph, stack) if has_copies(part) else own
+
+
+def _with_copies(
+    tree: bpy.types.NodeTree,
+    part: bpy.types.Object,
+    own: bpy.types.NodeSocket | None,
+    depsgraph: bpy.types.Depsgraph,
+    stack: ExitStack,
+) -> bpy.types.NodeSocket | None:
+    """Return the mesh of a part joined with its copies; see :func:`.object_copies.copies_of`."""
+    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    for copies in copies_of(part, depsgraph):
+        mesh = _own_mesh(copies.original, depsgraph)
+        if mesh is None:
+            continue
+        source, places = _linked(mesh, depsgraph, stack), _linked(copies.as_points(), depsgraph, stack)
+        instances = copied(tree, *(_info(tree, obj).outputs["Geometry"] for obj in (places, source)))
+        tree.links.new(_realized(tree, instances), join.inputs["Geometry"])
+    if own is not None and part.show_instancer_for_render:
+        tree.links.new(own, join.inputs["Geometry"])
+    return join.outputs["Geometry"]
 
 
 def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh | None:
@@ -161,15 +192,18 @@ def _info(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.Node:
     return info
 
 
-def _realized(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
-    """Return the geometry of a part with its instances; faces of mirrored instances are flipped outwards.
+def _as_instance(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
+    info = _info(tree, part)
+    info.inputs["As Instance"].default_value = True
+    return info.outputs["Geometry"]
+
+
+def _realized(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return a mesh with its instances realized; faces of mirrored ones are flipped outwards.
 
     Realizing instances does not flip faces. They are therefore realized level by level, and every level stores whether
     its accumulated transform mirrors it.
     """
-    info = _info(tree, part)
-    info.inputs["As Instance"].default_value = True
-    geometry = info.outputs["Geometry"]
     for _ in range(_DEPTH):
         mark = tree.nodes.new("GeometryNodeStoreNamedAttribute")
         mark.data_type, mark.domain = "BOOLEAN", "INSTANCE"
@@ -204,6 +238,13 @@ def _mirrors(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
     tree.links.new(determinant.outputs["Determinant"], compare.inputs["A"])
     compare.inputs["B"].default_value = 0.0
     return compare.outputs["Result"]
+
+
+def _surface_of_volume(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
+    mesh = tree.nodes.new("GeometryNodeVolumeToMesh")
+    mesh.inputs["Threshold"].default_value = VOLUME_THRESHOLD
+    tree.links.new(_info(tree, part).outputs["Geometry"], mesh.inputs["Volume"])
+    return mesh.outputs["Mesh"]
 
 
 def _require_radius(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:

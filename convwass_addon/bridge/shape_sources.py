@@ -15,7 +15,7 @@ OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 """Ways to group objects to shapes."""
 
 # Types of objects with a surface that need conversion.
-_OTHER_SURFACES = ("SURFACE", "META", "CURVES", "POINTCLOUD")
+_OTHER_SURFACES = ("SURFACE", "META", "CURVES", "POINTCLOUD", "VOLUME")
 # Display types of helper objects: cages, cutters, bone shapes.
 _HELPERS = ("BOUNDS", "WIRE")
 

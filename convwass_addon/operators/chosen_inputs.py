@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -65,7 +64,6 @@ def chosen_inputs(
     else:
         selected = selected_objects(context)
         objects = settings.sorted_shapes(shape_roots(selected, settings.grouping))
-        refuse_others(selected)
         numbers = [1.0] * len(objects)
     if weights.strip():
         numbers = _numbers(weights)
@@ -74,16 +72,6 @@ def chosen_inputs(
             "Select at least two shapes (meshes, texts, curves, drawings or images), or add them to the input list."
         )
     return ChosenInputs(objects, numbers)
-
-
-def refuse_others(objects: Sequence[bpy.types.Object]) -> None:
-    """Raise InputError for objects whose shape cannot be read, with a hint how to convert them to meshes.
-
-    Objects without a shape, such as cameras and lights, are ignored.
-    """
-    for obj in objects:
-        if obj.type == "VOLUME":
-            raise InputError("{name} is not a mesh: choose Object > Convert > Mesh.", name=obj.name)
 
 
 def split_names(text: str) -> list[str]:

@@ -170,6 +170,41 @@ def points(_add):
     return linked("Points", data)
 
 
+def volume_of_fog(add):
+    """A ball of fog, whose surface is at its threshold."""
+    obj = linked("Fog", bpy.data.volumes.new("Fog"))
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
+    ball = bpy.context.object
+    ball.hide_render = True
+    filled = obj.modifiers.new("Fill", "MESH_TO_VOLUME")
+    filled.object, filled.voxel_size, filled.resolution_mode = ball, 0.05, "VOXEL_SIZE"
+    return obj
+
+
+def emitter(add, **settings):
+    """A plane of 2 x 2 that emits octahedra of volume 4/3 / 1000."""
+    bpy.ops.mesh.primitive_plane_add()
+    plane = bpy.context.object
+    plane.name = "Emitter"
+    plane.modifiers.new("Particles", "PARTICLE_SYSTEM")
+    own = plane.particle_systems[0].settings
+    own.type, own.count, own.render_type, own.particle_size = "HAIR", 5, "OBJECT", 0.1
+    own.use_advanced_hair, own.hair_length = True, 1.0
+    own.instance_object = add("Grain", (30, 0, 0))
+    for name, value in settings.items():
+        setattr(own, name, value)
+    plane.show_instancer_for_render = False
+    return plane
+
+
+def copies_at_vertices(add):
+    obj = add("Points")
+    add("Copied", (0, 0, 0.25), (0.1, 0.1, -0.1), parent=obj)
+    obj.instance_type = "VERTS"
+    obj.show_instancer_for_render = False
+    return obj
+
+
 def linked(name, data):
     obj = bpy.data.objects.new(name, data)
     bpy.context.scene.collection.objects.link(obj)
@@ -184,6 +219,9 @@ def linked(name, data):
         (nurbs, 4 / 3 * pi, 0.2),
         (hair, 2 * 0.01 * 4 * np.sin(pi / 4), 1e-4),  # prisms of eight corners
         (points, 3 * 4 / 3 * pi / 8, 0.2),
+        (volume_of_fog, 4 / 3 * pi, 0.3),
+        (emitter, 5 * OCTAHEDRON / 1000, 1e-5),
+        (copies_at_vertices, 6 * OCTAHEDRON / 1000, 1e-5),
     ],
 )
 def test_objects_of_all_types_are_shapes(add, make, volume, tolerance):
@@ -191,6 +229,18 @@ def test_objects_of_all_types_are_shapes(add, make, volume, tolerance):
     assert shape_roots([obj]) == [obj]
     mesh = read(obj)
     assert mesh.volume == pytest.approx(volume, abs=tolerance)
+
+
+def test_copies_are_where_particles_show_them(add):
+    obj = emitter(add)
+    shown = [
+        np.array(one.matrix_world.translation)
+        for one in bpy.context.evaluated_depsgraph_get().object_instances
+        if one.is_instance
+    ]
+    mesh = read(obj)
+    centers = mesh.vertices.reshape(5, 6, 3).mean(axis=1)
+    np.testing.assert_allclose(sorted(centers.tolist()), sorted(np.array(shown).tolist()), atol=1e-5)
 
 
 def test_types_are_mixed_in_one_shape(bare_scene, add):

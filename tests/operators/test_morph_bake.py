@@ -284,7 +284,7 @@ def test_parts_of_one_material_travel_together(parts, width):
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (lambda: bpy.ops.object.volume_add(), "Object > Convert > Mesh"),
+        (lambda: bpy.ops.object.volume_add(), "no faces"),
         (lambda: bpy.ops.object.collection_instance_add(collection=_full_collection()), "no faces"),
     ],
 )
