@@ -26,8 +26,8 @@ _EQUAL = 0.02
 _EQUALLY_GOOD = 0.05
 # A mesh has a volume if it encloses more than this fraction of its area to the power of 3/2.
 _CLEAR = 1e-5
-# The directed areas of an open shape's faces sum up to the directed area of its holes: the largest fraction of the
-# total area at which the shape still counts as having an inside. An open hemisphere has 0.5.
+# A shape has an inside if the directed area of its holes, which is the sum over the directed areas of its faces, is at
+# most this fraction of the total area. An open hemisphere has 0.5.
 _OPEN = 0.4
 _SIGNS = np.array([signs for signs in itertools.product((1.0, -1.0), repeat=3)])
 
@@ -133,7 +133,7 @@ class AlignedMeshes:
 def aligned_meshes(
     meshes: Sequence[TriangleMesh], alignment: Alignment, scaling: Scaling, names: Sequence[str] = ()
 ) -> AlignedMeshes:
-    """Lay shapes onto the first one; see :func:`aligned`."""
+    """Align shapes with the first one; see :func:`aligned`."""
     if (alignment, scaling) == ("PLACED", "PLACED"):
         return AlignedMeshes(list(meshes), None)
     moves = aligned(meshes, alignment, scaling, names)
@@ -261,7 +261,7 @@ def _axes(second: NDArray[np.float64]) -> _Axes:
 
 
 def _resolved_axes(axes: _Axes, near: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Within groups of equal spread, choose the directions that are closest to those they are compared with."""
+    """Choose the directions within groups of equal spread that are closest to the columns of `near`."""
     directions = axes.directions.copy()
     for group in axes.groups:
         if len(group) > 1:

@@ -47,7 +47,7 @@ def with_wider_angles(mesh: TriangleMesh, most: float) -> TriangleMesh:
     """
     vertices, faces = mesh.vertices.copy(), mesh.faces
     angles = smallest_angles(mesh.corners)
-    # Vertices that may gain: a vertex without a gain gets none before something around it has moved.
+    # Vertices to examine: a vertex without a gain can only gain again after a neighbor has moved.
     is_open = np.ones(len(vertices), bool)
     for _ in range(_ROUNDS):
         is_chosen = np.zeros(len(vertices), bool)
@@ -69,16 +69,16 @@ def with_wider_angles(mesh: TriangleMesh, most: float) -> TriangleMesh:
 
 @dataclass(frozen=True)
 class _Moves:
-    """What vertices gain by moving.
+    """Possible moves of vertices, and their gains.
 
     Attributes
     ----------
     gains : (k,) float64
-        By how much the smallest angle around each grows, in radians.
+        Increase of the smallest angle around each vertex, in radians.
     chosen : (c,) int64
         The vertices with the largest gains, no two of them neighbors.
     steps : (c, 3) float64
-        How these move.
+        Displacements of the chosen vertices.
     """
 
     gains: NDArray[np.float64]

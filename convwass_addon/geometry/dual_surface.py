@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The dual of a marching-cubes surface: a vertex for every patch in a cube, a quad for every grid edge that is crossed.
+"""The dual of a marching-cubes surface: one vertex per surface patch in a cube, one quad per crossed grid edge.
 
-After Nielson, "Dual marching cubes", IEEE Visualization 2004. Marching cubes leaves slivers wherever the surface passes
-close to a sample; the dual has none, and has the same topology. Where two patches share two contour segments of a face,
-or a patch is not a disk, the plain dual is not a manifold: such patches are first split into their triangles.
+After Nielson, "Dual marching cubes", IEEE Visualization 2004. Marching cubes produces slivers where the surface passes
+close to a sample; the dual has the same topology and no slivers. If two patches share two contour segments of a face,
+or a patch is not a disk, the plain dual is not a manifold; such patches are first split into their triangles.
 """
 
 from __future__ import annotations
@@ -18,9 +18,9 @@ from scipy.sparse.csgraph import connected_components
 
 from .mesh import TriangleMesh
 
-# A cube with more triangles could hold a tube and a disk, whose Euler numbers add up to that of one disk.
+# Cubes with more triangles might hold a tube and a disk, whose Euler numbers add up to that of a single disk.
 _MOST_OF_ONE_DISK = 6
-# A patch with two segments on one face has at least so many corners.
+# Minimum number of corners of a patch with two segments on one face.
 _LEAST_OF_A_DOUBLE = 6
 
 
@@ -35,9 +35,9 @@ class DualSurface:
     cubes : (n, 3) int64
         Low corner of the cube that each point lies in.
     quads : (q, 4) int64
-        Counter-clockwise seen from outside.
+        Counterclockwise seen from outside.
     triangles : (t, 3) int64
-        Likewise.
+        Counterclockwise seen from outside.
     """
 
     points: NDArray[np.float64]
@@ -47,12 +47,12 @@ class DualSurface:
 
 
 def dual_surface(mesh: TriangleMesh, inside: NDArray[np.bool_]) -> DualSurface:
-    """Return the dual of a surface that marching cubes drew.
+    """Return the dual of a surface extracted by marching cubes.
 
     Parameters
     ----------
     mesh : TriangleMesh
-        Closed and outward. Samples are at integer coordinates, and no vertex is at one.
+        Closed and oriented outward. Samples are at integer coordinates, and no vertex coincides with a sample.
     inside : (nx, ny, nz) bool
         Samples inside the surface.
     """
@@ -79,7 +79,7 @@ def dual_surface(mesh: TriangleMesh, inside: NDArray[np.bool_]) -> DualSurface:
 
 
 def _centroids(mesh: TriangleMesh, owners: NDArray[np.int64], count: int) -> NDArray[np.float64]:
-    """Return the means of the triangles of every patch, (count, 3)."""
+    """Return the mean of the triangles' centroids for every patch, (count, 3)."""
     a, b, c = np.ascontiguousarray(mesh.faces.T)
     found = np.empty((count, 3))
     for axis, along in enumerate(np.ascontiguousarray(mesh.vertices.T)):
@@ -89,7 +89,7 @@ def _centroids(mesh: TriangleMesh, owners: NDArray[np.int64], count: int) -> NDA
 
 @dataclass(frozen=True)
 class _Cubes:
-    """Where the vertices and triangles of a surface are among the cubes between samples.
+    """The cubes between samples that contain the vertices and triangles of a surface.
 
     Attributes
     ----------
@@ -100,12 +100,12 @@ class _Cubes:
     low : (m, 3) int64
         Low corner of the cube of each triangle.
     number : (m,) int64
-        Number of that cube among those that hold triangles.
+        Index of that cube among those with triangles.
     in_face : (m,) bool
-        Triangles that lie in the face between two cubes. They may count for the wrong one.
+        Triangles that lie in the face between two cubes, and may be assigned to the wrong one.
     slots : (m, 3) int64
-        4 v + s for each corner v of a triangle: s numbers the four cubes around the grid edge, counter-clockwise seen
-        from its upper end.
+        4 v + s for each corner v of a triangle: s is the index of its cube around the grid edge, counterclockwise seen
+        from the edge's upper end.
     """
 
     floor: NDArray[np.int64]
@@ -131,12 +131,12 @@ class _Cubes:
             flat = np.flatnonzero((a == b) & (b == c))
             in_face[flat] |= is_whole[mesh.faces[flat]].all(axis=1)
         cube = low @ strides
-        # Marching cubes goes from cube to cube in their order, but for triangles in faces.
+        # Marching cubes emits cubes in order, except for triangles in faces.
         order = np.argsort(cube, kind="stable")
         ordered = cube[order]
         number = np.empty(len(cube), np.int64)
         number[order] = np.cumsum(np.append(0, ordered[1:] != ordered[:-1])) if len(cube) else 0
-        # How far the cube is below the vertex, and along which axis the grid edge is, give the slot.
+        # The offset of the cube below the vertex and the axis of the grid edge determine the slot.
         axis = np.argmin(whole, axis=1)
         table = np.zeros((3, int(strides[0] + strides[1]) + 1), np.int64)
         for along in range(3):
@@ -158,16 +158,16 @@ class _Cubes:
 
 @dataclass(frozen=True)
 class _Patches:
-    """Which triangles become one vertex of the dual.
+    """The patches, each of which becomes one vertex of the dual.
 
     Attributes
     ----------
     owners : (m,) int64
-        Number of the patch of each triangle.
+        Index of the patch of each triangle.
     split : (m,) bool
-        Triangles that are patches of their own.
+        Triangles that are their own patches.
     count : int
-        Of the patches.
+        Number of patches.
     """
 
     owners: NDArray[np.int64]
@@ -176,7 +176,7 @@ class _Patches:
 
     @classmethod
     def of(cls, mesh: TriangleMesh, cubes: _Cubes) -> _Patches:
-        """Join the triangles of a cube that hang together, as far as the dual is a manifold."""
+        """Form patches from connected triangles of a cube, as far as the dual stays a manifold."""
         labels, count, forced = cubes.number.copy(), int(cubes.number.max()) + 1, _at_face_triangles(mesh, cubes)
         rest = np.flatnonzero(~_one_disk(mesh, cubes, count)[labels] | forced)
         parts, part_count, disk = _parts(mesh.faces[rest], labels[rest], cubes.on_edge)
@@ -190,7 +190,7 @@ class _Patches:
 
 
 def _at_face_triangles(mesh: TriangleMesh, cubes: _Cubes) -> NDArray[np.bool_]:
-    """Tell the triangles of all cubes that touch a triangle in a face between cubes, (m,)."""
+    """Return the triangles, (m,), of all cubes that touch a triangle in a face between cubes."""
     if not cubes.in_face.any():
         return np.zeros(len(mesh.faces), bool)
     touched = np.zeros(len(mesh.vertices), bool)
@@ -201,7 +201,7 @@ def _at_face_triangles(mesh: TriangleMesh, cubes: _Cubes) -> NDArray[np.bool_]:
 
 
 def _one_disk(mesh: TriangleMesh, cubes: _Cubes, count: int) -> NDArray[np.bool_]:
-    """Tell the cubes, of `count`, whose triangles are one disk for sure; most are. A disk has two corners more."""
+    """Return which of `count` cubes certainly hold a single disk: one with two more corners than triangles."""
     around = cubes.around(cubes.number)[cubes.on_edge]
     corners = np.bincount(around[around >= 0], minlength=count)
     triangles = np.bincount(cubes.number, minlength=count)
@@ -214,9 +214,9 @@ def _one_disk(mesh: TriangleMesh, cubes: _Cubes, count: int) -> NDArray[np.bool_
 def _parts(
     faces: NDArray[np.int64], numbers: NDArray[np.int64], on_edge: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], int, NDArray[np.bool_]]:
-    """Join triangles of one cube that share a vertex: the part of each, (m,), how many there are, and which are disks.
+    """Group the triangles of each cube that share vertices: group of each, (m,), number of groups, and which are disks.
 
-    With n corners on grid edges, i vertices inside and m triangles the Euler number is i + (n - m) / 2.
+    The Euler number of a group is i + (n - m) / 2 for n corners on grid edges, i vertices inside and m triangles.
     """
     if not len(faces):
         return np.empty(0, np.int64), 0, np.empty(0, bool)
@@ -231,9 +231,9 @@ def _parts(
 
 
 def _doubled(around: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """Tell the patches, of `count`, to be split since they share two segments with another, by those around vertices.
+    """Return which of `count` patches share two segments with another one, so that they must be split.
 
-    A segment has two ends, so such a pair follows each other around four vertices.
+    Since a segment has two ends, the two patches of such a pair are consecutive around four vertices.
     """
     large = np.bincount(around[around >= 0], minlength=count) >= _LEAST_OF_A_DOUBLE
     one, other = around.ravel(), np.roll(around, -1, axis=1).ravel()
@@ -248,18 +248,18 @@ def _doubled(around: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
 def _fans(
     faces: NDArray[np.int64], owners: NDArray[np.int64], chosen: NDArray[np.bool_]
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Draw the dual's faces at some vertices, (n,) bool, as triangles around them.
+    """Create the dual's faces at chosen vertices, (n,) bool, as triangle fans around them.
 
     Returns
     -------
     centers : (c,) int64
-        Those of the vertices where more than one patch meets.
+        The chosen vertices where more than one patch meets.
     triangles : (t, 3) int64
-        Number of the center, and two patches.
+        Index of the center, and two patches.
     """
     triangle, corner = np.nonzero(chosen[faces])
     center, after, before = (faces[triangle, (corner + step) % 3] for step in range(3))
-    # The next triangle around the center begins at the edge where this one ends.
+    # The next triangle around the center begins at the last edge of this one.
     begins = center * len(chosen) + after
     order = np.argsort(begins)
     following = triangle[order[np.searchsorted(begins, center * len(chosen) + before, sorter=order)]]

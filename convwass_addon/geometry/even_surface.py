@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A level set meshed with quads of even size instead of the slivers of marching cubes.
+"""Mesh a level set with quads of even size instead of the slivers of marching cubes.
 
-The vertices of the dual are moved along the surface towards the middle of their neighbors, and back onto it by Newton
-steps. The surface is that of the density as if it were a blurred solid: see :func:`straightened`.
+The vertices of the dual surface are moved along the surface to the mean of their neighbors, and back onto it by Newton
+steps. The density is interpolated as that of a blurred solid: see :func:`straightened`.
 """
 
 from __future__ import annotations
@@ -18,42 +18,42 @@ from .isosurface import LevelSurface, bounding_box
 from .mesh import TriangleMesh
 from .quad_cleaning import without_short_edges
 
-# Rounds of evening out. On a horse at 64 cells the first percentile of angles is 29 degrees after one, 32 after two.
+# Rounds of smoothing. On a horse at 64 cells the first percentile of angles is 29 degrees after one, 32 after two.
 _ROUNDS = 2
-# Vertices leave their cube by so much at the most, in cells, so that the surface cannot fold.
+# Largest distance in cells by which vertices may leave their cubes, so that the surface cannot fold.
 _LEEWAY = 0.3
-# The surface is less than this away from points of the dual, in cells: 0.24 on a horse, an octopus and a turned box.
+# Largest Newton step in cells. On a horse, an octopus and a turned box, the dual is up to 0.24 off the surface.
 _LONGEST_STEP = 0.3
-# Gradients that are less than this do not tell where the surface is. Usual are 1.1, and 0.47 the least on a horse.
+# Smaller gradients do not determine the position of the surface. Typical values are 1.1; the least on a horse is 0.47.
 _LEAST_SLOPE = 0.05
-# To enclose the volume all vertices are shifted along their normals, usually by 0.004 cells. Where more than this share
-# of the volume was missing it is measured again, so many times at the most.
+# The volume is restored by shifting all vertices along their normals, typically by 0.004 cells. If more than this
+# fraction of the volume was missing, it is measured again, up to this many times.
 _MUCH_MISSING, _SHIFTS = 5e-3, 6
 # Samples around those inside: interpolation takes two, and vertices leave their cubes.
 _MARGIN = 3
-# Where a density differs from its level by a larger share of it, it is far from the surface.
+# Samples whose density differs from the level by more than this fraction of it are far from the surface.
 _FAR = 0.95
 # Power series of the inverse error function, erfinv(e) = sqrt(pi) / 2 (e + pi / 12 e^3 + ...).
 _SERIES = (1.0, np.pi / 12, 7 * np.pi**2 / 480, 127 * np.pi**3 / 40320, 4369 * np.pi**4 / 5806080)
-# Diagonals of a quad count as equally long up to this ratio; the first of both is taken then.
+# Diagonals of a quad with at least this ratio of lengths count as equally long; the first one is then chosen.
 _EQUAL = 0.98
 
 
 def even_surface(surface: LevelSurface, density: NDArray[np.floating]) -> LevelSurface:
-    """Mesh a level set anew: about as many triangles, of the same topology and volume, without slivers.
+    """Remesh a level set: about as many triangles, with the same topology and volume, without slivers.
 
     Parameters
     ----------
     surface : LevelSurface
-        As :func:`.isosurface.surface_at_level` draws it.
+        From :func:`.isosurface.surface_at_level`.
     density : (nx, ny, nz)
-        Of which it is a level set.
+        The density of the level set.
 
     Returns
     -------
     LevelSurface
-        Triangles 2 i and 2 i + 1 of its mesh are a quad (a, b, c, d) as (a, b, c) and (a, c, d); after all quads there
-        may be a few single triangles.
+        Triangles 2 i and 2 i + 1 of its mesh form a quad (a, b, c, d) as (a, b, c) and (a, c, d). A few single
+        triangles may follow the quads.
     """
     box, low = _surroundings(density, surface.level)
     dual = without_short_edges(dual_surface(surface.mesh.moved(-low - 0.5), box > surface.level))
@@ -63,10 +63,10 @@ def even_surface(surface: LevelSurface, density: NDArray[np.floating]) -> LevelS
 
 
 def straightened(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
-    """Turn a density, (nx, ny, nz), into about the signed distance from its level set, positive inside, in some unit.
+    """Convert a density, (nx, ny, nz), to an approximate signed distance, positive inside, up to a constant factor.
 
-    Next to a flat face, a solid that is blurred by sigma has the density level (1 + erf(d / (sqrt(2) sigma))) at the
-    signed distance d. Interpolating the density itself is off by up to 0.03 cells for sigma = 0.7, interpolating d by
+    Next to a flat face, a solid blurred by sigma has the density level (1 + erf(d / (sqrt(2) sigma))) at the signed
+    distance d. For sigma = 0.7, interpolating the density itself has errors of up to 0.03 cells, and interpolating d of
     0.004 (on a sphere with a radius of 20 cells).
     """
     excess = np.subtract(density, np.float32(level), dtype=np.float32)
@@ -82,7 +82,7 @@ def straightened(density: NDArray[np.floating], level: float) -> NDArray[np.floa
 
 
 def _surroundings(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.floating], NDArray[np.int64]]:
-    """Return the box of samples about the surface, with zeros beyond the grid, and its first sample, (3,)."""
+    """Return the box of samples around the surface, with zeros beyond the grid, and its first sample, (3,)."""
     low, high = bounding_box(density > level)
     low, high = low - _MARGIN, high + _MARGIN
     box = np.zeros(high - low, density.dtype)
@@ -92,10 +92,10 @@ def _surroundings(density: NDArray[np.floating], level: float) -> tuple[NDArray[
 
 
 def _evened(dual: DualSurface, field: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the points of a dual, moved, and outward unit normals of the field there, both (n, 3).
+    """Return the moved points of a dual and the outward unit normals of the field there, both (n, 3).
 
-    Points that do not find the surface near them, as on tips and crumbs that are too small for the field, only go to
-    the middle of their neighbors, and those that turn a quad over stay where they are; their normals are zero.
+    Points without a nearby surface, as on tips and fragments that are too small for the field, are only moved to the
+    mean of their neighbors. Points that would flip a quad are not moved. The normals of both are zero.
     """
     low, high = dual.cubes - _LEEWAY, dual.cubes + (1.0 + _LEEWAY)
     middles = _Middles(dual)
@@ -115,7 +115,7 @@ def _evened(dual: DualSurface, field: NDArray[np.float32]) -> tuple[NDArray[np.f
 
 
 def _area_vectors(points: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return normals of quads, (q, 3), as long as twice their area."""
+    """Return normals of quads, (q, 3), whose length is twice the area."""
     a, b, c, d = (points[own] for own in quads.T)
     return np.cross(c - a, d - b)
 
@@ -123,15 +123,15 @@ def _area_vectors(points: NDArray[np.float64], quads: NDArray[np.int64]) -> NDAr
 def _projected(
     points: NDArray[np.float64], field: NDArray[np.float32], low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
-    """Take a Newton step onto the zero level of a field, within boxes.
+    """Move points by a Newton step towards the zero level of a field, within boxes.
 
     Returns
     -------
     points : (n, 3) float64
     normals : (n, 3) float64
-        Unit normals before the step, outward; shorter where gradients are too small to count.
+        Unit normals before the step, outward; shorter where gradients are too small.
     found : (n,) bool
-        Whether the surface was near and clear.
+        Whether a surface was found nearby.
     """
     samples = cubic_samples(field, points)
     lengths = np.linalg.norm(samples.gradients, axis=1)
@@ -155,7 +155,7 @@ def _enclosing(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float) 
 
 
 class _Middles:
-    """Means of the middles of the faces around every point of a surface."""
+    """Means of the centers of the faces around every point of a surface."""
 
     def __init__(self, dual: DualSurface) -> None:
         quads, triangles, count = len(dual.quads), len(dual.triangles), len(dual.points)
@@ -166,12 +166,12 @@ class _Middles:
         self._faces_around = np.bincount(corners, minlength=count)[:, None]
 
     def of(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return them for points at some places, (n, 3)."""
+        """Return the means for points at given positions, (n, 3)."""
         return self._faces.T @ ((self._faces @ points) * self._shares) / self._faces_around
 
 
 def _triangles(points: NDArray[np.float64], dual: DualSurface) -> NDArray[np.int64]:
-    """Cut quads along their shorter diagonals; those that are no quads come last."""
+    """Cut quads along their shorter diagonals; faces that are triangles come last."""
     a, b, c, d = (points[own] for own in dual.quads.T)
     lengths = [np.einsum("nd,nd->n", line, line) for line in (c - a, d - b)]
     across = lengths[1] < _EQUAL**2 * lengths[0]

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edges between two vertices of three quads each, which stay short, taken out of a surface of quads.
+"""Remove edges between two vertices of three quads each from a quad surface; such edges stay short.
 
-The four quads around such an edge fill a hexagon. Two quads fill it as well, without the two vertices.
+The four quads around such an edge fill a hexagon, which two quads fill as well, without the two vertices.
 """
 
 from __future__ import annotations
@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from .dual_surface import DualSurface
 
-# The three ways to cut a hexagon in two quads, by the corners of both.
+# The three ways to cut a hexagon into two quads, given by their corners.
 _CUTS = np.array([[[i, i + 1, i + 2, i + 3], [i + 3, i + 4, i + 5, i]] for i in range(3)]) % 6
-# Other vertices keep three quads at least.
+# Other vertices keep at least three quads.
 _LEAST_QUADS = 4
 
 
 def without_short_edges(dual: DualSurface) -> DualSurface:
-    """Return a surface of the same topology where hardly any edge has two vertices of three quads."""
+    """Return a surface of the same topology with hardly any edges between two vertices of three quads."""
     count = len(dual.points)
     around = np.bincount(dual.quads.ravel(), minlength=count)
     around[dual.triangles] = 0
@@ -51,13 +51,13 @@ def without_short_edges(dual: DualSurface) -> DualSurface:
 
 
 def _short_edges(quads: NDArray[np.int64], ends: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Return where edges between `ends`, (n,) bool, are: quad and corner that each begins at, on both sides, (k, 4)."""
+    """Return edges between chosen vertices, (n,) bool, as quad and first corner on both sides, (k, 4)."""
     is_end = ends[quads]
     quad, corner = np.nonzero(is_end & np.roll(is_end, -1, axis=1))
     tail, head = quads[quad, corner], quads[quad, (corner + 1) % 4]
     keys, back = tail * len(ends) + head, head * len(ends) + tail
     order = np.argsort(keys)
-    # Beside triangles an edge has a quad on one side only.
+    # Next to triangles, an edge has a quad on one side only.
     found = np.searchsorted(keys, back, sorter=order)
     other = order[np.minimum(found, len(order) - 1)]
     once = (keys[other] == back) & (tail < head)
@@ -69,14 +69,14 @@ def _hexagons(
 ) -> tuple[NDArray[np.int64], NDArray[np.int64], NDArray[np.int64]]:
     """Return the four quads around each edge, (k, 4), its two vertices, (k, 2), and the hexagon around it, (k, 6).
 
-    With (a, b, c, d) and (b, a, e, f) on both sides of the edge (a, b), a belongs to (e, a, d, x) too and b to
-    (c, b, f, y), and the hexagon is (c, d, x, e, f, y). The first and last two of it lose an edge.
+    With the quads (a, b, c, d) and (b, a, e, f) on both sides of the edge (a, b), the other quad of a is (e, a, d, x),
+    that of b is (c, b, f, y), and the hexagon is (c, d, x, e, f, y). Its first and last two vertices lose an edge.
     """
     steps = np.arange(4)
     one, other = edges[:, 0], edges[:, 2]
     a, b, c, d = quads[one[:, None], (edges[:, 1, None] + steps) % 4].T
     _, _, e, f = quads[other[:, None], (edges[:, 3, None] + steps) % 4].T
-    # Three quads at a vertex, two of which are known.
+    # The sum of the three quads at a vertex minus the two known ones is the third.
     sums = np.bincount(quads.ravel(), np.repeat(np.arange(len(quads)), 4)).astype(np.int64)
     third, fourth = (sums[vertex] - one - other for vertex in (a, b))
     x = quads[third].sum(axis=1) - e - a - d
@@ -85,7 +85,7 @@ def _hexagons(
 
 
 def _apart(groups: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
-    """Choose groups of different vertices, (k, g) of `count`, so that no vertex is in two of them."""
+    """Choose groups of distinct vertices, (k, g) of `count`, such that no vertex is in two groups."""
     ordered = np.sort(groups, axis=1)
     proper = (ordered[:, 1:] != ordered[:, :-1]).all(axis=1)
     numbers = np.flatnonzero(proper)
@@ -97,7 +97,7 @@ def _apart(groups: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
 def _touching_themselves(
     quads: NDArray[np.int64], inner: NDArray[np.int64], hexagons: NDArray[np.int64], count: int
 ) -> NDArray[np.bool_]:
-    """Tell the hexagons, (k, 6), that are joined by quads outside of them, by more than an edge of their own."""
+    """Return which hexagons, (k, 6), have corners that outside quads connect other than by their own edges."""
     owner, place = np.full(count, -1), np.zeros(count, np.int64)
     owner[hexagons] = np.arange(len(hexagons))[:, None]
     place[hexagons] = np.arange(6)
@@ -111,7 +111,7 @@ def _touching_themselves(
             other = (one + step) % 4
             joined = (owners[:, one] >= 0) & (owners[:, one] == owners[:, other])
             if step == 1:
-                # An edge of the hexagon, which runs backward outside.
+                # The hexagon's own edges run backward in outside quads.
                 joined &= (places[:, one] - places[:, other]) % 6 != 1
             found[owners[joined, one]] = True
     return found
@@ -120,7 +120,7 @@ def _touching_themselves(
 def _cut(points: NDArray[np.float64], around: NDArray[np.int64], hexagons: NDArray[np.int64]) -> NDArray[np.int64]:
     """Cut hexagons, (k, 6), where few quads meet and the cut is short; return two quads for each."""
     ends = hexagons[:, _CUTS[:, 0][:, [0, 3]]]
-    # The corners next to the edge that is gone have one quad less: all but the third and the sixth.
+    # All corners but the third and the sixth have lost one quad with the removed edge.
     quads_around = around[ends] - (_CUTS[:, 0][:, [0, 3]] % 3 != 2)
     lengths = np.linalg.norm(points[ends[..., 0]] - points[ends[..., 1]], axis=2)
     best = np.argmin(quads_around.sum(axis=2) + lengths, axis=1)

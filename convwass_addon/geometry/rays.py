@@ -54,7 +54,7 @@ def crossings(corners: NDArray[np.float64]) -> Iterator[Crossings]:
 
 @dataclass(frozen=True)
 class _Edges:
-    """Edges of triangles, along the first coordinate: where they begin, (k, 3), and their slopes, (k, 2)."""
+    """Edges of triangles by the first coordinate: start points, (k, 3), and slopes of the other coordinates, (k, 2)."""
 
     tails: NDArray[np.float64]
     slopes: NDArray[np.float64]
@@ -62,17 +62,17 @@ class _Edges:
     @classmethod
     def between(cls, tails: NDArray[np.float64], heads: NDArray[np.float64]) -> _Edges:
         along = heads - tails
-        # An edge across all columns crosses none.
+        # An edge parallel to the columns crosses none of them.
         return cls(tails, along[:, 1:] / np.where(along[:, :1] > 0.0, along[:, :1], 1.0))
 
     def at(self, edges: NDArray[np.int64], column: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
-        """Return the second and the third coordinate, (c,) each, of some edges, (c,), in some columns, (c,)."""
+        """Return the second and third coordinates, (c,) each, of given edges, (c,), at given columns, (c,)."""
         along = column - self.tails[:, 0].take(edges)
         return tuple(self.tails[:, 1 + k].take(edges) + along * self.slopes[:, k].take(edges) for k in range(2))
 
 
 def _between_edges(corners: NDArray[np.float64]) -> Crossings:
-    """Return all crossings with some triangles."""
+    """Return all crossings with the given triangles."""
     count = len(corners)
     order = corners[:, :, 0].argsort(axis=1, kind="stable")
     first, middle, last = (
@@ -81,7 +81,7 @@ def _between_edges(corners: NDArray[np.float64]) -> Crossings:
     turned = np.where((order[:, 1] - order[:, 0]) % 3 == 1, 1, -1)
     begin = np.ceil(first[:, 0]).astype(np.int64)
     triangle, column = _counted(begin, np.ceil(last[:, 0]).astype(np.int64) - begin)
-    # The edge from the first corner to the last, and those by way of the middle one.
+    # The edge from the first corner to the last, and the two edges through the middle corner.
     one, one_height = _Edges.between(first, last).at(triangle, column)
     halves = _Edges.between(np.concatenate([first, middle]), np.concatenate([middle, last]))
     is_second = column >= middle[:, 0].take(triangle)
@@ -97,6 +97,6 @@ def _between_edges(corners: NDArray[np.float64]) -> Crossings:
 
 
 def _counted(begin: NDArray[np.int64], lengths: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Count from each of some numbers, (n,), so many steps: return which one, and the number, for every step."""
+    """Return the ranges of integers from `begin`, (n,), with these lengths, and for each integer its range."""
     owner = np.repeat(np.arange(len(begin)), lengths)
     return owner, np.arange(len(owner)) + np.repeat(begin - (np.cumsum(lengths) - lengths), lengths)

@@ -187,8 +187,8 @@ class _Carried:
         first, second = ends.T
         edges = self.points.take(second, axis=0) - self.points.take(first, axis=0)
         heights = [np.abs(np.einsum("nd,nd->n", edges, self.normals.take(end, axis=0))) for end in (first, second)]
-        # For an arc of curvature k and length l, the tangents at one end are k l^2 / 2 off the other; the chord's sag
-        # is k l^2 / 8.
+        # On an arc of curvature k, the ends of a chord of length l are k l^2 / 2 off each other's tangents, and the
+        # chord is k l^2 / 8 off the arc.
         return np.minimum(*heights) / 4.0
 
     def with_middles(self, ends: NDArray[np.int64]) -> _Carried:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sample vertices of a surface, and which pairs of them see each other through the solid."""
+"""Sample vertices of a surface, and find pairs of samples whose connecting line stays in the solid."""
 
 from __future__ import annotations
 

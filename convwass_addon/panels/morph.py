@@ -32,7 +32,7 @@ from .sidebar import Sidebar, draw_wrapped, fill_operator
 # Longest list of selected shapes that is shown in full.
 _NAMED = 8
 _NEEDED = {"GRID": 4, "TRIANGLE": 3}
-# Bytes from which on the memory that a bake takes is told.
+# The memory of a bake is shown if it exceeds this many bytes.
 _MUCH_MEMORY = 2e9
 _ICONS = {
     "FONT": "OUTLINER_OB_FONT",
@@ -172,10 +172,10 @@ def _is_flat(obj: bpy.types.Object, grouping: str) -> bool:
 def _draw_memory(
     layout: bpy.types.UILayout, context: bpy.types.Context, shapes: list[bpy.types.Object], resolution: int
 ) -> None:
-    """Say how much memory a bake will take, where that is much, and warn where there is less."""
+    """Show how much memory a bake takes, if it is much, with a warning if less is free."""
     if len(shapes) < 2:
         return
-    # As many threads solve as fit, one at least.
+    # A bake uses as many threads as fit in memory, at least one.
     needed = estimated_bytes([obj.dimensions for obj in shapes], resolution, workers=1)
     if needed < _MUCH_MEMORY:
         return

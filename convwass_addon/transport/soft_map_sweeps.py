@@ -248,7 +248,7 @@ class SoftMapIteration:
 
 
 def _in_threads(work: Callable[[int, int], T], count: int) -> list[T]:
-    """Do `count` pieces of work that do not touch each other; each is told its number and that of its thread."""
+    """Do `count` independent pieces of work; each gets its number and that of its thread."""
 
     def share(thread: int) -> list[T]:
         return [work(number, thread) for number in range(thread, count, _THREADS)]

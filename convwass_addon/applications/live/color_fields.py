@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Colors in and around blends, on coarse cells, and the colors of mixtures of blends.
 
-Half the resolution of the level fields is enough to follow a hand; where it rests, the blend gets its full colors.
+Half the resolution of the level fields suffices while the handle moves; when it rests, the blend gets its full colors.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class ColorField:
     Attributes
     ----------
     places : (m, 3) int32
-        Coarse cells of the common grid, each once; nothing is known of the others.
+        Coarse cells of the common grid, without duplicates; other cells have no known color.
     colors : (m, 3) float16
         RGB, scene linear.
     """
@@ -39,21 +39,21 @@ class ColorField:
 
     @property
     def nbytes(self) -> int:
-        """Memory that it takes."""
+        """Memory in bytes."""
         return self.places.nbytes + self.colors.nbytes
 
 
 def places_about(is_inside: NDArray[np.bool_], low: NDArray[np.int64]) -> NDArray[np.int32]:
-    """Return the coarse cells that overlap some cells, and those next to them, (m, 3).
+    """Return the coarse cells that overlap given cells, and their neighbors, (m, 3).
 
     Parameters
     ----------
     is_inside : (nx, ny, nz) bool
-        Which cells of a box.
+        The given cells, in a box.
     low : (3,) int64
         First cell of the box on the common grid.
     """
-    # Margins of a coarse cell for those next to others, and of single cells so that the box begins with a coarse one.
+    # Margins: one coarse cell for the neighbors, and single cells so that the box begins with a coarse cell.
     before = low % CELL + CELL
     after = -(low + is_inside.shape) % CELL + CELL
     padded = np.pad(is_inside, list(zip(before.tolist(), after.tolist(), strict=True)))
@@ -73,14 +73,14 @@ def mixed_colors(
 ) -> NDArray[np.float32]:
     """Return the colors of a mixture of blends at points, (n, 3) each: RGB, scene linear.
 
-    Fields that do not know a place take no part there.
+    Fields without a known color at a point do not contribute there.
 
     Parameters
     ----------
     fields : sequence of ColorField
-        At least one.
+        At least one field.
     shares : sequence of float
-        One each, not negative.
+        One per field, not negative.
     points : (n, 3) float64
         In cells of the common grid.
     """
@@ -88,7 +88,7 @@ def mixed_colors(
     high = np.max([field.places.max(axis=0) for field in fields], axis=0)
     shape = tuple(int(n) for n in high - low + 2)
     strides = (shape[1] * shape[2], shape[2], 1)
-    # Colors times shares, and shares: single precision and one row for each place make this three times as fast.
+    # Premultiplied colors with their shares as the fourth column: float32 in one row per cell is three times as fast.
     sums = np.zeros((shape[0] * strides[0], 4), np.float32)
     for field, share in zip(fields, shares, strict=True):
         own = np.ones((len(field.places), 4), np.float32)
@@ -114,7 +114,7 @@ def _interpolated(
     strides: Sequence[int],
     parts: Sequence[NDArray[np.float32]],
 ) -> NDArray[np.float32]:
-    """Interpolate rows of values linearly along every axis; `parts` is how far points are from one cell to the next."""
+    """Interpolate rows of values linearly along every axis; `parts` are the positions between adjacent cells."""
     if not strides:
         return values.take(rows, axis=0)
     start = _interpolated(values, rows, strides[1:], parts[1:])

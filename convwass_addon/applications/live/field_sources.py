@@ -57,16 +57,16 @@ def box_of_shapes(shapes: Sequence[TriangleMesh], lattice: Lattice) -> FieldBox:
 
 @dataclass(frozen=True)
 class TransportBlend:
-    """A blend of shapes that stand still.
+    """A blend of shapes at rest.
 
     Attributes
     ----------
     blend : Blend
-        Which one.
+        Its weights.
     level : LevelDensity
         Its density.
     solved : SolvedBlend or None
-        What its origins are read from; None for a shape as it is.
+        The solution, from which origins are computed; None for an unblended shape.
     """
 
     blend: Blend
@@ -74,7 +74,7 @@ class TransportBlend:
     solved: SolvedBlend | None
 
     def origins(self, points: NDArray[np.float64], transport: TransportProblem) -> NDArray[np.floating]:
-        """Return where on the shapes the matter at points, (n, 3) in cells, comes from, (k, n, 3) in the scene."""
+        """Return the origins of the matter at points, (n, 3) in cells, on every shape, (k, n, 3) in scene space."""
         lattice = transport.lattice
         if self.solved is None:
             return points * lattice.spacing + (lattice.origin + lattice.centers)[:, None]
@@ -228,7 +228,7 @@ class StandInSource:
         return self._in_own_cells(self._box.low + 0.5) - 0.5 - low
 
     def _in_own_cells(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return points of the finer lattice, in cells, in those of the coarser one."""
+        """Convert points from cells of the finer lattice to cells of the coarser one."""
         return (points * self._lattice.spacing + self._lattice.origin - self._own.origin) / self._own.spacing
 
 
@@ -243,13 +243,13 @@ def _colored(
     Parameters
     ----------
     field : LevelField
-        Without colors.
+        The field, without colors.
     weights : sequence of float
-        Of the blend, (k,).
+        Weights of the blend, (k,).
     colors : sequence of ShapeColors
         One per shape, or none.
     origins : callable
-        Returns where on each shape, (k, n, 3), the matter at points comes from, (n, 3) in cells of the common grid.
+        Returns the origins on each shape, (k, n, 3), for points, (n, 3) in cells of the common grid.
     """
     if not colors:
         return field

@@ -14,9 +14,9 @@ from ...geometry.closest_points import ClosestPoints
 from ..morphs.appearance import Appearance
 from ..motions.motion import MovedShape
 
-# Samples of a shape: several for each coarse cell on the surface of a shape of 64 cells.
+# Number of samples of a shape: several per coarse cell on the surface of a shape of 64 cells.
 _SAMPLES = 8000
-# The color near a point is the mean of so many samples.
+# The color near a point is the mean of this many samples.
 _NEIGHBORS = 4
 
 
@@ -27,7 +27,7 @@ class ShapeColors:
     Attributes
     ----------
     points : (s, 3) float64
-        In the scene.
+        In scene space.
     colors : (s, 3) float32
         RGB, scene linear.
     """
@@ -37,12 +37,12 @@ class ShapeColors:
 
     @classmethod
     def of(cls, appearance: Appearance) -> ShapeColors:
-        """Sample a shape where it stands."""
+        """Sample a shape at rest."""
         places = _spread(appearance.corners)
         return cls(places.interpolated(appearance.corners), appearance.seen(places).colors[:, :3])
 
     def moved(self, shape: MovedShape) -> ShapeColors:
-        """Return samples of the moved shape."""
+        """Return the samples on the moved shape."""
         corners = shape.rest.corners
         places = _spread(corners)
         return ShapeColors(places.interpolated(shape.mesh.corners), self.near(places.interpolated(corners)))
@@ -56,10 +56,10 @@ class ShapeColors:
 
 
 def _spread(corners: NDArray[np.float64]) -> ClosestPoints:
-    """Return places that are spread over triangles, (m, 3, 3), by their areas; always the same for the same triangles.
+    """Distribute points over triangles, (m, 3, 3), by area; deterministic.
 
-    Shares in the triangles follow the two-dimensional sequence of least discrepancy (Roberts 2018), whose step is made
-    of the powers of the plastic number.
+    Barycentric coordinates follow the R2 low-discrepancy sequence (Roberts 2018), whose steps are powers of the inverse
+    plastic number.
     """
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     passed = np.cumsum(areas)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""UV maps of the shapes, transferred to the corners of a blend's triangles.
+"""Transfer UV maps of the shapes to the corners of a blend's triangles.
 
-Every triangle of the blend belongs to one triangle of the shape, its home. Its corners have the UVs of the places that
-they come from, as long as these are on the home's side of all seams. The other corners get those of the nearest place
-on the home's side, so that no triangle of the blend reaches across the texture.
+Every triangle of the blend is assigned to one triangle of the shape, its home triangle. A corner gets the UVs at its
+origin if no seam separates the origin from the home triangle. Otherwise it gets those of the nearest point on the near
+side of the seam, so that no triangle of the blend extends across the texture.
 """
 
 from __future__ import annotations
@@ -20,15 +20,15 @@ from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from ...geometry.uv_charts import chart_labels, uv_sizes
 
-# A corner is beyond a seam if its distance in the texture from the middle of its triangle exceeds this multiple of what
-# its distance on the surface predicts. The same factor tells seams in `soft_maps.transfer_uvs`.
+# A corner is beyond a seam if its distance in the texture from the center of its triangle exceeds the one predicted
+# from its distance on the surface by this factor. `soft_maps.transfer_uvs` uses the same factor.
 _DETOUR = 3.0
-# Triangles of the shape tried for each corner beyond a seam.
+# Number of triangles of the shape tried for each corner beyond a seam.
 _CANDIDATES = 8
-# How far the texture is continued beyond the border of an island, relative to its width: 10 pixels at 2K. Textures are
-# usually painted some way beyond the islands; Blender's bakes, 16 pixels.
+# Distance by which the texture is extrapolated beyond the border of an island, relative to its width: 10 pixels at 2K.
+# Textures usually have margins around islands; those of Blender's bakes are 16 pixels wide.
 _MARGIN = 0.005
-# Triangles of a blend that are transferred together, which limits the memory.
+# Number of triangles of a blend that are processed together, which limits the memory.
 _AT_ONCE = 1 << 15
 
 
@@ -39,14 +39,14 @@ class UvMap:
     Attributes
     ----------
     corners : (m, 3, 3) float64
-        Triangles of the shape, in the space of origins.
+        Triangles of the shape, in the same space as origins.
     faces : (m, 3) int64
-        Their vertices.
+        Vertices of the triangles.
     uvs : (m, 3, 2) float64
         UVs of their corners.
     repeats : bool
-        Whether all textures that use it repeat, so that UVs that differ by integers are equal. Seams between such UVs
-        vanish.
+        Whether all textures that use the map repeat. UVs that differ by integers are then equal, and seams between them
+        are ignored.
     """
 
     corners: NDArray[np.float64]
@@ -66,14 +66,14 @@ class UvMap:
 
     @cached_property
     def scale(self) -> float:
-        """The length on the shape of a unit of length in the texture, in the mean."""
+        """The mean length on the shape of a unit of length in the texture."""
         areas = np.linalg.norm(np.cross(*np.moveaxis(self.corners[:, 1:] - self.corners[:, :1], 1, 0)), axis=1)
         mean = float(np.average(self.sizes, weights=areas)) if areas.any() else 0.0
         return 1.0 / mean if mean > 0.0 else 0.0
 
     @cached_property
     def tree(self) -> cKDTree:
-        """The triangles' centers, in space and in the texture, at the same scale: (m, 5)."""
+        """The centers of the triangles, in space and in the texture, scaled alike: (m, 5)."""
         return cKDTree(np.concatenate([self.corners.mean(axis=1), self.scale * self.uvs.mean(axis=1)], axis=1))
 
     def at(
@@ -88,18 +88,18 @@ class UvMap:
         Parameters
         ----------
         places : ClosestPoints
-            Where on the shape the vertices of the blend come from.
+            Origins of the blend's vertices on the shape.
         faces : (f, 3) int64
             Triangles of the blend.
         origins : (n, 3)
-            Points from which the vertices come, on or beside the shape.
+            Origins as points, on or close to the shape.
         homes : (f,) int64
             The triangle of the shape that each triangle of the blend belongs to; see :func:`home_triangles`.
 
         Returns
         -------
         (f, 3, 2) float32
-            Triangles within one triangle of the shape, or within several of one island, have its UVs exactly.
+            Exact for triangles within one triangle of the shape, or within several triangles of one island.
         """
         own = places.interpolated(self.uvs)
         found = np.empty((len(faces), 3, 2), np.float32)
@@ -135,10 +135,10 @@ class UvMap:
         return found
 
     def _on_this_side(self, asked: _Beyond) -> NDArray[np.float64]:
-        """Return the UVs of corners beyond a seam as if the island went on, (n, 2).
+        """Return UVs for corners beyond a seam, on the near side of it, (n, 2).
 
-        Of the places that are close in space and in the texture together to where the home triangle would put the
-        corner, the closest is taken. From there the texture is continued as far as the margin.
+        Among points close to where the home triangle would put the corner, in space and in the texture together, the
+        closest is taken. From there the texture is extrapolated up to the margin.
         """
         shares = barycentric_coordinates(self.corners[asked.homes], asked.points[:, None])
         expected = (shares @ self.uvs[asked.homes])[:, 0]
@@ -159,18 +159,18 @@ class UvMap:
 
 @dataclass(frozen=True)
 class _Beyond:
-    """Corners whose places are beyond a seam.
+    """Corners whose origins are beyond a seam.
 
     Attributes
     ----------
     points : (n, 3) float64
-        Where they come from.
+        Their origins.
     homes : (n,) int64
-        The homes of their triangles.
+        The home triangles of their triangles.
     middle_uvs : (n, 2) float64
-        UVs of the middles of their triangles.
+        UVs at the centers of their triangles.
     reach : (n,) float64
-        How far from these in the texture the corners may be.
+        Maximum distance of the corners from these centers in the texture.
     """
 
     points: NDArray[np.float64]
@@ -188,23 +188,23 @@ def home_triangles(
     known: NDArray[np.integer] | None = None,
     owners: NDArray[np.int64] | None = None,
 ) -> NDArray[np.int64]:
-    """Return the triangle of a shape that each triangle of a blend belongs to, (f,).
+    """Return the home triangle on a shape for each triangle of a blend, (f,).
 
     Parameters
     ----------
     finder : ClosestPointFinder
-        Of the shape.
+        Closest-point finder of the shape.
     labels : (m,) int64
-        Part of the shape, such as an island or a material, of each of its triangles.
+        Part of each triangle of the shape, such as an island or a material.
     places : ClosestPoints
-        Where on the shape the vertices of the blend come from.
+        Origins of the blend's vertices on the shape.
     faces : (f, 3) int64
         Triangles of the blend.
     origins : (n, 3)
-        Points from which its vertices come, on or beside the shape.
+        Origins as points, on or close to the shape.
     known : (f,) int, optional
-        Homes that are known, otherwise -1. They are the homes of a corner if all corners are on one part of the shape,
-        and else what is closest to the middle of the triangle.
+        Home triangles that are known, otherwise -1. An unknown home is that of the first corner if all corners are on
+        one part of the shape, and otherwise the triangle closest to the center.
     owners : (f,) int64, optional
         Polygon of each triangle; all triangles of a polygon get the home of the first.
     """

@@ -142,7 +142,8 @@ class TransportProblem:
     def entropy_limits(self, volumes: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
         """Return entropy bounds for the parts of a blend with these volumes, (p,).
 
-        Disjoint parts with masses m and entropies H have the entropy sum m (H - ln m), so a part's bound is ln m more.
+        The entropy of disjoint parts with masses m and entropies H is sum m (H - ln m), so the bound of a part is the
+        given one plus ln m.
         """
         limit = self.settings.entropy_limit
         if limit is None or limit == "max":

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep the motions that were found last: finding one takes longer than solving many blends."""
+"""Keep the most recent motions: computing one takes longer than solving many blends."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _KEPT = 2
 
 
 class MotionMemory:
-    """Finds motions, unless they are among those found last; can be used by several threads.
+    """Computes motions, or returns them if they are among the most recent ones; thread-safe.
 
-    A motion depends only on what :meth:`chosen` is given, so that a known one is the same as one that is found again.
+    A motion depends only on the arguments of :meth:`chosen`, so a stored one is the same as a new one.
     """
 
     def __init__(self) -> None:
@@ -39,7 +39,7 @@ class MotionMemory:
         guides: Sequence[Guide],
         control: Control,
     ) -> Work[MotionChoice]:
-        """Return the motion of a morph; parameters and errors are those of :func:`.choosing.chosen_motion`."""
+        """Return the motion of a morph; parameters and errors as for :func:`.choosing.chosen_motion`."""
         if asked == "transport":
             return (yield from chosen_motion(shapes, names, pairs, asked, coherence, guides, control))
         key = _digest(shapes, names, pairs, asked, coherence, guides)
@@ -63,7 +63,7 @@ def _digest(
     coherence: float,
     guides: Sequence[Guide],
 ) -> bytes:
-    """Return what all that a motion depends on has in common with nothing else."""
+    """Return a hash of everything that a motion depends on."""
     sizes = [[len(shape.vertices), len(shape.faces)] for shape in shapes]
     entries = [sorted(guide.items()) for guide in guides]
     about = [list(names), list(pairs), asked, coherence, entries, sizes]

@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Geometry nodes that read the stored fields of blends: any mixture of them, its surface, and its values at points.
+"""Geometry nodes that evaluate mixtures of stored fields: their surfaces, and their values at points.
 
-Only nodes of Blender 4.5 and later: Volume Cube takes the mixture, and Volume to Mesh draws its surface.
+They only use nodes of Blender 4.5 and later: Volume Cube takes the mixture, and Volume to Mesh extracts its surface.
 """
 
 from __future__ import annotations
@@ -18,11 +18,11 @@ from .field_sampler import position_node, sample_index, set_position
 from .stored_fields import BAND, FIELD, SCALE, VOLUME, StoredFields
 
 _MIXED = "mixed"
-# Where the surface is smoothed before it is brought back to the level: rounds, and Newton steps.
+# Rounds of smoothing the surface, and Newton steps that move it back to the level.
 _EVENING_ROUNDS, _NEWTON_STEPS = 2, 2
-# Gradients shorter than this say nothing; those of distances are one.
+# Shorter gradients are unreliable; those of distances have length one.
 _LEAST_SLOPE = 0.2
-# A Newton step goes so many cells at the most.
+# Largest length of a Newton step, in cells.
 _LONGEST_STEP = 0.5
 
 
@@ -33,9 +33,9 @@ class Term:
     Attributes
     ----------
     index : bpy.types.NodeSocket
-        Its number, whole.
+        Its index, an integer.
     weight : bpy.types.NodeSocket
-        Its share; those of a mixture sum to one.
+        Its weight; the weights of a mixture sum to one.
     """
 
     index: bpy.types.NodeSocket
@@ -64,11 +64,11 @@ class FieldMixture:
     Parameters
     ----------
     tree : bpy.types.NodeTree
-        Where the nodes go.
+        Node group of the new nodes.
     fields : StoredFields
-        Of a morph.
+        The fields of a morph.
     terms : sequence of Term
-        What is mixed.
+        The mixed blends.
     """
 
     def __init__(self, tree: bpy.types.NodeTree, fields: StoredFields, terms: Sequence[Term]) -> None:
@@ -82,11 +82,11 @@ class FieldMixture:
         self.level = self._level()
 
     def of_step(self, kind: str, name: str, term: Term) -> bpy.types.NodeSocket:
-        """Return what the table says of a blend; `kind` is a data type of Sample Index."""
+        """Return a value of a blend from the table; `kind` is a data type of Sample Index."""
         return self._at(self._steps, kind, self._attribute(kind, name), term.index)
 
     def surface(self) -> bpy.types.NodeSocket:
-        """Return a mesh of quads where the mixture encloses the mixed volume, about the center of the blends."""
+        """Return a quad mesh that encloses the mixed volume, relative to the center of the blends."""
         tree, grid = self._tree, self._grid
         cube = tree.nodes.new("GeometryNodeVolumeCube")
         cube.inputs["Min"].default_value, cube.inputs["Max"].default_value = grid.low, grid.high
@@ -99,7 +99,7 @@ class FieldMixture:
         return self._evened(drawn.outputs["Mesh"])
 
     def sampled(self, position: bpy.types.NodeSocket) -> Sampled:
-        """Return the mixture at points about the center, in scene units."""
+        """Return the mixture at points relative to the center, in scene units."""
         return self._sample(self._geometry, self._mixed, position)
 
     def sampled_term(self, term: Term, position: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
@@ -117,7 +117,7 @@ class FieldMixture:
         return math_node(tree, "MULTIPLY", steps, 1.0 / SCALE)
 
     def _stored(self, mixed: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return the samples with the mixture as an attribute: it is read several times."""
+        """Return the samples with the mixture stored as an attribute, because it is used several times."""
         tree = self._tree
         node = tree.nodes.new("GeometryNodeStoreNamedAttribute")
         node.data_type, node.domain = "FLOAT", "POINT"
@@ -126,7 +126,7 @@ class FieldMixture:
         return node.outputs["Geometry"]
 
     def _level(self) -> bpy.types.NodeSocket:
-        """Return the level at which the mixture encloses the mixed volume: one Newton step from zero.
+        """Return the level at which the mixture encloses the mixed volume, by one Newton step from zero.
 
         The volume is counted as for `VOLUME`, and its derivative is the number of samples within half a cell.
         """
@@ -147,14 +147,14 @@ class FieldMixture:
         return node.outputs["Sum"]
 
     def _index(self) -> bpy.types.NodeSocket:
-        """Return the number of the sample at the position."""
+        """Return the index of the sample at the position."""
         tree, grid = self._tree, self._grid
         place = vector_math_node(tree, "SUBTRACT", position_node(tree), tuple(grid.low - 0.5 * grid.spacing))
         cell = vector_math_node(tree, "FLOOR", vector_math_node(tree, "SCALE", place, 1.0 / grid.spacing))
         return vector_math_node(tree, "DOT_PRODUCT", cell, grid.strides)
 
     def _evened(self, mesh: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Move vertices to the middle of their neighbors, and back onto the surface by Newton steps."""
+        """Move vertices to the mean of their neighbors, and back onto the surface by Newton steps."""
         tree = self._tree
         blur = tree.nodes.new("GeometryNodeBlurAttribute")
         blur.data_type = "FLOAT_VECTOR"

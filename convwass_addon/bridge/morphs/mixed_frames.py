@@ -31,12 +31,12 @@ DETAIL_TIP = "Lay the surface onto the baked meshes; without it, it is coarser a
 INTERPOLATE = "Interpolate"
 """Input of a modifier: whether blends are mixed, or the nearest baked one is shown."""
 
-# Columns of the table of steps: which blends have an attribute, and which are a shape itself.
+# Columns of the table of steps: whether a blend has an attribute, and whether it is an unchanged shape.
 HAS, _SHAPE = "has {}", "shape"
-# As much of one weight is the blend itself.
+# With a weight above this, a mixture counts as a single blend.
 _ALONE = 1.0 - 1e-3
-# Baked meshes farther away than this, in cells, are ignored, and points beside a vertex rather than above or below it,
-# by this cosine.
+# Closest points are ignored if they are farther away than this, in cells, or if the cosine between their direction and
+# the normal is below the second number.
 _FAR, _ASIDE = 1.5, 0.5
 # Normals are mixed if the cosine of their angle exceeds this.
 _AGREES = 0.4

@@ -23,7 +23,7 @@ _TARGET, _COUNTS, _DATA = "target", "counts", "data"
 
 
 class MapState(Enum):
-    """Return whether a map still fits its meshes."""
+    """Whether a map still fits its meshes."""
 
     CURRENT = "as it was"
     RESHAPED = "vertices have been moved"
