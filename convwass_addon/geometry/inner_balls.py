@@ -96,23 +96,8 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
         Closed, oriented outward, connected; every vertex is used.
     """
     normals = vertex_normals(mesh.vertices, mesh.faces)
-    samples = np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)])
-    tree = cKDTree(samples)
-    radii = np.full(len(mesh.vertices), 0.5 * float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))))
-    active = np.arange(len(radii))
-    for _ in range(_ROUNDS):
-        centers = mesh.vertices[active] - radii[active, None] * normals[active]
-        distances, nearest = tree.query(centers)
-        reach = mesh.vertices[active] - samples[nearest]
-        along = np.einsum("ni,ni->n", reach, normals[active])
-        shrunk = np.einsum("ni,ni->n", reach, reach) / np.maximum(2.0 * along, np.finfo(float).tiny)
-        # Very close to the contact point, a facet of a round body is not an obstacle.
-        apart = np.linalg.norm(reach, axis=1) >= _SEPARATION * shrunk
-        shrinks = apart & (distances < (1.0 - _TOLERANCE) * radii[active]) & (along > 0) & (shrunk < radii[active])
-        active = active[shrinks]
-        radii[active] = shrunk[shrinks]
-        if not len(active):
-            break
+    tree = _surface_samples(mesh)
+    radii = _shrunk_radii(mesh, normals, tree)
     centers = mesh.vertices - radii[:, None] * normals
     radii = np.minimum(radii, tree.query(centers)[0])
     a, b, c = mesh.faces.T
@@ -122,6 +107,41 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     edges = edges[apart <= _FOLDED * np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)]
     found = InnerBalls(centers, radii, np.ones(len(radii)), edges)
     return _largest_part(_central(_subset(found, radii > 0)))
+
+
+def touching_radii(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return the radius of the largest ball inside a closed surface that touches it at each vertex, (n,).
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        As for :func:`inner_balls`, in any number of components.
+    """
+    return _shrunk_radii(mesh, vertex_normals(mesh.vertices, mesh.faces), _surface_samples(mesh))
+
+
+def _surface_samples(mesh: TriangleMesh) -> cKDTree:
+    return cKDTree(np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)]))
+
+
+def _shrunk_radii(mesh: TriangleMesh, normals: NDArray[np.float64], tree: cKDTree) -> NDArray[np.float64]:
+    """Shrink a ball at every vertex until no sample of the surface is inside; return the radii."""
+    radii = np.full(len(mesh.vertices), 0.5 * float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))))
+    active = np.arange(len(radii))
+    for _ in range(_ROUNDS):
+        centers = mesh.vertices[active] - radii[active, None] * normals[active]
+        distances, nearest = tree.query(centers)
+        reach = mesh.vertices[active] - tree.data[nearest]
+        along = np.einsum("ni,ni->n", reach, normals[active])
+        shrunk = np.einsum("ni,ni->n", reach, reach) / np.maximum(2.0 * along, np.finfo(float).tiny)
+        # Very close to the contact point, a facet of a round body is not an obstacle.
+        apart = np.linalg.norm(reach, axis=1) >= _SEPARATION * shrunk
+        shrinks = apart & (distances < (1.0 - _TOLERANCE) * radii[active]) & (along > 0) & (shrunk < radii[active])
+        active = active[shrinks]
+        radii[active] = shrunk[shrinks]
+        if not len(active):
+            break
+    return radii
 
 
 def _central(balls: InnerBalls) -> InnerBalls:

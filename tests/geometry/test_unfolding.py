@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 from convwass_addon.geometry.closest_points import ClosestPointFinder
-from convwass_addon.geometry.unfolding import FoldFinder, unfolded
+from convwass_addon.geometry.fold_finder import FoldFinder
+from convwass_addon.geometry.unfolding import unfolded
 from tests.shapes import ball
 
 

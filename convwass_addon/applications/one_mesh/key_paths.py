@@ -15,11 +15,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.fold_finder import FoldFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.orientation import orient_outward
 from ...geometry.surface_projection import drawn_along_normals
-from ...geometry.unfolding import FoldFinder, unfolded
+from ...geometry.unfolding import unfolded
 from ...geometry.weighted_quantile import weighted_quantile
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within

@@ -1,0 +1,66 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Discs on surfaces, and their embeddings in the plane."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.mesh_discs import FaceGraph, MeshDisc
+from convwass_addon.geometry.planar_embedding import embedded, on_unit_disc
+from tests.shapes import ball, torus
+
+
+@pytest.fixture(scope="module")
+def graph():
+    return FaceGraph.of(ball(points=600))
+
+
+def above(mesh, height):
+    return np.flatnonzero(mesh.corners[:, :, 2].min(axis=1) > height)
+
+
+def test_a_ring_of_triangles_is_filled_to_a_disc(graph):
+    cap, pole = above(graph.mesh, 0.6), above(graph.mesh, 0.9)
+    ring = np.setdiff1d(cap, pole)
+    assert MeshDisc.of(graph.mesh, ring) is None
+    disc = graph.disc_around(ring, 0)
+    np.testing.assert_array_equal(disc.triangles, cap)
+    rim = graph.mesh.vertices[disc.vertices[disc.rim]]
+    # Counter-clockwise seen from above.
+    assert np.cross(rim, np.roll(rim, -1, axis=0))[:, 2].min() > 0.0
+    assert len(disc.inner) + len(disc.rim) == len(disc.vertices)
+
+
+def test_two_parts_grow_together(graph):
+    far = above(graph.mesh, 0.9)[[0, -1]]
+    disc = graph.disc_around(far, 12)
+    assert np.isin(far, disc.triangles).all()
+
+
+def test_the_whole_of_a_handle_is_no_disc():
+    graph = FaceGraph.of(torus())
+    around = np.flatnonzero(graph.mesh.corners[:, :, 0].min(axis=1) > -2.0)
+    assert graph.disc_around(around, 3) is None
+
+
+def test_embeddings_in_a_circle_flip_nothing(graph):
+    disc = graph.disc_around(above(graph.mesh, -0.8), 0)
+    places = on_unit_disc(graph.mesh.vertices[disc.vertices], disc)
+    one, other = (places[disc.faces[:, k]] - places[disc.faces[:, 0]] for k in (1, 2))
+    assert (one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]).min() > 0.0
+    assert np.linalg.norm(places, axis=1).max() == pytest.approx(1.0)
+
+
+def test_a_flat_disc_is_embedded_as_it_is():
+    """Mean value weights reproduce linear functions."""
+    x, y = np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 2, 5), indexing="ij")
+    points = np.stack([x.ravel(), y.ravel() + 0.05 * np.sin(9 * x.ravel()), np.zeros(30)], axis=1)
+    corner = (np.arange(5)[:, None] * 5 + np.arange(4)).ravel()
+    faces = np.concatenate(
+        [np.stack([corner, corner + 5, corner + 6], 1), np.stack([corner, corner + 6, corner + 1], 1)]
+    )
+    disc = MeshDisc.of(TriangleMesh(points, faces), np.arange(len(faces)))
+    np.testing.assert_allclose(embedded(points, disc, points[disc.rim, :2]), points[:, :2], atol=1e-12)
