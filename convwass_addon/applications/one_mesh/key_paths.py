@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Paths of one mesh's vertices to other shapes, with a few key positions and straight lines between them.
+"""How the vertices of one mesh go to other shapes, as a few positions between which they go straight.
 
-The mesh is guided to each of the other shapes (:mod:`..motions.guided_motion`) and finally moved onto its surface. The
-path is then replaced by the fewest straight pieces that leave no vertex farther from it than allowed.
+The mesh is guided to each of the other shapes (:mod:`..motions.guided_motion`) and drawn onto its surface at the end.
+Straight pieces, as few as leave no vertex farther from its path than is allowed, take the place of the path.
 """
 
 from __future__ import annotations
@@ -28,46 +28,50 @@ from ...sentence import Sentence
 from ..motions.guided_motion import GuidedMotion, guided_motion
 from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
-from .straight_pieces import fitted_pieces
+from .straight_pieces import StayNear, fitted_pieces
 from .turned_offsets import TurnedOffsets
+from .volume_keeping import has_volume, with_even_volume
+from .volume_on_pieces import KeepVolume
 
-# A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and would
-# distort the mesh.
+# A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and a mesh
+# that follows it would be mangled.
 _LEAST_SCORE = 0.6
-# Number of samples of a path, some of which become key positions.
+# Positions that are looked at to choose some of them.
 _SAMPLES = 65
-# Fraction of the work for the motion.
+# Share of the work that the motion is.
 _GUIDED = 0.8
-# Vertices farther from the other surface than this fraction of its diagonal count as missing it.
+# Vertices farther from the other surface than this share of its diagonal have not arrived.
 _FAR = 0.01
-# Motions move only shapes with weight, so the end of a path is evaluated at this small weight.
+# Largest relative error of the volume between keys.
+_VOLUME = 0.01
+# Shapes are only moved where they have weight; so near to the end nothing is left to see.
 _CLOSE = 1e-6
 
 
 @dataclass(frozen=True)
 class KeyPath:
-    """The path of a mesh's vertices to another shape.
+    """How the vertices of a mesh go to another shape.
 
     Attributes
     ----------
     name : str
-        Name of the other shape.
+        What the other shape is called.
     times : tuple of float
-        Times of the positions, increasing to 1; at 0 the mesh is undeformed.
+        When the positions are reached, increasing to 1; at 0 the mesh is as it is.
     positions : (k, n, 3) float64
-        Positions of the vertices, scene units.
+        Of the vertices, scene units.
     score : float
-        Score of the map between the two shapes, 0 to 1.
+        Of the map between the two shapes, 0 to 1.
     deviation : float
-        Largest distance of a vertex from the original path, as a fraction of the other shape's diagonal.
+        By how much a vertex leaves the path between two positions, as a share of the other shape's diagonal.
     distance, distance_95 : float
-        From the last position to the other surface, as fractions of its diagonal: mean over the area, and 95th
-        percentile.
+        From the mesh at the end to the other surface, as shares of its diagonal: mean over the area, and what 95 % of
+        the area stay below.
     turned : int
-        Number of triangles that finally face away from the surface they lie on.
+        Triangles that face away from the surface on which they end.
     poor : (p,) int64
-        Misplaced vertices: those of flipped or collapsed triangles, and those farther than a hundredth of the diagonal
-        from the surface.
+        Vertices that are not where they should be: those of triangles that are turned over or have collapsed, and those
+        farther than a hundredth of the diagonal from the surface.
     """
 
     name: str
@@ -96,41 +100,41 @@ def key_paths(
     guides: Sequence[Guide],
     control: Control,
 ) -> Work[list[KeyPath]]:
-    """Find the paths of the first shape's vertices to each of the other shapes.
+    """Find how the vertices of the first shape go to each of the others.
 
     Parameters
     ----------
     shapes : sequence of TriangleMesh
-        In scene units: the mesh to be deformed, and the shapes whose form it takes.
+        Where they stand, scene units: the mesh that is to change, and the shapes that it is to take.
     names : sequence of str
-        Names of the shapes, for messages.
+        What messages call them.
     accuracy : float
-        Largest distance of vertices from their path, as a fraction of the diagonal of the shape they move to.
+        By how much vertices may leave the path, as a share of the diagonal of the shape that they go to.
     settings : GuidedSettings
-        Settings of the motion.
+        How the mesh is guided.
     guides : sequence of mappings from int to int
-        Corresponding points; see :func:`..motions.guided_motion.guided_motion`.
+        Points that belong together; see :func:`..motions.guided_motion.guided_motion`.
     control : Control
         Stops the work.
 
     Raises
     ------
     InputError
-        Fewer than two shapes, a coherence at which the mesh does not reach the other shapes, or shapes between which
-        there is no good map.
+        Fewer than two shapes, a coherence at which the mesh does not arrive, or shapes between which there is no good
+        map.
     """
     if len(shapes) < 2:
         raise InputError("Shape keys need a mesh and at least one shape for it to take.")
     if settings.way < 1.0:
-        raise InputError("With a coherence below 0.5, the mesh does not reach the other shape; set it to 0.5 or more.")
+        raise InputError("With a coherence below 0.5 the mesh does not arrive; set it to 0.5 or more.")
     outward = [orient_outward(shape) for shape in shapes]
     pairs = [(0, index) for index in range(1, len(shapes))]
     motion = yield from within(guided_motion(outward, names, pairs, settings, guides, control), 0.0, _GUIDED)
     for pair in pairs:
         if motion.pairs[pair].score < _LEAST_SCORE:
             raise InputError(
-                "{first} and {second} match too poorly ({score:.0%}) for one mesh to take both shapes. "
-                "Add guides: corresponding points of both.",
+                "{first} and {second} agree too little ({score:.0%}) for one mesh to take both shapes. Add guides: "
+                "points of both that belong together.",
                 first=names[0],
                 second=names[pair[1]],
                 score=motion.pairs[pair].score,
@@ -141,18 +145,18 @@ def key_paths(
 def paths_along(
     motion: GuidedMotion, shapes: Sequence[TriangleMesh], names: Sequence[str], accuracy: float, control: Control
 ) -> Work[list[KeyPath]]:
-    """Find the paths of the first shape's vertices to each of the other shapes along a motion.
+    """Find how the vertices of the first shape go to each of the others along a motion.
 
     Parameters
     ----------
     motion : GuidedMotion
-        The motion between the first shape and each of the others.
+        Between the first shape and each of the others.
     shapes, names, accuracy, control
-        As for :func:`key_paths`; the shapes must be oriented outward.
+        As for :func:`key_paths`; the shapes facing outward.
     """
     found = []
     for index in range(1, len(shapes)):
-        message = Sentence("Projecting {first} onto {second}", {"first": names[0], "second": names[index]})
+        message = Sentence("Drawing {first} onto {second}", {"first": names[0], "second": names[index]})
         yield Progress((index - 1) / (len(shapes) - 1), message)
         way = _Way.of(motion, index, shapes[0], shapes[index], control)
         found.append(_path(way, names[index], motion.pairs[0, index].score, accuracy, control))
@@ -163,8 +167,8 @@ def paths_along(
 class _Way:
     """The mesh on its way to one of the shapes.
 
-    `heights`, (n,), are the remaining distances to the other surface at the end, along the normals of the guided mesh;
-    `mended` are further offsets of vertices near folds.
+    `heights`, (n,), is how far along its normals the guided mesh is from the other surface at the end; `mended` is what
+    vertices near folds move besides.
     """
 
     motion: GuidedMotion
@@ -184,14 +188,14 @@ class _Way:
         heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
         laid = guided.vertices + heights[:, None] * normals
         final = unfolded(mesh, laid, target, control)
-        # Normals change abruptly where the guided mesh folds, so vertices there get their whole offset as `mended`.
+        # Normals turn abruptly where the guided mesh folds, so vertices there get all of their offset in another way.
         mended = (final != laid).any(axis=1)
         heights[mended] = 0.0
         offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
         return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
 
     def guided(self, t: float) -> TriangleMesh:
-        """Return the guided mesh; at the end, its limit, since a shape without weight is not moved."""
+        """Return the mesh as it is guided; at the end, the limit from before, since there it has no weight."""
         t = min(t, 1.0 - _CLOSE)
         weights = [0.0] * len(self.motion.carriers)
         weights[0], weights[self.index] = 1.0 - t, t
@@ -208,13 +212,18 @@ class _Way:
 
 
 def _path(way: _Way, name: str, score: float, accuracy: float, control: Control) -> KeyPath:
-    """Choose the fewest positions for a path."""
+    """Choose the positions of a path, as few as can be."""
     diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
     samples = []
     for t in np.linspace(0.0, 1.0, _SAMPLES):
         control.check()
         samples.append(way.at(float(t)))
-    pieces = fitted_pieces(samples, accuracy * diagonal)
+    criteria = []
+    if has_volume(way.mesh):
+        samples = with_even_volume(samples, way.mesh, control)
+        criteria.append(KeepVolume.of(np.stack(samples), way.mesh.faces, _VOLUME))
+    path = np.stack(samples)
+    pieces = fitted_pieces(path, [StayNear(path, accuracy * diagonal), *criteria])
     times = tuple(end / (_SAMPLES - 1) for end in pieces.ends)
     final = TriangleMesh(samples[-1], way.mesh.faces)
     folds = FoldFinder.of(way.mesh, way.target)

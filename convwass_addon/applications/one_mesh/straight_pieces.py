@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Approximate paths of many points by few straight pieces.
+"""Approximate the path of many points by few straight pieces.
 
-Pieces with ends on a curved path lie on one side of it. If the ends are moved beyond the path by least squares, the
-distance falls to about two thirds, so that fewer pieces are needed.
+Pieces that end on a curved path deviate to one side of it. Least squares moves the inner ends a little beyond the path,
+which leaves about two thirds of the deviation, so that fewer pieces are needed.
 """
 
 from __future__ import annotations
@@ -11,12 +11,51 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
-# Multiples of the allowed distance that are tried for pieces with ends on the path, before the ends are moved.
-_LONGER = (2.0, 1.8, 1.6, 1.4, 1.2, 1.0)
+# Pieces are chosen by so many times the allowed error, the longest first: twice it is more than any fit makes up for,
+# and half of it leaves room for points that were not among the probes.
+_LONGER = (2.0, 1.8, 1.6, 1.4, 1.2, 1.0, 0.8, 0.5)
+# Number of points, about, at which the error of a piece between two samples is measured first.
+_PROBES = 2000
+
+
+class Criterion(Protocol):
+    """What pieces must satisfy: errors, as multiples of what is allowed."""
+
+    def between(self, begin: int, end: int) -> float:
+        """Return an estimate of the error of the straight piece from one sample to another."""
+
+    def along(self, knots: Sequence[int], positions: NDArray[np.float64]) -> float:
+        """Return the error of pieces between positions, (k, n, 3), that are reached at the samples `knots`."""
+
+
+@dataclass(frozen=True)
+class StayNear:
+    """Points stay close to where they are at the time of each sample.
+
+    Attributes
+    ----------
+    path : (f, n, 3) float64
+        Positions at even steps of time.
+    most : float
+        Largest distance.
+    """
+
+    path: NDArray[np.float64]
+    most: float
+
+    def between(self, begin: int, end: int) -> float:
+        """Measure the distances of some of the points."""
+        probes = self.path[:, :: max(1, self.path.shape[1] // _PROBES)]
+        return _strayed(probes, begin, end, probes[begin], probes[end]) / self.most
+
+    def along(self, knots: Sequence[int], positions: NDArray[np.float64]) -> float:
+        """Measure all distances."""
+        return deviation(self.path, knots, positions) / self.most
 
 
 @dataclass(frozen=True)
@@ -26,11 +65,11 @@ class FittedPieces:
     Attributes
     ----------
     ends : list of int
-        Samples at which the pieces end, including the last one; the first piece begins at sample 0.
+        Samples at whose times the pieces end, the last one among them; the first piece begins at sample 0.
     positions : (k, n, 3) float64
-        The points at these ends: exact at the last sample, otherwise fitted to the path.
+        The points there: at the last sample exactly, in between where the pieces follow the path best.
     deviation : float
-        Largest distance of a point from its path.
+        Largest distance of a point from where it belongs.
     """
 
     ends: list[int]
@@ -38,68 +77,74 @@ class FittedPieces:
     deviation: float
 
 
-def fitted_pieces(samples: Sequence[NDArray[np.float64]], most: float) -> FittedPieces:
-    """Follow a path by few straight pieces; parameters as for :func:`straight_pieces`."""
+def fitted_pieces(path: NDArray[np.float64], criteria: Sequence[Criterion]) -> FittedPieces:
+    """Follow a path, (f, n, 3) at even steps of time, by few straight pieces that satisfy some criteria.
+
+    If no pieces do, those that come close.
+    """
     for factor in _LONGER:
-        found = _fitted(samples, straight_pieces(samples, factor * most))
-        if found.deviation <= most:
-            return found
-    # With ends on the path, the pieces stay within the allowed distance.
-    ends = straight_pieces(samples, most)
-    return FittedPieces(ends, np.stack([samples[end] for end in ends]), _deviation(samples, (0, *ends)))
+        knots = [0, *straight_pieces(len(path), criteria, factor)]
+        # Ends on the path are only as good as the pieces were chosen.
+        tries = [_fitted(path, knots)] if factor > 1.0 else [_fitted(path, knots), path[knots]]
+        for positions in tries:
+            if all(own.along(knots, positions) <= 1.0 for own in criteria):
+                return FittedPieces(knots[1:], positions[1:], deviation(path, knots, positions))
+    return FittedPieces(knots[1:], path[knots[1:]], deviation(path, knots, path[knots]))
 
 
-def _fitted(samples: Sequence[NDArray[np.float64]], ends: list[int]) -> FittedPieces:
-    """Fit the inner ends by least squares over all samples."""
-    knots = np.array([0, *ends])
-    times = np.arange(len(samples))
-    hats = np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
-    path = np.stack(samples).reshape(len(samples), -1)
-    # Both ends of the path are fixed.
-    fixed = hats[:, [0, -1]] @ path[[0, -1]]
-    inner = np.linalg.lstsq(hats[:, 1:-1], path - fixed, rcond=None)[0]
-    away = (fixed + hats[:, 1:-1] @ inner - path).reshape(len(samples), -1, 3)
-    positions = np.concatenate([inner, path[-1:]]).reshape(len(ends), -1, 3)
-    return FittedPieces(ends, positions, float(np.linalg.norm(away, axis=2).max()))
+def straight_pieces(count: int, criteria: Sequence[Criterion], most: float = 1.0) -> list[int]:
+    """Choose the ends of as few straight pieces as follow a path.
 
-
-def _deviation(samples: Sequence[NDArray[np.float64]], knots: Sequence[int]) -> float:
-    return max(strayed(samples, begin, end) for begin, end in pairwise(knots))
-
-
-def straight_pieces(samples: Sequence[NDArray[np.float64]], most: float) -> list[int]:
-    """Choose the ends of the fewest straight pieces that follow a path.
-
-    Each piece leads to the farthest sample that it can reach, which minimizes their number. Points move along a piece
-    at constant speed.
+    Each piece leads to the farthest sample that it can reach, which gives the fewest pieces. Along a piece the points
+    move at an even pace.
 
     Parameters
     ----------
-    samples : sequence of (n, 3) float64
-        Positions of the points at equal steps of time; at least two samples.
+    count : int
+        Number of samples, two at least.
+    criteria : sequence of Criterion
+        What each piece must satisfy.
     most : float
-        Largest allowed distance of a point from its position at the time of any sample.
+        Allowed multiple of their errors.
 
     Returns
     -------
     list of int
-        Samples at which the pieces end, including the last one; the first piece begins at sample 0.
+        Samples at which the pieces end, the last one among them; the first piece begins at sample 0.
     """
-    last, ends, begin = len(samples) - 1, [], 0
+    last, ends, begin = count - 1, [], 0
     while begin < last:
         reached = begin + 1
-        while reached < last and strayed(samples, begin, reached + 1) <= most:
+        while reached < last and all(own.between(begin, reached + 1) <= most for own in criteria):
             reached += 1
         ends.append(reached)
         begin = reached
     return ends
 
 
-def strayed(samples: Sequence[NDArray[np.float64]], begin: int, end: int) -> float:
-    """Return the largest distance of points from uniform motion on a straight line between two samples."""
+def deviation(path: NDArray[np.float64], knots: Sequence[int], positions: NDArray[np.float64]) -> float:
+    """Return the largest distance of points from a path, (f, n, 3), if they move straight between some positions."""
+    pieces = zip(pairwise(knots), pairwise(positions), strict=True)
+    return max(_strayed(path, begin, end, one, other) for (begin, end), (one, other) in pieces)
+
+
+def _fitted(path: NDArray[np.float64], knots: list[int]) -> NDArray[np.float64]:
+    """Return positions at the knots, (k, n, 3): at both ends as they are, in between by least squares."""
+    times = np.arange(len(path))
+    hats = np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
+    flat = path.reshape(len(path), -1)
+    ends = flat[[0, -1]]
+    inner = np.linalg.lstsq(hats[:, 1:-1], flat - hats[:, [0, -1]] @ ends, rcond=None)[0]
+    return np.concatenate([ends[:1], inner, ends[1:]]).reshape(len(knots), -1, 3)
+
+
+def _strayed(
+    path: NDArray[np.float64], begin: int, end: int, one: NDArray[np.float64], other: NDArray[np.float64]
+) -> float:
+    """Return the largest distance from the samples of a piece to points that move straight from `one` to `other`."""
     away = 0.0
-    for index in range(begin + 1, end):
+    for index in range(begin, end + 1):
         t = (index - begin) / (end - begin)
-        straight = (1.0 - t) * samples[begin] + t * samples[end]
-        away = max(away, float(np.linalg.norm(samples[index] - straight, axis=1).max()))
-    return away
+        apart = (1.0 - t) * one + t * other - path[index]
+        away = max(away, float(np.einsum("nd,nd->n", apart, apart).max()))
+    return float(np.sqrt(away))

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Correct the volume of a closed mesh on its way to another shape, such that it changes evenly.
+
+A body whose lengths grow evenly has too little volume on the way, and joints that bend lose some. Two corrections
+remove that. First, the whole mesh is scaled about the fixed point of its growth, as if its volume had grown evenly.
+Then vertices are moved along their normals, in proportion to the thickness of the body there, by a factor that gives
+the mesh the volume it should have.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.edge_means import EdgeMeans
+from ...geometry.edges import topology
+from ...geometry.inner_balls import touching_radii
+from ...geometry.mesh import TriangleMesh
+from ...geometry.normals import area_normals, unit_vectors
+from ...progress import Control
+
+# Rounds of averaging over neighbors that make the thickness smooth.
+_SMOOTHINGS = 8
+# Largest change of the thickness, as a fraction; more would fold the surface.
+_MOST = 0.25
+
+
+def has_volume(mesh: TriangleMesh) -> bool:
+    """Return whether a mesh is closed, manifold and outward, so that it has a volume to keep."""
+    return len(mesh.faces) > 0 and topology(mesh).closed and mesh.volume > 0.0
+
+
+def with_even_volume(
+    samples: Sequence[NDArray[np.float64]], mesh: TriangleMesh, control: Control
+) -> list[NDArray[np.float64]]:
+    """Return positions along a path, (n, 3) each, at which the volume changes evenly.
+
+    Parameters
+    ----------
+    samples : sequence of (n, 3) float64
+        Positions at even steps of time. The first and the last stay as they are.
+    mesh : TriangleMesh
+        At the first of them; see :func:`has_volume`.
+    control : Control
+        Stops the work.
+    """
+    last = TriangleMesh(samples[-1], mesh.faces)
+    growth = Growth.between(mesh, last)
+    thickness = [_thickness(mesh), _thickness(last)]
+    found = []
+    for index, sample in enumerate(samples):
+        control.check()
+        t = index / (len(samples) - 1)
+        if 0.0 < t < 1.0:
+            grown = TriangleMesh(growth.evenly_in_volume(sample, t), mesh.faces)
+            own = (1.0 - t) * thickness[0] + t * thickness[1]
+            sample = thickened(grown, own, (1.0 - t) * mesh.volume + t * last.volume)
+        found.append(sample)
+    return found
+
+
+@dataclass(frozen=True)
+class Growth:
+    """The even growth of a shape to another.
+
+    Attributes
+    ----------
+    scale : float
+        How much longer the second one is.
+    shift : (3,) float64
+        Where the growth without rotation takes the origin.
+    """
+
+    scale: float
+    shift: NDArray[np.float64]
+
+    @classmethod
+    def between(cls, first: TriangleMesh, last: TriangleMesh) -> Growth:
+        """Compare volumes and centers of two meshes with the same faces."""
+        scale = float(np.cbrt(last.volume / first.volume))
+        centers = [own.vertex_areas @ own.vertices / own.area for own in (first, last)]
+        return cls(scale, centers[1] - scale * centers[0])
+
+    def evenly_in_volume(self, points: NDArray[np.float64], t: float) -> NDArray[np.float64]:
+        """Scale points, (n, 3), at time t, whose lengths have grown evenly, as if the volume had.
+
+        Points are scaled about the fixed point of the growth, so that what rests on the ground stays there.
+        """
+        gain = self.scale - 1.0
+        if abs(gain) < 1e-9:
+            return points
+        factor = np.cbrt(1.0 + t * (self.scale**3 - 1.0)) / (1.0 + t * gain)
+        return factor * points + (factor - 1.0) / gain * self.shift
+
+
+def thickened(mesh: TriangleMesh, thickness: NDArray[np.float64], volume: float) -> NDArray[np.float64]:
+    """Return the vertices, (n, 3), after moving them along their normals, such that the mesh has a given volume.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Closed, outward.
+    thickness : (n,) float64
+        All distances are this times one factor.
+    volume : float
+        The volume; if the factor would exceed a quarter, it stays there.
+    """
+    areas = area_normals(mesh.vertices, mesh.faces)
+    offsets = thickness[:, None] * unit_vectors(areas)
+    # The volume is a polynomial of the factor, of which its value, slope and another value give all but the cubic term.
+    slope, missing = float(np.einsum("nd,nd->", areas, offsets)), volume - mesh.volume
+    factor = float(np.clip(missing / slope, -_MOST, _MOST)) if slope > 0.0 else 0.0
+    if factor:
+        gained = TriangleMesh(mesh.vertices + factor * offsets, mesh.faces).volume - mesh.volume
+        bend = (gained - slope * factor) / factor**2
+        root = max(slope**2 + 4.0 * bend * missing, 0.0)
+        # The solution of bend x^2 + slope x = missing that stays finite without a bend.
+        factor = float(np.clip(2.0 * missing / (slope + np.sqrt(root)), -_MOST, _MOST))
+    return mesh.vertices + factor * offsets
+
+
+def _thickness(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return the smoothed radius of the largest balls that touch a mesh from inside, (n,)."""
+    radii, means = touching_radii(mesh), EdgeMeans.of(mesh)
+    for _ in range(_SMOOTHINGS):
+        radii = 0.5 * (radii + means.mean(radii))
+    return radii
