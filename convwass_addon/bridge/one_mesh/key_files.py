@@ -2,8 +2,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write a mesh with shape keys in other formats.
 
-glTF and FBX contain the keys as morph targets, with an animation of their weights. USD and Alembic contain the
-positions and velocities of the vertices in every frame, and vertex animation textures positions and normals.
+glTF and FBX contain the keys as morph targets, with an animation of their weights, and the armature in its current pose
+with its own animation. USD and Alembic contain the positions and velocities of the vertices in every frame, and vertex
+animation textures positions and normals.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from ..morphs.materials import plain_copy, wears_object_color
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
+from .rest_mesh import armature_place
 from .vertex_animation_files import write_moving_mesh
 
 
@@ -95,7 +97,10 @@ def _sampled_keys(obj: bpy.types.Object, frames: range) -> _Sampled:
 
 @contextmanager
 def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
-    """Link a copy of an object to a temporary scene, with its shape keys keyed in every frame from 0 on."""
+    """Link a copy of an object to a temporary scene, with its shape keys keyed in every frame from 0 on.
+
+    Of its modifiers it keeps an armature, of which a copy is linked too.
+    """
     sampled, render = _sampled_keys(obj, frames), bpy.context.scene.render
     with scratch_scene() as scene:
         scene.frame_start, scene.frame_end = 0, len(frames) - 1
@@ -105,6 +110,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         copy = bpy.data.objects.new(obj.name, mesh)
         copy.matrix_world = obj.matrix_world
         scene.collection.objects.link(copy)
+        rig = _rigged(copy, obj, scene)
         keys = mesh.shape_keys
         keys.animation_data_clear()
         keys.name = f"{obj.name} Keys"
@@ -121,7 +127,23 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         finally:
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
-            bpy.data.batch_remove([*made, *plain])
+            bpy.data.batch_remove([*made, *plain, *([] if rig is None else [rig])])
+
+
+def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """Link a copy of an object's armature to a scene, and let it deform a copy of the object; return it, if any."""
+    place = armature_place(obj)
+    if place is None:
+        return None
+    rig = obj.modifiers[place].object.copy()
+    world = rig.matrix_world.copy()
+    rig.parent = None
+    rig.matrix_world = world
+    scene.collection.objects.link(rig)
+    copy.modifiers.new("Armature", "ARMATURE").object = rig
+    copy.parent, copy.matrix_parent_inverse = rig, world.inverted()
+    copy.matrix_world = obj.matrix_world
+    return rig
 
 
 def _wear_plain(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> list[bpy.types.Material]:
@@ -212,13 +234,21 @@ def _require(finished: set[str], draft: Path, target: Path) -> None:
 
 
 def _gltf(file: str) -> set[str]:
-    return write_gltf_animation(file, export_morph=True, export_morph_normal=True, export_morph_tangent=False)
+    return write_gltf_animation(
+        file,
+        export_morph=True,
+        export_morph_normal=True,
+        export_morph_tangent=False,
+        export_skins=True,
+        export_rest_position_armature=False,
+    )
 
 
 def _fbx(file: str) -> set[str]:
     return bpy.ops.export_scene.fbx(
         filepath=file,
-        object_types={"MESH"},
+        object_types={"MESH", "ARMATURE"},
+        add_leaf_bones=False,
         bake_anim_use_all_actions=False,
         bake_anim_use_nla_strips=False,
         bake_anim_simplify_factor=0.0,

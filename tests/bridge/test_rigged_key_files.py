@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A rigged mesh with shape keys in files for other programs."""
+
+from __future__ import annotations
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.one_mesh.key_files import export_shape_keys
+from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
+from tests.rigs import chain, tube
+
+# Blender's own add-ons use what newer versions of NumPy and Python advise against.
+pytestmark = [pytest.mark.usefixtures("empty_scene"), pytest.mark.filterwarnings("ignore::DeprecationWarning")]
+
+
+@pytest.fixture
+def rigged():
+    """Make a tube on two bones, the second one bent, with a key in which it is twice as thick."""
+    body, rig = tube(length=2.0), chain(2)
+    along = np.array([vertex.co.x for vertex in body.data.vertices])
+    for name, chosen in (("A", along < 1.0), ("B", along >= 1.0)):
+        body.vertex_groups.new(name=name).add(np.flatnonzero(chosen).tolist(), 1.0, "REPLACE")
+    body.modifiers.new("Rig", "ARMATURE").object = rig
+    body.parent = rig
+    rig.location = (0.0, 0.0, 3.0)
+    rig.pose.bones["B"].rotation_mode = "XYZ"
+    rig.pose.bones["B"].rotation_euler = (math.radians(30.0), 0.0, 0.0)
+    mesh = body.data.copy()
+    points = np.array([vertex.co for vertex in mesh.vertices])
+    path = KeyPath("Thick", (1.0,), (points * [1.0, 2.0, 2.0])[None], 0.9, 0.0, 0.0, 0.0, 0)
+    obj = object_with_keys(body, mesh, [path], bpy.context.scene, ("Rig",))
+    animate_sliders(obj, ["Thick"], 1, 4)
+    bpy.data.objects.remove(body)
+    return obj
+
+
+def seen(obj, frame):
+    bpy.context.scene.frame_set(frame)
+    points = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
+    # Files may split and reorder vertices.
+    return np.unique(np.round(points, 4) + 0.0, axis=0)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".fbx"])
+def test_the_rig_goes_along(rigged, tmp_path, suffix, inventory):
+    frames = bpy.context.scene.frame_start + np.array([0, 4])
+    expected = [seen(rigged, int(frame)) for frame in frames]
+    before = inventory()
+    (file,) = export_shape_keys(rigged, tmp_path / f"rigged{suffix}")
+    assert inventory() == before
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    read = bpy.ops.import_scene.gltf if suffix == ".glb" else bpy.ops.import_scene.fbx
+    read(filepath=str(file))
+    (rig,) = (one for one in bpy.data.objects if one.type == "ARMATURE")
+    (obj,) = (one for one in bpy.data.objects if one.type == "MESH" and one.find_armature() == rig)
+    assert sorted(bone.name for bone in rig.data.bones) == ["A", "B"]
+    (key,) = list(obj.data.shape_keys.key_blocks)[1:]
+    obj.data.shape_keys.animation_data_clear()
+    for value, points in zip((0.0, 1.0), expected, strict=True):
+        key.value = value
+        found = seen(obj, 1)
+        assert found.shape == points.shape
+        np.testing.assert_allclose(found, points, atol=2e-3)
