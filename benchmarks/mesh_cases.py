@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.one_mesh.key_paths import key_paths
+from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.facing_points import FacingPointFinder
@@ -42,7 +42,8 @@ def keys(pair: str, error: float, keep: str | None = None) -> dict[str, object]:
     ends = chosen.ends()
     clock = Clock()
     try:
-        steps = key_paths([ends.first, ends.second], ["first", "second"], error, GuidedSettings(), (), UNINTERRUPTED)
+        shapes, demands = [ends.first, ends.second], KeyDemands(error)
+        steps = key_paths(shapes, ["first", "second"], demands, GuidedSettings(), (), UNINTERRUPTED)
         (path,) = drained(steps)
     except ConvwassError as refusal:
         return {"error": str(refusal)}

@@ -47,7 +47,7 @@ def with_shape_keys(
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
     guides = guides_asked_for(options.guides, inputs, depsgraph)
     request = replace(request, guides=[guide.as_dict() for guide in guides])
-    job = ShapeKeyJob(scene, depsgraph, inputs, request, settings.coherence, scene.frame_start)
+    job = ShapeKeyJob(scene, depsgraph, inputs, request, settings, scene.frame_start)
     try:
         with ProgressBar("Making shape keys") as bar:
             bar.result_of(job.steps())

@@ -143,7 +143,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         refuse_one_mesh(objects)
         request = replace(self.request(), guides=[guide.as_dict() for guide in guides])
         depsgraph = context.evaluated_depsgraph_get()
-        return ShapeKeyJob(context.scene, depsgraph, objects, request, self.coherence, first_frame)
+        return ShapeKeyJob(context.scene, depsgraph, objects, request, self.solver_settings(), first_frame)
 
     def _guides(self, context: bpy.types.Context, names: list[str]) -> list[NamedGuide]:
         """Return the guides on the shapes; raises InputError if the argument names other objects."""

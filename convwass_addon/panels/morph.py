@@ -253,7 +253,9 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         if settings.output == "PLAYER":
             layout.prop(settings, "between")
         if settings.output == "SHAPE_KEYS":
+            layout.prop(settings, "basis")
             layout.prop(settings, "key_error")
+            layout.prop(settings, "symmetric")
         elif settings.output != "VOLUME":
             layout.prop(settings, "faces")
         pictures = settings.output == "OBJECTS" and settings.flat_output == "PICTURE"

@@ -7,10 +7,12 @@ from __future__ import annotations
 import bpy
 import numpy as np
 import pytest
+from mathutils import Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.one_mesh import shape_key_job
 from convwass_addon.bridge.one_mesh.records import has_key_record, key_records
+from convwass_addon.bridge.one_mesh.rest_mesh import rest_mesh
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, key_expressions, object_with_keys
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
@@ -114,9 +116,9 @@ def test_the_bake_gives_the_first_mesh_keys_that_lead_to_the_second_shape(monkey
     first.modifiers.new("Edges", "BEVEL").show_viewport = False
     bpy.context.view_layer.update()
 
-    def known(shapes, names, accuracy, settings, guides, control):
+    def known(shapes, names, demands, settings, guides, control):
         yield Progress(0.5, Sentence("Half"))
-        assert (names, accuracy) == (["First", "Second"], pytest.approx(0.005))
+        assert (names, demands.error) == (["First", "Second"], pytest.approx(0.005))
         return [path_to(names[1], (1.0,), [shapes[1].vertices])]
 
     monkeypatch.setattr(shape_key_job, "key_paths", known)
@@ -131,9 +133,22 @@ def test_the_bake_gives_the_first_mesh_keys_that_lead_to_the_second_shape(monkey
     assert first.hide_get() and second.hide_get()
 
 
+def test_mirror_images_are_found_in_the_space_of_the_object(cube):
+    cube.matrix_world = Matrix.LocRotScale((3.0, 1.0, 0.0), Euler((0.2, 0.5, 0.9)), (1.0, 2.0, 0.5))
+    bpy.context.view_layer.update()
+    rest = rest_mesh(cube, bpy.context.evaluated_depsgraph_get())
+    partners = rest.symmetry(cube).partners
+    corners = np.array([vertex.co for vertex in cube.data.vertices])
+    np.testing.assert_array_equal(corners[partners], corners * [-1.0, 1.0, 1.0])
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
-    [({"coherence": 0.2}, "does not reach the other shape"), ({"inputs": "Word,Label"}, "is not a mesh")],
+    [
+        ({"coherence": 0.2}, "does not reach the other shape"),
+        ({"inputs": "Word,Label"}, "is not a mesh"),
+        ({"symmetric": True}, "First is not symmetric"),
+    ],
 )
 def test_shapes_that_cannot_share_a_mesh_are_refused(arguments, message):
     hook("First", 0.0)

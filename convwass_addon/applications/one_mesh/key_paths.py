@@ -2,14 +2,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How the vertices of one mesh go to other shapes, as a few positions between which they go straight.
 
-The mesh is guided to each of the other shapes (:mod:`..motions.guided_motion`) and drawn onto its surface at the end.
-Straight pieces, as few as leave no vertex farther from its path than is allowed, take the place of the path.
+The mesh is guided to each of the other shapes and projected onto its surface at the end (:mod:`.guided_way`). The path
+is sampled, made symmetric if that is asked for, given an even volume, and replaced by as few straight pieces as meet
+the demands.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +18,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.fold_finder import FoldFinder
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import vertex_normals
 from ...geometry.orientation import orient_outward
-from ...geometry.surface_projection import drawn_along_normals
-from ...geometry.unfolding import unfolded
 from ...geometry.weighted_quantile import weighted_quantile
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within
@@ -28,8 +26,9 @@ from ...sentence import Sentence
 from ..motions.guided_motion import GuidedMotion, guided_motion
 from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
-from .straight_pieces import StayNear, fitted_pieces
-from .turned_offsets import TurnedOffsets
+from .guided_way import GuidedWay
+from .mirror_symmetry import MirrorSymmetry
+from .straight_pieces import FittedPieces, StayNear, fitted_pieces
 from .volume_keeping import has_volume, with_even_volume
 from .volume_on_pieces import KeepVolume
 
@@ -44,8 +43,22 @@ _GUIDED = 0.8
 _FAR = 0.01
 # Largest relative error of the volume between keys.
 _VOLUME = 0.01
-# Shapes are only moved where they have weight; so near to the end nothing is left to see.
-_CLOSE = 1e-6
+
+
+@dataclass(frozen=True)
+class KeyDemands:
+    """What keys must satisfy.
+
+    Attributes
+    ----------
+    error : float
+        By how much vertices may leave their path, as a share of the diagonal of the shape that they go to.
+    symmetry : MirrorSymmetry or None
+        Of the mesh; its keys are then as symmetric as itself.
+    """
+
+    error: float
+    symmetry: MirrorSymmetry | None = None
 
 
 @dataclass(frozen=True)
@@ -95,7 +108,7 @@ class KeyPath:
 def key_paths(
     shapes: Sequence[TriangleMesh],
     names: Sequence[str],
-    accuracy: float,
+    demands: KeyDemands,
     settings: GuidedSettings,
     guides: Sequence[Guide],
     control: Control,
@@ -108,8 +121,8 @@ def key_paths(
         Where they stand, scene units: the mesh that is to change, and the shapes that it is to take.
     names : sequence of str
         What messages call them.
-    accuracy : float
-        By how much vertices may leave the path, as a share of the diagonal of the shape that they go to.
+    demands : KeyDemands
+        What the keys must satisfy.
     settings : GuidedSettings
         How the mesh is guided.
     guides : sequence of mappings from int to int
@@ -139,11 +152,11 @@ def key_paths(
                 second=names[pair[1]],
                 score=motion.pairs[pair].score,
             )
-    return (yield from within(paths_along(motion, outward, names, accuracy, control), _GUIDED, 1.0))
+    return (yield from within(paths_along(motion, outward, names, demands, control), _GUIDED, 1.0))
 
 
 def paths_along(
-    motion: GuidedMotion, shapes: Sequence[TriangleMesh], names: Sequence[str], accuracy: float, control: Control
+    motion: GuidedMotion, shapes: Sequence[TriangleMesh], names: Sequence[str], demands: KeyDemands, control: Control
 ) -> Work[list[KeyPath]]:
     """Find how the vertices of the first shape go to each of the others along a motion.
 
@@ -151,95 +164,55 @@ def paths_along(
     ----------
     motion : GuidedMotion
         Between the first shape and each of the others.
-    shapes, names, accuracy, control
+    shapes, names, demands, control
         As for :func:`key_paths`; the shapes facing outward.
     """
     found = []
     for index in range(1, len(shapes)):
         message = Sentence("Drawing {first} onto {second}", {"first": names[0], "second": names[index]})
         yield Progress((index - 1) / (len(shapes) - 1), message)
-        way = _Way.of(motion, index, shapes[0], shapes[index], control)
-        found.append(_path(way, names[index], motion.pairs[0, index].score, accuracy, control))
+        way = GuidedWay.of(motion, index, shapes[0], shapes[index], control)
+        found.append(_path(way, names[index], motion.pairs[0, index].score, demands, control))
     return found
 
 
-@dataclass(frozen=True)
-class _Way:
-    """The mesh on its way to one of the shapes.
-
-    `heights`, (n,), is how far along its normals the guided mesh is from the other surface at the end; `mended` is what
-    vertices near folds move besides.
-    """
-
-    motion: GuidedMotion
-    index: int
-    mesh: TriangleMesh
-    target: TriangleMesh
-    heights: NDArray[np.float64]
-    mended: TurnedOffsets
-
-    @classmethod
-    def of(cls, motion: GuidedMotion, index: int, mesh: TriangleMesh, target: TriangleMesh, control: Control) -> _Way:
-        nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
-        way = cls(motion, index, mesh, target, np.zeros(len(mesh.vertices)), nothing)
-        guided = way.guided(1.0)
-        normals = vertex_normals(guided.vertices, mesh.faces)
-        drawn = drawn_along_normals(guided, target, control)
-        heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
-        laid = guided.vertices + heights[:, None] * normals
-        final = unfolded(mesh, laid, target, control)
-        # Normals turn abruptly where the guided mesh folds, so vertices there get all of their offset in another way.
-        mended = (final != laid).any(axis=1)
-        heights[mended] = 0.0
-        offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
-        return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
-
-    def guided(self, t: float) -> TriangleMesh:
-        """Return the mesh as it is guided; at the end, the limit from before, since there it has no weight."""
-        t = min(t, 1.0 - _CLOSE)
-        weights = [0.0] * len(self.motion.carriers)
-        weights[0], weights[self.index] = 1.0 - t, t
-        moved = self.motion.moved(weights)[0]
-        return TriangleMesh(moved.vertices[: len(self.mesh.vertices)], self.mesh.faces)
-
-    def at(self, t: float) -> NDArray[np.float64]:
-        """Return the vertices at a time from 0 to 1, (n, 3)."""
-        if t == 0.0:
-            return self.mesh.vertices
-        guided = self.guided(t)
-        drawn = guided.vertices + (t * self.heights)[:, None] * vertex_normals(guided.vertices, self.mesh.faces)
-        return self.mended.added(drawn, guided.vertices, t)
-
-
-def _path(way: _Way, name: str, score: float, accuracy: float, control: Control) -> KeyPath:
+def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control: Control) -> KeyPath:
     """Choose the positions of a path, as few as can be."""
+    samples = way.sampled(_SAMPLES, control)
+    if demands.symmetry is not None:
+        samples = way.symmetrized(samples, demands.symmetry, control)
     diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
-    samples = []
-    for t in np.linspace(0.0, 1.0, _SAMPLES):
-        control.check()
-        samples.append(way.at(float(t)))
-    criteria = []
-    if has_volume(way.mesh):
-        samples = with_even_volume(samples, way.mesh, control)
-        criteria.append(KeepVolume.of(np.stack(samples), way.mesh.faces, _VOLUME))
-    path = np.stack(samples)
-    pieces = fitted_pieces(path, [StayNear(path, accuracy * diagonal), *criteria])
-    times = tuple(end / (_SAMPLES - 1) for end in pieces.ends)
-    final = TriangleMesh(samples[-1], way.mesh.faces)
-    folds = FoldFinder.of(way.mesh, way.target)
+    pieces = _pieces(samples, way.mesh, demands.error * diagonal, control)
+    positions = pieces.positions
+    if demands.symmetry is not None:
+        # Means of positions that are symmetric about different planes are not quite symmetric.
+        positions = np.stack([demands.symmetry.symmetrized(points) for points in positions])
+    times = tuple(end / (len(samples) - 1) for end in pieces.ends)
+    return _judged(way, KeyPath(name, times, positions, score, pieces.deviation / diagonal, 0.0, 0.0, 0), control)
+
+
+def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float, control: Control) -> FittedPieces:
+    """Follow a path, with an even volume if the mesh encloses one."""
+    if not has_volume(mesh):
+        path = np.stack(samples)
+        return fitted_pieces(path, [StayNear(path, most)])
+    path = np.stack(with_even_volume(samples, mesh, control))
+    return fitted_pieces(path, [StayNear(path, most), KeepVolume.of(path, mesh.faces, _VOLUME)])
+
+
+def _judged(way: GuidedWay, path: KeyPath, control: Control) -> KeyPath:
+    """Return a path with the figures of its last key."""
+    final, folds = TriangleMesh(path.positions[-1], way.mesh.faces), FoldFinder.of(way.mesh, way.target)
+    diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
     distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
     turned = folds.agreements(final.vertices, control) < 0.0
     poor = distances > _FAR
     poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
     areas = final.vertex_areas
-    return KeyPath(
-        name,
-        times,
-        pieces.positions,
-        score,
-        pieces.deviation / diagonal,
-        float(areas @ distances / areas.sum()),
-        weighted_quantile(distances, areas, 0.95),
-        int(turned.sum()),
-        np.flatnonzero(poor),
+    return replace(
+        path,
+        distance=float(areas @ distances / areas.sum()),
+        distance_95=weighted_quantile(distances, areas, 0.95),
+        turned=int(turned.sum()),
+        poor=np.flatnonzero(poor),
     )

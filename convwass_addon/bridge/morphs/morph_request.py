@@ -218,6 +218,19 @@ class MorphRequest(Settings):
             Choice("NEAREST", "Nearest Blend", "The nearer one, exactly as it was baked; plays faster"),
         ),
     )
+    basis: str = setting(
+        "FIRST",
+        "Basis",
+        "The mesh that gets the shape keys",
+        choices=(
+            Choice("FIRST", "First Mesh", "The mesh of the first shape, with everything it has"),
+            Choice("EVEN", "Even", "A new mesh of the first shape: triangles as large as a cell of the resolution"),
+            Choice("ADAPTIVE", "Adaptive", "The same, with smaller triangles where the shape is curved"),
+            Choice("QUADS", "Quads", "The same as quads of even size"),
+        ),
+        help="shape keys: the first mesh itself, or a new mesh of the first shape with --resolution cells along its "
+        "longest side",
+    )
     key_error: float = setting(
         0.5,
         "Key Error",
@@ -225,6 +238,12 @@ class MorphRequest(Settings):
         least=0.01,
         most=10.0,
         unit="percent",
+    )
+    symmetric: bool = setting(
+        False,
+        "Symmetric",
+        "Keys are symmetric across the local X axis of the first mesh, which must be symmetric itself",
+        help="shape keys: keys are symmetric across the local X axis of the first mesh",
     )
     folder: str = setting(
         DEFAULT_FOLDER,

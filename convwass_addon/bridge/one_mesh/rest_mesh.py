@@ -17,6 +17,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...applications.one_mesh.mirror_symmetry import MirrorPlane, MirrorSymmetry
 from ...errors import InputError
 from ...sentence import Sentence
 from ..objects import evaluated_object, frozen_copy, triangle_mesh
@@ -55,6 +56,20 @@ class RestMesh:
         if self.linear is not None:
             moved = np.linalg.solve(self.linear, moved.transpose(1, 2, 0)).transpose(2, 0, 1)
         return _basis(self.mesh) + moved
+
+    def symmetry(self, obj: bpy.types.Object) -> MirrorSymmetry:
+        """Return which vertices are mirror images across the local X axis of the object that the mesh is copied from.
+
+        Raises
+        ------
+        InputError
+            The mesh is not symmetric.
+        """
+        points = _basis(self.mesh)
+        if self.linear is None:
+            inverse = np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64))
+            points = points @ inverse[:3, :3].T + inverse[:3, 3]
+        return MirrorSymmetry.of(points, MirrorPlane(np.zeros(3), np.array([1.0, 0.0, 0.0])), obj.name)
 
 
 @contextmanager

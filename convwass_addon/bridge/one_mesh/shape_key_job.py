@@ -12,8 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.morphs.computation import Computation
+from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.motions.guided_settings import GuidedSettings
-from ...applications.one_mesh.key_paths import KeyPath, key_paths
+from ...applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
 from ...errors import ConvwassError, InputError
 from ...geometry.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
@@ -23,6 +24,7 @@ from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
 from ..objects import hide, triangle_mesh
 from .records import key_records
+from .remeshed_rest import remeshed_shape
 from .rest_mesh import armature_last, rest_mesh
 from .shape_keys import animate_sliders, object_with_keys
 
@@ -39,16 +41,16 @@ class ShapeKeyJob:
     inputs : sequence of bpy.types.Object
         The mesh, and the shapes to morph it into.
     request : MorphRequest
-        `alignment`, `scaling`, `guides`, `key_error` and `frames` are used.
-    coherence : float
-        From 0.5 to 1.
+        `alignment`, `scaling`, `guides`, `basis`, `key_error`, `symmetric` and `frames` are used.
+    settings : MorphSettings
+        `coherence`, from 0.5 to 1, and for a new basis `resolution` are used.
     first_frame : int
         Scene frame at which the morph starts.
 
     Raises
     ------
     InputError
-        An input has no faces, or is not a mesh.
+        An input has no faces, or is not a mesh; or the first one is to be symmetric but is not.
     """
 
     def __init__(
@@ -57,29 +59,39 @@ class ShapeKeyJob:
         depsgraph: bpy.types.Depsgraph,
         inputs: Sequence[bpy.types.Object],
         request: MorphRequest,
-        coherence: float,
+        settings: MorphSettings,
         first_frame: int,
     ) -> None:
         self._names = [obj.name for obj in inputs]
         with armature_last(inputs[0]):
             self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+            if request.basis == "FIRST":
+                self._rest = rest_mesh(inputs[0], depsgraph)
+            else:
+                remeshed = remeshed_shape(inputs[0], depsgraph, request.basis, settings.resolution)
+                self._rest, self._shapes[0] = remeshed.rest, remeshed.shape
             self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
             laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
-            self._rest = rest_mesh(inputs[0], depsgraph)
         self._shapes = laid.meshes
         self._move = None if laid.moves is None else np.array(laid.moves[0].matrix, dtype=np.float64)
-        self._settings = GuidedSettings(coherence=coherence)
-        self._accuracy, self._frames, self._first = request.key_error / 100.0, request.frames, first_frame
+        self._settings = GuidedSettings(coherence=settings.coherence)
+        self._mesh = Handle.of("meshes", self._rest.mesh)
+        try:
+            symmetry = self._rest.symmetry(inputs[0]) if request.symmetric else None
+        except InputError:
+            self.discard()
+            raise
+        self._demands = KeyDemands(request.key_error / 100.0, symmetry)
+        self._frames, self._first = request.frames, first_frame
         self._scene = Handle.of("scenes", scene)
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
         self.notices = [*animation_notices(inputs, scene.frame_current), *self._rest.notices]
-        self._mesh = Handle.of("meshes", self._rest.mesh)
         self.paths: list[KeyPath] = []
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
         """Compute the paths of the vertices without accessing Blender's data; not parallelized over workers."""
         self.paths = yield from key_paths(
-            self._shapes, self._names, self._accuracy, self._settings, self._guides, control
+            self._shapes, self._names, self._demands, self._settings, self._guides, control
         )
 
     def write(self, report: Progress[object]) -> None:

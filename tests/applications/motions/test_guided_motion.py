@@ -11,7 +11,7 @@ import pytest
 
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.one_mesh.key_paths import paths_along
+from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -69,7 +69,7 @@ def test_one_mesh_swings_its_arm_with_few_keys(arms, swing):
 
     Its volume takes a seventh key: what turns by 2 a along a straight piece shrinks by the square of cos a.
     """
-    (path,) = drained(paths_along(swing, arms, ["one", "other"], 0.01, UNINTERRUPTED))
+    (path,) = drained(paths_along(swing, arms, ["one", "other"], KeyDemands(0.01), UNINTERRUPTED))
     assert len(path.times) <= 7
     played = [arms[0].vertices, *path.positions]
     for one, other in pairwise(played):

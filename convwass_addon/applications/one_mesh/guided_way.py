@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh that is guided to another shape and projected onto its surface at the end."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.normals import vertex_normals
+from ...geometry.surface_projection import drawn_along_normals
+from ...geometry.unfolding import unfolded
+from ...progress import Control
+from ..motions.guided_motion import GuidedMotion
+from .mirror_symmetry import MirrorSymmetry
+from .turned_offsets import TurnedOffsets
+
+# Shapes are only moved where they have weight; so near to the end nothing is left to see.
+_CLOSE = 1e-6
+
+
+@dataclass(frozen=True)
+class GuidedWay:
+    """The mesh on its way to one of the shapes.
+
+    Attributes
+    ----------
+    motion : GuidedMotion
+        Of all shapes, the mesh the first of them.
+    index : int
+        Of the other shape.
+    mesh, target : TriangleMesh
+        Both where they stand.
+    heights : (n,) float64
+        Distances from the guided mesh to the other surface at the end, along its normals.
+    mended : TurnedOffsets
+        What vertices near folds move besides.
+    """
+
+    motion: GuidedMotion
+    index: int
+    mesh: TriangleMesh
+    target: TriangleMesh
+    heights: NDArray[np.float64]
+    mended: TurnedOffsets
+
+    @classmethod
+    def of(
+        cls, motion: GuidedMotion, index: int, mesh: TriangleMesh, target: TriangleMesh, control: Control
+    ) -> GuidedWay:
+        """Guide the mesh to the end, project it onto the surface there, and unfold it."""
+        nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
+        way = cls(motion, index, mesh, target, np.zeros(len(mesh.vertices)), nothing)
+        guided = way.guided(1.0)
+        normals = vertex_normals(guided.vertices, mesh.faces)
+        drawn = drawn_along_normals(guided, target, control)
+        heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
+        laid = guided.vertices + heights[:, None] * normals
+        final = unfolded(mesh, laid, target, control)
+        # Normals turn abruptly where the guided mesh folds, so vertices there get all of their offset in another way.
+        mended = (final != laid).any(axis=1)
+        heights[mended] = 0.0
+        offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
+        return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
+
+    def guided(self, t: float) -> TriangleMesh:
+        """Return the mesh as it is guided; at the end, the limit from before, since there it has no weight."""
+        t = min(t, 1.0 - _CLOSE)
+        weights = [0.0] * len(self.motion.carriers)
+        weights[0], weights[self.index] = 1.0 - t, t
+        moved = self.motion.moved(weights)[0]
+        return TriangleMesh(moved.vertices[: len(self.mesh.vertices)], self.mesh.faces)
+
+    def at(self, t: float) -> NDArray[np.float64]:
+        """Return the vertices at a time from 0 to 1, (n, 3)."""
+        if t == 0.0:
+            return self.mesh.vertices
+        guided = self.guided(t)
+        drawn = guided.vertices + (t * self.heights)[:, None] * vertex_normals(guided.vertices, self.mesh.faces)
+        return self.mended.added(drawn, guided.vertices, t)
+
+    def sampled(self, count: int, control: Control) -> list[NDArray[np.float64]]:
+        """Return the vertices, (n, 3), at `count` even steps of time."""
+        samples = []
+        for t in np.linspace(0.0, 1.0, count):
+            control.check()
+            samples.append(self.at(float(t)))
+        return samples
+
+    def symmetrized(
+        self, samples: list[NDArray[np.float64]], symmetry: MirrorSymmetry, control: Control
+    ) -> list[NDArray[np.float64]]:
+        """Make samples symmetric; what this takes them off the surface at the end is added evenly before it."""
+        symmetric = [symmetry.symmetrized(points) for points in samples]
+        end = drawn_along_normals(TriangleMesh(symmetric[-1], self.mesh.faces), self.target, control)
+        added = end - symmetric[-1]
+        times = np.linspace(0.0, 1.0, len(samples))
+        moved = [symmetry.symmetrized(points + t * added) for t, points in zip(times, symmetric, strict=True)]
+        return [samples[0], *moved[1:]]
