@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
+from .closest_points import ClosestPointFinder
 from .facing_points import FacingPointFinder
 from .mesh import TriangleMesh
 from .normals import triangle_normals
@@ -32,17 +33,20 @@ class FoldFinder:
     target : TriangleMesh
         The surface that the mesh is deformed to.
     finder : FacingPointFinder
-        Nearest-point queries on the target.
+        Nearest-point queries on the target that respect the orientation.
+    closest : ClosestPointFinder
+        Exact ones that do not.
     """
 
     rest: TriangleMesh
     target: TriangleMesh
     finder: FacingPointFinder
+    closest: ClosestPointFinder
 
     @classmethod
     def of(cls, rest: TriangleMesh, target: TriangleMesh) -> FoldFinder:
         """Prepare queries."""
-        return cls(rest, target, FacingPointFinder(target))
+        return cls(rest, target, FacingPointFinder(target), ClosestPointFinder(target.corners))
 
     def agreements(
         self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED, some: NDArray[np.int64] | None = None
@@ -83,7 +87,7 @@ class FoldFinder:
         return self.rest.faces if some is None else self.rest.faces[some]
 
     def _agreements(self, corners: NDArray[np.float64], control: Control) -> NDArray[np.float64]:
-        below = self.finder.find_closest(corners.mean(axis=1), control).triangles
+        below = self.closest.find(corners.mean(axis=1), control).triangles
         return np.einsum("md,md->m", triangle_normals(corners), triangle_normals(self.target.corners[below]))
 
     def _area_ratios(self, corners: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -25,7 +25,7 @@ from .planar_embedding import embedded, on_unit_disc
 
 # How often all is done, and rings of triangles around folds that are embedded, one after the other. Embeddings of more
 # rings distort more than they unfold (horse as a cow, benchmark `mesh`).
-_SWEEPS, _RINGS = 4, (2, 3, 4, 5, 6)
+_SWEEPS, _RINGS = 4, (1, 2, 3, 4, 5, 6)
 # Folds closer together than this many rings are embedded together.
 _APART = 2
 # Rings by which discs may grow until they have no holes, on the mesh and on the surface, which may be much finer.
@@ -146,7 +146,7 @@ class _Unfolding:
         places = [own + step * (ring - own) for step in _STEPS]
         places += [middle + step * (ring - middle) for step in _MIDDLE_STEPS]
         target = self.folds.target
-        facing = triangle_normals(target.corners[self.folds.finder.find_closest(ring).triangles])
+        facing = triangle_normals(target.corners[self.folds.closest.find(ring).triangles])
         normal = unit_vectors(facing.mean(axis=0, keepdims=True))
         flat = np.concatenate(places)
         hits = self.folds.finder.find(flat, np.repeat(normal, len(flat), axis=0))

@@ -54,13 +54,12 @@ def test_embeddings_in_a_circle_flip_nothing(graph):
     assert np.linalg.norm(places, axis=1).max() == pytest.approx(1.0)
 
 
-def test_a_flat_disc_is_embedded_as_it_is():
-    """Mean value weights reproduce linear functions."""
-    x, y = np.meshgrid(np.linspace(0, 1, 6), np.linspace(0, 2, 5), indexing="ij")
-    points = np.stack([x.ravel(), y.ravel() + 0.05 * np.sin(9 * x.ravel()), np.zeros(30)], axis=1)
-    corner = (np.arange(5)[:, None] * 5 + np.arange(4)).ravel()
-    faces = np.concatenate(
-        [np.stack([corner, corner + 5, corner + 6], 1), np.stack([corner, corner + 6, corner + 1], 1)]
-    )
-    disc = MeshDisc.of(TriangleMesh(points, faces), np.arange(len(faces)))
-    np.testing.assert_allclose(embedded(points, disc, points[disc.rim, :2]), points[:, :2], atol=1e-12)
+def test_an_inner_vertex_is_the_mean_of_its_neighbors_by_inverse_lengths():
+    rim = np.array([[1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [-4.0, 0.0, 0.0], [0.0, -1.0, 0.0]])
+    mesh = TriangleMesh(np.concatenate([rim, np.zeros((1, 3))]), np.array([[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]]))
+    disc = MeshDisc.of(mesh, np.arange(4))
+    places = np.array([[3.0, 0.0], [0.0, 3.0], [-3.0, 0.0], [0.0, -3.0]])
+    found = embedded(mesh.vertices, disc, places[disc.rim])
+    np.testing.assert_allclose(found[:4], places)
+    # Weights 1, 1/2, 1/4 and 1.
+    np.testing.assert_allclose(found[4], np.array([3.0 - 0.75, 1.5 - 3.0]) / 2.75)

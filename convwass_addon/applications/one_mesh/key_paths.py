@@ -204,7 +204,7 @@ def _judged(way: GuidedWay, path: KeyPath, control: Control) -> KeyPath:
     """Return a path with the figures of its last key."""
     final, folds = TriangleMesh(path.positions[-1], way.mesh.faces), FoldFinder.of(way.mesh, way.target)
     diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
-    distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
+    distances = folds.closest.find(final.vertices, control).distances / diagonal
     turned = folds.agreements(final.vertices, control) < 0.0
     poor = distances > _FAR
     poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
