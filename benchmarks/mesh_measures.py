@@ -72,7 +72,10 @@ class MeshFigures:
         Triangles of the last key that face away from the other surface, and those with less than 1 % of their area in
         the first shape, relative to the areas of the shapes.
     volume : float
-        Largest error of the volume on the way, relative to the interpolated volume of the two shapes.
+        Largest error of the volume on the way, relative to the interpolated volume of the mesh at both ends.
+    volume_end : float
+        Error of the volume in the last key, relative to the other shape's: also of a perfect fit, because the mesh cuts
+        off what its triangles are too large for.
     stretch : float
         Median over the area of the ratio of the deformation's singular values, which is the stretch of UV maps.
     keys : int
@@ -87,6 +90,7 @@ class MeshFigures:
     turned: int
     collapsed: int
     volume: float
+    volume_end: float
     stretch: float
     keys: int
 
@@ -112,7 +116,8 @@ class MeshFigures:
             crossing_way=max(0.0, max(crossing_share(played.at(t)) for t in WAY[::_CROSSINGS_EVERY]) - allowed),
             turned=_turned(last, target, finder),
             collapsed=int((_areas(last) / last.area < _COLLAPSED * _areas(first) / first.area).sum()),
-            volume=volume_error(played, target.volume),
+            volume=volume_error(played, last.volume),
+            volume_end=abs(last.volume / target.volume - 1.0),
             stretch=median_stretch(first, last.vertices),
             keys=len(played.times),
         )
