@@ -18,7 +18,7 @@ from ..motions.guided_motion import GuidedMotion
 from .mirror_symmetry import MirrorSymmetry
 from .turned_offsets import TurnedOffsets
 
-# Shapes are only moved where they have weight; so near to the end nothing is left to see.
+# Motions move only shapes with weight, so the end of a path is evaluated at this small weight.
 _CLOSE = 1e-6
 
 
@@ -29,15 +29,15 @@ class GuidedWay:
     Attributes
     ----------
     motion : GuidedMotion
-        Of all shapes, the mesh the first of them.
+        The motion of all shapes, the first of which is the mesh.
     index : int
-        Of the other shape.
+        Index of the other shape.
     mesh, target : TriangleMesh
-        Both where they stand.
+        The mesh and the other shape, undeformed.
     heights : (n,) float64
-        Distances from the guided mesh to the other surface at the end, along its normals.
+        Remaining distances to the other surface at the end, along the normals of the guided mesh.
     mended : TurnedOffsets
-        What vertices near folds move besides.
+        Further offsets of vertices near folds.
     """
 
     motion: GuidedMotion
@@ -60,14 +60,14 @@ class GuidedWay:
         heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
         laid = guided.vertices + heights[:, None] * normals
         final = unfolded(mesh, laid, target, control)
-        # Normals turn abruptly where the guided mesh folds, so vertices there get all of their offset in another way.
+        # Normals change abruptly where the guided mesh folds, so vertices there get their whole offset as `mended`.
         mended = (final != laid).any(axis=1)
         heights[mended] = 0.0
         offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
         return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
 
     def guided(self, t: float) -> TriangleMesh:
-        """Return the mesh as it is guided; at the end, the limit from before, since there it has no weight."""
+        """Return the guided mesh; at the end, its limit, since a shape without weight is not moved."""
         t = min(t, 1.0 - _CLOSE)
         weights = [0.0] * len(self.motion.carriers)
         weights[0], weights[self.index] = 1.0 - t, t
@@ -93,7 +93,7 @@ class GuidedWay:
     def symmetrized(
         self, samples: list[NDArray[np.float64]], symmetry: MirrorSymmetry, control: Control
     ) -> list[NDArray[np.float64]]:
-        """Make samples symmetric; what this takes them off the surface at the end is added evenly before it."""
+        """Make samples symmetric, and distribute the projection of the last one onto the surface evenly over all."""
         symmetric = [symmetry.symmetrized(points) for points in samples]
         end = drawn_along_normals(TriangleMesh(symmetric[-1], self.mesh.faces), self.target, control)
         added = end - symmetric[-1]

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the vertices of one mesh go to other shapes, as a few positions between which they go straight.
+"""Paths of one mesh's vertices to other shapes, with a few key positions and straight lines between them.
 
-The mesh is guided to each of the other shapes and projected onto its surface at the end (:mod:`.guided_way`). The path
-is sampled, made symmetric if that is asked for, given an even volume, and replaced by as few straight pieces as meet
-the demands.
+The mesh is guided to each of the other shapes and finally moved onto its surface (:mod:`.guided_way`). The path is
+sampled, made symmetric if requested, given an even volume, and replaced by the fewest straight pieces that meet the
+requirements.
 """
 
 from __future__ import annotations
@@ -32,14 +32,14 @@ from .straight_pieces import FittedPieces, StayNear, fitted_pieces
 from .volume_keeping import has_volume, with_even_volume
 from .volume_on_pieces import KeepVolume
 
-# A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and a mesh
-# that follows it would be mangled.
+# A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and would
+# distort the mesh.
 _LEAST_SCORE = 0.6
-# Positions that are looked at to choose some of them.
+# Number of samples of a path, some of which become key positions.
 _SAMPLES = 65
-# Share of the work that the motion is.
+# Fraction of the work for the motion.
 _GUIDED = 0.8
-# Vertices farther from the other surface than this share of its diagonal have not arrived.
+# Vertices farther from the other surface than this fraction of its diagonal count as missing it.
 _FAR = 0.01
 # Largest relative error of the volume between keys.
 _VOLUME = 0.01
@@ -47,14 +47,14 @@ _VOLUME = 0.01
 
 @dataclass(frozen=True)
 class KeyDemands:
-    """What keys must satisfy.
+    """Requirements on keys.
 
     Attributes
     ----------
     error : float
-        By how much vertices may leave their path, as a share of the diagonal of the shape that they go to.
+        Largest distance of vertices from their path, as a fraction of the diagonal of the shape they move to.
     symmetry : MirrorSymmetry or None
-        Of the mesh; its keys are then as symmetric as itself.
+        Mirror images among the vertices, if the keys are to be symmetric.
     """
 
     error: float
@@ -63,28 +63,28 @@ class KeyDemands:
 
 @dataclass(frozen=True)
 class KeyPath:
-    """How the vertices of a mesh go to another shape.
+    """The path of a mesh's vertices to another shape.
 
     Attributes
     ----------
     name : str
-        What the other shape is called.
+        Name of the other shape.
     times : tuple of float
-        When the positions are reached, increasing to 1; at 0 the mesh is as it is.
+        Times of the positions, increasing to 1; at 0 the mesh is undeformed.
     positions : (k, n, 3) float64
-        Of the vertices, scene units.
+        Positions of the vertices, scene units.
     score : float
-        Of the map between the two shapes, 0 to 1.
+        Score of the map between the two shapes, 0 to 1.
     deviation : float
-        By how much a vertex leaves the path between two positions, as a share of the other shape's diagonal.
+        Largest distance of a vertex from the original path, as a fraction of the other shape's diagonal.
     distance, distance_95 : float
-        From the mesh at the end to the other surface, as shares of its diagonal: mean over the area, and what 95 % of
-        the area stay below.
+        From the last position to the other surface, as fractions of its diagonal: mean over the area, and 95th
+        percentile.
     turned : int
-        Triangles that face away from the surface on which they end.
+        Number of triangles that finally face away from the surface they lie on.
     poor : (p,) int64
-        Vertices that are not where they should be: those of triangles that are turned over or have collapsed, and those
-        farther than a hundredth of the diagonal from the surface.
+        Misplaced vertices: those of flipped or collapsed triangles, and those farther than a hundredth of the diagonal
+        from the surface.
     """
 
     name: str
@@ -113,41 +113,41 @@ def key_paths(
     guides: Sequence[Guide],
     control: Control,
 ) -> Work[list[KeyPath]]:
-    """Find how the vertices of the first shape go to each of the others.
+    """Find the paths of the first shape's vertices to each of the other shapes.
 
     Parameters
     ----------
     shapes : sequence of TriangleMesh
-        Where they stand, scene units: the mesh that is to change, and the shapes that it is to take.
+        In scene units: the mesh to be deformed, and the shapes whose form it takes.
     names : sequence of str
-        What messages call them.
+        Names of the shapes, for messages.
     demands : KeyDemands
-        What the keys must satisfy.
+        Requirements on the keys.
     settings : GuidedSettings
-        How the mesh is guided.
+        Settings of the motion.
     guides : sequence of mappings from int to int
-        Points that belong together; see :func:`..motions.guided_motion.guided_motion`.
+        Corresponding points; see :func:`..motions.guided_motion.guided_motion`.
     control : Control
         Stops the work.
 
     Raises
     ------
     InputError
-        Fewer than two shapes, a coherence at which the mesh does not arrive, or shapes between which there is no good
-        map.
+        Fewer than two shapes, a coherence at which the mesh does not reach the other shapes, or shapes between which
+        there is no good map.
     """
     if len(shapes) < 2:
         raise InputError("Shape keys need a mesh and at least one shape for it to take.")
     if settings.way < 1.0:
-        raise InputError("With a coherence below 0.5 the mesh does not arrive; set it to 0.5 or more.")
+        raise InputError("With a coherence below 0.5, the mesh does not reach the other shape; set it to 0.5 or more.")
     outward = [orient_outward(shape) for shape in shapes]
     pairs = [(0, index) for index in range(1, len(shapes))]
     motion = yield from within(guided_motion(outward, names, pairs, settings, guides, control), 0.0, _GUIDED)
     for pair in pairs:
         if motion.pairs[pair].score < _LEAST_SCORE:
             raise InputError(
-                "{first} and {second} agree too little ({score:.0%}) for one mesh to take both shapes. Add guides: "
-                "points of both that belong together.",
+                "{first} and {second} match too poorly ({score:.0%}) for one mesh to take both shapes. "
+                "Add guides: corresponding points of both.",
                 first=names[0],
                 second=names[pair[1]],
                 score=motion.pairs[pair].score,
@@ -158,18 +158,18 @@ def key_paths(
 def paths_along(
     motion: GuidedMotion, shapes: Sequence[TriangleMesh], names: Sequence[str], demands: KeyDemands, control: Control
 ) -> Work[list[KeyPath]]:
-    """Find how the vertices of the first shape go to each of the others along a motion.
+    """Find the paths of the first shape's vertices to each of the other shapes along a motion.
 
     Parameters
     ----------
     motion : GuidedMotion
-        Between the first shape and each of the others.
+        The motion between the first shape and each of the others.
     shapes, names, demands, control
-        As for :func:`key_paths`; the shapes facing outward.
+        As for :func:`key_paths`; the shapes must be oriented outward.
     """
     found = []
     for index in range(1, len(shapes)):
-        message = Sentence("Drawing {first} onto {second}", {"first": names[0], "second": names[index]})
+        message = Sentence("Projecting {first} onto {second}", {"first": names[0], "second": names[index]})
         yield Progress((index - 1) / (len(shapes) - 1), message)
         way = GuidedWay.of(motion, index, shapes[0], shapes[index], control)
         found.append(_path(way, names[index], motion.pairs[0, index].score, demands, control))
@@ -177,7 +177,7 @@ def paths_along(
 
 
 def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control: Control) -> KeyPath:
-    """Choose the positions of a path, as few as can be."""
+    """Choose the fewest key positions that meet the requirements."""
     samples = way.sampled(_SAMPLES, control)
     if demands.symmetry is not None:
         samples = way.symmetrized(samples, demands.symmetry, control)

@@ -70,17 +70,17 @@ class ShapeKeyJob:
             else:
                 remeshed = remeshed_shape(inputs[0], depsgraph, request.basis, settings.resolution)
                 self._rest, self._shapes[0] = remeshed.rest, remeshed.shape
-            self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
-            laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
+            self._mesh = Handle.of("meshes", self._rest.mesh)
+            try:
+                self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
+                laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
+                symmetry = self._rest.symmetry(inputs[0]) if request.symmetric else None
+            except InputError:
+                self.discard()
+                raise
         self._shapes = laid.meshes
         self._move = None if laid.moves is None else np.array(laid.moves[0].matrix, dtype=np.float64)
         self._settings = GuidedSettings(coherence=settings.coherence)
-        self._mesh = Handle.of("meshes", self._rest.mesh)
-        try:
-            symmetry = self._rest.symmetry(inputs[0]) if request.symmetric else None
-        except InputError:
-            self.discard()
-            raise
         self._demands = KeyDemands(request.key_error / 100.0, symmetry)
         self._frames, self._first = request.frames, first_frame
         self._scene = Handle.of("scenes", scene)
