@@ -63,8 +63,7 @@ def empty_marks(
 ) -> dict[bpy.types.Object, dict[str, int | None]]:
     """Return for every object the vertices nearest to its Empties, by name without suffixes such as .001.
 
-    An Empty belongs to the object that it is parented to, also by way of others, or else to that whose surface is
-    nearest.
+    An Empty belongs to its nearest ancestor among the objects, or, without one, to the object whose surface is nearest.
 
     Parameters
     ----------
@@ -78,7 +77,7 @@ def empty_marks(
     Returns
     -------
     dict
-        None if two Empties on one surface have the name.
+        None if two Empties on one surface have the same name.
 
     Raises
     ------
@@ -100,8 +99,8 @@ def empty_marks(
 def bone_marks(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> dict[str, int]:
     """Return the vertices at the ends of chains of bones, by the name of the last bone.
 
-    Only bones that deform the object and have no such children are used: their tails are in fingertips, toes and the
-    top of the head, where the vertex furthest along the bone is unambiguous.
+    Only bones that deform the object and have no deforming children are used: their tails are in fingertips, toes and
+    the top of the head, where the vertex furthest along the bone is unambiguous.
 
     Raises
     ------

@@ -73,10 +73,10 @@ class Unbalanced:
         out.fill(0.0)
         for log_value, alpha in zip(log_values, alphas, strict=True):
             share = np.expm1(self.power * (log_value - largest))
-            # Where nothing of an input arrives its value is zero for any power.
+            # No mass of this input arrives here, so its value is zero for any power.
             np.copyto(share, -1.0, where=log_value <= LOG_NOTHING / 2)
             out += alpha * share
-        # Where nothing arrives from any input.
+        # No mass of any input arrives here.
         np.maximum(out, -1.0 + np.finfo(float).eps, out=out)
         np.log1p(out, out=out)
         out /= self.power
