@@ -18,8 +18,8 @@ jumps      steps between frames whose largest distance is more than twice the me
 largest    the largest distance of a step, divided by that mean
 changes    of genus and of the number of components along the path, beyond the minimum possible
 ends       mean distance from a shape to its adjacent frame over that of the inner steps, worse end
-area lost  from a shape to its adjacent frame, relative to the interpolated area of the shapes, worse end
-detail     mean distance from a shape, moved by the motion, to its adjacent frame, in cells, worse end
+area lost  from a shape, moved by the motion and offset to the volume of its adjacent frame, to that frame, worse end
+detail     mean distance between these two, in cells, worse end
 angle      first percentile of the smallest angles of a frame's triangles, degrees, worst frame
 crossing   fraction of triangles that cross others, worst of every fourth frame
 triangles  of a frame, mean

@@ -34,6 +34,7 @@ from .coherence_measures import (
     worst_angle,
 )
 from .coherence_pairs import Ends, pairs_named
+from .end_frames import EndLoss
 from .left_to_transport import left_to_transport, recorded_motions
 from .rival_measures import Connectivity
 
@@ -158,24 +159,24 @@ def held(bake: Bake, ends: Ends) -> dict[str, object]:
 def clean(bake: Bake, motion: Motion | None = None) -> dict[str, object]:
     """Measure the evenness of the steps and the quality of the meshes; `motion` is the motion of the bake."""
     between = bake.meshes[1:-1]
-    first, last = (Along.of(bake.meshes, bake.times).area[i] for i in (0, -1))
+    losses = [end_loss(bake, motion, end) for end in (0, 1)]
     return {
         **asdict(Evenness.of(steps_between(bake.meshes, bake.spacing))),
         "changes": changes_of_topology(bake.meshes),
-        "detail": max(lost_detail(bake, motion, end) for end in (0, 1)),
-        "lost_area": float(1.0 - min(first, last)),
+        "detail": max(loss.detail for loss in losses),
+        "lost_area": max(loss.area for loss in losses),
         "angle": min(worst_angle(mesh) for mesh in between),
         "crossing": max(crossing_share(mesh) for mesh in between[::_CROSSINGS_EVERY]),
         "triangles": int(np.mean([len(mesh.faces) for mesh in between])),
     }
 
 
-def lost_detail(bake: Bake, motion: Motion | None, end: int) -> float:
-    """Return the mean distance, in cells, from a shape moved by the motion to its adjacent frame."""
+def end_loss(bake: Bake, motion: Motion | None, end: int) -> EndLoss:
+    """Return what the frame next to a shape has lost of the shape, moved by the motion."""
     beside = (1, -2)[end]
     frame, t = bake.meshes[beside], bake.times[beside]
     shape = bake.meshes[-end] if motion is None else motion.moved((1.0 - t, t))[end].mesh
-    return steps_between([shape, frame], bake.spacing)[0].mean
+    return EndLoss.of(shape, frame, bake.spacing)
 
 
 def read_frames(path: Path) -> list[TriangleMesh]:
