@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
 import bpy
+import numpy as np
 
 from ..errors import InputError
 from .object_copies import copied, copies_of, has_copies
@@ -23,6 +24,8 @@ _WITH_RADIUS = ("CURVES", "POINTCLOUD")
 # Nesting depth up to which mirrored instances are handled.
 _DEPTH = 6
 _MIRRORED = "convwass_mirrored"
+OWN_POSITION = "convwass_own_position"
+"""Attribute of the vertices of joined meshes: the position in the own space of their part."""
 _RADIUS = "radius"
 _TUBE_CORNERS, _BALL_SUBDIVISIONS = 8, 2
 
@@ -174,7 +177,16 @@ def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.typ
     with evaluated_object(part, depsgraph) as evaluated:
         is_empty = not len(evaluated.to_mesh().polygons)
         evaluated.to_mesh_clear()
-    return None if is_empty else frozen_copy(part, depsgraph, _MESHED)
+    if is_empty:
+        return None
+    mesh = frozen_copy(part, depsgraph, _MESHED)
+    own = mesh.copy()
+    own.transform(part.matrix_world.inverted_safe())
+    positions = np.empty(3 * len(own.vertices), np.float32)
+    own.vertices.foreach_get("co", positions)
+    bpy.data.meshes.remove(own)
+    mesh.attributes.new(OWN_POSITION, "FLOAT_VECTOR", "POINT").data.foreach_set("vector", positions)
+    return mesh
 
 
 def _linked(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Object:
@@ -195,7 +207,12 @@ def _info(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.Node:
 def _as_instance(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
     info = _info(tree, part)
     info.inputs["As Instance"].default_value = True
-    return info.outputs["Geometry"]
+    position = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    position.data_type, position.domain = "FLOAT_VECTOR", "POINT"
+    position.inputs["Name"].default_value = OWN_POSITION
+    tree.links.new(info.outputs["Geometry"], position.inputs["Geometry"])
+    tree.links.new(tree.nodes.new("GeometryNodeInputPosition").outputs["Position"], position.inputs["Value"])
+    return position.outputs["Geometry"]
 
 
 def _realized(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:

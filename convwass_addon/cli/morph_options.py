@@ -36,7 +36,7 @@ examples:
 
 """
 
-WRITTEN = ("flat_output", "faces", "grays", "between", "basis", "key_error", "symmetric")
+WRITTEN = ("flat_output", "faces", "looks", "grays", "between", "basis", "key_error", "symmetric")
 """The settings of a request that describe the output; the others describe the morph."""
 
 

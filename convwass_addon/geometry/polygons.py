@@ -31,6 +31,14 @@ class Polygons:
     starts: NDArray[np.int64]
     sources: NDArray[np.int64]
 
+    @property
+    def owners(self) -> NDArray[np.int64]:
+        """The face of every triangle that the faces were made from, (m,)."""
+        counts = np.diff(self.starts, append=len(self.corners))
+        owners = np.empty(int(self.sources.max(initial=-1)) // 3 + 1, np.int64)
+        owners[self.sources // 3] = np.repeat(np.arange(len(self.starts)), counts)
+        return owners
+
     @classmethod
     def of_triangles(cls, faces: NDArray[np.int64]) -> Polygons:
         """Convert triangles, (m, 3), without changes."""

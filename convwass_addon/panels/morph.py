@@ -268,6 +268,9 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         column = layout.column()
         column.prop(settings, "hide_inputs")
         draw_settings(column, settings, MorphSettings, "output")
+        row = layout.row()
+        row.active = settings.carry
+        row.prop(settings, "looks")
 
 
 class CONVWASS_PT_solver_presets(PresetPanel, bpy.types.Panel):

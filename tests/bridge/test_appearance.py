@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.morphs.appearance import Carried, Painted, Plain, Seen, Textured
+from convwass_addon.applications.morphs.appearance import Carried, FaceSlots, Painted, Plain, Seen, Textured
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -17,6 +17,7 @@ from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
 from convwass_addon.bridge.objects import frozen_copy
+from convwass_addon.geometry.closest_points import ClosestPoints
 from convwass_addon.geometry.normals import triangle_normals
 from tests.shapes import ball, box, joined
 
@@ -324,7 +325,7 @@ def test_materials_that_frames_do_not_show_are_named(bare_scene, make_object):
     for polygon in shape.data.polygons:
         polygon.material_index = int(polygon.center.z > 0)
     plain = add_shape(make_object, "B", ball(points=300), glowing("Lamp", RED, 2.0))
-    notes = stored_diagnostics(bake(bare_scene, [shape, plain]))
+    notes = stored_diagnostics(bake(bare_scene, [shape, plain], options={"looks": "COLORS"}))
     assert [(note.kind, note.values["materials"]) for note in notes] == [
         ("LOOK_PROCEDURAL", "Noisy"),
         ("LOOK_NORMALS", "Rough"),
@@ -442,8 +443,10 @@ def test_usd_has_the_carried_colors(bare_scene, make_object, tmp_path):
 def test_groups_do_not_replace_attributes(make_object):
     obj = make_object("Octahedron")
     count = len(obj.data.vertices)
-    seen = Seen(np.ones((count, 4), np.float32), np.zeros(count, np.int64), {"Color": np.zeros(count, np.float32)})
-    write_carried(obj.data, Carried((1.0,), {0: seen}))
+    nowhere = ClosestPoints(np.zeros(count, np.int64), np.empty((0, 3)), np.empty(0))
+    groups = {"Color": np.zeros(count, np.float32)}
+    seen = Seen(np.ones((count, 4), np.float32), nowhere.triangles, groups, nowhere)
+    write_carried(obj.data, Carried((1.0,), {0: seen}, FaceSlots.of(np.zeros((1, 1), np.int64))))
     assert (values(obj.data, "Color", "color", 4) == 1).all()
 
 

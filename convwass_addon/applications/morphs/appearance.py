@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Colors, materials and vertex groups of shapes, transferred to the vertices of a blend."""
+"""What is on the surface of shapes, transferred to a blend: colors, materials, vertex groups, UV maps, attributes."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from .carried_uvs import UvMap, home_triangles
 
 
 class Paint(Protocol):
@@ -98,7 +99,7 @@ class Textured:
 
 @dataclass(frozen=True)
 class Appearance:
-    """Colors, materials and vertex groups of one shape.
+    """What is on the surface of one shape.
 
     Attributes
     ----------
@@ -112,6 +113,10 @@ class Appearance:
         Vertices of the triangles.
     groups : mapping of str to (v,) float32
         Weights of the vertices by the name of their group.
+    uv_maps : mapping of str to UvMap
+        By their names on blends.
+    fields : mapping of str to (m, 3, d) float32
+        Other values at the corners of triangles, by their names on blends.
     """
 
     corners: NDArray[np.float64]
@@ -119,6 +124,8 @@ class Appearance:
     paints: tuple[Paint, ...]
     faces: NDArray[np.int64]
     groups: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
+    uv_maps: Mapping[str, UvMap] = field(default_factory=dict)
+    fields: Mapping[str, NDArray[np.float32]] = field(default_factory=dict)
 
     @cached_property
     def finder(self) -> ClosestPointFinder:
@@ -128,13 +135,31 @@ class Appearance:
     @property
     def is_even(self) -> bool:
         """Whether the appearance is the same everywhere."""
-        return len(self.paints) == 1 and isinstance(self.paints[0], Plain) and not self.groups
+        plain = len(self.paints) == 1 and isinstance(self.paints[0], Plain)
+        return plain and not (self.groups or self.uv_maps or self.fields)
+
+    @cached_property
+    def labels(self) -> NDArray[np.int64]:
+        """The part of every triangle, (m,): those of one part have one material and one island of each UV map."""
+        columns = [self.materials, *(own.charts for own in self.uv_maps.values())]
+        return np.unique(np.stack(columns, axis=1), axis=0, return_inverse=True)[1].reshape(-1)
+
+    def homes(
+        self,
+        seen: Seen,
+        faces: NDArray[np.int64],
+        origins: NDArray[np.floating],
+        known: NDArray[np.integer] | None = None,
+        owners: NDArray[np.int64] | None = None,
+    ) -> NDArray[np.int64]:
+        """Return the triangles that those of a blend belong to; see :func:`.carried_uvs.home_triangles`."""
+        return home_triangles(self.finder, self.labels, seen.places, faces, origins, known, owners)
 
     def at(self, points: NDArray) -> Seen:
         """Sample the appearance at the points of the surface closest to given points, (n, 3)."""
         if self.is_even:
             nowhere = ClosestPoints(np.zeros(len(points), np.int64), np.empty((0, 3)), np.empty(0))
-            return Seen(self.paints[0].at(nowhere), nowhere.triangles, {})
+            return Seen(self.paints[0].at(nowhere), nowhere.triangles, {}, nowhere)
         return self.seen(self.finder.find_about(points))
 
     def seen(self, places: ClosestPoints) -> Seen:
@@ -149,7 +174,8 @@ class Appearance:
             name: places.interpolated(weights[self.faces][..., None])[:, 0].astype(np.float32)
             for name, weights in self.groups.items()
         }
-        return Seen(colors, materials, groups)
+        fields = {name: places.interpolated(values).astype(np.float32) for name, values in self.fields.items()}
+        return Seen(colors, materials, groups, places, fields)
 
 
 @dataclass(frozen=True)
@@ -164,27 +190,39 @@ class Seen:
         Index of the material.
     groups : dict of str to (n,) float32
         Weights of vertex groups.
+    places : ClosestPoints
+        Where on the shape; without meaning for shapes that look the same everywhere.
+    fields : dict of str to (n, d) float32
+        Other values.
     """
 
     colors: NDArray[np.float32]
     materials: NDArray[np.int64]
     groups: dict[str, NDArray[np.float32]]
+    places: ClosestPoints
+    fields: dict[str, NDArray[np.float32]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Carried:
-    """The appearance that the vertices of a blend take from the inputs.
+    """The appearance that a blend takes from the inputs.
 
     Attributes
     ----------
     weights : tuple of float
         Weight of every input.
     inputs : dict of int to Seen
-        By the index of the input; inputs of weight 0 are left out.
+        At the vertices, by the index of the input; inputs of weight 0 are left out.
+    slots : FaceSlots
+        Material slots at the triangles.
+    uvs : dict of str to (m, 3, 2) float32
+        UVs of the corners of triangles.
     """
 
     weights: tuple[float, ...]
     inputs: dict[int, Seen]
+    slots: FaceSlots
+    uvs: dict[str, NDArray[np.float32]] = field(default_factory=dict)
 
     @property
     def color(self) -> NDArray[np.float32]:
@@ -204,9 +242,14 @@ class Carried:
 
 
 def carried(
-    origins: NDArray[np.float32], faces: NDArray[np.int64], appearances: Sequence[Appearance], weights: Sequence[float]
+    origins: NDArray[np.float32],
+    faces: NDArray[np.int64],
+    appearances: Sequence[Appearance],
+    weights: Sequence[float],
+    triangles: NDArray[np.integer] | None = None,
+    owners: NDArray[np.int64] | None = None,
 ) -> Carried:
-    """Transfer the appearance of the inputs to the vertices of a blend.
+    """Transfer the appearance of the inputs to a blend.
 
     Colors are averaged over the faces around every vertex: image edges finer than the mesh would become jagged.
 
@@ -220,13 +263,24 @@ def carried(
         One per input.
     weights : (k,)
         Weights of the blend.
+    triangles : (k, m) int, optional
+        The triangle of every input that each triangle lies on, -1 for none.
+    owners : (m,) int64, optional
+        Polygon of each triangle, if they are joined to quads.
     """
-    seen = {
-        index: _softened(appearance.at(own), faces)
-        for index, (own, appearance, weight) in enumerate(zip(origins, appearances, weights, strict=True))
-        if weight > 0
-    }
-    return Carried(tuple(float(weight) for weight in weights), seen)
+    seen: dict[int, Seen] = {}
+    slots = np.zeros((len(faces), len(appearances)), np.int64)
+    uvs: dict[str, NDArray[np.float32]] = {}
+    for index, (own, appearance, weight) in enumerate(zip(origins, appearances, weights, strict=True)):
+        if weight > 0:
+            there = appearance.at(own)
+            seen[index] = _softened(there, faces)
+            if appearance.uv_maps or appearance.materials.any():
+                known = None if triangles is None else triangles[index]
+                homes = appearance.homes(there, faces, own, known, owners)
+                slots[:, index] = appearance.materials[homes]
+                uvs |= {name: uv_map.at(there.places, faces, own, homes) for name, uv_map in appearance.uv_maps.items()}
+    return Carried(tuple(float(weight) for weight in weights), seen, FaceSlots.of(slots), uvs)
 
 
 @dataclass(frozen=True)
@@ -244,35 +298,14 @@ class FaceSlots:
     combinations: list[tuple[int, ...]]
     faces: NDArray[np.int64]
 
-
-def face_slots(
-    taken: Carried, faces: NDArray[np.int64], triangles: NDArray[np.int32] | None, appearances: Sequence[Appearance]
-) -> FaceSlots:
-    """Determine the material slots that the triangles of a blend get from the inputs.
-
-    Parameters
-    ----------
-    taken : Carried
-        The appearance at the vertices of the blend.
-    faces : (m, 3) int64
-        Triangles of the blend.
-    triangles : (k, m) int32 or None
-        The triangle of every input that each triangle lies on, -1 for none. Without it, a triangle takes the slot of
-        most of its corners.
-    appearances : sequence of Appearance
-        One per input.
-    """
-    slots = np.zeros((len(faces), len(appearances)), np.int64)
-    for index, seen in taken.inputs.items():
-        if not appearances[index].materials.any():
-            continue
-        a, b, c = seen.materials[faces].T
-        slots[:, index] = np.where(b == c, b, a)
-        if triangles is not None:
-            known = triangles[index] >= 0
-            slots[known, index] = appearances[index].materials[triangles[index][known]]
-    combinations, own = np.unique(slots, axis=0, return_inverse=True)
-    return FaceSlots([tuple(map(int, row)) for row in combinations], own.reshape(-1))
+    @classmethod
+    def of(cls, slots: NDArray[np.int64]) -> FaceSlots:
+        """Find the combinations that occur, given the slot of every input at every triangle, (m, k)."""
+        sizes = slots.max(axis=0, initial=0) + 1
+        # Numbers are sorted much faster than rows.
+        numbers, faces = np.unique(np.ravel_multi_index(tuple(slots.T), sizes), return_inverse=True)
+        combinations = np.stack(np.unravel_index(numbers, sizes), axis=1)
+        return cls([tuple(map(int, row)) for row in combinations], faces.reshape(-1))
 
 
 def _softened(seen: Seen, faces: NDArray[np.int64]) -> Seen:

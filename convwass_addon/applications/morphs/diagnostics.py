@@ -47,6 +47,9 @@ TEXTS: dict[str, str] = {
     "LOOK_NORMALS": "Normal maps, bump and displacement of {materials} ({names}) were left out",
     "LOOK_MAPS": "Textures of {sockets} of {materials} ({names}) were left out",
     "LOOK_TILES": "Of the UDIM tiles of {materials} ({names}) only the first one was read",
+    "LOOK_VOLUME": "Volumes inside of {materials} ({names}) were left out",
+    "LOOK_SPACE": "Normal maps of {materials} ({names}) in object or world space do not turn with the surface: use "
+    "tangent space",
     "LOOK_BLURRED": "Textures of {materials} ({names}) became colors of vertices, as sharp as the cells",
     "PREVIEWS": "The bake was stopped before its first frame: these are previews, coarser than asked for; bake again",
     "GOOD": "All meshes are as exact as asked for, and no parts are lost",
@@ -66,7 +69,7 @@ SEVERITIES: dict[str, Severity] = {
     **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
     "NO_MOTION": "WARNING",
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
-    **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS"), "WARNING"),
+    **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
     "LOOK_BLURRED": "INFO",
     "PREVIEWS": "WARNING",
     "GOOD": "INFO",

@@ -270,12 +270,16 @@ def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray, tex
     """Return the paint of an image node, or None without an image or a UV map."""
     named = [other.uv_map for other in upstream_nodes(node.inputs["Vector"]) if other.type == "UVMAP"]
     layer = mesh.uv_layers.get(named[0]) if named else None
-    if layer is None:
-        layer = next((own for own in mesh.uv_layers if own.active_render), mesh.uv_layers.active)
+    layer = render_uv_map(mesh) if layer is None else layer
     pixels = _pixels(node.image, texture_size)
     if layer is None or pixels is None:
         return None
     return Textured(pixels, _gathered(layer.uv, "vector", 2, np.float32)[loops], node.extension == "REPEAT")
+
+
+def render_uv_map(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
+    """Return the UV map that renders use where none is named, or None."""
+    return next((own for own in mesh.uv_layers if own.active_render), mesh.uv_layers.active)
 
 
 def _pixels(image: bpy.types.Image | None, texture_size: int) -> np.ndarray | None:

@@ -11,11 +11,13 @@ import bpy
 import numpy as np
 from scipy.spatial import cKDTree
 
-from ...applications.morphs.appearance import Carried, FaceSlots, carried, face_slots
+from ...applications.morphs.appearance import Carried, carried
 from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph_problem import MorphFrame
 from ...applications.morphs.origins import velocities
 from ...applications.morphs.shading import FrameNormals, frame_normals
+from ...geometry.mesh import TriangleMesh
+from ...geometry.polygons import Polygons
 from ...progress import Work
 from ..handles import Handle, found
 from .appearance import (
@@ -29,9 +31,12 @@ from .appearance import (
     write_own_appearance,
     write_velocity,
 )
-from .dropped_appearance import dropped_notes, dropped_parts
+from .dropped_appearance import dropped_notes
 from .frozen_inputs import FrozenInput
+from .look_mixing import FADE
+from .look_sources import write_looks
 from .mixed_materials import MixedMaterials
+from .whole_looks import dress_ends, prepared_looks
 
 
 @dataclass(frozen=True)
@@ -39,7 +44,6 @@ class CarriedFrame(MorphFrame):
     """A finished frame with the data carried from the inputs."""
 
     carried: Carried | None = None
-    slots: FaceSlots | None = None
     normals: FrameNormals | None = None
 
 
@@ -59,6 +63,10 @@ class Carrying:
         material of the frames, so that the colors do not change at the start of the morph.
     blends : sequence of Blend
         All frames of the bake.
+    looks : str
+        How frames look; see :attr:`.morph_request.MorphRequest.looks`.
+    quads : bool
+        Whether the frames have quads.
 
     Attributes
     ----------
@@ -72,15 +80,17 @@ class Carrying:
         inputs: Sequence[FrozenInput],
         frozen: Sequence[bpy.types.Mesh],
         blends: Sequence[Blend],
+        looks: str = FADE,
+        quads: bool = False,
     ) -> None:
-        self._appearances = [
+        appearances = [
             read_appearance(mesh, own.object_color, own.groups) for own, mesh in zip(inputs, frozen, strict=True)
         ]
+        prepared = prepared_looks(inputs, frozen, appearances, looks)
+        self._appearances, self._quads = prepared.appearances, quads
         self._shadings = [read_shading(mesh) for mesh in frozen]
         names = [own.name for own in inputs]
-        self.dropped = dropped_notes(
-            names, [dropped_parts(*own) for own in zip(frozen, self._appearances, strict=True)]
-        )
+        self.dropped = dropped_notes(names, prepared.dropped)
         per_second = scene.render.fps / scene.render.fps_base
         self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
         self._shown = [own.shown for own in inputs]
@@ -89,22 +99,35 @@ class Carrying:
         self._passing: dict[Blend, list[_Passing]] = {}
         name = "Morph " + " and ".join(names)
         slots = [list(mesh.materials) or [None] for mesh in frozen]
-        self._materials = MixedMaterials(name, COLOR, SOURCE_WEIGHT, slots)
+        self._materials = MixedMaterials(name, COLOR, SOURCE_WEIGHT, slots, prepared.whole)
         material = self._materials.of([0] * len(slots))
         shown = found([own.shown for own in inputs if own.shown is not None])
         for index, mesh in [*enumerate(frozen), *enumerate(shown)]:
             if write_own_appearance(mesh, index, len(frozen)):
                 mesh.materials.clear()
                 mesh.materials.append(material)
+        dress_ends(prepared, self._materials, inputs, frozen)
+
+    def _owners(self, mesh: TriangleMesh) -> np.ndarray | None:
+        """Return the polygon of every triangle if they are joined to quads."""
+        if not self._quads or not any(own.uv_maps for own in self._appearances):
+            return None
+        return Polygons.of_quads(mesh).owners
 
     def looked_up(self, work: Work[None]) -> Work[None]:
         """Report the work of a morph, with finished frames as :class:`CarriedFrame`; on any thread."""
         for report in work:
             frame = report.payload
             if isinstance(frame, MorphFrame) and frame.origins is not None:
-                taken = carried(frame.origins, frame.mesh.faces, self._appearances, frame.blend.weights)
-                slots = face_slots(taken, frame.mesh.faces, frame.triangles, self._appearances)
-                carrying = CarriedFrame(**vars(frame), carried=taken, slots=slots, normals=self._normals(frame))
+                taken = carried(
+                    frame.origins,
+                    frame.mesh.faces,
+                    self._appearances,
+                    frame.blend.weights,
+                    frame.triangles,
+                    self._owners(frame.mesh),
+                )
+                carrying = CarriedFrame(**vars(frame), carried=taken, normals=self._normals(frame))
                 report = replace(report, payload=carrying)
             yield report
 
@@ -125,11 +148,23 @@ class Carrying:
                 self._pass(shape, _Passing(frame.origins[shape.source], velocity))
         if isinstance(frame, CarriedFrame):
             write_carried(mesh, frame.carried)
+            self._write_looks(mesh, frame)
             if frame.normals is not None:
                 write_normals(mesh, frame.normals, frame.mesh)
-            materials = [self._materials.of(slots) for slots in frame.slots.combinations]
+            materials = [self._materials.of(slots) for slots in frame.carried.slots.combinations]
             if None not in materials:
-                write_materials(mesh, materials, frame.slots.faces, frame.mesh)
+                write_materials(mesh, materials, frame.carried.slots.faces, frame.mesh)
+
+    def _write_looks(self, mesh: bpy.types.Mesh, frame: CarriedFrame) -> None:
+        """Write what whole materials read, the UV maps of the largest weight first."""
+        if not self._materials.are_whole:
+            return
+        seen, weights = frame.carried.inputs, frame.carried.weights
+        order = sorted(seen, key=lambda index: -weights[index])
+        uvs = {name: frame.carried.uvs[name] for index in order for name in self._appearances[index].uv_maps}
+        fields = {name: values for own in seen.values() for name, values in own.fields.items()}
+        is_triangles = len(mesh.loops) == frame.mesh.faces.size
+        write_looks(mesh, uvs, fields, None if is_triangles else Polygons.of_quads(frame.mesh).sources)
 
     def _pass(self, shape: Blend, passing: _Passing) -> None:
         """Set the velocity of an input within a path to the mean of the blends before and after it."""

@@ -13,13 +13,15 @@ import numpy as np
 from ...applications.morphs.appearance import Appearance, Plain
 from ...applications.morphs.diagnostics import Diagnostic
 from .appearance import upstream_nodes
+from .look_groups import node_trees
 from .materials import base_color, principled_of
 from .mixed_materials import emission_node
 
 # Kinds of diagnostics, in the order in which they are shown.
 _PROCEDURAL, _SHADER, _MISSING, _NODES = "LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES"
 _NORMALS, _MAPS, _TILES, _BLURRED = "LOOK_NORMALS", "LOOK_MAPS", "LOOK_TILES", "LOOK_BLURRED"
-_ORDER = (_PROCEDURAL, _SHADER, _MISSING, _NODES, _NORMALS, _MAPS, _TILES, _BLURRED)
+_VOLUME, _SPACE = "LOOK_VOLUME", "LOOK_SPACE"
+_ORDER = (_PROCEDURAL, _SHADER, _MISSING, _NODES, _NORMALS, _MAPS, _TILES, _VOLUME, _SPACE, _BLURRED)
 _NORMAL_SOCKETS = ("Normal", "Coat Normal", "Tangent")
 _COLOR_NODES = ("TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE", "OBJECT_INFO")
 
@@ -58,6 +60,19 @@ def dropped_parts(mesh: bpy.types.Mesh, appearance: Appearance) -> list[DroppedP
         material = mesh.materials[slot] if len(mesh.materials) else None
         if material is not None and material.node_tree is not None:
             found += _of_material(material, is_plain=isinstance(appearance.paints[slot], Plain))
+    return found
+
+
+def dropped_with_looks(materials: Sequence[bpy.types.Material]) -> list[DroppedPart]:
+    """Find what frames do not show of materials whose nodes they have completely."""
+    found = []
+    for material in materials:
+        output = material.node_tree.get_output_node("ALL")
+        if output is not None and output.inputs["Volume"].is_linked:
+            found.append(DroppedPart(_VOLUME, material.name))
+        nodes = [node for tree in node_trees(material.node_tree) for node in tree.nodes]
+        if any(node.type == "NORMAL_MAP" and node.space != "TANGENT" for node in nodes):
+            found.append(DroppedPart(_SPACE, material.name))
     return found
 
 

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
@@ -40,6 +40,8 @@ class FrozenInput:
     """Names of the vertex groups in order."""
     shown: Handle | None = None
     """The copy to show as a frame, if it is another one."""
+    own_space: np.ndarray = field(default_factory=lambda: np.eye(4))
+    """Matrix from the copy to the object's own space, (4, 4)."""
 
     @property
     def objects(self) -> tuple[Handle, ...]:
@@ -57,7 +59,10 @@ def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | No
                 meshes.append(frozen_copy(obj, depsgraph, MESHED))
                 if move is not None:
                     meshes[-1].transform(Matrix(move.matrix))
-                shapes.append(_described(source, obj, meshes[-1]))
+                placed = (
+                    np.array(obj.matrix_world) if move is None else np.array(move.matrix) @ np.array(obj.matrix_world)
+                )
+                shapes.append(replace(_described(source, obj, meshes[-1]), own_space=np.linalg.pinv(placed)))
     except InputError:
         bpy.data.batch_remove(meshes)
         raise

@@ -26,6 +26,7 @@ from .animated_inputs import animation_notices
 from .bake import MorphBake
 from .carrying import Carrying
 from .followed_inputs import FOLLOW, followed_inputs, keep_animated
+from .look_mixing import FADE
 from .shape_reading import read_shapes
 
 
@@ -46,8 +47,8 @@ class MorphJob:
         Settings of the morph.
     options : dict
         Further settings stored with the morph, so that it can be repeated, such as the layout. `grouping`, as for
-        :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for :func:`.alignment.aligned`, and `guides`
-        are used here.
+        :func:`.shape_sources.shape_source`, `alignment` and `scaling`, as for :func:`.alignment.aligned`, `guides`,
+        `faces` and `looks` are used here.
     first_frame : int
         Scene frame of the first shape of a path.
 
@@ -86,7 +87,10 @@ class MorphJob:
         self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
         if followed is not None:
             self._bake.show_copies(followed.stations)
-        self._carrying = Carrying(scene, self._bake.inputs, self._bake.frozen, blends) if settings.carry else None
+        self._carrying = None
+        if settings.carry:
+            looks, quads = options.get("looks", FADE), options.get("faces") == "QUADS"
+            self._carrying = Carrying(scene, self._bake.inputs, self._bake.frozen, blends, looks, quads)
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
         """Return the computation, which does not access Blender's data. See :func:`.morph.morph`."""

@@ -82,14 +82,20 @@ def base_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
     return principled.inputs["Base Color"] if principled else None
 
 
-def mark_as_frames(material: bpy.types.Material) -> None:
-    """Mark a material as belonging to the frames of one morph, so that it is removed with them."""
-    material[_CARRIES_KEY] = True
+def mark_as_frames(block: bpy.types.Material | bpy.types.NodeTree) -> None:
+    """Mark a material or a node group as belonging to the frames of one morph, so that it is removed with them."""
+    block[_CARRIES_KEY] = True
 
 
-def is_carrying(material: bpy.types.Material | None) -> bool:
-    """Return whether a material belongs to the frames of one morph."""
-    return material is not None and _CARRIES_KEY in material
+def is_carrying(block: bpy.types.Material | bpy.types.NodeTree | None) -> bool:
+    """Return whether a material or a node group belongs to the frames of one morph."""
+    return block is not None and _CARRIES_KEY in block
+
+
+def drop_unused_groups() -> None:
+    """Remove node groups of frames that no material uses, and those in them."""
+    while unused := [tree for tree in bpy.data.node_groups if tree.users == 0 and is_carrying(tree)]:
+        bpy.data.batch_remove(unused)
 
 
 def attribute_material(name: str, color: str) -> bpy.types.Material:

@@ -19,7 +19,7 @@ from ..node_math import feed, math_node, switch, total, vector_math_node, weight
 from ..sequence import pick
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
-from .frame_attributes import CUSTOM_NORMAL, SOURCE_WEIGHT, VELOCITY
+from .frame_attributes import CUSTOM_NORMAL, GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT, VELOCITY
 from .stored import WEIGHTS_KEY
 from .stored_fields import COLOR, OFFSET, Column, StoredFields
 
@@ -43,7 +43,9 @@ _AGREES = 0.4
 # Largest correction of distances, in cells.
 _MOST_CORRECTED = 1.0
 _KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
-_OWN = ("position", CUSTOM_NORMAL)
+_OWN = ("position", CUSTOM_NORMAL, LOOKS)
+# Mixtures have no UV maps, so that they show colors instead of whole materials; nor do they need what else these read.
+_LEFT_OUT = tuple(pattern.format("") for pattern in (SOURCE_WEIGHT, REST_POSITION, REST_NORMAL, GENERATED))
 
 
 def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
@@ -51,7 +53,6 @@ def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
 
     The weights of the shapes are left out, because they are the same at all points.
     """
-    share = SOURCE_WEIGHT.format("")
     return {
         attribute.name: _KINDS[attribute.data_type]
         for obj in frames
@@ -59,7 +60,7 @@ def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
         if attribute.domain == "POINT"
         and attribute.data_type in _KINDS
         and attribute.name not in _OWN
-        and not attribute.name.startswith((".", share))
+        and not attribute.name.startswith((".", *_LEFT_OUT))
     }
 
 

@@ -10,7 +10,9 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..handles import Handle, found
-from .materials import ROUGHNESS, mark_as_frames, principled_of, take_color_from, wire
+from .frame_attributes import LOOK
+from .look_mixing import MixedLook, group_look, show_looks
+from .materials import ROUGHNESS, drop_unused_groups, mark_as_frames, principled_of, take_color_from, wire
 
 EMISSION = "Emission Color"
 """Key of the emitted light: color times strength."""
@@ -60,6 +62,33 @@ def emission_node(material: bpy.types.Material) -> bpy.types.Node | None:
     return node if node is not None and node.type == "EMISSION" else None
 
 
+@dataclass(frozen=True)
+class WholeLooks:
+    """The materials of inputs as node groups.
+
+    Attributes
+    ----------
+    groups : sequence of sequence of Handle or None
+        The group of every slot of every input; None for slots without nodes, and for those that no face has.
+    how : str
+        How they are mixed; see :func:`.look_mixing.show_looks`.
+    """
+
+    groups: Sequence[Sequence[Handle | None]]
+    how: str
+
+    def of(self, slots: Sequence[int]) -> list[bpy.types.NodeTree | None]:
+        """Return the groups of some slots, one per input."""
+        handles = [groups[slot] for groups, slot in zip(self.groups, slots, strict=True)]
+        return [None if own is None else own.find() for own in handles]
+
+    def of_input(self, index: int) -> dict[int, bpy.types.NodeTree]:
+        """Return the groups of an input by their slots."""
+        handles = enumerate(self.groups[index])
+        groups = {slot: handle.find() for slot, handle in handles if handle is not None}
+        return {slot: group for slot, group in groups.items() if group is not None}
+
+
 class MixedMaterials:
     """Materials of a morph's frames, one for every combination of input material slots that occurs on a face.
 
@@ -72,12 +101,19 @@ class MixedMaterials:
         the input's number from 1.
     slots : sequence of sequence of bpy.types.Material or None
         The material slots of every input, at least one each.
+    looks : WholeLooks, optional
+        The inputs' materials; without them, only the values of their shaders are mixed.
     """
 
     def __init__(
-        self, name: str, color: str, weight: str, slots: Sequence[Sequence[bpy.types.Material | None]]
+        self,
+        name: str,
+        color: str,
+        weight: str,
+        slots: Sequence[Sequence[bpy.types.Material | None]],
+        looks: WholeLooks | None = None,
     ) -> None:
-        self._color, self._weight = color, weight
+        self._color, self._weight, self._looks = color, weight, looks
         self._values = [[ShaderValues.of(own) for own in slots_of] for slots_of in slots]
         self._names = [["" if own is None else own.name for own in slots_of] for slots_of in slots]
         self._made: dict[tuple[int, ...], Handle] = {}
@@ -91,13 +127,41 @@ class MixedMaterials:
             self._make(key, "Morph " + " and ".join(dict.fromkeys(filter(None, own))))
         return self._made[key].find()
 
+    @property
+    def are_whole(self) -> bool:
+        """Whether they are the inputs' own materials."""
+        return self._looks is not None
+
     def drop_unused(self) -> None:
         """Remove materials that no frame uses."""
         bpy.data.batch_remove([block for block in found(list(self._made.values())) if block.users == 0])
+        drop_unused_groups()
 
     def _make(self, key: tuple[int, ...], name: str) -> None:
         values = [values[slot] for values, slot in zip(self._values, key, strict=True)]
-        self._made[key] = Handle.of("materials", carrying_material(name, self._color, self._weight, values))
+        material = carrying_material(name, self._color, self._weight, values)
+        if self._looks is not None:
+            tree, groups = material.node_tree, self._looks.of(key)
+            shares = _shares(tree, self._weight, len(values))
+            looks = [
+                _simple_look(tree, number, own, share) if group is None else group_look(tree, group, share)
+                for number, (own, group, share) in enumerate(zip(values, groups, shares, strict=True), start=1)
+            ]
+            show_looks(material, looks, self._looks.how)
+        self._made[key] = Handle.of("materials", material)
+
+
+def _simple_look(tree: bpy.types.NodeTree, number: int, shader: ShaderValues, share: bpy.types.NodeSocket) -> MixedLook:
+    """Add a shader with the values and the carried color of an input, numbered from 1."""
+    principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    principled.inputs["Roughness"].default_value = ROUGHNESS
+    for name, value in shader.values.items():
+        _set(principled.inputs[name], value)
+    principled.inputs[_STRENGTH].default_value = 1.0 if EMISSION in shader.values else 0.0
+    color = tree.nodes.new("ShaderNodeVertexColor")
+    color.layer_name = LOOK.format(number)
+    tree.links.new(color.outputs["Color"], principled.inputs["Base Color"])
+    return MixedLook(principled.outputs["BSDF"], None, share)
 
 
 def carrying_material(name: str, color: str, weight: str, shaders: Sequence[ShaderValues]) -> bpy.types.Material:

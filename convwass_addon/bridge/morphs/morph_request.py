@@ -173,6 +173,17 @@ class MorphRequest(Settings):
             Choice("QUADS", "Quads", "Quads, with some triangles at fine details; for sculpting or subdivision"),
         ),
     )
+    looks: str = setting(
+        "FADE",
+        "Looks",
+        "How frames show the materials of the shapes; needs Carry Attributes",
+        choices=(
+            Choice("FADE", "Fade", "Whole materials with all textures; one fades into the other"),
+            Choice("FRONT", "Front", "Whole materials; one takes over from the other from below"),
+            Choice("PATCHES", "Patches", "Whole materials; one grows on the other from patches"),
+            Choice("COLORS", "Colors", "Colors of vertices and values of the shaders only; smaller and faster"),
+        ),
+    )
     grays: str = setting(
         "IMAGES",
         "Grays",

@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from .disk_output import remove_disk_outputs
-from .materials import is_carrying
+from .materials import drop_unused_groups, is_carrying
 from .stand_ins import remove_stand_ins
 from .stored import frame_objects
 
@@ -33,6 +33,7 @@ def remove_frames(collection: bpy.types.Collection) -> None:
     worn = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
     remove_objects(frames)
     bpy.data.batch_remove([material for material in worn if material.users == 0])
+    drop_unused_groups()
 
 
 def remove_objects(objects: list[bpy.types.Object]) -> None:

@@ -1,0 +1,248 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Copies of the materials of an input, as node groups that read what frames carry.
+
+Textures of the input are laid out by its UV maps or positions, which frames do not have. In the copies, all nodes that
+read these read attributes of frames instead.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+import bpy
+
+from ..node_copies import can_copy, copied_nodes
+from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
+from .materials import mark_as_frames
+
+SURFACE, DISPLACEMENT = "Surface", "Displacement"
+"""Outputs of the groups."""
+
+# Blender's limit for names of attributes.
+_LONGEST = 63
+# Textures that use generated coordinates if nothing is linked to their vector.
+_GENERATED_TEXTURES = (
+    "TEX_NOISE",
+    "TEX_VORONOI",
+    "TEX_WAVE",
+    "TEX_MAGIC",
+    "TEX_GRADIENT",
+    "TEX_CHECKER",
+    "TEX_BRICK",
+    "TEX_GABOR",
+)
+
+
+@dataclass
+class CarriedNames:
+    """Names of the attributes with which frames carry what the materials of one input read.
+
+    Attributes
+    ----------
+    number : int
+        Of the input, from 1.
+    uv_maps, attributes : sequence of str
+        Names of the UV maps and of the other attributes that it has.
+    default_uv, default_color : str
+        The UV map and the color attribute that nodes without a name read; empty if there is none.
+    color : (r, g, b, a)
+        Color of the object, scene linear.
+    uvs, values : dict of str to str
+        What was asked for: names of the input's UV maps and other attributes, by their names on frames.
+    vectors : set of str
+        Which positions and normals were asked for: names on frames.
+    """
+
+    number: int
+    uv_maps: Sequence[str]
+    attributes: Sequence[str]
+    default_uv: str
+    default_color: str
+    color: Sequence[float]
+    uvs: dict[str, str] = field(default_factory=dict)
+    values: dict[str, str] = field(default_factory=dict)
+    vectors: set[str] = field(default_factory=set)
+
+    def uv(self, name: str) -> str:
+        """Return the name on frames of a UV map, by default that of renders; empty if there is no such map."""
+        own = name or self.default_uv
+        if own not in self.uv_maps:
+            return ""
+        carried = CARRIED_UV.format(self.number, own)[:_LONGEST]
+        self.uvs[carried] = own
+        return carried
+
+    def value(self, name: str) -> str:
+        """Return the name on frames of another attribute; the same name if there is none."""
+        if name in self.uv_maps:
+            return self.uv(name)
+        if name not in self.attributes:
+            return name
+        carried = CARRIED.format(self.number, name)[:_LONGEST]
+        self.values[carried] = name
+        return carried
+
+    def vector(self, pattern: str) -> str:
+        """Return the name on frames of a position or normal, such as `REST_POSITION`."""
+        carried = pattern.format(self.number)
+        self.vectors.add(carried)
+        return carried
+
+
+class LookGroups:
+    """Node groups of the materials of one input.
+
+    Parameters
+    ----------
+    names : CarriedNames
+        What frames carry; it knows afterwards what the groups read.
+    """
+
+    def __init__(self, names: CarriedNames) -> None:
+        self.names = names
+        self._copies: dict[bpy.types.NodeTree, bpy.types.NodeTree] = {}
+
+    def of(self, material: bpy.types.Material) -> bpy.types.NodeTree | None:
+        """Return a new group with the outputs `SURFACE` and `DISPLACEMENT`; None if the nodes cannot be copied."""
+        source = material.node_tree
+        if source is None or not all(can_copy(tree) for tree in node_trees(source)):
+            return None
+        output = source.get_output_node("ALL")
+        group = bpy.data.node_groups.new(f"Look of {material.name}", "ShaderNodeTree")
+        mark_as_frames(group)
+        group.interface.new_socket(SURFACE, in_out="OUTPUT", socket_type="NodeSocketShader")
+        group.interface.new_socket(DISPLACEMENT, in_out="OUTPUT", socket_type="NodeSocketVector")
+        copies = copied_nodes(source, group)
+        result = group.nodes.new("NodeGroupOutput")
+        if output is not None:
+            result.location = output.location
+            for name in (SURFACE, DISPLACEMENT):
+                for link in copies[output.name].inputs[name].links:
+                    group.links.new(link.from_socket, result.inputs[name])
+        for node in list(group.nodes):
+            if node.type.startswith("OUTPUT_"):
+                group.nodes.remove(node)
+        self._redirect(group)
+        return group
+
+    def _redirect(self, tree: bpy.types.NodeTree) -> None:
+        for node in list(tree.nodes):
+            if node.type == "GROUP" and node.node_tree is not None:
+                node.node_tree = self._redirected(node.node_tree)
+            elif node.type in _GENERATED_TEXTURES:
+                _give_vector(tree, node, lambda: _attribute(tree, self.names.vector(GENERATED)))
+            elif node.type in _REDIRECTS:
+                _REDIRECTS[node.type](tree, node, self.names)
+
+    def _redirected(self, tree: bpy.types.NodeTree) -> bpy.types.NodeTree:
+        """Return a copy of a nested group."""
+        if tree not in self._copies:
+            copy = self._copies[tree] = tree.copy()
+            mark_as_frames(copy)
+            self._redirect(copy)
+        return self._copies[tree]
+
+
+def is_wrapped(material: bpy.types.Material) -> bool:
+    """Return whether :class:`LookGroups` can copy a material."""
+    return material.node_tree is not None and all(can_copy(tree) for tree in node_trees(material.node_tree))
+
+
+def node_trees(tree: bpy.types.NodeTree) -> list[bpy.types.NodeTree]:
+    """Return a tree and all groups in it."""
+    found = [tree]
+    for own in found:
+        nested = [node.node_tree for node in own.nodes if node.type == "GROUP" and node.node_tree is not None]
+        found += [one for one in dict.fromkeys(nested) if one not in found]
+    return found
+
+
+def _redirect_image(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
+    if names.uv(""):
+        _give_vector(tree, node, lambda: _uv_map(tree, names.uv("")))
+
+
+def _redirect_coordinates(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
+    """Replace the outputs of a Texture Coordinate node; those of other objects and of cameras remain."""
+    if node.outputs["UV"].is_linked and names.uv(""):
+        _relink(tree, node.outputs["UV"], _uv_map(tree, names.uv("")))
+    own = {"Generated": GENERATED, "Normal": REST_NORMAL}
+    if node.object is None:
+        own["Object"] = REST_POSITION
+    for name, pattern in own.items():
+        if node.outputs[name].is_linked:
+            _relink(tree, node.outputs[name], _attribute(tree, names.vector(pattern)))
+
+
+def _redirect_uv_name(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
+    """Rename the UV map of a UV Map, Normal Map or Tangent node."""
+    if node.type == "NORMAL_MAP" and node.space != "TANGENT":
+        return
+    if node.type == "TANGENT" and node.direction_type != "UV_MAP":
+        return
+    node.uv_map = names.uv(node.uv_map)
+
+
+def _redirect_color(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
+    node.layer_name = names.value(node.layer_name or names.default_color)
+
+
+def _redirect_attribute(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
+    if node.attribute_type == "GEOMETRY":
+        node.attribute_name = names.value(node.attribute_name)
+
+
+def _redirect_object(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
+    """Replace the color of the object, which frames do not have."""
+    if node.outputs["Color"].is_linked:
+        color = tree.nodes.new("ShaderNodeRGB")
+        color.outputs[0].default_value = names.color
+        color.location = node.location
+        _relink(tree, node.outputs["Color"], color.outputs[0])
+    if node.outputs["Alpha"].is_linked:
+        alpha = tree.nodes.new("ShaderNodeValue")
+        alpha.outputs[0].default_value = names.color[3]
+        alpha.location = node.location
+        _relink(tree, node.outputs["Alpha"], alpha.outputs[0])
+
+
+_REDIRECTS: dict[str, Callable[[bpy.types.NodeTree, bpy.types.Node, CarriedNames], None]] = {
+    "TEX_IMAGE": _redirect_image,
+    "TEX_COORD": _redirect_coordinates,
+    "UVMAP": _redirect_uv_name,
+    "NORMAL_MAP": _redirect_uv_name,
+    "TANGENT": _redirect_uv_name,
+    "VERTEX_COLOR": _redirect_color,
+    "ATTRIBUTE": _redirect_attribute,
+    "OBJECT_INFO": _redirect_object,
+}
+
+
+def _give_vector(tree: bpy.types.NodeTree, node: bpy.types.Node, make: Callable[[], bpy.types.NodeSocket]) -> None:
+    """Link coordinates to a texture that has none."""
+    socket = node.inputs["Vector"]
+    if socket.enabled and not socket.is_linked:
+        made = make()
+        made.node.location = (node.location.x - 200.0, node.location.y)
+        tree.links.new(made, socket)
+
+
+def _uv_map(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
+    node = tree.nodes.new("ShaderNodeUVMap")
+    node.uv_map = name
+    return node.outputs["UV"]
+
+
+def _attribute(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
+    node = tree.nodes.new("ShaderNodeAttribute")
+    node.attribute_name = name
+    return node.outputs["Vector"]
+
+
+def _relink(tree: bpy.types.NodeTree, old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:
+    """Move all links of an output to another one."""
+    new.node.location = old.node.location
+    for link in list(old.links):
+        tree.links.new(new, link.to_socket)

@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Mix the whole materials of the inputs in a material of frames, and how one takes over from the other."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+
+from .frame_attributes import GENERATED, LOOKS
+from .look_groups import DISPLACEMENT, SURFACE
+
+COLORS, FADE, FRONT, PATCHES = "COLORS", "FADE", "FRONT", "PATCHES"
+"""Values of the setting `looks`."""
+
+# Widths of the transition, relative to the height of the shape and to the contrast of the noise.
+_FRONT_WIDTH, _PATCH_WIDTH = 0.06, 0.08
+# Number of patches along a side of the shape, and range of the noise, which is hardly ever left.
+_PATCHES, _NOISE = 3.0, (0.28, 0.72)
+
+
+@dataclass(frozen=True)
+class MixedLook:
+    """The look of one input on some faces.
+
+    Attributes
+    ----------
+    surface : bpy.types.NodeSocket
+        Its shader.
+    displacement : bpy.types.NodeSocket or None
+        If it has one.
+    share : bpy.types.NodeSocket
+        Its weight.
+    """
+
+    surface: bpy.types.NodeSocket
+    displacement: bpy.types.NodeSocket | None
+    share: bpy.types.NodeSocket
+
+
+def group_look(tree: bpy.types.NodeTree, group: bpy.types.NodeTree, share: bpy.types.NodeSocket) -> MixedLook:
+    """Add a group that :class:`.look_groups.LookGroups` has made to a material."""
+    node = tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    output = next(own for own in group.nodes if own.type == "GROUP_OUTPUT")
+    displacement = node.outputs[DISPLACEMENT] if output.inputs[DISPLACEMENT].is_linked else None
+    return MixedLook(node.outputs[SURFACE], displacement, share)
+
+
+def show_looks(material: bpy.types.Material, looks: Sequence[MixedLook], how: str) -> None:
+    """Mix whole materials, where a mesh has the attributes that they read; elsewhere the material stays as it is.
+
+    Parameters
+    ----------
+    material : bpy.types.Material
+        With a shader linked to its output.
+    looks : sequence of MixedLook
+        One per input, in this material.
+    how : str
+        `FADE` mixes them by their weights all over the surface; with `FRONT`, each enters from below and ends above;
+        with `PATCHES`, it grows from patches that stay in place on its input. All are 0 at weight 0 and 1 at weight 1.
+    """
+    tree = material.node_tree
+    output = tree.get_output_node("ALL")
+    simple = output.inputs["Surface"].links[0].from_socket
+    shader, displacement, taken = looks[0].surface, looks[0].displacement, looks[0].share
+    for index, look in enumerate(looks):
+        look.surface.node.location = (100.0, -250.0 * (index + 1))
+    for index, look in enumerate(looks[1:], start=1):
+        taken = _math(tree, "ADD", taken, look.share, index)
+        factor = _factor(tree, _math(tree, "DIVIDE", look.share, taken, index), index, how)
+        shader = _mixed_shaders(tree, factor, shader, look.surface, index)
+        if displacement is not None or look.displacement is not None:
+            displacement = _mixed_vectors(tree, factor, displacement, look.displacement)
+    present = tree.nodes.new("ShaderNodeAttribute")
+    present.attribute_name = LOOKS
+    present.location = (100.0, 400.0)
+    shown = _mixed_shaders(tree, present.outputs["Fac"], simple, shader, len(looks))
+    tree.links.new(shown, output.inputs["Surface"])
+    if displacement is not None:
+        tree.links.new(_mixed_vectors(tree, present.outputs["Fac"], None, displacement), output.inputs["Displacement"])
+    output.location = (900.0, 0.0)
+
+
+def _factor(tree: bpy.types.NodeTree, share: bpy.types.NodeSocket, index: int, how: str) -> bpy.types.NodeSocket:
+    """Return the factor at every point with which an input's material covers those before it."""
+    if how == FRONT:
+        return _threshold(tree, share, _height(tree), _FRONT_WIDTH)
+    if how == PATCHES:
+        return _threshold(tree, share, _noise(tree, GENERATED.format(index + 1)), _PATCH_WIDTH)
+    return share
+
+
+def _threshold(
+    tree: bpy.types.NodeTree, share: bpy.types.NodeSocket, level: bpy.types.NodeSocket, width: float
+) -> bpy.types.NodeSocket:
+    """Return 1 where a level between 0 and 1 is below a share, with a soft edge: ((1 + width) share - level) / width.
+
+    This is 0 everywhere for a share of 0, and 1 everywhere for a share of 1.
+    """
+    grown = _math(tree, "MULTIPLY", share, 1.0 + width)
+    above = _math(tree, "SUBTRACT", grown, level)
+    factor = _math(tree, "DIVIDE", above, width)
+    factor.node.use_clamp = True
+    return factor
+
+
+def _height(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
+    """Return the height of every point within the bounds of the frame, from 0 to 1."""
+    place = tree.nodes.new("ShaderNodeTexCoord")
+    axes = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(place.outputs["Generated"], axes.inputs[0])
+    return axes.outputs["Z"]
+
+
+def _noise(tree: bpy.types.NodeTree, place: str) -> bpy.types.NodeSocket:
+    """Return noise between 0 and 1 that stays in place on an input."""
+    where = tree.nodes.new("ShaderNodeAttribute")
+    where.attribute_name = place
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    noise.label = "Patches"
+    noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = _PATCHES, 2.0
+    tree.links.new(where.outputs["Vector"], noise.inputs["Vector"])
+    spread = tree.nodes.new("ShaderNodeMapRange")
+    spread.inputs["From Min"].default_value, spread.inputs["From Max"].default_value = _NOISE
+    tree.links.new(noise.outputs[0], spread.inputs["Value"])
+    return spread.outputs[0]
+
+
+def _math(
+    tree: bpy.types.NodeTree,
+    operation: str,
+    first: bpy.types.NodeSocket,
+    second: bpy.types.NodeSocket | float,
+    place: int = 0,
+) -> bpy.types.NodeSocket:
+    node = tree.nodes.new("ShaderNodeMath")
+    node.operation = operation
+    node.location = (-100.0, -250.0 * (place + 1))
+    tree.links.new(first, node.inputs[0])
+    if isinstance(second, float):
+        node.inputs[1].default_value = second
+    else:
+        tree.links.new(second, node.inputs[1])
+    return node.outputs[0]
+
+
+def _mixed_shaders(
+    tree: bpy.types.NodeTree,
+    factor: bpy.types.NodeSocket,
+    before: bpy.types.NodeSocket,
+    after: bpy.types.NodeSocket,
+    place: int,
+) -> bpy.types.NodeSocket:
+    mix = tree.nodes.new("ShaderNodeMixShader")
+    mix.location = (300.0 + 180.0 * place, 0.0)
+    tree.links.new(factor, mix.inputs[0])
+    tree.links.new(before, mix.inputs[1])
+    tree.links.new(after, mix.inputs[2])
+    return mix.outputs[0]
+
+
+def _mixed_vectors(
+    tree: bpy.types.NodeTree,
+    factor: bpy.types.NodeSocket,
+    before: bpy.types.NodeSocket | None,
+    after: bpy.types.NodeSocket | None,
+) -> bpy.types.NodeSocket:
+    """Mix vectors, of which one that is missing is zero."""
+    mix = tree.nodes.new("ShaderNodeMix")
+    mix.data_type = "VECTOR"
+    by_name = {socket.identifier: socket for socket in mix.inputs}
+    tree.links.new(factor, by_name["Factor_Float"])
+    for name, vector in (("A_Vector", before), ("B_Vector", after)):
+        if vector is not None:
+            tree.links.new(vector, by_name[name])
+    return next(socket for socket in mix.outputs if socket.identifier == "Result_Vector")

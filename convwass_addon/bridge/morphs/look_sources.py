@@ -1,0 +1,224 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Read what the materials of the inputs read: UV maps, attributes, and positions in the inputs' own space."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ...applications.morphs.appearance import Appearance
+from ...applications.morphs.carried_uvs import UvMap
+from ...geometry.normals import unit_vectors
+from ..joined_shapes import OWN_POSITION
+from .appearance import render_uv_map
+from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT
+from .frozen_inputs import FrozenInput
+from .look_groups import CarriedNames, node_trees
+
+# Attributes that can be interpolated: the property of their values and its components.
+_VALUES = {
+    "FLOAT": ("value", 1),
+    "INT": ("value", 1),
+    "BOOLEAN": ("value", 1),
+    "FLOAT_VECTOR": ("vector", 3),
+    "FLOAT_COLOR": ("color", 4),
+    "BYTE_COLOR": ("color", 4),
+}
+_KINDS = {1: "FLOAT", 3: "FLOAT_VECTOR", 4: "FLOAT_COLOR"}
+
+
+def carried_names(number: int, mesh: bpy.types.Mesh, color: Sequence[float]) -> CarriedNames:
+    """Describe what the materials of an input can read.
+
+    Parameters
+    ----------
+    number : int
+        Of the input, from 1.
+    mesh : bpy.types.Mesh
+        A frozen copy.
+    color : (r, g, b, a)
+        Color of the object, scene linear.
+    """
+    colors, uv_map = mesh.color_attributes, render_uv_map(mesh)
+    index = colors.render_color_index
+    return CarriedNames(
+        number=number,
+        uv_maps=[layer.name for layer in mesh.uv_layers],
+        attributes=[own.name for own in mesh.attributes if own.data_type in _VALUES],
+        default_uv="" if uv_map is None else uv_map.name,
+        default_color=colors[index].name if 0 <= index < len(colors) else "",
+        color=tuple(color),
+    )
+
+
+def with_looks(
+    appearance: Appearance, mesh: bpy.types.Mesh, source: FrozenInput, names: CarriedNames, always: Sequence[str]
+) -> Appearance:
+    """Add to the appearance of an input what its materials read.
+
+    Parameters
+    ----------
+    appearance : Appearance
+        Of the input.
+    mesh : bpy.types.Mesh
+        A frozen copy.
+    source : FrozenInput
+        The input.
+    names : CarriedNames
+        What its materials read.
+    always : sequence of str
+        Names on frames of positions that are needed besides.
+    """
+    mesh.calc_loop_triangles()
+    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    loops = loops.reshape(-1, 3)
+    repeats = _repeats([mesh.materials[slot] for slot in np.unique(appearance.materials) if len(mesh.materials)])
+    uv_maps = {}
+    for carried, name in names.uvs.items():
+        uvs = np.empty(2 * len(mesh.loops), np.float32)
+        mesh.uv_layers[name].uv.foreach_get("vector", uvs)
+        corners = uvs.reshape(-1, 2)[loops].astype(np.float64)
+        uv_maps[carried] = UvMap(appearance.corners, appearance.faces, corners, repeats)
+    fields = {carried: _corner_values(mesh, name, appearance, loops) for carried, name in names.values.items()}
+    wanted = {*names.vectors, *always}
+    number = names.number
+    if wanted & {REST_POSITION.format(number), GENERATED.format(number)}:
+        own = _own_positions(mesh, source)
+        low, high = own.min(axis=0), own.max(axis=0)
+        spread = np.where(high > low, high - low, 1.0)
+        positions = {REST_POSITION.format(number): own, GENERATED.format(number): (own - low) / spread}
+        fields |= {name: values[appearance.faces] for name, values in positions.items() if name in wanted}
+    if REST_NORMAL.format(number) in wanted:
+        normals = np.empty(3 * len(mesh.loops), np.float32)
+        mesh.corner_normals.foreach_get("vector", normals)
+        turned = normals.reshape(-1, 3)[loops] @ np.linalg.pinv(source.own_space[:3, :3])
+        fields[REST_NORMAL.format(number)] = unit_vectors(turned.reshape(-1, 3)).reshape(turned.shape)
+    fields = {name: np.asarray(values, np.float32) for name, values in fields.items()}
+    return replace(appearance, uv_maps=uv_maps, fields=fields)
+
+
+def write_looks(
+    mesh: bpy.types.Mesh,
+    uvs: dict[str, np.ndarray],
+    fields: dict[str, np.ndarray],
+    sources: np.ndarray | None = None,
+) -> None:
+    """Write carried UV maps and other attributes to a frame.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        A frame with matching vertices.
+    uvs : dict of str to (m, 3, 2)
+        UVs of the corners of triangles. The first map becomes the active one, which exporters write first.
+    fields : dict of str to (n, d)
+        Values of the vertices.
+    sources : (c,) int, optional
+        The corner of the triangles, 3 f + c, of each corner of the mesh, if these are others.
+    """
+    for name, corners in uvs.items():
+        if name in mesh.attributes:
+            mesh.attributes.remove(mesh.attributes[name])
+        values = corners.reshape(-1, 2)
+        layer = mesh.attributes.new(name, "FLOAT2", "CORNER")
+        layer.data.foreach_set("vector", _rounded(values if sources is None else values[sources]))
+    for name in list(uvs)[:1]:
+        mesh.uv_layers.active = mesh.uv_layers[name]
+        mesh.uv_layers[name].active_render = True
+    for name, values in fields.items():
+        _write(mesh, name, values)
+    _write(mesh, LOOKS, np.ones((len(mesh.vertices), 1), np.float32))
+
+
+def write_own_looks(mesh: bpy.types.Mesh, appearance: Appearance, number: int, count: int) -> None:
+    """Write to a frozen copy of an input what the materials of frames read, as if it were a frame.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The copy, with triangles or other polygons.
+    appearance : Appearance
+        Of the input, with what its materials read.
+    number, count : int
+        Of the input, from 1, and number of inputs.
+    """
+    names = [layer.name for layer in mesh.uv_layers]
+    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    for name, uv_map in appearance.uv_maps.items():
+        if name not in names:
+            values = np.zeros((len(mesh.loops), 2), np.float32)
+            values[loops] = uv_map.uvs.reshape(-1, 2)
+            mesh.attributes.new(name, "FLOAT2", "CORNER").data.foreach_set("vector", values.ravel())
+    for name, corners in appearance.fields.items():
+        values = np.zeros((len(mesh.vertices), corners.shape[2]), np.float32)
+        values[appearance.faces] = corners
+        _write(mesh, name, values)
+    for other in range(1, count + 1):
+        weight = np.full((len(mesh.vertices), 1), float(other == number), np.float32)
+        _write(mesh, SOURCE_WEIGHT.format(other), weight)
+    _write(mesh, LOOKS, np.ones((len(mesh.vertices), 1), np.float32))
+
+
+def _own_positions(mesh: bpy.types.Mesh, source: FrozenInput) -> np.ndarray:
+    """Return the vertices in the own space of their object, (n, 3)."""
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    if OWN_POSITION in mesh.attributes:
+        mesh.attributes[OWN_POSITION].data.foreach_get("vector", points)
+        return points.reshape(-1, 3).astype(np.float64)
+    mesh.vertices.foreach_get("co", points)
+    return points.reshape(-1, 3) @ source.own_space[:3, :3].T + source.own_space[:3, 3]
+
+
+def _corner_values(mesh: bpy.types.Mesh, name: str, appearance: Appearance, loops: np.ndarray) -> np.ndarray:
+    """Return the values of an attribute at the corners of triangles, (m, 3, d)."""
+    attribute = mesh.attributes[name]
+    prop, size = _VALUES[attribute.data_type]
+    values = np.empty(len(attribute.data) * size, bool if attribute.data_type == "BOOLEAN" else np.float32)
+    if attribute.data_type == "INT":
+        values = values.astype(np.int32)
+    attribute.data.foreach_get(prop, values)
+    values = values.reshape(-1, size).astype(np.float32)
+    if attribute.domain == "CORNER":
+        return values[loops]
+    if attribute.domain == "POINT":
+        return values[appearance.faces]
+    if attribute.domain == "FACE":
+        polygons = np.empty(len(loops), np.int32)
+        mesh.loop_triangles.foreach_get("polygon_index", polygons)
+        return np.repeat(values[polygons][:, None], 3, axis=1)
+    return np.zeros((len(loops), 3, size), np.float32)
+
+
+def _repeats(materials: Sequence[bpy.types.Material | None]) -> bool:
+    """Return whether materials have image textures, and all of these repeat."""
+    images = list(_images(materials))
+    return bool(images) and all(
+        node.extension == "REPEAT" and (node.image is None or node.image.source != "TILED") for node in images
+    )
+
+
+def _images(materials: Sequence[bpy.types.Material | None]) -> Iterator[bpy.types.Node]:
+    for material in materials:
+        if material is not None and material.node_tree is not None:
+            for tree in node_trees(material.node_tree):
+                yield from (node for node in tree.nodes if node.type == "TEX_IMAGE")
+
+
+def _rounded(uvs: np.ndarray) -> np.ndarray:
+    """Round UVs to a 32nd of a pixel at 2K; files compress better."""
+    steps = np.float32(1 << 16)
+    return np.ascontiguousarray(np.rint(uvs * steps) / steps, dtype=np.float32).ravel()
+
+
+def _write(mesh: bpy.types.Mesh, name: str, values: np.ndarray) -> None:
+    kind = _KINDS[values.shape[1]]
+    if name in mesh.attributes:
+        mesh.attributes.remove(mesh.attributes[name])
+    data = mesh.attributes.new(name, kind, "POINT").data
+    data.foreach_set(_VALUES[kind][0], np.ascontiguousarray(values, dtype=np.float32).ravel())

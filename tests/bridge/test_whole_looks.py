@@ -1,0 +1,259 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Frames wear the materials of the inputs, node trees whole, laid out as they are on the inputs."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.materials import is_carrying
+from convwass_addon.bridge.morphs.removal import remove_bake
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
+from tests.shapes import ball
+
+SIZE = 24
+
+
+def bake(scene, inputs, steps=2, wanted=(), **options):
+    import bpy
+
+    bpy.context.view_layer.update()
+    job = MorphJob(
+        scene,
+        bpy.context.evaluated_depsgraph_get(),
+        inputs,
+        [path_blends(2, steps)[number] for number in wanted or range(steps + 1)],
+        MorphSettings(32, motion="transport"),
+        options,
+        1,
+    )
+    for step in job.steps(how=Computation(workers=1)):
+        job.write(step)
+    return job.finish(hide_inputs=True)
+
+
+def material(name):
+    """Return a material that only glows: its pictures do not depend on light."""
+    import bpy
+
+    made = bpy.data.materials.new(name)
+    if made.node_tree is None:
+        made.use_nodes = True
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    nodes.remove(nodes["Principled BSDF"])
+    glow = nodes.new("ShaderNodeEmission")
+    glow.name = "Glow"
+    links.new(glow.outputs[0], nodes["Material Output"].inputs["Surface"])
+    return made
+
+
+def shown(made, kind, output="Color", **properties):
+    """Let a material show a new node."""
+    node = made.node_tree.nodes.new(kind)
+    for name, value in properties.items():
+        setattr(node, name, value)
+    made.node_tree.links.new(node.outputs[output], made.node_tree.nodes["Glow"].inputs["Color"])
+    return node
+
+
+def checkered(name="Checkered", squares=8):
+    import bpy
+
+    i, j = np.mgrid[0:64, 0:64] * squares // 64
+    pixels = np.ones((64, 64, 4), np.float32)
+    pixels[..., :3] = ((i + j) % 2)[..., None]
+    image = bpy.data.images.new(name, 64, 64)
+    image.pixels.foreach_set(pixels.ravel())
+    made = material(name)
+    shown(made, "ShaderNodeTexImage", image=image, interpolation="Closest", extension="EXTEND")
+    return made
+
+
+def add_ball(make_object, name, made, with_uvs=True, points=900):
+    mesh = ball(points=points)
+    obj = make_object(name, mesh.vertices, (), mesh.faces)
+    obj.data.materials.append(made)
+    if with_uvs:
+        layer = obj.data.uv_layers.new(name="From Above")
+        layer.uv.foreach_set("vector", from_above(obj.data))
+    return obj
+
+
+def from_above(mesh):
+    loops = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", loops)
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    return (points.reshape(-1, 3)[loops, :2] / 2 + 0.5).astype(np.float32).ravel()
+
+
+def picture(scene, tmp_path, obj):
+    """Render an object alone from above, (h, w, 3)."""
+    import bpy
+
+    for other in scene.objects:
+        other.hide_render = other != obj
+    if obj.animation_data:
+        obj.animation_data_clear()
+        obj.hide_render = False
+    if scene.camera is None:
+        camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+        camera.data.type, camera.data.ortho_scale, camera.location.z = "ORTHO", 1.2, 10
+        scene.collection.objects.link(camera)
+        scene.camera = camera
+    scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 4
+    scene.cycles.use_denoising = False
+    scene.render.resolution_x = scene.render.resolution_y = SIZE
+    scene.render.resolution_percentage = 100
+    scene.view_settings.view_transform = "Raw"
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = str(tmp_path / "picture.exr")
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath, check_existing=False)
+    pixels = np.array(image.pixels).reshape(SIZE, SIZE, 4)[..., :3]
+    bpy.data.images.remove(image)
+    return pixels
+
+
+@pytest.mark.parametrize("faces", ["TRIANGLES", "QUADS"])
+def test_frames_carry_the_uv_maps_of_their_inputs(bare_scene, make_object, faces):
+    inputs = [add_ball(make_object, name, checkered(name)) for name in "AB"]
+    mesh = frame_objects(bake(bare_scene, inputs, faces=faces))[1].data
+    assert [layer.name for layer in mesh.uv_layers] == ["uv_1_From Above", "uv_2_From Above"]
+    assert mesh.uv_layers.active.name == "uv_1_From Above"
+    truth = from_above(mesh)
+    for layer in mesh.uv_layers:
+        uvs = np.empty_like(truth)
+        layer.uv.foreach_get("vector", uvs)
+        np.testing.assert_allclose(uvs, truth, atol=0.02)
+
+
+def squares(pixels):
+    """Return the share of pixels that are black or white."""
+    gray = pixels.mean(axis=2)
+    return float(((gray < 0.1) | (gray > 0.9)).mean())
+
+
+def test_a_texture_is_as_sharp_as_on_the_input(bare_scene, make_object, tmp_path):
+    inputs = [add_ball(make_object, name, checkered("Checkered")) for name in "AB"]
+    frames = frame_objects(bake(bare_scene, inputs, steps=4))
+    for obj in inputs:
+        obj.hide_set(False)
+    expected = picture(bare_scene, tmp_path, inputs[0])
+    for frame in frames[1:-1]:
+        found = picture(bare_scene, tmp_path, frame)
+        assert squares(found) > 0.98 * squares(expected)
+        assert np.abs(found - expected).mean() < 0.03
+
+
+def procedural(name):
+    """Return a material that shows positions in the own space of its object, in a nested group."""
+    import bpy
+
+    group = bpy.data.node_groups.new("Nested", "ShaderNodeTree")
+    group.interface.new_socket("Color", in_out="OUTPUT", socket_type="NodeSocketColor")
+    place = group.nodes.new("ShaderNodeTexCoord")
+    fraction = group.nodes.new("ShaderNodeVectorMath")
+    fraction.operation = "FRACTION"
+    group.links.new(place.outputs["Object"], fraction.inputs[0])
+    group.links.new(fraction.outputs[0], group.nodes.new("NodeGroupOutput").inputs[0])
+    made = material(name)
+    node = made.node_tree.nodes.new("ShaderNodeGroup")
+    node.node_tree = group
+    made.node_tree.links.new(node.outputs[0], made.node_tree.nodes["Glow"].inputs["Color"])
+    return made
+
+
+def generated(name):
+    """Return a material with a texture that has no coordinates linked."""
+    made = material(name)
+    shown(made, "ShaderNodeTexMagic").inputs["Scale"].default_value = 3.0
+    return made
+
+
+def normals(name):
+    made = material(name)
+    shown(made, "ShaderNodeTexCoord", output="Normal")
+    return made
+
+
+def painted(name):
+    made = material(name)
+    shown(made, "ShaderNodeAttribute", attribute_name="Heat")
+    return made
+
+
+@pytest.mark.parametrize("make", [procedural, generated, normals, painted])
+def test_frames_start_with_the_look_of_an_object_that_was_turned_and_scaled(bare_scene, make_object, tmp_path, make):
+    inputs = [add_ball(make_object, name, make(name), with_uvs=False, points=3000) for name in "AB"]
+    for obj in inputs:
+        obj.rotation_euler, obj.scale, obj.location.x = (0.5, 0.3, 1.0), (1.3, 1.1, 1.2), 0.1
+        heat = obj.data.attributes.new("Heat", "FLOAT", "POINT")
+        heat.data.foreach_set("value", np.array([vertex.co.x for vertex in obj.data.vertices], np.float32))
+        for polygon in obj.data.polygons:
+            polygon.use_smooth = True
+    frames = frame_objects(bake(bare_scene, inputs, steps=24, wanted=[0, 1, -1]))
+    expected = picture(bare_scene, tmp_path, inputs[0])
+    assert expected.std() > 0.05
+    for frame in frames[:2]:
+        assert np.abs(picture(bare_scene, tmp_path, frame) - expected).mean() < 0.02
+
+
+@pytest.mark.parametrize("how", ["FRONT", "PATCHES"])
+def test_a_front_and_patches_have_sharp_edges_and_their_share_of_the_surface(bare_scene, make_object, tmp_path, how):
+    inputs = [add_ball(make_object, name, material(name), with_uvs=False) for name in "AB"]
+    for obj, color in zip(inputs, [(1, 0, 0, 1), (0, 1, 0, 1)], strict=True):
+        obj.data.materials[0].node_tree.nodes["Glow"].inputs["Color"].default_value = color
+        obj.rotation_euler.x = np.pi / 2  # seen from the side
+    frames = frame_objects(bake(bare_scene, inputs, steps=4, looks=how))
+    greens = [picture(bare_scene, tmp_path, frame)[..., 1] for frame in frames]
+    assert greens[0].max() < 0.01
+    assert greens[-1].min() > 0.99
+    shares = [float(green.mean()) for green in greens]
+    assert shares == sorted(shares)
+    middle = greens[2]
+    if how == "PATCHES":
+        assert 0.2 < shares[2] < 0.8
+        assert ((middle < 0.05) | (middle > 0.95)).mean() > 0.6
+
+
+def test_plain_materials_are_mixed_as_one_shader(bare_scene, make_object):
+    """Without textures, values are enough; frames stay small."""
+    import bpy
+
+    inputs = []
+    for name in "AB":
+        made = bpy.data.materials.new(name)
+        if made.node_tree is None:
+            made.use_nodes = True
+        inputs.append(add_ball(make_object, name, made))
+    mesh = frame_objects(bake(bare_scene, inputs))[1].data
+    assert not mesh.uv_layers
+    assert not [tree for tree in bpy.data.node_groups if is_carrying(tree)]
+
+
+def test_whole_materials_are_not_reported_as_dropped_and_removed_with_the_morph(bare_scene, make_object):
+    import bpy
+
+    inputs = [add_ball(make_object, "A", checkered()), add_ball(make_object, "B", procedural("B"))]
+    groups = set(bpy.data.node_groups)
+    collection = bake(bare_scene, inputs)
+    assert [note.kind for note in stored_diagnostics(collection) if note.kind.startswith("LOOK")] == []
+    assert [tree for tree in bpy.data.node_groups if is_carrying(tree)]
+    remove_bake(collection)
+    assert set(bpy.data.node_groups) == groups
+
+
+def test_volumes_and_normal_maps_of_other_spaces_are_reported(bare_scene, make_object):
+    foggy, bumpy = checkered("Foggy"), checkered("Bumpy")
+    volume = foggy.node_tree.nodes.new("ShaderNodeVolumePrincipled")
+    foggy.node_tree.links.new(volume.outputs[0], foggy.node_tree.nodes["Material Output"].inputs["Volume"])
+    bumpy.node_tree.nodes.new("ShaderNodeNormalMap").space = "OBJECT"
+    notes = stored_diagnostics(bake(bare_scene, [add_ball(make_object, "A", foggy), add_ball(make_object, "B", bumpy)]))
+    kinds = [(note.kind, note.values["materials"]) for note in notes if note.kind.startswith("LOOK")]
+    assert kinds == [("LOOK_VOLUME", "Foggy"), ("LOOK_SPACE", "Bumpy")]
