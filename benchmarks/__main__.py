@@ -18,6 +18,7 @@ from . import (
     correspondences,
     flat,
     live,
+    looks,
     mesh,
     meshing,
     midpoints,
@@ -36,6 +37,7 @@ ALL = (
     "morph",
     "live",
     "flat",
+    "looks",
     "quality",
     "coherence",
     "mesh",
@@ -62,6 +64,7 @@ def main(arguments: list[str] | None = None) -> int:
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_live(names.add_parser("live", help=live.__doc__))
     _add_flat(names.add_parser("flat", help=flat.__doc__))
+    _add_looks(names.add_parser("looks", help=looks.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
     _add_coherence(names.add_parser("coherence", help=coherence.__doc__))
     _add_mesh(names.add_parser("mesh", help=mesh.__doc__))
@@ -109,6 +112,11 @@ def _add_flat(parser: argparse.ArgumentParser) -> None:
             options.resolutions, options.frames, options.side, options.limit, options.peer_python
         )
     )
+
+
+def _add_looks(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--cells", type=int, default=100, help="cells along the longest side (%(default)s)")
+    parser.set_defaults(run=lambda options: looks.main(options.cells))
 
 
 def _add_quality(parser: argparse.ArgumentParser) -> None:

@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Looks of frames: sharpness of textures, seams, difference from the input at the start, seconds per frame."""
+
+from __future__ import annotations
+
+from .processes import measured
+
+_CASES = "benchmarks.looks_cases"
+
+_HEADING = """
+A sphere becomes a cube, {cells} cells; each has a checkerboard of single pixels, 2048 x 2048
+
+contrast   of close-ups in which a pixel of the texture is about 8 wide, relative to that of the input
+seams      share of the surface on which the UV map is stretched or squeezed against its surroundings
+"""
+_START = """
+An object with a normal map, procedural textures and three slots, turned and scaled: mean difference of displayed
+colors, of 255, between it and the first frame, and the frame at 1/2000 of the way
+"""
+_SECONDS = """
+CPU seconds per frame to read a cached frame, transfer its looks and write its mesh; with whole materials, and with
+colors only
+"""
+
+
+def main(cells: int) -> None:
+    """Run all cases and print their figures."""
+    print(_HEADING.format(cells=cells))
+    for motion in ("automatic", "transport"):
+        found = measured(_CASES, "checker", cells=cells, motion=motion)
+        print(f"{motion:12} {'t = .25':>10} {'.5':>8} {'.75':>8}")
+        for name in ("sphere", "cube"):
+            for figure in ("contrast", "seams"):
+                row = "".join(f"{found[f'{name} {figure} {weight:g}']:9.1%}" for weight in (0.25, 0.5, 0.75))
+                print(f"{name + ' ' + figure:16}{row}", flush=True)
+    print(_START)
+    found = measured(_CASES, "start", cells=cells)
+    print(f"first frame {found['end']:.2f}, next frame {found['next']:.2f} (goal: 2)", flush=True)
+    print(_SECONDS)
+    found = measured(_CASES, "seconds", cells=cells, looks="FADE")
+    print(f"{found['triangles']} triangles: {found['looks']:.2f} s, colors {found['colors']:.2f} s (goal: 0.3 s more)")

@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cases of :mod:`.looks`, in processes of their own: ``python -m benchmarks.looks_cases CASE OPTIONS``."""
+
+from __future__ import annotations
+
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import maximum_filter, minimum_filter
+
+from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.frame_cache import FrameCache
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.geometry.uv_charts import uv_sizes
+
+from .look_scenes import (
+    add_light,
+    baked,
+    checkered_material,
+    empty_scene,
+    pictured,
+    textured_cube,
+    textured_sphere,
+    three_materials,
+)
+
+# Close-ups: how many, their width in the scene, and in pixels; a pixel of the texture is about eight of theirs.
+_VIEWS, _WIDTH, _PIXELS = 6, 0.1, 256
+# Pixels about each that must contain black and white.
+_WINDOW = 33
+# A UV map is off by far where it is stretched or squeezed by more than this.
+_OFF = 2.0
+
+
+def checker(cells: int, motion: str) -> dict[str, object]:
+    """Bake a sphere and a cube with checkerboards of single pixels, and look at the frames from near."""
+    empty_scene()
+    inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
+    frames = baked(inputs, path_blends(2, 4), cells, motion=motion)[1:-1]
+    found: dict[str, object] = {}
+    for number, name in enumerate(("sphere", "cube"), start=1):
+        own = _contrast(inputs[number - 1])
+        for frame, weight in zip(frames, (0.25, 0.5, 0.75), strict=True):
+            for other in (1, 2):
+                _fill(frame.data, f"source_weight_{other}", float(other == number))
+            found[f"{name} contrast {weight:g}"] = _contrast(frame) / own
+            found[f"{name} seams {weight:g}"] = _seams(frame.data, number)
+    return found
+
+
+def start(cells: int) -> dict[str, object]:
+    """Compare an object with three materials with the frame directly after it."""
+    empty_scene()
+    add_light()
+    materials = three_materials()
+    inputs = [textured_sphere(materials[0]), textured_cube(checkered_material("Cube"))]
+    for material in materials[1:]:
+        inputs[0].data.materials.append(material)
+    for polygon in inputs[0].data.polygons:
+        polygon.material_index = int(polygon.center.x > 0.2) + int(polygon.center.z > 0.3)
+    inputs[0].rotation_euler, inputs[0].scale = (0.4, 0.2, 0.9), (1.0, 0.8, 1.2)
+    bpy.context.view_layer.update()
+    path = path_blends(2, 2000)
+    frames = baked(inputs, [path[0], path[1], path[-1]], cells)
+    found = {}
+    for name, frame in (("end", frames[0]), ("next", frames[1])):
+        differences = [
+            _difference(pictured(frame, view, 3.0, 256, 64), pictured(inputs[0], view, 3.0, 256, 64))
+            for view in ((1, -1, 0.6), (-1, 1, 0.4))
+        ]
+        found[name] = float(np.mean(differences))
+    return found
+
+
+def seconds(cells: int, looks: str) -> dict[str, object]:
+    """Bake from cached frames: what is left is to read them, to carry the looks and to write meshes."""
+    frames = 4
+    with tempfile.TemporaryDirectory() as folder:
+        times = []
+        for chosen in ("COLORS", looks, None):
+            scene = empty_scene()
+            inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
+            cache, settings = FrameCache(Path(folder)), MorphSettings(cells, motion="transport")
+            blends, depsgraph = path_blends(2, frames), bpy.context.evaluated_depsgraph_get()
+            job = MorphJob(scene, depsgraph, inputs, blends, settings, {"looks": chosen or "COLORS"}, 1)
+            begin = time.process_time()
+            for step in job.steps(how=Computation(workers=1, cache=cache)):
+                job.write(step)
+            times.append(time.process_time() - begin)
+        # The first bake has filled the cache.
+        triangles = max(len(mesh.polygons) for mesh in bpy.data.meshes)
+    return {"triangles": triangles, "looks": times[1] / (frames - 1), "colors": times[2] / (frames - 1)}
+
+
+def _contrast(obj: bpy.types.Object) -> float:
+    """Return the mean difference of the lightest and the darkest pixel about each pixel of close-ups."""
+    rng = np.random.default_rng(0)
+    contrasts = []
+    for direction in rng.normal(size=(_VIEWS, 3)):
+        values = pictured(obj, direction, _WIDTH, _PIXELS, 16)[..., 0]
+        contrasts.append(float(np.mean(maximum_filter(values, _WINDOW) - minimum_filter(values, _WINDOW))))
+    return float(np.mean(contrasts))
+
+
+def _seams(mesh: bpy.types.Mesh, number: int) -> float:
+    """Return the share of the surface on which a UV map is stretched or squeezed against its surroundings."""
+    mesh.calc_loop_triangles()
+    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    vertices = np.empty(len(mesh.loops), np.int32)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    layer = next(own for own in mesh.uv_layers if own.name.startswith(f"uv_{number}_"))
+    uvs = np.empty(2 * len(mesh.loops), np.float32)
+    layer.uv.foreach_get("vector", uvs)
+    faces = vertices[loops].reshape(-1, 3)
+    corners = points.reshape(-1, 3)[faces].astype(np.float64)
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    sizes = uv_sizes(corners, uvs.reshape(-1, 2)[loops].reshape(-1, 3, 2).astype(np.float64))
+    usual = _surrounding(sizes, faces)
+    off = (sizes > _OFF * usual) | (sizes < usual / _OFF)
+    return float(areas[off].sum() / areas.sum())
+
+
+def _surrounding(values: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the median of the values of triangles over two rings of neighbors, approximately."""
+    for _ in range(2):
+        of_corners = np.sort(_means(values, faces)[faces], axis=1)
+        values = np.median(np.concatenate([of_corners, values[:, None]], axis=1), axis=1)
+    return values
+
+
+def _means(values: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the geometric means over the triangles at every vertex."""
+    logs = np.repeat(np.log(np.maximum(values, 1e-9)), 3)
+    counts = np.bincount(faces.ravel())
+    return np.exp(np.bincount(faces.ravel(), logs) / np.maximum(counts, 1))
+
+
+def _fill(mesh: bpy.types.Mesh, name: str, value: float) -> None:
+    mesh.attributes[name].data.foreach_set("value", np.full(len(mesh.vertices), value, np.float32))
+
+
+def _difference(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
+    """Return the mean difference of displayed colors, of 255, where both pictures show something."""
+    both = (one[..., 3] > 0.99) & (other[..., 3] > 0.99)
+    return float(255.0 * np.abs(one - other)[both][:, :3].mean())
+
+
+if __name__ == "__main__":
+    CASES = {"checker": checker, "start": start, "seconds": seconds}
+    print(json.dumps(CASES[sys.argv[1]](**json.loads(sys.argv[2]))))
