@@ -81,9 +81,9 @@ def three_materials() -> list[bpy.types.Material]:
     colors = np.stack([0.5 + 0.5 * np.sin(40 * rows), columns, 0.4 + 0 * rows, 1 + 0 * rows], axis=2)
     waves = 0.5 + 0.3 * np.stack([np.sin(120 * columns), np.cos(90 * rows), np.full_like(rows, 1.6)], axis=2)
     normals = np.concatenate([waves, np.ones((256, 256, 1))], axis=2)
-    _link_image(mapped, "Colors", colors, "Base Color")
-    texture = _image_node(mapped, "Normals", normals)
-    texture.image.colorspace_settings.name = "Non-Color"
+    texture = _image_node(mapped, "Colors", colors, "sRGB")
+    mapped.links.new(texture.outputs["Color"], mapped.nodes["Principled BSDF"].inputs["Base Color"])
+    texture = _image_node(mapped, "Normals", normals, "Non-Color")
     bump = mapped.nodes.new("ShaderNodeNormalMap")
     mapped.links.new(texture.outputs["Color"], bump.inputs["Color"])
     mapped.links.new(bump.outputs["Normal"], mapped.nodes["Principled BSDF"].inputs["Normal"])
@@ -109,14 +109,12 @@ def _add_noise(tree: bpy.types.NodeTree) -> None:
     tree.links.new(bump.outputs["Normal"], shader.inputs["Normal"])
 
 
-def _link_image(tree: bpy.types.NodeTree, name: str, pixels: NDArray[np.float64], socket: str) -> None:
-    node = _image_node(tree, name, pixels)
-    tree.links.new(node.outputs["Color"], tree.nodes["Principled BSDF"].inputs[socket])
-
-
-def _image_node(tree: bpy.types.NodeTree, name: str, pixels: NDArray[np.float64]) -> bpy.types.Node:
+def _image_node(tree: bpy.types.NodeTree, name: str, pixels: NDArray[np.float64], space: str) -> bpy.types.Node:
     image = bpy.data.images.new(name, pixels.shape[1], pixels.shape[0])
+    # A change of the color space clears images that are not packed.
+    image.colorspace_settings.name = space
     image.pixels.foreach_set(pixels.astype(np.float32).ravel())
+    image.pack()
     node = tree.nodes.new("ShaderNodeTexImage")
     node.image = image
     return node

@@ -65,6 +65,16 @@ class UvMap:
         return uv_sizes(self.corners, self.uvs)
 
     @cached_property
+    def middles(self) -> NDArray[np.float64]:
+        """The centers of the triangles, (m, 3)."""
+        return self.corners.mean(axis=1)
+
+    @cached_property
+    def middle_uvs(self) -> NDArray[np.float64]:
+        """The UVs of these centers, (m, 2)."""
+        return self.uvs.mean(axis=1)
+
+    @cached_property
     def scale(self) -> float:
         """The mean length on the shape of a unit of length in the texture."""
         areas = np.linalg.norm(np.cross(*np.moveaxis(self.corners[:, 1:] - self.corners[:, :1], 1, 0)), axis=1)
@@ -74,7 +84,7 @@ class UvMap:
     @cached_property
     def tree(self) -> cKDTree:
         """The centers of the triangles, in space and in the texture, scaled alike: (m, 5)."""
-        return cKDTree(np.concatenate([self.corners.mean(axis=1), self.scale * self.uvs.mean(axis=1)], axis=1))
+        return cKDTree(np.concatenate([self.middles, self.scale * self.middle_uvs], axis=1))
 
     def at(
         self,
@@ -102,33 +112,66 @@ class UvMap:
             Exact for triangles within one triangle of the shape, or within several triangles of one island.
         """
         own = places.interpolated(self.uvs)
-        found = np.empty((len(faces), 3, 2), np.float32)
+        found = own[faces]
+        if self.repeats:
+            found -= np.rint(found - found[:, :1])
+        apart = np.empty(len(faces), bool)
         for start in range(0, len(faces), _AT_ONCE):
             some = slice(start, start + _AT_ONCE)
-            found[some] = self._of_triangles(places.triangles, own, faces[some], origins, homes[some])
-        return found
+            apart[some] = ~self._are_together(
+                places.triangles[faces[some]], origins[faces[some]], found[some], homes[some]
+            )
+        apart = np.flatnonzero(apart)
+        if len(apart):
+            rest = faces[apart]
+            found[apart] = self._with_homes(places.triangles[rest], own[rest], origins[rest], homes[apart])
+        return found.astype(np.float32)
 
-    def _of_triangles(
+    def _are_together(
         self,
         triangles: NDArray[np.int64],
-        own: NDArray[np.float64],
-        faces: NDArray[np.int64],
-        origins: NDArray[np.floating],
+        points: NDArray[np.floating],
+        uvs: NDArray[np.float64],
+        homes: NDArray[np.int64],
+    ) -> NDArray[np.bool_]:
+        """Return for which triangles of a blend no seam is between the corners and the home, (f,).
+
+        Parameters
+        ----------
+        triangles, points, uvs : (f, 3), (f, 3, 3), (f, 3, 2)
+            Of the corners.
+        homes : (f,)
+            Of the triangles.
+        """
+        together = (self.charts[triangles] == self.charts[homes][:, None]).all(axis=1)
+        reach = _DETOUR * np.maximum(self.sizes[homes], self.sizes[triangles[:, 0]])
+        for corner in (1, 2):
+            way, step = points[:, corner] - points[:, 0], uvs[:, corner] - uvs[:, 0]
+            together &= _lengths(step) <= reach * _lengths(way)
+        way, step = self.middles[homes] - points[:, 0], self.middle_uvs[homes] - uvs[:, 0]
+        if self.repeats:
+            step -= np.rint(step)
+        return together & (_lengths(step) <= reach * _lengths(way))
+
+    def _with_homes(
+        self,
+        triangles: NDArray[np.int64],
+        uvs: NDArray[np.float64],
+        points: NDArray[np.floating],
         homes: NDArray[np.int64],
     ) -> NDArray[np.float64]:
-        points = origins[faces].astype(np.float64)
+        """Return the UVs of triangles, some corners of which may be beyond a seam; parameters as above."""
+        points, found = points.astype(np.float64), uvs
         means = points.mean(axis=1, keepdims=True)
         middles = clamped_to_triangle(barycentric_coordinates(self.corners[homes], means))
         middle_uvs = middles @ self.uvs[homes]
         distances = np.linalg.norm(points - middles @ self.corners[homes], axis=2)
-        there = triangles[faces]
-        found = own[faces]
         if self.repeats:
-            found -= np.rint(found - middle_uvs)
-        reach = _DETOUR * np.maximum(self.sizes[homes][:, None], self.sizes[there]) * distances
+            found = found - np.rint(found - middle_uvs)
+        reach = _DETOUR * np.maximum(self.sizes[homes][:, None], self.sizes[triangles]) * distances
         near = np.linalg.norm(found - middle_uvs, axis=2) <= reach
-        beyond = ~((near & (self.charts[there] == self.charts[homes][:, None])) | (there == homes[:, None]))
-        row, corner = np.nonzero(beyond)
+        same = self.charts[triangles] == self.charts[homes][:, None]
+        row, corner = np.nonzero(~((near & same) | (triangles == homes[:, None])))
         if len(row):
             asked = _Beyond(points[row, corner], homes[row], middle_uvs[row, 0], reach[row, corner])
             found[row, corner] = self._on_this_side(asked)
@@ -221,6 +264,10 @@ def home_triangles(
         return homes
     _, first, polygon = np.unique(owners, return_index=True, return_inverse=True)
     return homes[first][polygon.reshape(-1)]
+
+
+def _lengths(vectors: NDArray[np.floating]) -> NDArray[np.floating]:
+    return np.sqrt(np.einsum("nd,nd->n", vectors, vectors))
 
 
 def _shortened(vectors: NDArray[np.float64], most: NDArray[np.float64]) -> NDArray[np.float64]:
