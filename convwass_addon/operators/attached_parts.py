@@ -16,7 +16,7 @@ from .reporting import listed, refuse, tell
 
 
 class CONVWASS_OT_attach_parts(bpy.types.Operator):
-    """Give the other selected meshes shape keys that follow those of the active one, driven by its sliders: clothes, hair, eyes"""  # noqa: E501
+    """Add shape keys to the other selected meshes, such as clothes, hair and eyes, that follow the active mesh and its sliders"""  # noqa: E501
 
     bl_idname = "convwass.attach_parts"
     bl_label = "Attach Parts"

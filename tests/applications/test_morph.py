@@ -112,7 +112,7 @@ def test_a_sheet_is_refused_by_name_and_taken_with_thickness():
 )
 def test_a_shape_a_hundred_times_smaller_is_refused_for_its_size(small, thickness):
     settings = MorphSettings(motion="transport", resolution=48, thickness=thickness)
-    with pytest.raises(InputError, match=r"'shape 1' is too small beside .* 0\.\d+ cells long.* Equal Volume"):
+    with pytest.raises(InputError, match=r"'shape 1' is too small next to .* 0\.\d+ cells long.* Equal Volume"):
         frames_of([ball(), small], single_blend([1, 1], 2), settings)
 
 

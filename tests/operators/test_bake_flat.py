@@ -163,7 +163,7 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
     [
         (lambda obj: setattr(obj.data, "body", " "), "is empty; type something"),
         (lambda obj: setattr(obj, "scale", (0, 1, 1)), "flattened to a line"),
-        (lambda obj: setattr(obj, "scale", (1e-3, 1e-3, 1)), "too small beside the others.*Equal Volume"),
+        (lambda obj: setattr(obj, "scale", (1e-3, 1e-3, 1)), "too small next to the others.*Equal Volume"),
     ],
 )
 def test_invalid_shapes_are_reported_and_leave_nothing_behind(change, message):

@@ -127,7 +127,7 @@ def flat_problem(
     for name, own in zip(names, every, strict=True):
         if min(float(part.sum()) for part in own) < _LEAST_CELLS:
             raise InputError(
-                "'{name}', or a letter of it, is too small beside the others on this grid. Set Scale to Equal Volume "
+                "'{name}', or a letter of it, is too small next to the others on this grid. Set Scale to Equal Volume "
                 "(--scale equal-volume), scale it up, or use a finer resolution.",
                 name=name,
             )

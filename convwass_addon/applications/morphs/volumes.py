@@ -194,7 +194,7 @@ def _refusal(outward: TriangleMesh, name: str, lattice: Lattice, thickness: floa
         alone = extent / max(lattice.shape)  # the size of a cell if there were no other shape
         if thickness > 0 or solid_volume(outward) >= LEAST_CELLS * alone**3:
             return InputError(
-                "'{name}' is too small beside the other shapes on this grid: it is {extent:.2g} cells long. Set Scale "
+                "'{name}' is too small next to the other shapes on this grid: it is {extent:.2g} cells long. Set Scale "
                 "to Equal Volume (--scale equal-volume), scale it up, or use a finer resolution.",
                 name=name,
                 extent=extent / lattice.spacing,
