@@ -15,6 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..applications.background import BackgroundJob, InlineJob
 from ..bridge.handles import Handle
+from ..bridge.mouse_progress import progress_at_mouse
 from ..errors import Cancelled, ConvwassError
 from ..progress import UNINTERRUPTED, Control, Progress, Request, Work
 from ..sentence import Sentence
@@ -73,18 +74,15 @@ class BackgroundOperator:
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
         self._in_background = False
-        manager = context.window_manager
-        manager.progress_begin(0, 100)
         try:
-            for report in self.work()(UNINTERRUPTED):
-                self._job.write(report)
-                manager.progress_update(int(100 * report.fraction))
-            return self._finish(context, self._job)
+            with progress_at_mouse() as show:
+                for report in self.work()(UNINTERRUPTED):
+                    self._job.write(report)
+                    show(report.fraction)
+                return self._finish(context, self._job)
         except BaseException as error:
             self._job.discard()
             return refuse_if_known(self, error)
-        finally:
-            manager.progress_end()
 
     def invoke(self, context, event):
         if bpy.app.background:

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
@@ -12,6 +14,7 @@ from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins
 from ..bridge.morphs.stored import stored_settings
+from ..bridge.mouse_progress import progress_at_mouse
 from ..errors import ConvwassError
 from ..progress import drained, watched
 from ..properties.from_schema import property_of
@@ -26,14 +29,11 @@ class _OutputMorph(OnActiveMorph):
 
     def execute(self, context):
         morph = active_morph(context)
-        manager = context.window_manager
-        manager.progress_begin(0, 100)
         try:
-            output = self._written(context, morph)
+            with progress_at_mouse() as show:
+                output = self._written(morph, show)
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
-        finally:
-            manager.progress_end()
         remove_stand_ins(morph)
         remove_frames(morph)
         select_only(context, [output.shown])
@@ -42,7 +42,8 @@ class _OutputMorph(OnActiveMorph):
         self.report({"INFO"}, message.format(output.shown.name, len(output.files), output.megabytes, str(folder)))
         return {"FINISHED"}
 
-    def _written(self, context: bpy.types.Context, morph: bpy.types.Collection) -> DiskOutput:
+    def _written(self, morph: bpy.types.Collection, show: Callable[[float], None]) -> DiskOutput:
+        """Write the files, and report the fraction that is done."""
         raise NotImplementedError
 
 
@@ -52,15 +53,13 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
     bl_idname = "convwass.make_volume"
     bl_label = "Make Volume"
 
-    def _written(self, context, morph):
+    def _written(self, morph, show):
         from ..bridge.flat.choosing import refuse_volumes
         from ..bridge.morphs.volume_output import as_volume
 
         refuse_volumes("flat" in stored_settings(morph))
         with filled_folder(self.folder, morph) as folder:
-            work = as_volume(morph, folder)
-            manager = context.window_manager
-            return drained(watched(work, lambda report: manager.progress_update(int(100 * report.fraction))))
+            return drained(watched(as_volume(morph, folder), lambda report: show(report.fraction)))
 
 
 class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
@@ -71,7 +70,7 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
 
     kind: property_of(MorphRequest, "cache_format")
 
-    def _written(self, context, morph):
+    def _written(self, morph, _show):
         from ..bridge.flat.frames_as_meshes import require_no_drawings, turn_into_meshes
         from ..bridge.morphs.cache_output import as_cache, require_animation
 

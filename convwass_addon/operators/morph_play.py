@@ -13,6 +13,7 @@ from ..bridge.morphs.player import build_player, is_player, require_path, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects
+from ..bridge.mouse_progress import progress_at_mouse
 from ..errors import ConvwassError
 from ..progress import Result, Work, drained, watched
 from ..properties.from_schema import property_of, values_of, with_properties
@@ -25,12 +26,8 @@ _OF_STYLE = {"HOLD": ("hold",), "SLOW_MOTION": ("slowness",)}
 
 def _with_cursor(work: Work[Result]) -> Result:
     """Do all of some work, and show at the mouse how far it is."""
-    manager = bpy.context.window_manager
-    manager.progress_begin(0, 100)
-    try:
-        return drained(watched(work, lambda report: manager.progress_update(int(100 * report.fraction))))
-    finally:
-        manager.progress_end()
+    with progress_at_mouse() as show:
+        return drained(watched(work, lambda report: show(report.fraction)))
 
 
 class _OnPlayedMorph(OnActiveMorph):

@@ -19,6 +19,7 @@ from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
 from ..handles import found
 from ..joined_shapes import joined_shape, shown_live
+from ..mouse_progress import progress_at_mouse
 from ..objects import MESHED, frozen_copy, triangle_mesh
 from ..sequence import MODIFIER, frame_group
 from ..shape_sources import ShapeSource
@@ -96,8 +97,9 @@ def followed_inputs(
     readings = [_Reading() for _ in sources]
     stations: dict[int, bpy.types.Mesh] = {}
     try:
-        with _returning(scene):
-            for blend in blends:
+        with _returning(scene), progress_at_mouse() as show:
+            for number, blend in enumerate(blends):
+                show(number / len(blends))
                 scene.frame_set(first_frame + blend.frame)
                 depsgraph = bpy.context.evaluated_depsgraph_get()
                 for index, source in enumerate(sources):
