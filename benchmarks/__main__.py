@@ -16,6 +16,7 @@ from . import (
     coherence,
     constants,
     correspondences,
+    files,
     flat,
     live,
     looks,
@@ -36,6 +37,7 @@ from . import (
 ALL = (
     "morph",
     "live",
+    "files",
     "flat",
     "looks",
     "quality",
@@ -63,6 +65,7 @@ def main(arguments: list[str] | None = None) -> int:
     )
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_live(names.add_parser("live", help=live.__doc__))
+    _add_files(names.add_parser("files", help=files.__doc__))
     _add_flat(names.add_parser("flat", help=flat.__doc__))
     _add_looks(names.add_parser("looks", help=looks.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))
@@ -97,6 +100,12 @@ def _add_live(parser: argparse.ArgumentParser) -> None:
         "--resolutions", type=_numbers, default="48,64,100", help="cells along the longest side (%(default)s)"
     )
     parser.set_defaults(run=lambda options: live.main(options.resolutions))
+
+
+def _add_files(parser: argparse.ArgumentParser) -> None:
+    parser.add_argument("--cells", type=int, default=100, help="cells along the longest side (%(default)s)")
+    parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
+    parser.set_defaults(run=lambda options: files.main(options.cells, options.frames))
 
 
 def _add_flat(parser: argparse.ArgumentParser) -> None:
