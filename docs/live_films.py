@@ -19,7 +19,7 @@ from convwass_addon.applications.morphs.part_labels import Matching
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 
-MOMENTS = 72
+MOMENTS = 60
 """Pictures of one way around."""
 
 _CELLS = 80
