@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the frame next to a shape has lost of it."""
+"""Measure what the frame next to a shape has lost of that shape."""
 
 from __future__ import annotations
 
@@ -33,8 +33,8 @@ class EndLoss:
     def of(cls, shape: TriangleMesh, frame: TriangleMesh, spacing: float) -> EndLoss:
         """Compare a frame with a shape that has been moved by the motion, in cells of size `spacing`.
 
-        The shape is offset evenly to the frame's volume first: a ball that becomes a knot of a quarter of its volume
-        shrinks by a third of a cell in one frame of 24, and loses nothing.
+        The shape is first offset evenly to the frame's volume. For example, a ball that becomes a knot of a quarter of
+        its volume shrinks by a third of a cell in one frame of 24, and loses nothing.
         """
         expected = with_volume(shape, frame.volume)
         return cls(1.0 - frame.area / expected.area, steps_between([expected, frame], spacing)[0].mean)

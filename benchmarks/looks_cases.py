@@ -33,16 +33,16 @@ from .look_scenes import (
     three_materials,
 )
 
-# Close-ups: how many, their width in the scene, and in pixels; a pixel of the texture is about eight of theirs.
+# Close-ups: their number, width in the scene, and width in pixels. A pixel of the texture is about eight of these wide.
 _VIEWS, _WIDTH, _PIXELS = 6, 0.1, 256
-# Pixels about each that must contain black and white.
+# Size in pixels of windows that must contain black and white.
 _WINDOW = 33
-# A UV map is off by far where it is stretched or squeezed by more than this.
+# A UV map is wrong where it is stretched or squeezed by more than this factor.
 _OFF = 2.0
 
 
 def checker(cells: int, motion: str) -> dict[str, object]:
-    """Bake a sphere and a cube with checkerboards of single pixels, and look at the frames from near."""
+    """Bake a sphere and a cube with checkerboards of single pixels, and examine close-ups of the frames."""
     empty_scene()
     inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
     frames = baked(inputs, path_blends(2, 4), cells, motion=motion)[1:-1]
@@ -82,7 +82,7 @@ def start(cells: int) -> dict[str, object]:
 
 
 def seconds(cells: int, looks: str) -> dict[str, object]:
-    """Bake from cached frames: what is left is to read them, to carry the looks and to write meshes."""
+    """Bake from cached frames, to measure only reading them, carrying the looks and writing meshes."""
     frames = 4
     with tempfile.TemporaryDirectory() as folder:
         times = []
@@ -102,7 +102,7 @@ def seconds(cells: int, looks: str) -> dict[str, object]:
 
 
 def _contrast(obj: bpy.types.Object) -> float:
-    """Return the mean difference of the lightest and the darkest pixel about each pixel of close-ups."""
+    """Return the mean difference of the lightest and darkest pixels in the window around each pixel."""
     rng = np.random.default_rng(0)
     contrasts = []
     for direction in rng.normal(size=(_VIEWS, 3)):
@@ -112,7 +112,7 @@ def _contrast(obj: bpy.types.Object) -> float:
 
 
 def _seams(mesh: bpy.types.Mesh, number: int) -> float:
-    """Return the share of the surface on which a UV map is stretched or squeezed against its surroundings."""
+    """Return the share of the surface on which a UV map is stretched or squeezed relative to its surroundings."""
     mesh.calc_loop_triangles()
     loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("loops", loops)
@@ -152,7 +152,7 @@ def _fill(mesh: bpy.types.Mesh, name: str, value: float) -> None:
 
 
 def _difference(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    """Return the mean difference of displayed colors, of 255, where both pictures show something."""
+    """Return the mean difference of displayed colors, from 0 to 255, where both pictures show something."""
     both = (one[..., 3] > 0.99) & (other[..., 3] > 0.99)
     return float(255.0 * np.abs(one - other)[both][:, :3].mean())
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames wear the materials of the inputs, node trees whole, laid out as they are on the inputs."""
+"""Frames show the inputs' materials with all nodes and textures, mapped as on the inputs."""
 
 from __future__ import annotations
 

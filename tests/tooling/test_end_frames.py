@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Frames next to a shape are compared with it apart from its motion and its change of volume."""
+"""A frame next to a shape is compared with it; motion and change of volume do not count."""
 
 from __future__ import annotations
 

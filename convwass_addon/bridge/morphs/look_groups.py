@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Copies of the materials of an input, as node groups that read what frames carry.
 
-Textures of the input are laid out by its UV maps or positions, which frames do not have. In the copies, all nodes that
+Textures of the input are mapped by its UV maps or positions, which frames do not have. In the copies, nodes that would
 read these read attributes of frames instead.
 """
 
@@ -42,7 +42,7 @@ class CarriedNames:
     Attributes
     ----------
     number : int
-        Of the input, from 1.
+        Number of the input, from 1.
     uv_maps, attributes : sequence of str
         Names of the UV maps and of the other attributes that it has.
     default_uv, default_color : str
@@ -50,9 +50,9 @@ class CarriedNames:
     color : (r, g, b, a)
         Color of the object, scene linear.
     uvs, values : dict of str to str
-        What was asked for: names of the input's UV maps and other attributes, by their names on frames.
+        The UV maps and other attributes requested so far: names on the input, by names on frames.
     vectors : set of str
-        Which positions and normals were asked for: names on frames.
+        The positions and normals requested so far: names on frames.
     """
 
     number: int
@@ -97,7 +97,7 @@ class LookGroups:
     Parameters
     ----------
     names : CarriedNames
-        What frames carry; it knows afterwards what the groups read.
+        Names on frames; it collects what the groups read.
     """
 
     def __init__(self, names: CarriedNames) -> None:

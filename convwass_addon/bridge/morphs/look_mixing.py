@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mix the whole materials of the inputs in a material of frames, and how one takes over from the other."""
+"""Mix the whole materials of the inputs; one replaces the other everywhere, from below, or in patches."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ COLORS, FADE, FRONT, PATCHES = "COLORS", "FADE", "FRONT", "PATCHES"
 
 # Widths of the transition, relative to the height of the shape and to the contrast of the noise.
 _FRONT_WIDTH, _PATCH_WIDTH = 0.06, 0.08
-# Number of patches along a side of the shape, and range of the noise, which is hardly ever left.
+# Number of patches along a side of the shape, and the range of nearly all values of the noise.
 _PATCHES, _NOISE = 3.0, (0.28, 0.72)
 
 
@@ -30,7 +30,7 @@ class MixedLook:
     surface : bpy.types.NodeSocket
         Its shader.
     displacement : bpy.types.NodeSocket or None
-        If it has one.
+        Its displacement, if it has any.
     share : bpy.types.NodeSocket
         Its weight.
     """
@@ -50,7 +50,7 @@ def group_look(tree: bpy.types.NodeTree, group: bpy.types.NodeTree, share: bpy.t
 
 
 def show_looks(material: bpy.types.Material, looks: Sequence[MixedLook], how: str) -> None:
-    """Mix whole materials, where a mesh has the attributes that they read; elsewhere the material stays as it is.
+    """Mix whole materials on meshes that have the attributes they read; on others the material looks as before.
 
     Parameters
     ----------
@@ -60,7 +60,8 @@ def show_looks(material: bpy.types.Material, looks: Sequence[MixedLook], how: st
         One per input, in this material.
     how : str
         `FADE` mixes them by their weights all over the surface; with `FRONT`, each enters from below and ends above;
-        with `PATCHES`, it grows from patches that stay in place on its input. All are 0 at weight 0 and 1 at weight 1.
+        with `PATCHES`, it grows from patches that stay in place on its input. At weight 0, an input is not seen at all;
+        at weight 1, nothing else is.
     """
     tree = material.node_tree
     output = tree.get_output_node("ALL")
@@ -85,7 +86,7 @@ def show_looks(material: bpy.types.Material, looks: Sequence[MixedLook], how: st
 
 
 def _factor(tree: bpy.types.NodeTree, share: bpy.types.NodeSocket, index: int, how: str) -> bpy.types.NodeSocket:
-    """Return the factor at every point with which an input's material covers those before it."""
+    """Return how much an input's material covers those before it, at every point."""
     if how == FRONT:
         return _threshold(tree, share, _height(tree), _FRONT_WIDTH)
     if how == PATCHES:
@@ -168,7 +169,7 @@ def _mixed_vectors(
     before: bpy.types.NodeSocket | None,
     after: bpy.types.NodeSocket | None,
 ) -> bpy.types.NodeSocket:
-    """Mix vectors, of which one that is missing is zero."""
+    """Mix vectors; a missing one counts as zero."""
     mix = tree.nodes.new("ShaderNodeMix")
     mix.data_type = "VECTOR"
     by_name = {socket.identifier: socket for socket in mix.inputs}

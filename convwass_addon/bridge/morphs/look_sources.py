@@ -37,7 +37,7 @@ def carried_names(number: int, mesh: bpy.types.Mesh, color: Sequence[float]) -> 
     Parameters
     ----------
     number : int
-        Of the input, from 1.
+        Number of the input, from 1.
     mesh : bpy.types.Mesh
         A frozen copy.
     color : (r, g, b, a)
@@ -71,7 +71,7 @@ def with_looks(
     names : CarriedNames
         What its materials read.
     always : sequence of str
-        Names on frames of positions that are needed besides.
+        Names on frames of positions to add in any case.
     """
     mesh.calc_loop_triangles()
     loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
@@ -119,7 +119,7 @@ def write_looks(
     fields : dict of str to (n, d)
         Values of the vertices.
     sources : (c,) int, optional
-        The corner of the triangles, 3 f + c, of each corner of the mesh, if these are others.
+        For each corner of the mesh, the corner of a triangle that it is, 3 f + c; by default in the same order.
     """
     for name, corners in uvs.items():
         if name in mesh.attributes:
@@ -145,7 +145,7 @@ def write_own_looks(mesh: bpy.types.Mesh, appearance: Appearance, number: int, c
     appearance : Appearance
         Of the input, with what its materials read.
     number, count : int
-        Of the input, from 1, and number of inputs.
+        Number of the input, from 1, and how many inputs there are.
     """
     names = [layer.name for layer in mesh.uv_layers]
     loops = np.empty(3 * len(mesh.loop_triangles), np.int32)

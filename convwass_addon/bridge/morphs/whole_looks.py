@@ -75,7 +75,7 @@ def prepared_looks(
 def dress_ends(
     prepared: PreparedLooks, materials: MixedMaterials, inputs: Sequence[FrozenInput], frozen: Sequence[bpy.types.Mesh]
 ) -> None:
-    """Let copies of inputs wear the materials of frames where theirs read positions in a space of their own.
+    """Give copies of inputs the materials of frames where their own materials read positions in object space.
 
     Copies are in world space, in which these materials would look different.
     """
@@ -104,7 +104,7 @@ def _groups(mesh: bpy.types.Mesh, appearance: Appearance, names: CarriedNames) -
 
 
 def _worn(mesh: bpy.types.Mesh, appearance: Appearance) -> list[bpy.types.Material]:
-    """Return the materials that faces have."""
+    """Return the materials that any face uses."""
     slots = [slot for slot in np.unique(appearance.materials) if len(mesh.materials)]
     return list(dict.fromkeys(mesh.materials[slot] for slot in slots if mesh.materials[slot] is not None))
 
