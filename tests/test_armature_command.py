@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command ``armature``: what it reads and writes, how it ends; the layout itself is a stand-in here."""
+"""The command ``armature``: files, output and exit codes; the fit is replaced by a fake."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ pytestmark = [
 
 @pytest.fixture(autouse=True)
 def asked(monkeypatch):
-    """What the fit is asked for; it lays joints out between the pins."""
+    """Record the requests for a fit, and place the joints between the pins."""
     calls = []
 
     def steps(mesh, graph, settings, control=UNINTERRUPTED):
@@ -47,7 +47,7 @@ def save(path):
 
 @pytest.fixture
 def scene(tmp_path):
-    """A tube along X, and a chain beside it, in one file."""
+    """A tube along X, and a chain next to it, in one file."""
     tube()
     chain(3).location = (0, 0, 5)
     return save(tmp_path / "scene.blend")
@@ -65,7 +65,7 @@ def opened(tmp_path):
 PINS = ("--pin", "A.head=0.5,0,0", "C.tail=3.5,0,0")
 
 
-def test_a_rig_goes_into_a_body(tmp_path, scene, capfd):
+def test_a_rig_is_fitted_to_a_body(tmp_path, scene, capfd):
     report = tmp_path / "report.json"
     assert run(tmp_path, f"{scene}:Tube", f"{scene}:Rig", *PINS, "--report", report) == 0
     printed = capfd.readouterr().out.splitlines()
@@ -82,18 +82,18 @@ def test_a_rig_goes_into_a_body(tmp_path, scene, capfd):
     assert [joint["pinned"] for joint in record["joints"].values()] == [True, False, False, True]
 
 
-def test_names_are_needed_for_choices_alone(tmp_path, scene):
+def test_names_are_needed_only_where_there_is_a_choice(tmp_path, scene):
     assert run(tmp_path, scene, scene, *PINS) == 0
 
 
-def test_the_answer_as_json(tmp_path, scene, capfd):
+def test_the_result_as_json(tmp_path, scene, capfd):
     assert run(tmp_path, scene, scene, *PINS, "--json") == 0
     answer = json.loads(capfd.readouterr().out)
     assert answer["written"] == [str(tmp_path / "out.blend")]
     assert set(answer["joints"]) == {"A.head", "A.tail", "B.tail", "C.tail"}
 
 
-def test_pins_of_the_file_and_settings(tmp_path, asked):
+def test_pins_and_settings_of_the_file_are_used(tmp_path, asked):
     tube()
     rig = chain(3)
     rig.data.bones["C"].use_deform = False
@@ -112,7 +112,7 @@ def test_pins_of_the_file_and_settings(tmp_path, asked):
     assert len(asked[1][1].names) == 4
 
 
-def test_joints_behind_the_surface(tmp_path, scene, monkeypatch):
+def test_pinned_joints_move_inside_the_surface(tmp_path, scene, monkeypatch):
     finder = SimpleNamespace(find=lambda point: InnerPoint(np.array((point[0], 0.0, 0.0)), 0.4))
     monkeypatch.setattr(armature_command, "InnerPointFinder", lambda mesh: finder)
     places = ("--place", "A.head=0.5,0,0.4", "--place", "C.tail=3.5,0.4,0")
@@ -218,7 +218,7 @@ def two_of_each(tmp_path):
         (("{scene}", "{scene}", "--report", "{folder}"), "is a folder"),
     ],
 )
-def test_what_cannot_work_is_told(tmp_path, scene, two_of_each, capfd, words, message):
+def test_impossible_requests_are_reported(tmp_path, scene, two_of_each, capfd, words, message):
     tube()
     paths = {
         "scene": scene,
@@ -237,7 +237,7 @@ def test_what_cannot_work_is_told(tmp_path, scene, two_of_each, capfd, words, me
 
 
 @pytest.mark.parametrize("word", ["A.tail=1,2", "A.tail=x,y,z", "=1,2,3"])
-def test_words_that_are_no_pins(tmp_path, scene, word):
+def test_invalid_pins_are_refused(tmp_path, scene, word):
     assert run(tmp_path, scene, scene, "--pin", word) == 2
     assert run(tmp_path, scene, scene, "--place", word) == 2
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command line: what it writes, what it prints, how it ends."""
+"""The command line: files, output and exit codes."""
 
 from __future__ import annotations
 
@@ -74,7 +74,7 @@ def test_objects_of_a_blend_and_a_single_blend(shapes, tmp_path):
     assert list(blend["convwass_weights"]) == pytest.approx([0.5, 0.25, 0.25])
 
 
-def test_shapes_can_be_laid_onto_the_first(shapes, tmp_path):
+def test_shapes_can_be_aligned_with_the_first(shapes, tmp_path):
     out = tmp_path / "morph.blend"
     words = [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball")]
     options = ["--align", "principal-axes", "--scale", "equal-volume", *QUICK]
@@ -249,7 +249,7 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
         ([], 2, "SHAPE"),
     ],
 )
-def test_errors_have_codes_and_say_what_to_do(shapes, tmp_path, capfd, words, code, message):
+def test_errors_have_codes_and_instructions(shapes, tmp_path, capfd, words, code, message):
     before = sorted(tmp_path.rglob("*"))
     words = [word.replace("{in}", str(shapes)) for word in words]
     if "--out" not in words:
@@ -325,7 +325,7 @@ def test_ranges_fill_a_cache_and_the_last_run_takes_all_from_it(shapes, tmp_path
     assert json.loads(capfd.readouterr().out)["frames"] == cached
 
 
-def test_frames_of_a_cluster_are_those_of_threads(shapes, tmp_path, capfd):
+def test_a_cluster_computes_the_same_frames_as_threads(shapes, tmp_path, capfd):
     words = ["morph", "--motion", "transport", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--json"]
     words += ["--out", str(tmp_path / "morph.blend")]
     results = []
@@ -338,7 +338,7 @@ def test_frames_of_a_cluster_are_those_of_threads(shapes, tmp_path, capfd):
 
 
 @pytest.mark.parametrize(("cache", "left"), [([], "nothing was saved"), (["--cache", "{at}"], "are kept in {at}")])
-def test_an_interrupt_says_what_is_left(shapes, tmp_path, capfd, monkeypatch, cache, left):
+def test_an_interrupt_reports_what_remains(shapes, tmp_path, capfd, monkeypatch, cache, left):
     def interrupt(*_):
         raise KeyboardInterrupt
 

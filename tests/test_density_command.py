@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command ``density``: what it writes, what it prints, how it ends."""
+"""The command ``density``: files, output and exit codes."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ pytestmark = [
 
 
 def add_group(obj, name, near, reach):
-    """Paint what lies near a point; return the number of vertices painted."""
+    """Paint the vertices near a point; return their number."""
     points = np.array([vertex.co for vertex in obj.data.vertices])
     painted = np.flatnonzero(np.linalg.norm(points - near, axis=1) < reach)
     obj.vertex_groups.new(name=name).add(painted.tolist(), 1.0, "REPLACE")
@@ -34,7 +34,7 @@ def add_group(obj, name, near, reach):
 
 @pytest.fixture
 def files(tmp_path, empty_scene):
-    """A ball with painted groups, a lamp and a cube beside it in a .blend, and the ball alone as OBJ."""
+    """A ball with painted groups, a lamp and a cube next to it in a .blend, and the ball alone as OBJ."""
     folder = tmp_path / "in"
     folder.mkdir()
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4, radius=1.0)
@@ -65,7 +65,7 @@ def reopened(path):
     return bpy.data.objects["Ball"]
 
 
-def test_a_group_travels_to_another_in_the_users_own_scene(files, tmp_path, capfd):
+def test_a_group_is_interpolated_to_another_in_the_users_scene(files, tmp_path, capfd):
     out = tmp_path / "flow.blend"
     words = [f"{files / 'scene.blend'}:Ball", "--from", "East", "--to", "North", "--steps", "4", "--out", out, "--json"]
     code, printed, said = run(capfd, *words)
@@ -147,7 +147,7 @@ def test_a_blend_is_a_group(files, tmp_path, capfd):
 
 
 def test_distances_are_in_scene_units(files, capfd, tmp_path):
-    """A quarter of the circumference of a ball of radius 2 is 3.14; a turn is not quite the best transport."""
+    """A quarter of the circumference of a ball of radius 2 is 3.14; a rotation is not quite the optimal transport."""
     source = f"{files / 'scene.blend'}:Ball"
     code, printed, said = run(capfd, source, "--measure", "East", "North")
     assert code == 0, said
@@ -161,7 +161,7 @@ def test_distances_are_in_scene_units(files, capfd, tmp_path):
 
 
 @pytest.mark.parametrize("words", [["--measure", "East", "North"], ["--matrix"]])
-def test_distances_are_as_exact_as_asked_for(files, capfd, words):
+def test_distances_have_the_requested_accuracy(files, capfd, words):
     found = {}
     for name, own in {"usual": [], "loose": ["--tolerance", "0.1"], "short": ["--max-iterations", "2"]}.items():
         code, printed, said = run(capfd, f"{files / 'scene.blend'}:Ball", *words, *own, "--json")
@@ -234,7 +234,7 @@ def test_distances_from_a_vertex(files, tmp_path, capfd):
         (["{in}", "--matrix"], 3, "folder"),
     ],
 )
-def test_errors_have_codes_and_say_what_to_do(files, capfd, words, code, message):
+def test_errors_have_codes_and_instructions(files, capfd, words, code, message):
     (files / "broken.blend").write_bytes(b"BLENDER nonsense")
     before = sorted(files.parent.rglob("*"))
     found, printed, said = run(capfd, *(word.replace("{in}", str(files)) for word in words))
@@ -270,7 +270,7 @@ def test_help_names_every_option(capsys):
     assert "exit codes" in text
 
 
-def test_what_lies_between_is_filled_in_as_groups(files, tmp_path, capfd):
+def test_groups_between_others_are_interpolated(files, tmp_path, capfd):
     out = tmp_path / "between.blend"
     edges = ["East=middle", "middle=North", "middle=Up, high"]
     code, printed, said = run(capfd, f"{files / 'scene.blend'}:Ball", "--propagate", *edges, "--out", out, "--json")
@@ -310,13 +310,13 @@ def test_a_trail_stays_covered(files, tmp_path, capfd):
 
 
 @pytest.mark.parametrize("edge", ["East", "East=", "East=x=North"])
-def test_edges_that_are_none_are_refused(files, capfd, edge):
+def test_invalid_edges_are_refused(files, capfd, edge):
     code, _, said = run(capfd, files / "ball.obj", "--propagate", edge)
     assert code == 2
     assert "pair of places" in said
 
 
-def test_modifiers_that_are_left_out_are_told(files, tmp_path, capfd):
+def test_skipped_modifiers_are_reported(files, tmp_path, capfd):
     bpy.ops.wm.open_mainfile(filepath=str(files / "scene.blend"))
     bpy.data.objects["Ball"].modifiers.new("Finer", "SUBSURF")
     bpy.ops.wm.save_mainfile()

@@ -96,13 +96,13 @@ def test_unreadable_objects_are_reported(files, capsys, shape, message):
         (["--cache", "{files}/cache"], "cannot be cached or computed on other machines"),
     ],
 )
-def test_options_that_mean_nothing_are_refused(files, capsys, options, message):
+def test_options_without_effect_are_refused(files, capsys, options, message):
     given = [option.format(files=files) for option in options]
     assert main(["morph", "text:A", "text:B", "--out", str(files / "morph.blend"), *given]) == 3
     assert message in capsys.readouterr().err
 
 
-def test_a_text_beside_a_solid_shape_needs_a_thickness(files):
+def test_a_text_together_with_a_solid_shape_needs_a_thickness(files):
     bpy.ops.mesh.primitive_cube_add()
     bpy.ops.wm.obj_export(filepath=str(files / "cube.obj"))
     shapes = ["text:A", str(files / "cube.obj"), "--out", str(files / "morph.blend")]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command ``recolor``: what it reads and writes, how it ends."""
+"""The command ``recolor``: files and exit codes."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ def test_an_image_and_a_table_are_written(tmp_path, red, blue, capfd):
 
 
 def test_frames_of_a_clip_are_graded_alike(tmp_path, red, blue):
-    """A dark frame and a bright one: together they have the palette, and each keeps its place."""
+    """A dark frame and a bright one: together they have the palette, and the dark one stays darker."""
     pixels = opened(red)
     frames = []
     for number, gain in enumerate((0.7, 1.2)):
@@ -86,7 +86,7 @@ def test_movies_become_graded_frames(tmp_path, red, blue, capfd):
 
 
 @pytest.mark.parametrize("ends", [KeyboardInterrupt(), ConvwassError("The disk is full.")])
-def test_what_ends_early_leaves_what_was_there(tmp_path, red, blue, ends, monkeypatch):
+def test_existing_files_are_kept_if_the_work_ends_early(tmp_path, red, blue, ends, monkeypatch):
     out, cube = tmp_path / "graded", tmp_path / "grade.cube"
     frames = [saved(image_of("Frame", opened(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
     assert run(*frames, "--palette", blue, "--out", out, "--cube", cube, "--cube-size", 5) == 0
@@ -108,7 +108,7 @@ def test_what_ends_early_leaves_what_was_there(tmp_path, red, blue, ends, monkey
     assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
 
 
-def test_steps_on_the_way(tmp_path, red, blue):
+def test_steps_between_an_image_and_a_palette(tmp_path, red, blue):
     out = tmp_path / "sequence"
     assert run(red, "--palette", blue, "--steps", 3, "--out", out) == 0
     names = ["red.0000.png", "red.0001.png", "red.0002.png"]
@@ -165,7 +165,7 @@ def test_palettes_that_could_not_be_matched_write_nothing(tmp_path, red, blue, c
 
 
 @pytest.mark.parametrize("spelling", ["dots", "link"])
-def test_images_that_are_read_are_known_by_any_name(tmp_path, red, blue, capfd, spelling):
+def test_input_images_are_recognized_by_any_spelling_of_their_path(tmp_path, red, blue, capfd, spelling):
     """Neither the frames nor the palette are replaced, however the folder is written."""
     other = saved(red_image(), tmp_path / "red2.png")
     folder = tmp_path / ".." / tmp_path.name

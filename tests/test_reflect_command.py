@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The commands ``reflect`` and ``sky``: what they read and write, and how they end."""
+"""The commands ``reflect`` and ``sky``: files and exit codes."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ def reflect(out, *words):
     return cli.main(["reflect", *words, "--rows", "10", "--out", str(out)])
 
 
-def test_a_blend_is_written_and_told(tmp_path, capfd):
+def test_a_blend_is_written_and_reported(tmp_path, capfd):
     out = tmp_path / "half.npz"
     assert reflect(out, "ggx:0.2,0.2", "ggx:0.6,0.6", "--weights", "1,1", "--json") == 0
     record = json.loads(capfd.readouterr().out)
@@ -36,14 +36,14 @@ def test_a_blend_is_written_and_told(tmp_path, capfd):
     assert read_table(out).rows == 10
 
 
-def test_tables_that_were_written_are_blended_on(tmp_path):
+def test_written_tables_can_be_blended_again(tmp_path):
     for name, word in (("a.npz", "blinn:50"), ("b.lobes.exr", "principled:0.7")):
         assert reflect(tmp_path / name, word, word) == 0
     assert reflect(tmp_path / "c.exr", str(tmp_path / "a.npz"), str(tmp_path / "b.lobes.exr"), "--steps", "3") == 0
     assert len(read_lobe_exr(tmp_path / "c.exr")) == 3
 
 
-def test_a_way_and_a_pad_are_written(tmp_path):
+def test_a_path_and_a_pad_are_written(tmp_path):
     words = ["ggx:0.2,0.2", "ggx:0.6,0.6", "blinn:20"]
     assert reflect(tmp_path / "way.exr", *words, "--weights", "1,0,0", "--weights", "0,1,1", "--steps", "3") == 0
     assert len(read_lobe_exr(tmp_path / "way.exr")) == 3
@@ -51,7 +51,7 @@ def test_a_way_and_a_pad_are_written(tmp_path):
     assert len(read_lobe_exr(tmp_path / "pad.exr")) == 4
 
 
-def test_a_file_of_blenders_shows_a_pad_on_balls(tmp_path):
+def test_a_blend_file_shows_a_pad_on_balls(tmp_path):
     words = ["ggx:0.2,0.2", "ggx:0.6,0.6", "blinn:20"]
     assert reflect(tmp_path / "pad.blend", *words, "--pad", "2") == 0
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "pad.blend"))
@@ -63,7 +63,7 @@ def test_a_file_of_blenders_shows_a_pad_on_balls(tmp_path):
     assert bpy.data.materials[name].node_tree.nodes[PLACE].inputs["X"].default_value == pytest.approx(1.0)
 
 
-def test_a_grain_goes_to_whole_tables_only(tmp_path, capfd):
+def test_grain_requires_complete_tables(tmp_path, capfd):
     assert reflect(tmp_path / "a.exr", "ashikhmin:10,100", "ggx:0.3,0.3") == 3
     assert "choose .npz or .lobes.exr" in capfd.readouterr().err
 
@@ -103,7 +103,7 @@ def test_skies_are_written(tmp_path, capfd):
     np.testing.assert_allclose(read_sky_file(paths[0]), ends[0], rtol=1e-5)
 
 
-def test_skies_that_are_none_are_refused(tmp_path, capfd):
+def test_missing_skies_and_single_steps_are_refused(tmp_path, capfd):
     write_sky(tmp_path / "a.exr", sky((1, 0, 1)))
     words = ["sky", str(tmp_path / "a.exr"), str(tmp_path / "b.exr")]
     assert cli.main([*words, "--out", str(tmp_path / "out")]) == 3

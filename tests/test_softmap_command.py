@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The command ``softmap``: what it writes, what it prints, how it ends."""
+"""The command ``softmap``: files, output and exit codes."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def vertices_near(obj, places):
 
 
 def add_blob(name, subdivisions, location):
-    """A long ball with UVs, no axis like another; return it."""
+    """Add and return a ball with UVs and three different axes."""
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=subdivisions, location=location)
     obj = bpy.context.object
     obj.name = obj.data.name = name
@@ -51,7 +51,7 @@ PLACES = [(0.77, 0, 1.6), (0.77, 0, -1.6), (-1, 0, 0), (1, 0, 0), (0, 0.7, 0), (
 
 @pytest.fixture
 def files(tmp_path, empty_scene):
-    """Two blobs, one finer; the first has weights, a shape key and colors; their pairs, also as faint marks."""
+    """Two blobs, one finer; the first has weights, a shape key and colors. Their pairs, also as weak marks."""
     folder = tmp_path / "in"
     folder.mkdir()
     fox, dog = add_blob("Fox", 4, (0, 0, 0)), add_blob("Dog", 5, (5, 0, 0))
@@ -87,7 +87,7 @@ def run(capfd, *words):
     return code, *capfd.readouterr()
 
 
-def test_weights_keys_uvs_and_colors_arrive_in_the_users_own_scene(files, tmp_path, capfd):
+def test_weights_keys_uvs_and_colors_are_transferred_in_the_users_scene(files, tmp_path, capfd):
     folder, pairs = files
     out, report = tmp_path / "dog.blend", tmp_path / "map.json"
     blend = folder / "pets.blend"
@@ -126,7 +126,7 @@ def test_weights_keys_uvs_and_colors_arrive_in_the_users_own_scene(files, tmp_pa
     assert len(stored.found.forward) == len(fox.data.vertices)
 
 
-def test_pairs_come_from_groups_too_and_the_way_back_is_a_way(files, tmp_path, capfd):
+def test_pairs_come_from_groups_too_and_the_inverse_map_is_written(files, tmp_path, capfd):
     folder, _ = files
     blend = folder / "pets.blend"
     words = [f"{blend}:Dog", f"{blend}:Fox", "--pairs-from", "groups", "--transfer", "weights", "--names", "Top"]
@@ -141,7 +141,7 @@ def test_pairs_come_from_groups_too_and_the_way_back_is_a_way(files, tmp_path, c
     assert read_group(dog, "Top").max() > 0.9
 
 
-def test_plain_files_are_read_into_one_scene_and_doubtful_points_are_filled_in(files, tmp_path, capfd):
+def test_plain_files_are_read_into_one_scene_and_doubtful_points_are_interpolated(files, tmp_path, capfd):
     folder, pairs = files
     out = tmp_path / "both.blend"
     words = [folder / "fox.obj", folder / "dog.obj", "--pairs", *pairs, "--transfer", "uvs", "--repair", "0.5"]
@@ -152,7 +152,7 @@ def test_plain_files_are_read_into_one_scene_and_doubtful_points_are_filled_in(f
     assert sorted(obj.name for obj in bpy.data.objects) == ["dog", "fox"]
 
 
-def test_an_object_of_another_blend_comes_with_its_keys(files, tmp_path, capfd):
+def test_an_object_of_another_blend_keeps_its_keys(files, tmp_path, capfd):
     folder, _ = files
     bpy.ops.wm.open_mainfile(filepath=str(folder / "pets.blend"))
     bpy.data.objects.remove(bpy.data.objects["Fox"])
@@ -165,7 +165,7 @@ def test_an_object_of_another_blend_comes_with_its_keys(files, tmp_path, capfd):
     assert "Tall" in bpy.data.objects["Dog"].data.shape_keys.key_blocks
 
 
-def test_left_goes_right(files, tmp_path, capfd):
+def test_left_is_mirrored_to_the_right(files, tmp_path, capfd):
     folder, _ = files
     bpy.ops.wm.open_mainfile(filepath=str(folder / "pets.blend"))
     dog = bpy.data.objects["Dog"]
@@ -201,7 +201,7 @@ def test_left_goes_right(files, tmp_path, capfd):
         (["FOX", "DOG", "--out", "/nowhere/at/all.blend"], 3, "does not exist"),
     ],
 )
-def test_what_cannot_work_is_told(files, tmp_path, capfd, words, code, message):
+def test_impossible_requests_are_reported(files, tmp_path, capfd, words, code, message):
     folder, _ = files
     names = {"FOX": f"{folder / 'pets.blend'}:Fox", "DOG": f"{folder / 'pets.blend'}:Dog"}
     names["NONE"] = f"{folder / 'pets.blend'}:None"

@@ -26,11 +26,11 @@ def gap(first, last, height):
 
 
 def drawn_out(height):
-    """A ball and a small one, a bit more than half a stray, six cells beside it, with such a density between them."""
+    """A ball and one slightly larger than half a stray, six cells apart, with a rod of this density between them."""
     return np.maximum.reduce([ball((14, 14, 14), 9), ball((30.3, 14, 14), 1.5), gap(14, 30.3, height)])
 
 
-def test_the_share_that_has_grown_out_is_continuous():
+def test_the_fraction_of_growth_is_continuous():
     sizes, heights = STRAY_SHARE * np.linspace(0.0, 3.0, 61), np.linspace(0.0, 1.0, 101)
     grown = np.array([[grown_share(size, height, 3.0, 12.0) for height in heights] for size in sizes])
     assert (np.diff(grown, axis=0) >= 0).all()
@@ -42,8 +42,8 @@ def test_the_share_that_has_grown_out_is_continuous():
     assert grown_share(STRAY_SHARE, DEEPEST_GAP, 3.0, 12.0) == 0.0
 
 
-def test_a_small_piece_grows_out_of_a_large_one_and_back():
-    """Never apart, and its tip moves by less than two cells where it used to appear at once, seven cells away."""
+def test_a_small_component_grows_out_of_a_large_one_and_back():
+    """They stay connected, and the tip moves by less than two cells per step instead of appearing seven cells away."""
     volume = float((ball((14, 14, 14), 9) > LEVEL).sum())
     tips = []
     for height in np.linspace(0.3, 0.9, 31):
@@ -56,7 +56,7 @@ def test_a_small_piece_grows_out_of_a_large_one_and_back():
 
 
 @pytest.mark.parametrize("most", [1, 2])
-def test_the_largest_pieces_are_those_that_stay_apart(most):
+def test_the_largest_components_stay_separate(most):
     density = np.maximum.reduce(
         [ball((8, 14, 14), 6), ball((40, 14, 14), 6), ball((24, 14, 14), 3), gap(8, 24, 0.9), gap(24, 40, 0.8)]
     )
@@ -69,7 +69,7 @@ def test_the_largest_pieces_are_those_that_stay_apart(most):
     assert (left.labels[24, 14, 14] == left.labels[40, 14, 14]) == (most == 1)
 
 
-def test_strays_without_a_gap_are_dropped_and_larger_ones_stay():
+def test_small_components_without_a_gap_are_dropped_and_larger_ones_kept():
     density = np.maximum.reduce([ball((12, 14, 14), 9), ball((30, 14, 14), 1.5), ball((40, 14, 14), 4)])
     pieces = pieces_above(density, LEVEL)
     done = join_pieces(density, LEVEL, pieces, 1, float((density > LEVEL).sum()))

@@ -33,7 +33,7 @@ ENDS = "A.head, D.tail"
 
 @pytest.fixture
 def asked(monkeypatch):
-    """What the fit is asked for; it lays joints out between the pins."""
+    """Record the requests for a fit, and place the joints between the pins."""
     calls = []
 
     def steps(mesh, graph, settings, control=UNINTERRUPTED):

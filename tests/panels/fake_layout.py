@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A layout that remembers what is drawn into it, and refuses what Blender would not draw."""
+"""A layout that records what is drawn into it, and refuses what Blender would not draw."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ _ICONS = set(bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enu
 
 
 class FakeLayout:
-    """Stands in for bpy.types.UILayout; blocks within it share its list of what has been drawn."""
+    """A fake of bpy.types.UILayout; nested layouts share its list of what has been drawn."""
 
     def __init__(self, drawn=None) -> None:
         self.drawn = [] if drawn is None else drawn
@@ -75,7 +75,7 @@ class FakeLayout:
 
 
 class _Arguments:
-    """Takes the arguments that an operator has, and no others."""
+    """Accepts only the arguments that an operator has."""
 
     def __init__(self, names) -> None:
         object.__setattr__(self, "names", names)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels of armatures show, drawn into a layout that remembers; and that drawing does nothing else."""
+"""What the panels of armatures show, drawn into a recording layout; drawing has no other effect."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def rig():
     return rig
 
 
-def test_at_first_it_asks_for_a_body_and_an_armature():
+def test_without_inputs_it_asks_for_a_body_and_an_armature():
     drawn = draw_all()
     assert {("prop", "body"), ("prop", "rig")} <= set(drawn)
     assert "Pin the ends" not in texts(drawn)
@@ -49,7 +49,7 @@ def test_the_active_armature_is_named(rig):
     assert "Active armature: Rig" in texts(draw_all())
 
 
-def test_every_setting_and_every_operator_is_somewhere(rig):
+def test_every_setting_and_every_operator_is_shown(rig):
     call("pin_joints", joints="A.head")
     drawn = draw_all()
     shown = {name for kind, name in drawn if kind == "prop"}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels of densities show, drawn into a layout that remembers; and that drawing does nothing else."""
+"""What the panels of densities show, drawn into a recording layout; drawing has no other effect."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ def played(obj):
     return obj
 
 
-def test_they_are_there_for_meshes_alone(obj):
+def test_only_meshes_have_these_panels(obj):
     assert draw_all()
     bpy.ops.object.empty_add()
     assert not draw(bpy.types.CONVWASS_PT_densities)
@@ -48,18 +48,18 @@ def test_they_are_there_for_meshes_alone(obj):
     assert not draw(bpy.types.CONVWASS_PT_densities)
 
 
-def test_painting_and_interpolating_are_open_at_first():
+def test_painting_and_interpolating_are_open_by_default():
     opened = [panel.__name__ for panel in panels("CONVWASS_PT_density_") if "DEFAULT_CLOSED" not in panel.bl_options]
     assert sorted(opened) == ["CONVWASS_PT_density_interpolate", "CONVWASS_PT_density_paint"]
 
 
-def test_without_a_group_it_says_what_to_do():
+def test_without_a_group_there_are_instructions():
     bpy.ops.mesh.primitive_cube_add()
     assert ("label", "Paint a vertex group first") in draw_all()
 
 
 @pytest.mark.parametrize("mode", ["OBJECT", "WEIGHT_PAINT"])
-def test_the_active_group_and_its_figures(obj, mode):
+def test_the_active_group_is_shown_with_its_figures(obj, mode):
     bpy.ops.object.mode_set(mode=mode)
     assert "Radius" not in texts(draw(bpy.types.CONVWASS_PT_densities))
     bpy.ops.convwass.normalize_density()
@@ -70,7 +70,7 @@ def test_the_active_group_and_its_figures(obj, mode):
     assert texts(draw(bpy.types.CONVWASS_PT_densities)) == "B"
 
 
-def test_distances_are_told(obj):
+def test_distances_are_shown(obj):
     bpy.ops.convwass.measure_distance(first="A", second="B")
     bpy.ops.convwass.measure_groups()
     shown = texts(draw(bpy.types.CONVWASS_PT_density_measure))
@@ -78,7 +78,7 @@ def test_distances_are_told(obj):
     assert "Sphere Distances" in shown
 
 
-def test_a_list_takes_the_place_of_the_pair(obj):
+def test_a_list_replaces_the_pair(obj):
     drawn = draw(bpy.types.CONVWASS_PT_density_interpolate)
     assert ("prop", "first") in drawn
     assert "convwass.blend_densities" not in offered(drawn)
@@ -91,7 +91,7 @@ def test_a_list_takes_the_place_of_the_pair(obj):
     assert [text for kind, text in drawn if kind == "label"] == ["", "0", "1"]
 
 
-def test_every_setting_is_somewhere(played):
+def test_every_setting_is_shown(played):
     own = played.convwass_density
     own.entropy_limit, own.output = "NUMBER", "IMAGES"
     drawn = {name for kind, name in draw_all() if kind == "prop"}
@@ -100,7 +100,7 @@ def test_every_setting_is_somewhere(played):
     assert expected <= drawn
 
 
-def test_every_operator_is_somewhere(played):
+def test_every_operator_is_shown(played):
     before = offered(draw_all())
     bpy.ops.convwass.add_density_stop(which="ALL")
     kinds = [name for name in dir(bpy.types) if name.startswith("CONVWASS_OT_")]
@@ -120,20 +120,20 @@ def test_an_animated_density_shows_its_value(obj):
     assert {"convwass.rebake_density", "convwass.remove_density"} <= offered(drawn)
 
 
-def test_what_has_changed_is_told(played):
+def test_changed_inputs_are_reported(played):
     assert "Changed" not in texts(draw_all())
     played.vertex_groups.remove(played.vertex_groups["B"])
     assert "Changed since it was made: B" in texts(draw_all())
 
 
-def test_nodes_that_somebody_has_edited_are_left_out(played):
+def test_edited_nodes_are_left_out(played):
     tree = played.modifiers[0].node_group
     for item in [item for item in tree.interface.items_tree if item.name == "Density"]:
         tree.interface.remove(item)
     assert ("text", "Density") not in draw(bpy.types.CONVWASS_PT_densities)
 
 
-def test_without_groups_there_is_little_to_see():
+def test_without_groups_little_is_shown():
     bpy.ops.mesh.primitive_cube_add()
     assert not bpy.types.CONVWASS_PT_density_interpolate.poll(bpy.context)
     assert not bpy.types.CONVWASS_PT_density_measure.poll(bpy.context)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels of light show, and that drawing changes nothing."""
+"""What the panels of light show; drawing changes nothing."""
 
 from __future__ import annotations
 
@@ -29,21 +29,21 @@ def shown(kind):
 
 
 def said():
-    """Return all labels in turn; long sentences are several."""
+    """Return all labels in order; long sentences consist of several."""
     return " ".join(text for own, text in draw_all() if own == "label")
 
 
-def test_it_is_closed_at_first():
+def test_it_is_closed_by_default():
     assert "DEFAULT_CLOSED" in bpy.types.CONVWASS_PT_light.bl_options
 
 
-def test_every_setting_and_every_operator_is_somewhere():
+def test_every_setting_and_every_operator_is_shown():
     expected = {*vars(ReflectanceProperties)["__annotations__"], *vars(SkyProperties)["__annotations__"]}
     assert expected | {"sun", "world", "world_2", "material"} <= shown("prop")
     assert {"convwass.blend_materials", "convwass.blend_skies", "convwass.import_lobes"} <= shown("operator")
 
 
-def test_there_is_room_for_one_more_material_and_weights_where_they_count():
+def test_there_is_one_empty_material_slot_and_weights_are_shown_where_used():
     own = bpy.context.scene.convwass_reflectance
     assert "material_2" not in shown("prop")
     own.material = principled("A", 0.4)
@@ -54,7 +54,7 @@ def test_there_is_room_for_one_more_material_and_weights_where_they_count():
     assert "blends" not in shown("prop")
 
 
-def test_too_few_choices_say_why_the_buttons_are_gray():
+def test_a_message_explains_disabled_buttons_if_too_few_are_chosen():
     reflectance, skies = bpy.context.scene.convwass_reflectance, bpy.context.scene.convwass_sky
     materials, worlds = "Choose at least two materials", "Choose at least two worlds"
     assert materials in said() and worlds in said()
@@ -71,7 +71,7 @@ def test_too_few_choices_say_why_the_buttons_are_gray():
     assert worlds not in said()
 
 
-def test_every_chosen_world_is_drawn_and_room_for_one_more():
+def test_every_chosen_world_and_one_empty_slot_are_drawn():
     own, worlds = bpy.context.scene.convwass_sky, {"world", "world_2", "world_3", "world_4"}
     assert shown("prop") & worlds == {"world", "world_2"}
     own.world = own.world_4 = bpy.data.worlds.new("Sky")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels show, drawn into a layout that remembers; and that drawing does nothing else."""
+"""What the panels show, drawn into a recording layout; drawing has no other effect."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def panels(start="CONVWASS_PT_"):
 
 
 def draw(panel, context=None):
-    """Return what a panel draws; nothing where it is not shown."""
+    """Return what a panel draws; nothing if it is not shown."""
     context = context or bpy.context
     if hasattr(panel, "poll") and not panel.poll(context):
         return []
@@ -66,19 +66,19 @@ def baked(shapes):
     return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
 
 
-def test_an_empty_scene_says_what_to_do():
+def test_an_empty_scene_shows_instructions():
     assert ("label", "Select at least two shapes") in draw_all()
 
 
 @pytest.mark.parametrize(("layout", "wanted"), {"GRID": "four", "TRIANGLE": "three", "BLEND": "at least two"}.items())
-def test_without_a_selection_the_layout_says_how_many_it_takes(layout, wanted):
+def test_without_a_selection_the_number_of_shapes_for_the_layout_is_shown(layout, wanted):
     settings().layout = layout
     drawn = draw(bpy.types.CONVWASS_PT_morph)
     assert ("label", f"Select {wanted} shapes") in drawn
     assert "This layout requires" not in " ".join(text for _, text in drawn)
 
 
-def test_settings_stay_where_they_are_when_nothing_is_selected():
+def test_settings_do_not_move_when_nothing_is_selected():
     """Otherwise buttons move under the mouse."""
     without = [entry for entry in draw(bpy.types.CONVWASS_PT_morph) if entry[0] == "prop"]
     assert {("prop", "resolution"), ("prop", "motion")} <= set(without)
@@ -86,7 +86,7 @@ def test_settings_stay_where_they_are_when_nothing_is_selected():
     assert [entry for entry in draw(bpy.types.CONVWASS_PT_morph) if entry[0] == "prop"] == without
 
 
-def test_a_baked_sheet_offers_its_shapes_which_are_hidden(shapes):
+def test_a_baked_sheet_offers_its_hidden_shapes(shapes):
     bpy.ops.mesh.primitive_cone_add(location=(3, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
     assert ("operator", "convwass.select_morph_inputs") not in draw_all()
@@ -128,21 +128,21 @@ def test_weights_are_shown_for_a_single_blend_only(shapes):
     assert shown == {"PATH": False, "GRID": False, "TRIANGLE": False, "BLEND": True}
 
 
-def test_only_faulty_shapes_have_a_warning(shapes):
+def test_only_defective_shapes_have_a_warning(shapes):
     bpy.ops.mesh.primitive_plane_add()
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.convwass.add_morph_inputs()
-    # One of them is the button beside the list.
+    # One of them is the button next to the list.
     assert draw_all().count(("operator", "convwass.check_morph_inputs")) == 2
 
 
-def test_a_wrong_number_of_shapes_is_told(shapes):
+def test_a_wrong_number_of_shapes_is_reported(shapes):
     settings().layout = "GRID"
     assert "This layout requires 4 shapes, not 2" in " ".join(text for _, text in draw_all())
 
 
 @pytest.mark.parametrize("layout", ["PATH", "BLEND"])
-def test_a_list_that_is_too_short_says_why_the_button_is_gray(shapes, layout):
+def test_a_message_explains_the_disabled_button_if_the_list_is_too_short(shapes, layout):
     bpy.ops.convwass.add_morph_inputs()
     settings().layout = layout
     hint = ("label", "Add at least two shapes to the list")
@@ -170,7 +170,7 @@ def test_objects_of_one_collection_are_offered_as_one_shape(shapes):
     assert {("label", "Body"), ("label", "Other")} <= set(drawn)
 
 
-def test_much_memory_is_told_before_a_bake(shapes):
+def test_large_memory_use_is_shown_before_a_bake(shapes):
     settings().resolution = 1000
     assert settings().resolution == 1000
     assert any(text.startswith("Takes about ") for _, text in draw(bpy.types.CONVWASS_PT_morph))
@@ -178,7 +178,7 @@ def test_much_memory_is_told_before_a_bake(shapes):
     assert not any(text.startswith("Takes about ") for _, text in draw(bpy.types.CONVWASS_PT_morph))
 
 
-def test_flat_shapes_have_settings_of_their_own():
+def test_flat_shapes_have_separate_settings():
     for text in ("A", "B"):
         bpy.ops.object.text_add()
         bpy.context.object.data.body = text
@@ -192,8 +192,8 @@ def test_flat_shapes_have_settings_of_their_own():
 
 
 @pytest.mark.parametrize("layout", LAYOUTS)
-def test_every_setting_is_somewhere(shapes, layout):
-    """Each one that the operator takes, for some layout."""
+def test_every_setting_is_shown(shapes, layout):
+    """Every setting of the operator, for at least one layout."""
     settings().layout = layout
     settings().start, settings().entropy_limit, settings().output = "CUSTOM", "NUMBER", "CACHE"
     drawn = {name for kind, name in draw_all() if kind == "prop"}
@@ -210,14 +210,14 @@ def test_every_setting_is_somewhere(shapes, layout):
     assert {name for name in every if layout in only.get(name, LAYOUTS)} - flat == drawn & every
 
 
-def test_pictures_ask_for_their_grays_and_their_folder(shapes):
+def test_pictures_have_settings_for_grays_and_folder(shapes):
     settings().output, settings().flat_output = "OBJECTS", "CURVE"
     assert not {("prop", "grays"), ("prop", "folder")} & set(draw_all())
     settings().flat_output = "PICTURE"
     assert {("prop", "grays"), ("prop", "folder")} <= set(draw_all())
 
 
-def test_what_shows_all_frames_by_itself_offers_nothing_else(baked):
+def test_objects_that_show_all_frames_have_no_other_buttons(baked):
     frame_objects(baked)[0]["convwass_alone"] = True
     drawn = draw_all()
     assert ("operator", "convwass.make_player") not in drawn
@@ -235,7 +235,7 @@ def test_a_baked_morph_shows_its_buttons_and_its_diagnostics(baked):
     assert ("label", "No diagnostics available") in draw_all()
 
 
-def test_sentences_are_wrapped_to_the_width_and_lose_nothing():
+def test_sentences_are_wrapped_completely_to_the_width():
     text = "Resolution 64 is too coarse for thin parts of Cow (1.2 cells): 112 keeps them"
     system = SimpleNamespace(ui_scale=1.0)
     for width in (1, 200, 280, 900):
@@ -280,14 +280,14 @@ def contents():
     return values, {(block.id_type, block.name) for block in bpy.data.user_map()}
 
 
-def test_a_morph_whose_shapes_have_changed_says_so(baked):
+def test_changed_shapes_of_a_morph_are_reported(baked):
     assert not [text for _, text in draw_all() if text.startswith("Changed since")]
     bpy.data.objects["Cube"].location.z += 1.0
     bpy.context.view_layer.update()
     assert "Changed since it was baked: Cube" in " ".join(text for _, text in draw_all())
 
 
-def test_a_player_shows_its_value_and_the_way_back(baked):
+def test_a_player_shows_its_value_and_how_to_remove_it(baked):
     bpy.ops.convwass.make_player()
     drawn = draw(bpy.types.CONVWASS_PT_baked_morph)
     offered = [name for kind, name in drawn if kind == "operator"]

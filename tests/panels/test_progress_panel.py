@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bar of a running job: once, first of all, in every sidebar of the add-on, whatever is chosen there."""
+"""The bar of a running job is shown once, above all other panels, in every sidebar of the add-on."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ def drawn_in(space):
 @pytest.mark.parametrize("space", ["VIEW_3D", "IMAGE_EDITOR"])
 @pytest.mark.parametrize("mode", ["OBJECT", "WEIGHT_PAINT"])
 @pytest.mark.usefixtures("running")
-def test_there_is_one_with_a_button_below(space, mode):
+def test_there_is_one_bar_with_a_button_below(space, mode):
     ball()
     bpy.ops.object.mode_set(mode=mode)
     bars = [drawn for drawn in drawn_in(space) if BAR in drawn]
@@ -41,13 +41,13 @@ def test_there_is_one_with_a_button_below(space, mode):
 
 
 @pytest.mark.parametrize("space", ["VIEW_3D", "IMAGE_EDITOR"])
-def test_there_is_none_while_nothing_runs(space):
+def test_without_a_job_there_is_no_bar(space):
     ball()
     assert not [entry for drawn in drawn_in(space) for entry in drawn if entry[0] == "progress"]
 
 
 @pytest.mark.parametrize("space", ["VIEW_3D", "IMAGE_EDITOR"])
-def test_it_is_above_all_others_and_leaves_the_tabs_where_they_are(space):
+def test_it_is_above_all_other_panels_and_does_not_change_the_order_of_tabs(space):
     """Blender draws panels in the order in which they are registered, but those without a header before all tabs."""
     kinds = [cls for module in MODULES for cls in module.classes if issubclass(cls, bpy.types.Panel)]
     first = next(kind for kind in kinds if kind.bl_space_type == space)

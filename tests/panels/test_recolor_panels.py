@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels that recolor show, and that drawing does nothing else."""
+"""What the panels for recoloring show; drawing has no other effect."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ def draw_all():
     return [entry for panel in panels("CONVWASS_PT_recolor") for entry in draw(panel)]
 
 
-def test_every_setting_and_every_operator_is_somewhere():
+def test_every_setting_and_every_operator_is_shown():
     drawn = draw_all()
     shown = {name for kind, name in drawn if kind == "prop"}
     assert {*RecolorProperties.__annotations__, "mask", "palette_mask", "output", "cube_size", "result"} <= shown
@@ -32,7 +32,7 @@ def test_every_setting_and_every_operator_is_somewhere():
     assert {name for kind, name in drawn if kind == "operator"} == expected
 
 
-def test_weights_show_where_there_are_several_palettes():
+def test_weights_are_shown_for_several_palettes():
     own = bpy.context.scene.convwass_recolor
 
     def shown():
@@ -48,8 +48,8 @@ def test_weights_show_where_there_are_several_palettes():
     assert images() == ["palette", "weight", "palette_2", "weight_2", "palette_3"]
 
 
-def test_clips_have_a_button_of_their_own():
-    """In an editor that shows a sequence: all frames, or the one that is shown as a new image."""
+def test_clips_have_a_separate_button():
+    """In an editor that shows a sequence: for all frames, or for the current one as a new image."""
     clip = red_image("Shot")
     clip.source = "SEQUENCE"
     scene, manager = bpy.context.scene, bpy.context.window_manager

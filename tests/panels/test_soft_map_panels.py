@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the panels of soft maps show, drawn into a layout that remembers; and that drawing does nothing else."""
+"""What the panels of soft maps show, drawn into a recording layout; drawing has no other effect."""
 
 from __future__ import annotations
 
@@ -38,14 +38,14 @@ def mapped():
     return objects
 
 
-def test_at_first_it_asks_for_two_objects():
+def test_without_inputs_it_asks_for_two_objects():
     drawn = draw_all()
     assert {("prop", "source"), ("prop", "target")} <= set(drawn)
     assert "convwass.compute_soft_map" in offered(drawn)
     assert not {"convwass.transfer_by_map", "convwass.show_soft_map"} & offered(drawn)
 
 
-def test_it_is_closed_at_first():
+def test_it_is_closed_by_default():
     assert "DEFAULT_CLOSED" in bpy.types.CONVWASS_PT_soft_map.bl_options
 
 
@@ -56,14 +56,14 @@ def test_pairs_have_numbers_names_and_buttons(mapped):
     assert "convwass.remove_map_pair" in offered(drawn)
 
 
-def test_every_setting_is_somewhere(mapped):
+def test_every_setting_is_shown(mapped):
     drawn = {name for kind, name in draw_all() if kind == "prop"}
     kinds = (SoftMapProperties, TransferProperties, FromGroupsProperties)
     expected = {name for kind in kinds for name in vars(kind).get("__annotations__", {})}
     assert expected | {"show_labels", "threshold"} <= drawn
 
 
-def test_every_operator_is_somewhere(mapped):
+def test_every_operator_is_shown(mapped):
     shown = offered(draw_all())
     choose(mapped[0], mapped[0])
     shown |= offered(draw_all())
@@ -80,7 +80,7 @@ def test_one_object_for_both_gets_the_mirror_button(mapped):
     assert "convwass.compute_soft_map" not in drawn
 
 
-def test_the_map_and_its_direction_are_told(mapped):
+def test_the_map_and_its_direction_are_shown(mapped):
     assert "Map from Cow to Horse" in texts(draw(bpy.types.CONVWASS_PT_soft_map))
     call("swap_map_objects")
     assert "Map from Cow to Horse" in texts(draw(bpy.types.CONVWASS_PT_soft_map))
@@ -89,13 +89,13 @@ def test_the_map_and_its_direction_are_told(mapped):
     assert "Map from" not in texts(draw_all())
 
 
-def test_what_has_changed_is_told(mapped):
+def test_changed_inputs_are_reported(mapped):
     assert "Vertices or faces have changed" not in texts(draw_all())
     mapped[1].data.vertices.add(1)
     assert "Vertices or faces have changed since the map was computed: Horse" in texts(draw_all())
 
 
-def test_settings_of_groups_are_there_for_groups_alone(mapped):
+def test_settings_of_groups_are_shown_only_for_groups(mapped):
     own().what = {"KEYS"}
     drawn = draw(bpy.types.CONVWASS_PT_map_transfer)
     assert ("prop", "limit") not in drawn

@@ -12,13 +12,13 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball
 
 
-def test_a_smaller_ball_has_lost_nothing():
+def test_a_smaller_ball_has_no_loss():
     loss = EndLoss.of(ball(points=2000), ball(0.98, points=2000), 0.05)
     assert loss.area == pytest.approx(0.0, abs=1e-3)
     assert loss.detail == pytest.approx(0.0, abs=1e-2)
 
 
-def test_bumps_that_are_gone_are_lost():
+def test_missing_bumps_are_lost_detail():
     smooth = ball(points=4000)
     bumps = np.sin(12.0 * smooth.vertices).prod(axis=1, keepdims=True)
     bumpy = TriangleMesh(smooth.vertices * (1.0 + 0.1 * bumps), smooth.faces)
