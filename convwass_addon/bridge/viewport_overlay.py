@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw over the 3D viewport: when to draw, and discs."""
+"""A base class for drawing over the 3D viewport, and a function that draws discs."""
 
 from __future__ import annotations
 

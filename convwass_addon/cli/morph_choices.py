@@ -91,7 +91,7 @@ def request_of(options: Namespace, target: Path) -> MorphRequest:
 
 
 def _is_plain(options: Namespace) -> bool:
-    """Return whether the frames are plain objects, which frames that are not meshes must be."""
+    """Return whether the frames are plain objects; frames that are not meshes must be."""
     return options.output == "objects" and not (options.render or options.export)
 
 

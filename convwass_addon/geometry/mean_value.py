@@ -20,7 +20,7 @@ from .mesh import TriangleMesh
 _PAIRS = 1 << 17
 # A point closer to the surface than this fraction of the mesh's size lies on it.
 _ON_SURFACE = 1e-9
-# A triangle seen edge-on has no weight: the determinant of the directions to its corners is below this.
+# A triangle is seen edge-on, and has no weight, if the determinant of the directions to its corners is below this.
 _EDGE_ON = 1e-9
 # Newton's method for positive coordinates: steps, and the error of the mean, relative to the mesh's size, at which it
 # stops.

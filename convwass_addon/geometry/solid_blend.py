@@ -17,7 +17,7 @@ from .rotations import nearest_rotations
 
 _CORNERS = np.array(list(product((0, 1), repeat=3)))
 _EDGES = tuple((a, b) for a in range(8) for b in range(a + 1, 8) if int(np.abs(_CORNERS[a] - _CORNERS[b]).sum()) == 1)
-# Holds every connected component in place; so weak compared with the stiffness of a cell that it only fixes its center.
+# Stiffness relative to a cell's that holds every connected component in place, too weak to fix more than its center.
 _HOLD = 1e-7
 
 

@@ -21,8 +21,8 @@ from ...transport import Surface
 from ...transport.sharpening import entropy
 from .density_memory import check_surface_memory
 
-# In mean edge lengths: kernels narrower than the first resolve edges, not the surface; up to the second, distances
-# come out short.
+# Standard deviations of the kernel, in mean edge lengths. Below the first, it resolves edges instead of the surface;
+# below the second, distances come out too short.
 _LEAST_BLUR = 1.0
 _GOOD_BLUR = 2.0
 

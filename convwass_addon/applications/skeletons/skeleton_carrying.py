@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .skeleton_graph import JointGraph
 
-# Distance in bones from a limb's root of the joints that determine its rotation.
+# Joints up to this number of bones from a limb's root determine the rotation of the limb.
 _HOPS = 2
 
 
