@@ -25,18 +25,40 @@ def test_the_mean_of_concentric_balls_is_the_ball_between(share):
     assert radii.mean() == pytest.approx(10.0 + share, abs=0.05)
 
 
-def test_balls_that_are_apart_disagree():
-    solids = CoincidingSolids.of([filled(8.0), filled(8.0, CENTER + np.array([6.0, 0.0, 0.0]))], (0.5, 0.5))
+def rod(radius, x, top=34):
+    """An upright rod through the grid, up to a height."""
+    cells = np.stack(np.meshgrid(*[np.arange(40) + 0.5] * 3, indexing="ij"), axis=-1)
+    across = np.linalg.norm(cells[..., :2] - (x, 20.5), axis=-1)
+    return np.clip(radius - across + 0.5, 0.0, 1.0) * (cells[..., 2] < top) * (cells[..., 2] > 5)
+
+
+def slab(height):
+    heights = np.arange(40) + 0.5
+    return np.broadcast_to(np.clip(height - heights + 0.5, 0.0, 1.0) * (heights > 3), (40, 40, 40))
+
+
+def test_thin_parts_that_have_moved_disagree():
+    solids = CoincidingSolids.of([rod(2.0, 17.5), rod(2.0, 22.5)], (0.5, 0.5))
     assert solids.disagreement > 0.5
 
 
+@pytest.mark.parametrize("share", [0.4, 0.6])
+def test_a_rod_that_only_one_solid_has_grows_out_of_the_other(share):
+    plain = slab(12.0)
+    solids = CoincidingSolids.of([plain, np.maximum(plain, rod(3.5, 20.5))], (1.0 - share, share))
+    assert solids.disagreement == 0.0
+    line = solids.density[20, 20]
+    top = np.flatnonzero(line > 0.5)[-1] + 0.5
+    assert top == pytest.approx(12.0 + 3.5 * share / (1.0 - share), abs=1.0)
+    assert (line[6 : int(top)] > 0.5).all()
+
+
 def test_the_mixture_is_the_mean_where_solids_agree_and_the_other_density_elsewhere():
-    """A ball with a ball on top of it on one side only."""
-    plain = filled(8.0)
-    knob = np.maximum(plain, filled(3.0, CENTER + np.array([0.0, 0.0, 10.0])))
-    solids = CoincidingSolids.of([plain, knob], (0.5, 0.5))
-    other = np.full(plain.shape, 0.25, np.float32)
+    """Balls far away from rods, one of which has moved."""
+    here = filled(6.0, np.array([20.0, 32.0, 12.0]))
+    solids = CoincidingSolids.of([np.maximum(here, rod(2.0, x)) for x in (17.5, 22.5)], (0.5, 0.5))
+    other = np.full(here.shape, 0.25, np.float32)
     mixed = solids.mixed(other, (slice(None),) * 3)
-    bottom, top = (20, 20, 12), (20, 20, 31)
-    assert mixed[bottom] == pytest.approx(solids.density[bottom], abs=1e-3)
-    assert mixed[top] == pytest.approx(0.25, abs=0.02)
+    common, moved = (20, 36, 12), (19, 20, 20)
+    assert mixed[common] == pytest.approx(solids.density[common], abs=1e-3)
+    assert mixed[moved] == pytest.approx(0.25, abs=0.02)

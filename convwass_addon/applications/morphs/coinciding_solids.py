@@ -3,8 +3,13 @@
 """The mean of solids that nearly coincide: averaging signed distances keeps all shared detail.
 
 Next to a flat face, a solid blurred by sigma has the density Phi(d / sigma) at the signed distance d, so d = sigma
-Phi^-1(density), which is smooth to a hundredth of a cell if the densities are exact volume fractions. Where the solids
-are further apart than the blur, the distances are unknown, and the barycenter is used instead.
+Phi^-1(density), which is smooth to a hundredth of a cell if the densities are exact volume fractions. Further away, d
+is the distance of cells.
+
+Where only some solids have a part, such as a feather or the arc of a ring, the mean of the distances lets it grow out
+of what they share, or shrink into it: a part of half thickness r has the length r w / (1 - w) at its weight w.
+Transport would bring its mass from elsewhere, in pieces. Where a part lies beside its counterpart, the mean of the
+distances would lose both, and the barycenter is used instead.
 """
 
 from __future__ import annotations
@@ -18,6 +23,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr, ndtri
 
+from ...geometry.near import capped_squares
 from ...geometry.thin_parts import locally_normalized
 
 # Blur in cells from which distances are computed, and the largest known distance in units of the blur.
@@ -25,6 +31,12 @@ _BLUR, _KNOWN = 0.7, 2.6
 # Solids agree where their distances differ by at most this many cells. Beyond that, agreement falls off like a Gaussian
 # of the second width, and is smoothed over the third, so that no seam is visible.
 _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
+# Distances are extended to this many cells. Solids are compared within this many cells (standard deviation), up to so
+# many times that. Of what differs there, one solid has more than the others by the first share or less where parts have
+# moved, and by the second or more where parts grow in place.
+_FAR = 8.0
+_BALANCE, _BALANCE_REACH = 5.0, 2.0
+_MOVED, _GROWN = 0.2, 0.5
 # A point of the surface belongs to no agreeing part if its agreement is below this.
 _AGREED = 0.5
 # Solids coincide if they disagree on at most this fraction of the surface.
@@ -42,7 +54,8 @@ class CoincidingSolids:
     agreement : (nx, ny, nz) float32
         1 where the solids nearly coincide, falling to 0 elsewhere.
     depths : (k, nx, ny, nz) float32
-        Signed distance to the surface of every solid in cells, positive inside, clipped where it is unknown.
+        Signed distance to the surface of every solid in cells, positive inside, to half a cell or better and clipped at
+        eight.
     """
 
     density: NDArray[np.float32]
@@ -61,14 +74,16 @@ class CoincidingSolids:
             Weights of the mean, of sum 1.
         """
         depths = np.stack([_depth(occupancy) for occupancy in occupancies])
-        mean = np.tensordot(np.asarray(weights, np.float32), depths, 1)
         spread = np.ptp(depths, axis=0)
         # Far from all surfaces, all solids agree.
-        near = np.abs(mean) < _KNOWN * _BLUR
+        near = np.abs(np.tensordot(np.asarray(weights, np.float32), depths, 1)) < _KNOWN * _BLUR
         apart = gaussian_filter(np.where(near, spread, np.float32(0)), _SMOOTH)
         about = gaussian_filter(near.astype(np.float32), _SMOOTH)
         typical = np.maximum(np.where(near, spread, 0), apart / np.maximum(about, np.float32(1e-3)))
         agreement = np.exp(-np.square(np.maximum(typical - _APART, 0) / _FALL)).astype(np.float32)
+        np.maximum(agreement, _growing_in_place(depths), out=agreement)
+        depths = np.stack([_extended(depth) for depth in depths])
+        mean = np.tensordot(np.asarray(weights, np.float32), depths, 1)
         return cls(ndtr(mean / _BLUR).astype(np.float32), agreement, depths)
 
     @cached_property
@@ -94,6 +109,28 @@ class CoincidingSolids:
         """
         own, agreement = self.density[box], self.agreement[box]
         return agreement * own + (np.float32(1) - agreement) * density.astype(np.float32)
+
+
+def _growing_in_place(depths: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return 1 where solids differ by parts that only some of them have, falling to 0 where parts have moved.
+
+    Near a part that has moved, the solids fill as much space as each other, only elsewhere.
+    """
+    filled = ndtr(depths / np.float32(_BLUR)).astype(np.float32)
+    smooth = [gaussian_filter(own, _BALANCE, truncate=_BALANCE_REACH) for own in filled]
+    differing = gaussian_filter(np.ptp(filled, axis=0), _BALANCE, truncate=_BALANCE_REACH)
+    share = np.ptp(smooth, axis=0) / np.maximum(differing, np.float32(1e-4))
+    rising = np.clip((share - _MOVED) / (_GROWN - _MOVED), 0.0, 1.0)
+    return rising**2 * (3.0 - 2.0 * rising)
+
+
+def _extended(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return signed distances that are known further away from the surface."""
+    inside = depth > 0.0
+    known = np.float32(0.99 * _KNOWN * _BLUR)
+    away = [np.sqrt(capped_squares(part, _FAR), dtype=np.float32) - np.float32(0.5) for part in (~inside, inside)]
+    far = np.clip(np.where(inside, away[0], -away[1]), -_FAR, _FAR)
+    return np.where(np.abs(depth) < known, depth, np.copysign(np.maximum(np.abs(far), np.abs(depth)), depth))
 
 
 def _depth(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:

@@ -24,6 +24,9 @@ from .morph_problem import MorphFrame, MorphProblem
 # Confidence in the origins given by transport: none up to the first weight of a shape, full from the second on.
 _UNKNOWN, _KNOWN = 0.5, 0.9
 
+# Where a blend is within so many cells of a moved shape, the shape's detail belongs there; from so many on it does not.
+_RELATED, _UNRELATED = 1.0, 2.5
+
 # The detail of a moved shape is kept up to the first distortion, and lost from the second on. Halfway, 1 to 5 % of the
 # vertices exceed the first for a horse and a cow, and 10 to 20 % for a chair and a man.
 _SOUND, _CRUMPLED = 1.3, 2.0
@@ -105,8 +108,8 @@ def starts_of_transport(frame: MorphFrame) -> Starts:
 def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: CoincidingSolids) -> Starts:
     """Return the points of moved shapes that the vertices of a blend come from.
 
-    Where the shapes coincide, a point is straight above or below the vertex; elsewhere transport gives it. The weighted
-    mean of all points is the vertex.
+    Where the shapes coincide, a point is straight above or below the vertex, on the shape's surface as the grid shows
+    it, and less certain the further it is away; elsewhere transport gives it.
 
     Parameters
     ----------
@@ -120,12 +123,12 @@ def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: Coincid
     lattice, mesh, weights = problem.lattice, frame.mesh, frame.blend.weights
     at = partial(_sampled, low=lattice.origin + lattice.centers[0], spacing=lattice.spacing, points=mesh.vertices)
     depths = np.stack([at(depth) for depth in solids.depths])
-    heights = lattice.spacing * (depths - np.asarray(weights) @ depths)
-    points = mesh.vertices + heights[..., None] * vertex_normals(mesh.vertices, mesh.faces)
+    points = mesh.vertices + lattice.spacing * depths[..., None] * vertex_normals(mesh.vertices, mesh.faces)
+    near = np.clip((_UNRELATED - np.abs(depths)) / (_UNRELATED - _RELATED), 0.0, 1.0)
     if frame.origins is None:
-        return Starts(points, np.ones(points.shape[:2]))
+        return Starts(points, near)
     agreement = at(solids.agreement)
-    certainty = agreement + (1.0 - agreement) * _certainty(weights)[:, None]
+    certainty = agreement * near + (1.0 - agreement) * _certainty(weights)[:, None]
     return Starts(agreement[:, None] * points + (1.0 - agreement)[:, None] * frame.origins, certainty)
 
 
