@@ -8,6 +8,8 @@ As-Rigid-As-Possible Mesh Animation", TVCG 21, 2015).
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csc_array, csr_array, diags_array
@@ -20,6 +22,8 @@ from .unit_shape import UnitShape
 
 # Relative residual at which conjugate gradients stop, and their largest number of iterations; the next round continues.
 _RESIDUAL, _MOST_ITERATIONS = 1e-4, 60
+# With a preconditioner from an earlier round: a new one takes as long as about this many iterations.
+_FEW_ITERATIONS = 20
 # Lower limit of the relative weight of edges that yield; without it, joints crumple.
 _LEAST_SHARE = 0.02
 
@@ -54,6 +58,8 @@ class ElasticSurface:
         self._squares = self._sums @ (self._weights * np.square(self._edges).sum(axis=1))
         self._blurs: dict[float, Factorization] = {}
         self._factor = KeptFactor()
+        # Preconditioner of an earlier system with springs.
+        self._nearly: Factorization | None = None
 
     def relaxed(
         self, points: NDArray[np.float64], weights: NDArray[np.float64], pulls: NDArray[np.float64], width: float
@@ -102,29 +108,13 @@ class ElasticSurface:
         matrix = csc_array(diags_array(np.asarray(one_way.sum(axis=1)).ravel()) - one_way)
         springs = np.where(loose[:, None, None], np.eye(3), springs)
         right = np.where(loose[:, None], points, self._sums @ (weights[:, None] * turned) + pulls)
-        # A scalar between the largest and the smallest stiffness of every spring.
-        own = np.linalg.eigvalsh(springs)[:, [0, 2]]
-        factor = factorize(
-            csc_array(matrix + diags_array(np.sqrt(np.maximum(own[:, 0], 1e-2 * own[:, 1]) * own[:, 1])))
-        )
-
-        def product(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-            moved = vector.reshape(count, 3)
-            return (matrix @ moved + np.einsum("nij,nj->ni", springs, moved)).ravel()
-
-        def precondition(vector: NDArray[np.float64]) -> NDArray[np.float64]:
-            return factor.solve(np.ascontiguousarray(vector.reshape(count, 3).T)).T.ravel()
-
-        shape = (3 * count, 3 * count)
-        found, _ = cg(
-            LinearOperator(shape, product, dtype=np.float64),
-            right.ravel(),
-            points.ravel(),
-            rtol=_RESIDUAL,
-            maxiter=_MOST_ITERATIONS,
-            M=LinearOperator(shape, precondition, dtype=np.float64),
-        )
-        return found.reshape(count, 3)
+        system = _SpringSystem(matrix, springs)
+        if self._nearly is not None:
+            solution = system.solved(right, points, self._nearly, _FEW_ITERATIONS)
+            if solution.is_converged:
+                return solution.points
+        self._nearly = factorize(system.scalar_part())
+        return system.solved(right, points, self._nearly, _MOST_ITERATIONS).points
 
     def _strains(self, points: NDArray[np.float64], turned: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the mean squared strain around every edge, (e,)."""
@@ -181,3 +171,57 @@ class ElasticSurface:
         system = scale * self._matrix
         system.data[self._diagonal] += values
         return system
+
+
+@dataclass(frozen=True)
+class _Solution:
+    """Points, (n, 3), and whether they solve the system to the tolerance."""
+
+    points: NDArray[np.float64]
+    is_converged: bool
+
+
+@dataclass(frozen=True)
+class _SpringSystem:
+    """A stiffness matrix plus a spring at every vertex, for points with three coordinates.
+
+    Attributes
+    ----------
+    matrix : (n, n) csc_array
+        Couples vertices, equally along all axes.
+    springs : (n, 3, 3) float64
+        Symmetric and positive semi-definite.
+    """
+
+    matrix: csc_array
+    springs: NDArray[np.float64]
+
+    def scalar_part(self) -> csc_array:
+        """Return a similar system, (n, n), that is equal along all axes."""
+        # A scalar between the largest and the smallest stiffness of every spring.
+        own = np.linalg.eigvalsh(self.springs)[:, [0, 2]]
+        return csc_array(self.matrix + diags_array(np.sqrt(np.maximum(own[:, 0], 1e-2 * own[:, 1]) * own[:, 1])))
+
+    def solved(
+        self, right: NDArray[np.float64], start: NDArray[np.float64], nearly: Factorization, most: int
+    ) -> _Solution:
+        """Solve by conjugate gradients with a preconditioner, in at most `most` iterations."""
+        count = len(start)
+
+        def product(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+            moved = vector.reshape(count, 3)
+            return (self.matrix @ moved + np.einsum("nij,nj->ni", self.springs, moved)).ravel()
+
+        def precondition(vector: NDArray[np.float64]) -> NDArray[np.float64]:
+            return nearly.solve(np.ascontiguousarray(vector.reshape(count, 3).T)).T.ravel()
+
+        shape = (3 * count, 3 * count)
+        found, missing = cg(
+            LinearOperator(shape, product, dtype=np.float64),
+            right.ravel(),
+            start.ravel(),
+            rtol=_RESIDUAL,
+            maxiter=most,
+            M=LinearOperator(shape, precondition, dtype=np.float64),
+        )
+        return _Solution(found.reshape(count, 3), missing == 0)
