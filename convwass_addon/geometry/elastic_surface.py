@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+from scipy.sparse import coo_array, csc_array, csr_array, diags_array, vstack
 from scipy.sparse.linalg import LinearOperator, cg
 
 from .factorization import Factorization, factorize
@@ -55,17 +55,33 @@ class ElasticSurface:
         self._sums = csr_array(
             (np.ones(len(self._rows)), (self._rows, np.arange(len(self._rows)))), shape=(count, len(self._rows))
         )
+        self._moments = self._moment_matrix()
         self._squares = self._sums @ (self._weights * np.square(self._edges).sum(axis=1))
         self._blurs: dict[float, Factorization] = {}
         self._factor = KeptFactor()
         # Preconditioner of an earlier system with springs.
         self._nearly: Factorization | None = None
 
+    def _moment_matrix(self) -> csr_array:
+        """Return the matrix, (3 n, n), that takes points to the moments of their edges about every vertex.
+
+        With weights w and rest edges e, entry (j n + r, i) of its product with points p is the sum over the neighbors c
+        of r of w_rc (p_r - p_c)_i (e_rc)_j. Half of its transpose takes rotations of the vertices to the weighted sums
+        of rest edges that are rotated by the mean of their ends.
+        """
+        count = len(self._areas)
+        parts = []
+        for along in (self._weights[:, None] * self._edges).T:
+            beside = csr_array((along, (self._rows, self._columns)), shape=(count, count))
+            parts.append(diags_array(np.bincount(self._rows, along, count)) - beside)
+        return csr_array(vstack(parts))
+
     def relaxed(
         self, points: NDArray[np.float64], weights: NDArray[np.float64], pulls: NDArray[np.float64], width: float
     ) -> NDArray[np.float64]:
         """Fit rotations to the points, then solve for points that balance elasticity and the pulls."""
-        right = self._sums @ (self._weights[:, None] * self._rotated_edges(points, width)) + pulls
+        turned = np.moveaxis(self.fits(points, width), 2, 0).reshape(3 * len(points), 3)
+        right = 0.5 * (self._moments.T @ turned) + pulls
         # Vertices without edges stay in place.
         loose = self._areas <= 0
         held = np.where(loose, 1.0, weights)
@@ -151,10 +167,8 @@ class ElasticSurface:
         width : float
             Size of the neighborhoods, on the surface of unit area.
         """
-        moved = points[self._rows] - points[self._columns]
-        products = self._weights[:, None, None] * moved[:, :, None] * self._edges[:, None, :]
-        sums = self._sums @ products.reshape(len(moved), 9)
-        smooth = self._blurred(np.concatenate([sums.T, self._squares[None]]), width)
+        sums = np.moveaxis((self._moments @ points).reshape(3, len(points), 3), 2, 0).reshape(9, len(points))
+        smooth = self._blurred(np.concatenate([sums, self._squares[None]]), width)
         fitted = nearest_rotations(smooth[:9].reshape(3, 3, -1))
         scales = np.maximum(fitted.traces, 0.0) / np.maximum(smooth[9], np.finfo(float).tiny)
         return np.ascontiguousarray(np.moveaxis(scales * fitted.rotations, 2, 0))

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Newton's iteration converges quadratically: this many rounds converge for any matrix used with it.
-_ROUNDS = 7
+# Newton's iteration converges quadratically: this many rounds converge for any matrix used with it, and after a change as
+# small as this only rounding errors are left.
+_ROUNDS, _CONVERGED = 7, 1e-8
 # Least determinant, after scaling the largest entry to one, for Newton's iteration: a condition number below about 1e4.
 _REGULAR = 1e-5
 # Cyclic indices of the next row (or column) and of the one after that.
@@ -54,7 +55,9 @@ def nearest_rotations(matrices: NDArray[np.float64]) -> FittedTurns:
         inverses = cofactors / _determinants(turns, cofactors)
         # The optimal scaling by Frobenius norms, which brings the singular values close to one.
         scales = np.sqrt(np.sqrt(np.square(inverses).sum(axis=(0, 1)) / np.square(turns).sum(axis=(0, 1))))
-        turns = 0.5 * (scales * turns + inverses / scales)
+        before, turns = turns, 0.5 * (scales * turns + inverses / scales)
+        if np.abs(turns - before).max(initial=0.0) < _CONVERGED:
+            break
     if not regular.all():
         turns[:, :, ~regular] = _by_singular_values(matrices[:, :, ~regular])
     return FittedTurns(turns, (turns * matrices).sum(axis=(0, 1)))
