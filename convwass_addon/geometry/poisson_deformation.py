@@ -61,7 +61,7 @@ def deformation_gradients(
     faces : (m, 3) int64
         Triangles.
     """
-    before, after = _frames(rest[faces]), _frames(moved[faces])
+    before, after = (_frames(points.take(faces, axis=0)) for points in (rest, moved))
     longest = np.square(before).sum(axis=1).max(axis=1)
     # The determinant of a frame is the squared area over its square root: area to the power of 3/2.
     regular = np.linalg.det(before) > (_THIN * longest) ** 1.5

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.sparse import csr_array
 
 from .poisson_deformation import deformation_gradients
 from .rotations import nearest_rotations
@@ -26,19 +27,19 @@ def surface_rotations(
     faces : (m, 3) int64
         Triangles. Vertices without triangles get the identity.
     """
-    corners = before[faces]
+    corners = before.take(faces, axis=0)
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     # Triangles without area at rest have the identity as gradient; it only counts where there are no others.
     areas = np.maximum(areas, 1e-9 * max(float(areas.max(initial=0.0)), np.finfo(float).tiny))
-    totals = np.bincount(faces.ravel(), np.repeat(areas, 3), len(before))
+    ends = np.arange(0, faces.size + 1, 3)
+    sums = csr_array((np.ones(faces.size), faces.ravel(), ends), shape=(len(faces), len(before)))
+    totals = sums.T @ areas
     used = totals > 0
     of_faces = deformation_gradients(before, after, faces).reshape(-1, 9)
-    of_vertices = np.tile(np.eye(3).ravel(), (len(before), 1))
     for turn in range(_ROUNDS):
         if turn:
-            of_faces = of_vertices[faces].mean(axis=1)
-        for entry in range(9):
-            sums = np.bincount(faces.ravel(), np.repeat(areas * of_faces[:, entry], 3), len(before))
-            of_vertices[used, entry] = sums[used] / totals[used]
+            of_faces = sums @ of_vertices / 3.0
+        of_vertices = (sums.T @ (areas[:, None] * of_faces)) / np.where(used, totals, 1.0)[:, None]
+    of_vertices[~used] = np.eye(3).ravel()
     turns = nearest_rotations(np.ascontiguousarray(of_vertices.T).reshape(3, 3, -1)).rotations
     return np.moveaxis(turns, 2, 0)
