@@ -17,8 +17,8 @@ from scipy.sparse.linalg import LinearOperator, cg
 
 from .factorization import Factorization, factorize
 from .kept_factor import KeptFactor
+from .laplacian import Laplacian
 from .rotations import nearest_rotations
-from .unit_shape import UnitShape
 
 # Relative residual at which conjugate gradients stop, and their largest number of iterations; the next round continues.
 _RESIDUAL, _MOST_ITERATIONS = 1e-4, 60
@@ -33,25 +33,27 @@ class ElasticSurface:
 
     Parameters
     ----------
-    shape : UnitShape
-        The surface at rest.
+    vertices : (n, 3) float64
+        The surface at rest, of unit area.
+    laplacian : Laplacian
+        Its Laplacian.
     """
 
-    def __init__(self, shape: UnitShape) -> None:
-        matrix = shape.laplacian.matrix
+    def __init__(self, vertices: NDArray[np.float64], laplacian: Laplacian) -> None:
+        matrix = laplacian.matrix
         entries = matrix.tocoo()
         rows, columns = entries.coords
         apart = rows != columns
         self._rows, self._columns, self._weights = rows[apart], columns[apart], -entries.data[apart]
-        count = len(shape.vertices)
-        self._areas = shape.areas
+        count = len(vertices)
+        self._areas = laplacian.areas
         # Give every diagonal entry a place in the sparsity pattern, because springs are added there.
         self._matrix = (matrix + diags_array(np.ones(count))).tocsc()
         self._matrix.sort_indices()
         ends = np.repeat(np.arange(count), np.diff(self._matrix.indptr))
         self._diagonal = np.flatnonzero(self._matrix.indices == ends)
         self._matrix.data[self._diagonal] -= 1.0
-        self._edges = shape.vertices[self._rows] - shape.vertices[self._columns]
+        self._edges = vertices[self._rows] - vertices[self._columns]
         self._sums = csr_array(
             (np.ones(len(self._rows)), (self._rows, np.arange(len(self._rows)))), shape=(count, len(self._rows))
         )

@@ -17,16 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .closest_points import ClosestPoints
-from .elastic_surface import ElasticSurface
-from .facing_points import OrientedSamples, oriented_tree
+from .facing_points import oriented_tree
 from .normals import triangle_normals, vertex_normals
-from .unit_shape import UnitShape
+from .unit_shape import TURN, UnitShape
 
 # Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
 # A pair pulls like this multiple of the surface's area at weight one: firmly, compared with the nearest points below.
 _PAIR_WEIGHT = 20.0
-# Distance that counts as much as a normal turned by 90 degrees, on surfaces of unit area.
-_TURN = 0.2
 # Holds components of the source in place that nothing else constrains.
 _HOLD = 1e-3
 # Relative weight of the nearest points at vertices whose start has confidence zero.
@@ -154,8 +151,7 @@ class Registration:
         self._confidence = np.ones(len(start)) if confidence is None else confidence.astype(np.float64)
         self.pulled = _LEAST_PULL + (1.0 - _LEAST_PULL) * self._confidence
         self.reach = np.inf
-        self._shape = ElasticSurface(source)
-        self._samples = OrientedSamples(target.mesh, _TURN)
+        self._shape, self._samples = source.elastic, target.samples
         self._facing = triangle_normals(target.mesh.corners)
         self._target_normals = vertex_normals(target.vertices, target.mesh.faces)
 
@@ -204,8 +200,8 @@ class Registration:
 
     def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the source vertex nearest to each target vertex."""
-        tree = oriented_tree(np.concatenate([self.points, _TURN * normals], axis=1))
-        return tree.query(np.concatenate([self._target.vertices, _TURN * self._target_normals], axis=1))[1]
+        tree = oriented_tree(np.concatenate([self.points, TURN * normals], axis=1))
+        return tree.query(np.concatenate([self._target.vertices, TURN * self._target_normals], axis=1))[1]
 
     def images(self) -> ClosestPoints:
         """Return the points on the target nearest to the source's current vertices."""

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-# Newton's iteration converges quadratically: this many rounds converge for any matrix used with it, and after a change as
-# small as this only rounding errors are left.
+# Newton's iteration converges quadratically: so many rounds converge for any matrix used with it. After a change that
+# is smaller than the second number, only rounding errors are left.
 _ROUNDS, _CONVERGED = 7, 1e-8
 # Least determinant, after scaling the largest entry to one, for Newton's iteration: a condition number below about 1e4.
 _REGULAR = 1e-5

@@ -36,10 +36,14 @@ def surface_rotations(
     totals = sums.T @ areas
     used = totals > 0
     of_faces = deformation_gradients(before, after, faces).reshape(-1, 9)
-    for turn in range(_ROUNDS):
-        if turn:
-            of_faces = sums @ of_vertices / 3.0
-        of_vertices = (sums.T @ (areas[:, None] * of_faces)) / np.where(used, totals, 1.0)[:, None]
+
+    def mean_around(values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Average values of triangles, (m, 9), around every vertex, (n, 9)."""
+        return (sums.T @ (areas[:, None] * values)) / np.where(used, totals, 1.0)[:, None]
+
+    of_vertices = mean_around(of_faces)
+    for _ in range(_ROUNDS - 1):
+        of_vertices = mean_around(sums @ of_vertices / 3.0)
     of_vertices[~used] = np.eye(3).ravel()
     turns = nearest_rotations(np.ascontiguousarray(of_vertices.T).reshape(3, 3, -1)).rotations
     return np.moveaxis(turns, 2, 0)

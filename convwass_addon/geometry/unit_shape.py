@@ -11,9 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from .elastic_surface import ElasticSurface
+from .facing_points import OrientedSamples
 from .laplacian import Laplacian, laplacian
 from .mesh import TriangleMesh
 from .surface_graph import surface_graph
+
+TURN = 0.2
+"""Distance, on surfaces of unit area, that counts as much as a normal turned by 90 degrees."""
 
 
 @dataclass(frozen=True)
@@ -46,6 +51,16 @@ class UnitShape:
         unit = Laplacian(found.matrix, areas, found.method, found.clamped)
         center = areas @ mesh.vertices
         return cls(TriangleMesh((mesh.vertices - center) / np.sqrt(total), mesh.faces), unit)
+
+    @cached_property
+    def elastic(self) -> ElasticSurface:
+        """Its edges and their elastic energy, with the factorizations of the systems solved so far."""
+        return ElasticSurface(self.vertices, self.laplacian)
+
+    @cached_property
+    def samples(self) -> OrientedSamples:
+        """Samples for finding its nearest points with similar normals."""
+        return OrientedSamples(self.mesh, TURN)
 
     @property
     def areas(self) -> NDArray[np.float64]:

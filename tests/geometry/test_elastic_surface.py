@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.elastic_surface import ElasticSurface
 from convwass_addon.geometry.unit_shape import UnitShape
 from tests.grids import figure, sheet
 
@@ -19,12 +18,12 @@ def strip():
     """A flat strip along x, three times as long as wide."""
     mesh = sheet(31, 11)
     shape = UnitShape.of(type(mesh)(mesh.vertices * (3.0, 1.0, 1.0), mesh.faces))
-    return shape, ElasticSurface(shape)
+    return shape, shape.elastic
 
 
 def test_without_give_it_equals_uniform_springs():
     shape = UnitShape.of(figure()[0])
-    surface = ElasticSurface(shape)
+    surface = shape.elastic
     rng = np.random.default_rng(0)
     points = shape.vertices + 0.02 * rng.normal(size=shape.vertices.shape)
     weights = shape.areas * rng.uniform(1.0, 100.0, len(points))

@@ -16,11 +16,13 @@ from ...errors import InputError
 from ...geometry.coarsening import coarsened
 from ...geometry.component_links import component_links
 from ...geometry.edges import distinct_corners
+from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.poisson_deformation import Links, PoissonDeformation
 from ...geometry.subdivision import with_short_edges
 from ...geometry.surface_samples import SurfaceSamples
+from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from ..far_meshes import refuse_far
 
@@ -69,6 +71,20 @@ class Carrier:
     def size(self) -> float:
         """Square root of the area."""
         return float(np.sqrt(self.mesh.area))
+
+    @cached_property
+    def unit(self) -> UnitShape:
+        """The mesh rescaled to unit area."""
+        return UnitShape.of(self.mesh)
+
+    @cached_property
+    def finder(self) -> FacingPointFinder:
+        """Finds points on the mesh."""
+        return FacingPointFinder(self.mesh)
+
+    def __getstate__(self) -> dict[str, object]:
+        # Factorizations cannot be pickled, and these are only needed while motions are prepared.
+        return {name: value for name, value in self.__dict__.items() if name not in ("unit", "finder")}
 
     @cached_property
     def samples(self) -> SurfaceSamples:

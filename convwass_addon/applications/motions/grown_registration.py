@@ -17,7 +17,6 @@ from scipy.spatial import cKDTree
 from ...geometry.registration import Registration, Stage
 from ...geometry.rotations import nearest_rotations
 from ...geometry.surface_graph import surface_graph
-from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .carriers import Carrier
 from .coinciding_places import coinciding_region
@@ -54,7 +53,7 @@ def grown_points(own: Carrier, other: Carrier, control: Control) -> NDArray[np.f
     core, _ = coinciding_region(mesh, mesh.vertices, other.mesh, other.mesh.vertices)
     if mesh.vertex_areas @ core < _ENOUGH * mesh.area:
         return None
-    shape, target = UnitShape.of(mesh), UnitShape.of(other.mesh)
+    shape, target = own.unit, other.unit
     center = other.mesh.vertices[0] - other.size * target.vertices[0]
     laid = Registration(shape, target, np.empty((0, 2), np.int64), (mesh.vertices - center) / other.size)
     # Closest points must not attract the front to parts that it has not reached yet.

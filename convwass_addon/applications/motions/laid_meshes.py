@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.edges import vertex_components
-from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.registration import Registration, Stage
@@ -91,7 +90,8 @@ def registered(
         raise InputError("No point of {name} has a counterpart on {other}.", name=source.name, other=target.name)
     own = np.flatnonzero((labels >= 0) & np.isin(labels, labels[known]))
     part = TriangleMesh(mesh.vertices[own], renumbered(mesh.faces, own, len(mesh.vertices)))
-    shape, other = UnitShape.of(part), UnitShape.of(target.mesh)
+    shape = source.unit if len(own) == len(mesh.vertices) else UnitShape.of(part)
+    other = target.unit
     size = np.sqrt(target.mesh.area)
     center = target.mesh.vertices[0] - size * other.vertices[0]
     ours = pairs[np.isin(pairs[:, 0], own)]
@@ -107,5 +107,5 @@ def registered(
 def home_distances(source: Carrier, target: Carrier, there: NDArray[np.float64], back: NDArray[np.float64]) -> NDArray:
     """Return the round-trip error of every vertex, (n,), in sizes of the source."""
     mesh, other = source.mesh, target.mesh
-    images = FacingPointFinder(other).find(there, vertex_normals(there, mesh.faces))
+    images = target.finder.find(there, vertex_normals(there, mesh.faces))
     return np.linalg.norm(images.interpolated(back[other.faces]) - mesh.vertices, axis=1) / source.size

@@ -156,7 +156,7 @@ def judged(own: Carrier, other: Carrier, points: NDArray[np.float64], control: C
     control.check()
     mesh = own.mesh
     lying = TriangleMesh(points, mesh.faces)
-    images = FacingPointFinder(other.mesh).find(points, vertex_normals(points, mesh.faces))
+    images = other.finder.find(points, vertex_normals(points, mesh.faces))
     there = vertex_normals(other.mesh.vertices, other.mesh.faces)
     origins = FacingPointFinder(lying).find(other.mesh.vertices, there)
     home = origins.interpolated(mesh.corners)

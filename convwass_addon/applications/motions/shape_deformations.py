@@ -10,8 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPoints
-from ...geometry.elastic_surface import ElasticSurface
-from ...geometry.facing_points import FacingPointFinder
 from ...geometry.hinged_poses import HingedPose, hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
@@ -19,7 +17,6 @@ from ...geometry.poisson_deformation import deformation_gradients
 from ...geometry.rotation_fields import rotation_matrices, rotation_vectors, unwound, unwound_towards
 from ...geometry.rotations import nearest_rotations
 from ...geometry.surface_rotations import surface_rotations
-from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .carriers import Carrier
 from .laid_meshes import Laid
@@ -95,7 +92,7 @@ def split_deformation(
     """
     control.check()
     normals = vertex_normals(laid.points, source.mesh.faces)
-    images = FacingPointFinder(target.mesh).find(laid.points, normals, control=control)
+    images = target.finder.find(laid.points, normals, control=control)
     guesses = None if back is None else back.inverse_vectors_at(images, target.mesh)
     return _split(source, laid, images, guesses, control)
 
@@ -130,7 +127,7 @@ def _split(
 ) -> ShapeDeformation:
     """Divide a deformation with known images; rotation vectors are chosen close to guesses, if given."""
     mesh, links, points = source.mesh, source.poisson.links, laid.points
-    shortest = rotation_vectors(_smooth_rotations(mesh, points))
+    shortest = rotation_vectors(_smooth_rotations(source, points))
     edges = mesh_edges(mesh.faces, links.ends)
     vectors = unwound(shortest, edges) if guesses is None else unwound_towards(shortest, guesses, edges)
     turns = rotation_matrices(vectors[mesh.faces].mean(axis=1))
@@ -145,9 +142,9 @@ def _split(
     return ShapeDeformation(points, vectors, stretches, link_stretches, pose, offsets, scale, images, laid.trust)
 
 
-def _smooth_rotations(mesh: TriangleMesh, points: NDArray[np.float64]) -> NDArray[np.float64]:
+def _smooth_rotations(source: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the mean rotations of neighborhoods of every vertex, (n, 3, 3)."""
-    centered = (points - points.mean(axis=0)) / np.sqrt(mesh.area)
-    fits = ElasticSurface(UnitShape.of(mesh)).fits(centered, _TURN_WIDTH)
+    centered = (points - points.mean(axis=0)) / source.size
+    fits = source.unit.elastic.fits(centered, _TURN_WIDTH)
     turns = nearest_rotations(np.ascontiguousarray(np.moveaxis(fits, 0, 2))).rotations
     return np.ascontiguousarray(np.moveaxis(turns, 2, 0))
