@@ -185,13 +185,13 @@ class Registration:
     def _closest(self, closeness: float) -> list[_Pulls]:
         """Return the pulls of the nearest points, from source to target and back."""
         normals = vertex_normals(self.points, self._source.mesh.faces)
-        found = self._samples.find(self.points, normals)
+        pulled = np.flatnonzero(self.pulled)
+        found = self._samples.find(self.points[pulled], normals[pulled])
         facing = self._facing[found.triangles]
-        agreement = np.maximum(np.einsum("nd,nd->n", facing, normals), 0.0)
+        agreement = np.maximum(np.einsum("nd,nd->n", facing, normals[pulled]), 0.0)
         positions = found.interpolated(self._target.mesh.corners)
-        everywhere = np.arange(len(self.points))
-        weights = self.pulled * closeness * self._source.areas * agreement * (found.distances < self.reach)
-        there = _Pulls(everywhere, weights, positions, facing)
+        weights = (self.pulled * self._source.areas)[pulled] * closeness * agreement * (found.distances < self.reach)
+        there = _Pulls(pulled, weights, positions, facing)
         nearest = self._nearest(normals)
         agreement = np.maximum(np.einsum("nd,nd->n", normals[nearest], self._target_normals), 0.0)
         near = np.square(self.points[nearest] - self._target.vertices).sum(axis=1) < self.reach**2
