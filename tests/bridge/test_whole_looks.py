@@ -10,6 +10,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.materials import is_carrying
 from convwass_addon.bridge.morphs.removal import remove_bake
@@ -257,3 +258,30 @@ def test_volumes_and_normal_maps_of_other_spaces_are_reported(bare_scene, make_o
     notes = stored_diagnostics(bake(bare_scene, [add_ball(make_object, "A", foggy), add_ball(make_object, "B", bumpy)]))
     kinds = [(note.kind, note.values["materials"]) for note in notes if note.kind.startswith("LOOK")]
     assert kinds == [("LOOK_VOLUME", "Foggy"), ("LOOK_SPACE", "Bumpy")]
+
+
+@pytest.mark.parametrize("ending", ["glb", "usdc", "abc"])
+def test_exports_keep_the_uv_maps(bare_scene, make_object, tmp_path, ending):
+    """The UVs are those from above in every frame, of a ball that stays where it is."""
+    import bpy
+
+    collection = bake(bare_scene, [add_ball(make_object, name, checkered(name), points=300) for name in "AB"])
+    kind = {"glb": "gltf", "usdc": "usd", "abc": "alembic"}[ending]
+    (file,) = export_frames(collection, tmp_path / f"morph.{ending}", kind)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    if ending == "glb":
+        bpy.ops.import_scene.gltf(filepath=str(file))
+        meshes = [mesh for mesh in bpy.data.meshes if len(mesh.polygons) > 100]
+        assert len(meshes) == 3
+    else:
+        if ending == "usdc":
+            bpy.ops.wm.usd_import(filepath=str(file))
+        else:
+            bpy.ops.wm.alembic_import(filepath=str(file), as_background_job=False)
+        obj = next(own for own in bpy.data.objects if own.type == "MESH")
+        bpy.context.scene.frame_set(1)
+        meshes = [obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data]
+    for mesh in meshes:
+        uvs, truth = np.empty(2 * len(mesh.loops), np.float32), from_above(mesh)
+        mesh.uv_layers[0].uv.foreach_get("vector", uvs)
+        np.testing.assert_allclose(uvs, truth, atol=0.03)

@@ -33,6 +33,8 @@ from .stored import frame_objects, shown_frames
 # Exported bytes per vertex, corner and face with colors, normals, UV maps and velocities, and for the file header.
 _VERTEX, _CORNER, _FACE, _FILE = 48, 40, 8, 1 << 20
 
+_UV_MAP = "UVMap"
+
 COLORS = "displayColor"
 """Name of the colors in animated files, as in USD."""
 
@@ -212,7 +214,9 @@ def _colored_copies(
             for name in [attribute.name for attribute in mesh.color_attributes]:
                 mesh.color_attributes.remove(mesh.color_attributes[name])
             write_colors(mesh, colors)
-        _still_where_none_moves([copy.data for copy in copies.values()])
+        meshes = [copy.data for copy in copies.values()]
+        _still_where_none_moves(meshes)
+        _with_one_uv_map(meshes)
         yield copies
     finally:
         bpy.data.batch_remove([*copies.values(), *(copy.data for copy in copies.values())])
@@ -224,6 +228,20 @@ def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
     for mesh in meshes if moving else ():
         if mesh not in moving:
             write_velocity(mesh, np.zeros((len(mesh.vertices), 3)))
+
+
+def _with_one_uv_map(meshes: list[bpy.types.Mesh]) -> None:
+    """If some meshes have UV maps, leave each its active one under the same name: files need it in all frames."""
+    if not any(mesh.uv_layers for mesh in meshes):
+        return
+    for mesh in meshes:
+        active = mesh.uv_layers.active
+        kept = np.zeros(2 * len(mesh.loops), np.float32)
+        if active is not None:
+            active.uv.foreach_get("vector", kept)
+        for name in [layer.name for layer in mesh.uv_layers]:
+            mesh.uv_layers.remove(mesh.uv_layers[name])
+        mesh.uv_layers.new(name=_UV_MAP, do_init=False).uv.foreach_set("vector", kept)
 
 
 def _write(file: Path, chosen: _Format) -> None:

@@ -48,10 +48,15 @@ def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
 def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, float]) -> bpy.types.Material:
     """Return a copy of a morph material with a constant base color, for file formats without object colors.
 
-    A linked color attribute is kept, for programs that support it.
+    A linked color attribute is kept, for programs that support it. Whole materials of the inputs are left out.
     """
     copy = material.copy()
     base = base_color(copy)
+    output = copy.node_tree.get_output_node("ALL")
+    if is_carrying(copy) and output is not None:
+        copy.node_tree.links.new(base.node.outputs[0], output.inputs["Surface"])
+        for node in [node for node in copy.node_tree.nodes if node.type == "GROUP"]:
+            copy.node_tree.nodes.remove(node)
     for link in list(base.links):
         if link.from_node.type == "OBJECT_INFO":
             copy.node_tree.links.remove(link)
