@@ -13,8 +13,9 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.materials import is_carrying
+from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
-from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
+from convwass_addon.bridge.morphs.stored import INDEX_KEY, frame_objects, stored_diagnostics
 from tests.shapes import ball
 
 SIZE = 24
@@ -99,9 +100,8 @@ def picture(scene, tmp_path, obj):
 
     for other in scene.objects:
         other.hide_render = other != obj
-    if obj.animation_data:
-        obj.animation_data_clear()
-        obj.hide_render = False
+    if INDEX_KEY in obj:  # shown in its own frame only
+        scene.frame_set(obj[INDEX_KEY] + 1)
     if scene.camera is None:
         camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
         camera.data.type, camera.data.ortho_scale, camera.location.z = "ORTHO", 1.2, 10
@@ -221,6 +221,19 @@ def test_a_front_and_patches_have_sharp_edges_and_their_share_of_the_surface(bar
     if how == "PATCHES":
         assert 0.2 < shares[2] < 0.8
         assert ((middle < 0.05) | (middle > 0.95)).mean() > 0.6
+
+
+def test_a_player_shows_the_nearest_blend_with_its_whole_materials(bare_scene, make_object, tmp_path):
+    inputs = [add_ball(make_object, name, checkered(name, squares)) for name, squares in (("A", 8), ("B", 5))]
+    for obj in inputs:
+        obj.rotation_euler.x = np.pi / 2
+    collection = bake(bare_scene, inputs, looks="FRONT")
+    expected = picture(bare_scene, tmp_path, frame_objects(collection)[1])
+    player = make_player(collection)
+    bare_scene.frame_set(2)
+    found = picture(bare_scene, tmp_path, player)
+    assert expected.std() > 0.1
+    assert np.abs(found - expected).mean() < 0.01
 
 
 def test_plain_materials_are_mixed_as_one_shader(bare_scene, make_object):
