@@ -23,6 +23,7 @@ from . import (
     mesh,
     meshing,
     midpoints,
+    moments,
     morph,
     peers,
     quality,
@@ -37,6 +38,7 @@ from . import (
 ALL = (
     "morph",
     "live",
+    "moments",
     "files",
     "flat",
     "looks",
@@ -66,6 +68,7 @@ def main(arguments: list[str] | None = None) -> int:
     _add_morph(names.add_parser("morph", help=morph.__doc__))
     _add_live(names.add_parser("live", help=live.__doc__))
     _add_files(names.add_parser("files", help=files.__doc__))
+    names.add_parser("moments", help=moments.__doc__).set_defaults(run=lambda _options: moments.main())
     _add_flat(names.add_parser("flat", help=flat.__doc__))
     _add_looks(names.add_parser("looks", help=looks.__doc__))
     _add_quality(names.add_parser("quality", help=quality.__doc__))

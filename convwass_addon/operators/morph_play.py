@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.morphs.blend_pad import build_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
+from ..bridge.morphs.pad_velocity import handle_velocity, key_handle_velocity
 from ..bridge.morphs.player import build_player, is_player, require_path, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
@@ -140,6 +141,30 @@ class CONVWASS_OT_update_player_speed(_OnPlayer, bpy.types.Operator):
         return {"FINISHED"}
 
 
+class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
+    """Key the velocity of the pad's handle from its keyframes, for motion blur; needed after these were edited"""
+
+    bl_idname = "convwass.update_pad_velocity"
+    bl_label = "Update Motion Blur"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if not super().poll(context):
+            return False
+        if handle_velocity(active_morph(context)) is None:
+            cls.poll_message_set("Select a pad that interpolates between blends")
+            return False
+        return True
+
+    def execute(self, context):
+        try:
+            key_handle_velocity(active_morph(context))
+        except ConvwassError as error:
+            return refuse(self, error)
+        return {"FINISHED"}
+
+
 class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
     """Make a mesh of every frame that the player shows, at any frame rate; Make Volume and Make Cache write them"""
 
@@ -220,5 +245,6 @@ classes = (
     CONVWASS_OT_update_player_speed,
     CONVWASS_OT_bake_player,
     CONVWASS_OT_make_blend_pad,
+    CONVWASS_OT_update_pad_velocity,
     CONVWASS_OT_remove_player,
 )

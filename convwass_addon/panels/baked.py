@@ -8,6 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
+from ..bridge.morphs.pad_velocity import handle_velocity
 from ..bridge.morphs.player import detail, interpolation, is_player, morph_value, playback
 from ..bridge.morphs.stand_ins import shows_frames
 from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_diagnostics
@@ -60,6 +61,8 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             if switch is not None:
                 row.operator("convwass.update_player_speed", text="", icon="MOD_TIME")
             layout.operator("convwass.bake_player", icon="RENDER_ANIMATION")
+        if handle_velocity(morph) is not None:
+            layout.operator("convwass.update_pad_velocity", icon="MOD_TIME")
         # A volume or cache has replaced the frames, so no other output can be made.
         if not any(ALONE_KEY in obj for obj in morph.objects):
             _draw_outputs(layout, morph)

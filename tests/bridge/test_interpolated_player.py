@@ -15,14 +15,24 @@ from mathutils import Matrix
 from skimage.measure import marching_cubes
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
-from convwass_addon.bridge.morphs.player import interpolation, make_player, morph_value, refresh_player, speed
+from convwass_addon.bridge.morphs.pad_velocity import key_handle_velocity
+from convwass_addon.bridge.morphs.player import (
+    detail,
+    interpolation,
+    make_player,
+    morph_value,
+    refresh_player,
+    speed,
+)
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.moving_balls import CELLS, FIRST, FRAMES, TRAVEL, bake
-from tests.shapes import ball, joined
+from tests.shapes import ball, box, joined
 
 STEPS = 10
 """Frames of the balls that part."""
@@ -284,3 +294,54 @@ def test_a_pad_mixes_three_blends(bare_scene, make_object, weights):
     off = np.linalg.norm(mesh.vertices - middle, axis=1) - radius
     assert np.abs(off).mean() <= 0.05 * 2.6 / CELLS
     assert np.isclose(mesh.bounds[0, 2], 0.0, atol=0.1)
+
+
+def test_a_moving_handle_gives_a_pad_its_velocity(bare_scene, make_object):
+    """Balls that stand on the ground grow as the handle goes from one to the other."""
+    radii = np.array([1.0, 1.3, 0.7])
+
+    def solved(weights):
+        return ball(radius=float(radii @ weights), points=800)
+
+    collection = bake(bare_scene, make_object, [solved(row) for row in np.eye(3)], triangle_blends(3, 3), solved)
+    pad = make_blend_pad(collection, between="INTERPOLATED")
+    with pytest.raises(InputError, match="no keyframes"):
+        key_handle_velocity(collection)
+    points = np.array([vertex.co for vertex in pad.pad.data.vertices])
+    rows = [obj["convwass_weights"] for obj in frame_objects(collection)]
+    corners = points[[next(i for i, own in enumerate(rows) if own[shape] == 1.0) for shape in range(3)]]
+    ends = np.array([(0.3, 0.5, 0.2), (0.2, 0.2, 0.6)])
+    for frame, weights in ((1, ends[0]), (25, ends[1])):
+        pad.handle.location = weights @ corners
+        pad.handle.keyframe_insert("location", frame=frame)
+    for curve in curves_of(pad.handle):
+        for point in curve.keyframe_points:
+            point.interpolation = "LINEAR"
+    key_handle_velocity(collection)
+    bare_scene.frame_set(13)
+    mesh = shown(pad.result)
+    pace = radii @ (ends[1] - ends[0]) / 24 * bare_scene.render.fps
+    radius = radii @ ends.mean(axis=0)
+    expected = pace * ((mesh.vertices - (0.0, 0.0, radius)) / radius + (0.0, 0.0, 1.0))
+    off = np.linalg.norm(attribute(pad.result, "velocity", 3) - expected, axis=1)
+    assert off.mean() <= 0.1 * abs(pace)
+    # A handle at rest has no velocity to be stored.
+    bare_scene.frame_set(40)
+    bpy.context.view_layer.update()
+    evaluated = pad.result.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    assert "velocity" not in evaluated.data.attributes
+
+
+def test_moments_enclose_the_volume_of_their_blends(bare_scene, make_object):
+    """Thin rods on a coarse grid, where surfaces drawn from mixed fields lose volume."""
+
+    def solved(weights):
+        return box((2.0, 0.35, 0.3 + 0.2 * weights[1]))
+
+    blends = path_blends(2, FRAMES)
+    player = still_player(bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], blends, solved))
+    for value, lays in ((0.3, True), (0.5, False)):
+        morph_value(player).set(value)
+        detail(player).set(lays)
+        volume = 2.0 * 0.35 * (0.3 + 0.2 * value)
+        assert shown(player).volume == pytest.approx(volume, rel=3e-3)

@@ -184,7 +184,8 @@ def _follows_an_edit(window: Window) -> Iterator[float]:
     yield from _new_scene(window)
     yield from window.press("convwass.live_morph")
     yield from window.wait(_is_shown, 60, "a blend is shown")
-    _value().morph = 0.0
+    # Shapes are in the order of their names.
+    _value().morph = 1.0
     yield 1.0
     before = _height()
     horse = bpy.data.objects["horse"]

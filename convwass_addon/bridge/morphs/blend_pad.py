@@ -22,6 +22,7 @@ from ..pad_handles import pad_handle
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
+from .pad_velocity import HANDLE_VELOCITY
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, homes, require_none, set_shown
 from .stored import WEIGHTS_KEY, frame_objects, is_solid, stored_morph
@@ -304,8 +305,11 @@ def _result(
     if fields is not None:
         for name in (INTERPOLATE, DETAIL):
             tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketBool").default_value = True
+        velocity = tree.interface.new_socket(HANDLE_VELOCITY, in_out="INPUT", socket_type="NodeSocketVector")
+        velocity.description = "Velocity of the handle in local space of the pad, for motion blur"
         inputs = tree.nodes.new("NodeGroupInput").outputs
-        mixed = mixed_sheet(tree, fields, sheet.frames, sheet.lattice, place, inputs[DETAIL])
+        handle_velocity = inputs[HANDLE_VELOCITY]
+        mixed = mixed_sheet(tree, fields, sheet.frames, sheet.lattice, place, inputs[DETAIL], handle_velocity)
         interpolates = math_node(tree, "GREATER_THAN", inputs[INTERPOLATE], mixed.is_shape)
         shown = switch(tree, "GEOMETRY", interpolates, shown, mixed.geometry)
         color = switch(tree, "RGBA", interpolates, color, mixed.color)

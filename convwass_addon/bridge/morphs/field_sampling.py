@@ -28,7 +28,7 @@ from ..objects import triangle_mesh
 from ..openvdb_module import openvdb_module
 from .field_sampler import SampleGrid, field_sampler
 from .stored import WEIGHTS_KEY
-from .stored_fields import BAND, COLOR, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
+from .stored_fields import BAND, COLOR, ENCLOSED, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
 
 _PROPERTIES = {"FLOAT": "value", "FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color"}
 # Margin of samples around all blends.
@@ -88,15 +88,17 @@ def store_fields(
     grid = _grid(meshes, offsets, cells)
     data = bpy.data.meshes.new(f"{name} Fields")
     data.vertices.add(int(np.prod(grid.shape)))
-    volumes, lost, last = [], [], None
+    volumes, enclosed, lost, last = [], [], [], None
     try:
         for number, (mesh, offset, own) in enumerate(zip(meshes, offsets, weights, strict=True), start=1):
             inner = TriangleMesh((mesh.vertices - offset - grid.low) / grid.spacing, mesh.faces)
-            field = signed_distances(openvdb, inner, grid.shape, repaired=own.max() == 1.0)
+            closed = closed_surface(inner, grid.shape) if own.max() == 1.0 else inner
+            field = signed_distances(openvdb, closed, grid.shape)
             steps = np.rint(field * SCALE).astype(np.int32)
             attribute = data.attributes.new(FIELD.format(number - 1), "INT8", "POINT")
             attribute.data.foreach_set("value", steps.ravel())
             volumes.append(counted_volume(steps / SCALE))
+            enclosed.append(abs(closed.volume) * grid.spacing**3)
             if last is not None:
                 lost.append(float(_loses_parts(last, field)))
             last = field
@@ -108,6 +110,7 @@ def store_fields(
     own = [
         Column(OFFSET, "FLOAT_VECTOR", offsets),
         Column(VOLUME, "FLOAT", np.array(volumes)),
+        Column(ENCLOSED, "FLOAT", np.array(enclosed)),
         Column(LOSES_PARTS, "FLOAT", np.array([*lost, 0.0])),
         Column(COLOR, "FLOAT_COLOR", np.array([tuple(obj.color) for obj in frames])),
     ]
@@ -141,9 +144,7 @@ def _loses_parts(first: NDArray[np.float32], second: NDArray[np.float32]) -> boo
     return np.count_nonzero(empty & (np.maximum(first, second) > _LEAST_HALF)) >= _LEAST_LOST
 
 
-def signed_distances(
-    openvdb: ModuleType, mesh: TriangleMesh, shape: tuple[int, int, int], *, repaired: bool = False
-) -> NDArray[np.float32]:
+def signed_distances(openvdb: ModuleType, mesh: TriangleMesh, shape: tuple[int, int, int]) -> NDArray[np.float32]:
     """Sample the signed distance of a mesh, (nx, ny, nz), positive inside, up to `BAND`.
 
     Parameters
@@ -151,16 +152,13 @@ def signed_distances(
     openvdb : module
         See :func:`.openvdb_module.openvdb_module`.
     mesh : TriangleMesh
-        In cells: sample (i, j, k) is at this point.
+        Closed, in cells: sample (i, j, k) is at this point.
     shape : (int, int, int)
         Samples along the axes.
-    repaired : bool
-        Whether the mesh may be open, self-intersecting or nested, like shapes of users.
     """
-    closed = _closed(mesh, shape) if repaired else mesh
     grid = openvdb.FloatGrid.createLevelSetFromPolygons(
-        closed.vertices.astype(np.float32),
-        triangles=closed.faces.astype(np.uint32),
+        mesh.vertices.astype(np.float32),
+        triangles=mesh.faces.astype(np.uint32),
         transform=openvdb.createLinearTransform(1.0),
         halfWidth=BAND,
     )
@@ -169,8 +167,16 @@ def signed_distances(
     return np.clip(-distances, -BAND, BAND)
 
 
-def _closed(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleMesh:
-    """Return a mesh that bounds a solid: the mesh itself, or the surface of its cells at this resolution."""
+def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleMesh:
+    """Return a mesh that bounds a solid: the mesh itself, or the surface of its cells at this resolution.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        In cells, as for `signed_distances`; may be open, self-intersecting or nested, like shapes of users.
+    shape : (int, int, int)
+        Samples along the axes.
+    """
     whole = welded(mesh)
     if len(whole.faces) and topology(whole, edge_use(whole.faces)).closed:
         outward = orient_outward(whole)

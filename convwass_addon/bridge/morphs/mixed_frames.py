@@ -17,11 +17,13 @@ import numpy as np
 
 from ..node_math import feed, math_node, switch, total, vector_math_node, weighted_sum, weighted_vectors
 from ..sequence import pick
+from .enclosed_volume import with_volume
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
 from .frame_attributes import CUSTOM_NORMAL, GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT, VELOCITY
+from .moved_frames import HAS
 from .stored import WEIGHTS_KEY
-from .stored_fields import COLOR, OFFSET, Column, StoredFields
+from .stored_fields import COLOR, ENCLOSED, OFFSET, Column, StoredFields
 
 DETAIL = "Detail"
 """Input: whether the surface is projected onto the baked meshes."""
@@ -31,8 +33,8 @@ DETAIL_TIP = "Lay the surface onto the baked meshes; without it, it is coarser a
 INTERPOLATE = "Interpolate"
 """Input of a modifier: whether blends are mixed, or the nearest baked one is shown."""
 
-# Columns of the table of steps: whether a blend has an attribute, and whether it is an unchanged shape.
-HAS, _SHAPE = "has {}", "shape"
+# Column of the table of steps: whether a blend is an unchanged shape.
+_SHAPE = "shape"
 # With a weight above this, a mixture counts as a single blend.
 _ALONE = 1.0 - 1e-3
 # Closest points are ignored if they are farther away than this, in cells, or if the cosine between their direction and
@@ -42,6 +44,9 @@ _FAR, _ASIDE = 1.5, 0.5
 _AGREES = 0.4
 # Largest correction of distances, in cells.
 _MOST_CORRECTED = 1.0
+# Vertices are moved by at most this many cells to enclose the mixed volume; where a mixture misses a thin part, the
+# rest must not swell visibly (docs/performance.md, "Moments of players").
+_MOST_INFLATED = 0.2
 _KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
 _OWN = ("position", CUSTOM_NORMAL, LOOKS)
 # Mixtures have no UV maps, so that they show colors instead of whole materials; nor do they need what else these read.
@@ -116,6 +121,8 @@ class MixedFrames:
         Meshes of the blends in local space.
     mixture : FieldMixture
         Terms of the mixture.
+    targets : sequence of bpy.types.NodeSocket or None
+        What the surface is projected onto, one mesh per term about the center of its blend; None for the baked meshes.
     """
 
     tree: bpy.types.NodeTree
@@ -123,6 +130,7 @@ class MixedFrames:
     frames: Sequence[bpy.types.Object]
     meshes: Sequence[bpy.types.NodeSocket]
     mixture: FieldMixture
+    targets: Sequence[bpy.types.NodeSocket] | None = None
 
     def geometry(
         self,
@@ -141,12 +149,15 @@ class MixedFrames:
         pace : bpy.types.NodeSocket or None
             Factor for velocities; without it there are none.
         """
-        laid = _Laid(self, self.mixture.terms)
+        laid = _Laid(self, self.mixture.terms, self.targets)
         surface = self.mixture.surface()
         on_meshes = self._smooth(set_position(self.tree, surface, offset=laid.correction()))
         if any(CUSTOM_NORMAL in obj.data.attributes for obj in self.frames):
             on_meshes = self._shaded(on_meshes, laid.normal())
         shown = switch(self.tree, "GEOMETRY", detail, self._smooth(surface), on_meshes)
+        volumes = [self.mixture.of_step("FLOAT", ENCLOSED, term) for term in self.mixture.terms]
+        volume = weighted_sum(self.tree, volumes, self.weights)
+        shown = with_volume(self.tree, shown, volume, _MOST_INFLATED * self.fields.grid.spacing)
         for number in range(1, len(self.frames[0][WEIGHTS_KEY]) + 1):
             name = SOURCE_WEIGHT.format(number)
             own = [self.mixture.of_step("FLOAT", name, term) for term in self.mixture.terms]
@@ -270,15 +281,18 @@ class MixedFrames:
 class _Laid:
     """Closest points of a mixture on the baked meshes of some terms."""
 
-    def __init__(self, mixed: MixedFrames, terms: Sequence[Term]) -> None:
+    def __init__(
+        self, mixed: MixedFrames, terms: Sequence[Term], targets: Sequence[bpy.types.NodeSocket] | None = None
+    ) -> None:
         self._tree, self._mixed, self._terms = mixed.tree, mixed, terms
         self._spacing = mixed.fields.grid.spacing
         self._places: list[bpy.types.NodeSocket] = []
-        self._targets: list[bpy.types.NodeSocket] = []
+        if targets is None:
+            targets = [pick(self._tree, "GEOMETRY", term.index, mixed.meshes) for term in terms]
+        self._targets = list(targets)
         for term in terms:
             offset = mixed.mixture.of_step("FLOAT_VECTOR", OFFSET, term)
             self._places.append(vector_math_node(self._tree, "ADD", position_node(self._tree), offset))
-            self._targets.append(pick(self._tree, "GEOMETRY", term.index, mixed.meshes))
 
     def correction(self) -> bpy.types.NodeSocket:
         """Return the vector that moves a vertex to the mixed distance from the meshes."""

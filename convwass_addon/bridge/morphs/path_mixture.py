@@ -9,13 +9,15 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ..node_math import feed, math_node, switch, vector_math_node
+from ..node_math import feed, math_node, switch
 from ..sequence import object_info, pick, transformed
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
+from .field_velocity import field_velocity
 from .frame_attributes import VELOCITY
 from .frame_colors import colored
-from .mixed_frames import DETAIL, DETAIL_TIP, HAS, MixedFrames, carried_attributes, columns_of
+from .mixed_frames import DETAIL, DETAIL_TIP, MixedFrames, carried_attributes, columns_of
+from .moved_frames import has_velocity, moved_about_centers, moved_frame
 from .stored import INDEX_KEY
 from .stored_fields import LOSES_PARTS, OFFSET, Column, StoredFields
 
@@ -69,14 +71,19 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     meshes = [info.outputs["Geometry"] for info in infos]
     terms = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], inputs[VALUE], len(frames))
     mixture = FieldMixture(tree, fields, terms)
-    mixed = MixedFrames(tree, fields, frames, meshes, mixture)
-    shown = mixed.geometry(inputs[DETAIL], _velocity(tree, mixture, fields.grid.spacing), inputs[SPEED])
+    is_moving, seconds = VELOCITY in carried_attributes(frames), _seconds(tree, mixture, terms)
+    targets = moved_about_centers(tree, mixture, meshes, seconds) if is_moving else None
+    mixed = MixedFrames(tree, fields, frames, meshes, mixture, targets)
+    pace = mixture.of_step("FLOAT", PACE, terms[0])
+    rates = (math_node(tree, "MULTIPLY", pace, -1.0), pace)
+    velocity = field_velocity(tree, mixture, rates, fields.grid.spacing, [OFFSET])
+    shown = mixed.geometry(inputs[DETAIL], velocity, inputs[SPEED])
     shown = set_position(tree, mixed.dressed(shown), offset=mixed.mixed_column("FLOAT_VECTOR", OFFSET))
-    if VELOCITY in carried_attributes(frames):
-        moves = math_node(
-            tree, "MULTIPLY", mixture.of_step("FLOAT", LOSES_PARTS, terms[0]), _knows_velocity(mixture, tree)
-        )
-        shown = switch(tree, "GEOMETRY", moves, shown, _moved_frame(tree, mixture, meshes, inputs[SPEED]))
+    if is_moving:
+        known = math_node(tree, "MAXIMUM", *(has_velocity(mixture, term) for term in terms))
+        moves = math_node(tree, "MULTIPLY", mixture.of_step("FLOAT", LOSES_PARTS, terms[0]), known)
+        moved = moved_frame(tree, mixture, meshes, seconds, inputs[SPEED])
+        shown = switch(tree, "GEOMETRY", moves, shown, moved)
     is_later = math_node(tree, "GREATER_THAN", terms[1].weight, 0.5)
     nearer = switch(tree, "FLOAT", is_later, terms[0].index, terms[1].index)
     shown = switch(tree, "GEOMETRY", mixed.is_shape, shown, pick(tree, "GEOMETRY", nearer, meshes))
@@ -87,42 +94,14 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     return tree
 
 
-def _knows_velocity(mixture: FieldMixture, tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
-    """Return 1 where one of the two blends has a velocity."""
-    has = [mixture.of_step("FLOAT", HAS.format(VELOCITY), term) for term in mixture.terms]
-    return math_node(tree, "MAXIMUM", *has)
-
-
-def _moved_frame(
-    tree: bpy.types.NodeTree,
-    mixture: FieldMixture,
-    meshes: Sequence[bpy.types.NodeSocket],
-    speed: bpy.types.NodeSocket,
-) -> bpy.types.NodeSocket:
-    """Return the nearer baked mesh, moved to the moment by its own velocity.
-
-    That is for thin parts that move by more than they are thick: nothing of them is left in a mixture. A point that
-    turns by an angle of a in a step of length s is off by a s / 8 halfway.
-    """
-    before, after = mixture.terms
-    has_before, has_after = (mixture.of_step("FLOAT", HAS.format(VELOCITY), term) for term in mixture.terms)
-    later = math_node(tree, "MULTIPLY", math_node(tree, "GREATER_THAN", after.weight, 0.5), has_after)
-    later = math_node(tree, "MAXIMUM", later, math_node(tree, "SUBTRACT", 1.0, has_before))
-    index = switch(tree, "FLOAT", later, before.index, after.index)
-    since = math_node(tree, "SUBTRACT", after.weight, later)
-    seconds = math_node(tree, "DIVIDE", since, mixture.of_step("FLOAT", PACE, before))
-    node = tree.nodes.new("GeometryNodeInputNamedAttribute")
-    node.data_type = "FLOAT_VECTOR"
-    node.inputs["Name"].default_value = VELOCITY
-    velocity = next(socket for socket in node.outputs if socket.enabled)
-    mesh = pick(tree, "GEOMETRY", index, meshes)
-    moved = set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", velocity, seconds))
-    stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-    stored.data_type, stored.domain = "FLOAT_VECTOR", "POINT"
-    stored.inputs["Name"].default_value = VELOCITY
-    faster = vector_math_node(tree, "SCALE", velocity, speed)
-    feed(tree, [stored.inputs["Geometry"], stored.inputs["Value"]], [moved, faster])
-    return stored.outputs["Geometry"]
+def _seconds(
+    tree: bpy.types.NodeTree, mixture: FieldMixture, terms: tuple[Term, Term]
+) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
+    """Return the time from the blends before and after a moment to it; the latter is negative."""
+    before, after = terms
+    pace = mixture.of_step("FLOAT", PACE, before)
+    backward = math_node(tree, "MULTIPLY", before.weight, -1.0)
+    return tuple(math_node(tree, "DIVIDE", share, pace) for share in (after.weight, backward))
 
 
 def _neighbors(
@@ -142,20 +121,3 @@ def _neighbors(
     share = math_node(tree, "DIVIDE", math_node(tree, "SUBTRACT", value, low), math_node(tree, "SUBTRACT", high, low))
     share.node.use_clamp = True
     return Term(index, math_node(tree, "SUBTRACT", 1.0, share)), Term(following, share)
-
-
-def _velocity(tree: bpy.types.NodeTree, mixture: FieldMixture, spacing: float) -> bpy.types.NodeSocket:
-    """Return the speed of points along their normals and with the center, at the speed of the bake.
-
-    On a level of a field f(x, s), a point moves by -df/ds / |grad f| along the gradient.
-    """
-    before, after = mixture.terms
-    position = position_node(tree)
-    values = [mixture.sampled_term(term, position) for term in (before, after)]
-    gradient = mixture.sampled(position).gradient
-    square = math_node(tree, "MAXIMUM", vector_math_node(tree, "DOT_PRODUCT", gradient, gradient), 0.04)
-    change = math_node(tree, "DIVIDE", math_node(tree, "SUBTRACT", *values), square)
-    along = vector_math_node(tree, "SCALE", gradient, math_node(tree, "MULTIPLY", change, spacing))
-    offsets = [mixture.of_step("FLOAT_VECTOR", OFFSET, term) for term in (after, before)]
-    total = vector_math_node(tree, "ADD", along, vector_math_node(tree, "SUBTRACT", *offsets))
-    return vector_math_node(tree, "SCALE", total, mixture.of_step("FLOAT", PACE, before))

@@ -11,10 +11,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..node_math import math_node, switch
+from ..node_math import math_node, switch, vector_math_node
 from ..sequence import object_info
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
+from .field_velocity import field_velocity
+from .frame_attributes import VELOCITY
 from .mixed_frames import MixedFrames, SeenMixture, columns_of
 from .stored_fields import OFFSET, Column, StoredFields
 
@@ -59,6 +61,7 @@ def mixed_sheet(
     lattice: SheetLattice,
     place: bpy.types.NodeSocket,
     detail: bpy.types.NodeSocket,
+    handle_velocity: bpy.types.NodeSocket,
 ) -> SeenMixture:
     """Return the blend of a sheet at a position on its pad; outside of the pad, at its edge.
 
@@ -76,52 +79,97 @@ def mixed_sheet(
         Position in local space of the pad.
     detail : bpy.types.NodeSocket
         Whether the surface is projected onto the baked meshes.
+    handle_velocity : bpy.types.NodeSocket
+        Change of the position per second, for motion blur.
     """
     meshes = [object_info(tree, obj).outputs["Geometry"] for obj in frames]
-    mixture = FieldMixture(tree, fields, _corners(tree, lattice, place))
+    cell = _Cell.of(tree, lattice, _place_on_sheet(tree, lattice, place))
+    mixture = FieldMixture(tree, fields, cell.terms(tree, lattice))
     mixed = MixedFrames(tree, fields, frames, meshes, mixture)
-    shown = mixed.dressed(mixed.geometry(detail))
+    change = _along_sheet(tree, lattice, handle_velocity)
+    rates = cell.rates(tree, change.row, change.column)
+    velocity = field_velocity(tree, mixture, rates, fields.grid.spacing, [OFFSET, _SHOWN])
+    still = mixed.geometry(detail)
+    moves = math_node(tree, "GREATER_THAN", vector_math_node(tree, "LENGTH", handle_velocity), 0.0)
+    shown = switch(tree, "GEOMETRY", moves, still, mixed.stored(still, VELOCITY, "FLOAT_VECTOR", velocity))
+    shown = mixed.dressed(shown)
     for name in (OFFSET, _SHOWN):
         shown = set_position(tree, shown, offset=mixed.mixed_column("FLOAT_VECTOR", name))
     return SeenMixture(shown, mixed.color, mixed.is_shape)
 
 
-def _corners(tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.types.NodeSocket) -> list[Term]:
-    """Return the corners of the triangle of blends around a position, with its barycentric coordinates.
+@dataclass(frozen=True)
+class _Cell:
+    """The triangle of blends around a position: one of the two halves of a cell of rows and columns.
 
-    Every cell of rows and columns is cut from its first to its last corner, which in a triangular sheet are as close as
-    neighbors in a row.
+    Every cell is cut from its first to its last corner, which in a triangular sheet are as close as neighbors in a row.
     """
-    row, column = _row_and_column(tree, lattice, place)
-    last = lattice.last - 1.0
-    first_row, first_column = (
-        math_node(tree, "MINIMUM", math_node(tree, "FLOOR", number), last) for number in (row, column)
-    )
-    down = math_node(tree, "SUBTRACT", row, first_row)
-    along = math_node(tree, "SUBTRACT", column, first_column)
-    turned = math_node(tree, "GREATER_THAN", along, down)
-    more, less = math_node(tree, "MAXIMUM", down, along), math_node(tree, "MINIMUM", down, along)
-    next_row, next_column = (math_node(tree, "ADD", number, 1.0) for number in (first_row, first_column))
-    middle_row = switch(tree, "FLOAT", turned, next_row, first_row)
-    middle_column = switch(tree, "FLOAT", turned, first_column, next_column)
-    places = ((first_row, first_column), (middle_row, middle_column), (next_row, next_column))
-    weights = (math_node(tree, "SUBTRACT", 1.0, more), math_node(tree, "SUBTRACT", more, less), less)
-    return [Term(_number(tree, lattice, *own), weight) for own, weight in zip(places, weights, strict=True)]
+
+    first_row: bpy.types.NodeSocket
+    first_column: bpy.types.NodeSocket
+    down: bpy.types.NodeSocket
+    along: bpy.types.NodeSocket
+    """Position in the cell, from 0 to 1."""
+    turned: bpy.types.NodeSocket
+    """1 in the half at the end of the first row, 0 in the other one."""
+
+    @classmethod
+    def of(cls, tree: bpy.types.NodeTree, lattice: SheetLattice, place: _SheetPlace) -> _Cell:
+        """Find the cell of a position on a sheet."""
+        last = lattice.last - 1.0
+        first_row, first_column = (
+            math_node(tree, "MINIMUM", math_node(tree, "FLOOR", number), last) for number in (place.row, place.column)
+        )
+        down = math_node(tree, "SUBTRACT", place.row, first_row)
+        along = math_node(tree, "SUBTRACT", place.column, first_column)
+        return cls(first_row, first_column, down, along, math_node(tree, "GREATER_THAN", along, down))
+
+    def terms(self, tree: bpy.types.NodeTree, lattice: SheetLattice) -> list[Term]:
+        """Return the corners of the triangle, with the barycentric coordinates of the position."""
+        more, less = (math_node(tree, name, self.down, self.along) for name in ("MAXIMUM", "MINIMUM"))
+        next_row, next_column = (math_node(tree, "ADD", own, 1.0) for own in (self.first_row, self.first_column))
+        middle_row = switch(tree, "FLOAT", self.turned, next_row, self.first_row)
+        middle_column = switch(tree, "FLOAT", self.turned, self.first_column, next_column)
+        places = ((self.first_row, self.first_column), (middle_row, middle_column), (next_row, next_column))
+        weights = (math_node(tree, "SUBTRACT", 1.0, more), math_node(tree, "SUBTRACT", more, less), less)
+        return [Term(_number(tree, lattice, *own), weight) for own, weight in zip(places, weights, strict=True)]
+
+    def rates(
+        self, tree: bpy.types.NodeTree, row_rate: bpy.types.NodeSocket, column_rate: bpy.types.NodeSocket
+    ) -> list[bpy.types.NodeSocket]:
+        """Return how fast the barycentric coordinates change, from the speed of row and column."""
+        more = switch(tree, "FLOAT", self.turned, row_rate, column_rate)
+        less = switch(tree, "FLOAT", self.turned, column_rate, row_rate)
+        return [math_node(tree, "MULTIPLY", more, -1.0), math_node(tree, "SUBTRACT", more, less), less]
 
 
-def _row_and_column(
-    tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.types.NodeSocket
-) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
-    """Return the row and column of a position, clamped to the sheet."""
-    axes = tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(place, axes.inputs[0])
-    row = math_node(tree, "SUBTRACT", float(lattice.first[2]), axes.outputs["Z"])
-    row = _clamped(tree, math_node(tree, "DIVIDE", row, lattice.rise * lattice.step), float(lattice.last))
-    column = math_node(tree, "SUBTRACT", axes.outputs["X"], float(lattice.first[0]))
-    column = math_node(tree, "DIVIDE", column, lattice.step)
+@dataclass(frozen=True)
+class _SheetPlace:
+    """A position on a sheet, in rows and columns."""
+
+    row: bpy.types.NodeSocket
+    column: bpy.types.NodeSocket
+
+
+def _place_on_sheet(tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.types.NodeSocket) -> _SheetPlace:
+    """Return the row and column of a position on the pad, clamped to the sheet."""
+    first = (float(lattice.first[0]), 0.0, float(lattice.first[2]))
+    free = _along_sheet(tree, lattice, vector_math_node(tree, "SUBTRACT", place, first))
+    row = _clamped(tree, free.row, float(lattice.last))
     if not lattice.is_triangle:
-        return row, _clamped(tree, column, float(lattice.last))
-    return row, _clamped(tree, math_node(tree, "MULTIPLY_ADD", row, 0.5, column), row)
+        return _SheetPlace(row, _clamped(tree, free.column, float(lattice.last)))
+    # Rows begin half a step to the left of the row above.
+    shift = math_node(tree, "MULTIPLY", math_node(tree, "SUBTRACT", row, free.row), 0.5)
+    return _SheetPlace(row, _clamped(tree, math_node(tree, "ADD", free.column, shift), row))
+
+
+def _along_sheet(tree: bpy.types.NodeTree, lattice: SheetLattice, vector: bpy.types.NodeSocket) -> _SheetPlace:
+    """Return a vector on the pad in rows and columns."""
+    axes = tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(vector, axes.inputs[0])
+    row = math_node(tree, "DIVIDE", axes.outputs["Z"], -lattice.rise * lattice.step)
+    column = math_node(tree, "DIVIDE", axes.outputs["X"], lattice.step)
+    return _SheetPlace(row, math_node(tree, "MULTIPLY_ADD", row, 0.5, column) if lattice.is_triangle else column)
 
 
 def _clamped(

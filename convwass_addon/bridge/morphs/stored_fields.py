@@ -25,8 +25,11 @@ SCALE = 40
 BAND = 3.0
 """Distances are clamped to this, in cells."""
 
-OFFSET, VOLUME, COLOR = "offset", "volume", "color"
-"""Point attributes of the table of steps: center, volume in cells, and color of every blend."""
+OFFSET, VOLUME, ENCLOSED, COLOR = "offset", "volume", "enclosed", "color"
+"""Point attributes of the table of steps: center, volume in counted cells, that of the mesh, and color of every blend.
+
+The volume in cells finds the level of a mixture, and that of the mesh, in scene units, is what is shown.
+"""
 
 _FALLBACK_RESOLUTION = 100
 # From this factor on, the hooves and manes of a horse at 64 cells have sharp edges (by eye), and surfaces have about as
@@ -56,7 +59,7 @@ class StoredFields:
     samples : bpy.types.Object
         Its mesh has a vertex per sample, in the order of `ravel`, and an attribute `FIELD` per blend.
     steps : bpy.types.Object
-        Its mesh has a vertex per blend, with the attributes `OFFSET`, `VOLUME` and `COLOR`.
+        Its mesh has a vertex per blend, with the attributes `OFFSET`, `VOLUME`, `ENCLOSED` and `COLOR`.
     sampler : bpy.types.NodeTree
         Interpolates between samples.
     grid : SampleGrid

@@ -1,0 +1,49 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Geometry nodes that give a closed mesh a volume, by moving its vertices along their normals."""
+
+from __future__ import annotations
+
+import bpy
+
+from ..node_math import feed, math_node, vector_math_node
+from .field_sampler import position_node, set_position
+
+
+def with_volume(
+    tree: bpy.types.NodeTree, mesh: bpy.types.NodeSocket, volume: bpy.types.NodeSocket, farthest: float
+) -> bpy.types.NodeSocket:
+    """Return a closed mesh that is moved along its normals to enclose a volume.
+
+    The divergence theorem gives the volume, a third of the sum of areas times p . n over all faces, whose derivative is
+    the area. One Newton step does for the percent that meshes of mixed fields are off by.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Node group of the new nodes.
+    mesh : bpy.types.NodeSocket
+        Facing outward.
+    volume : bpy.types.NodeSocket
+        To be enclosed.
+    farthest : float
+        Vertices are moved no farther than this.
+    """
+    normals = tree.nodes.new("GeometryNodeInputNormal").outputs
+    normal = normals.get("True Normal", normals["Normal"])
+    area = tree.nodes.new("GeometryNodeInputMeshFaceArea").outputs["Area"]
+    height = vector_math_node(tree, "DOT_PRODUCT", position_node(tree), normal)
+    enclosed = _total_of_faces(tree, mesh, math_node(tree, "MULTIPLY", height, math_node(tree, "DIVIDE", area, 3.0)))
+    surface = math_node(tree, "MAXIMUM", _total_of_faces(tree, mesh, area), 1e-12)
+    way = math_node(tree, "DIVIDE", math_node(tree, "SUBTRACT", volume, enclosed), surface)
+    way = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", way, farthest), -farthest)
+    return set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", normal, way))
+
+
+def _total_of_faces(
+    tree: bpy.types.NodeTree, mesh: bpy.types.NodeSocket, values: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    node = tree.nodes.new("GeometryNodeAttributeStatistic")
+    node.data_type, node.domain = "FLOAT", "FACE"
+    feed(tree, [node.inputs["Geometry"], node.inputs["Attribute"]], [mesh, values])
+    return node.outputs["Sum"]

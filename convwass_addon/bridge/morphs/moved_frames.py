@@ -1,0 +1,99 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Geometry nodes that move baked meshes by their velocities to the moment of a mixture.
+
+A point that turns by an angle of a on a way of length s is then off by a s / 8 halfway between two blends, while the
+meshes themselves are off by s / 2.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+
+from ..node_math import feed, math_node, switch, vector_math_node, weighted_vectors
+from ..sequence import pick
+from .field_nodes import FieldMixture, Term
+from .field_sampler import set_position
+from .frame_attributes import VELOCITY
+from .stored_fields import OFFSET
+
+HAS = "has {}"
+"""Column of the table of steps: 1 where a blend has an attribute, otherwise 0."""
+
+
+def moved_about_centers(
+    tree: bpy.types.NodeTree,
+    mixture: FieldMixture,
+    meshes: Sequence[bpy.types.NodeSocket],
+    seconds: Sequence[bpy.types.NodeSocket],
+) -> list[bpy.types.NodeSocket]:
+    """Return the mesh of every term of a mixture, deformed to the moment, but with its center left in place.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Node group of the new nodes.
+    mixture : FieldMixture
+        Terms of the mixture.
+    meshes : sequence of bpy.types.NodeSocket
+        Meshes of all blends in local space. They do not move unless all terms have velocities.
+    seconds : sequence of bpy.types.NodeSocket
+        Time from the blend of every term to the moment.
+    """
+    centers = [mixture.of_step("FLOAT_VECTOR", OFFSET, term) for term in mixture.terms]
+    center = weighted_vectors(tree, centers, [term.weight for term in mixture.terms])
+    # Where only one of two meshes moves, their errors do not cancel: it is better if neither does.
+    moving = has_velocity(mixture, mixture.terms[0])
+    for term in mixture.terms[1:]:
+        moving = math_node(tree, "MULTIPLY", moving, has_velocity(mixture, term))
+    moved = []
+    for term, own, since in zip(mixture.terms, centers, seconds, strict=True):
+        way = vector_math_node(tree, "SCALE", velocity_of_points(tree), since)
+        way = vector_math_node(tree, "SUBTRACT", way, vector_math_node(tree, "SUBTRACT", center, own))
+        way = vector_math_node(tree, "SCALE", way, moving)
+        moved.append(set_position(tree, pick(tree, "GEOMETRY", term.index, meshes), offset=way))
+    return moved
+
+
+def moved_frame(
+    tree: bpy.types.NodeTree,
+    mixture: FieldMixture,
+    meshes: Sequence[bpy.types.NodeSocket],
+    seconds: Sequence[bpy.types.NodeSocket],
+    speed: bpy.types.NodeSocket,
+) -> bpy.types.NodeSocket:
+    """Return the mesh of the nearer of two terms, moved to the moment, with its velocities times a factor.
+
+    That is for thin parts that move by more than they are thick: nothing of them is left in a mixture.
+    """
+    before, after = mixture.terms
+    later = math_node(
+        tree, "MULTIPLY", math_node(tree, "GREATER_THAN", after.weight, 0.5), has_velocity(mixture, after)
+    )
+    later = math_node(tree, "MAXIMUM", later, math_node(tree, "SUBTRACT", 1.0, has_velocity(mixture, before)))
+    index = switch(tree, "FLOAT", later, before.index, after.index)
+    since = switch(tree, "FLOAT", later, *seconds)
+    velocity = velocity_of_points(tree)
+    mesh = pick(tree, "GEOMETRY", index, meshes)
+    moved = set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", velocity, since))
+    stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
+    stored.data_type, stored.domain = "FLOAT_VECTOR", "POINT"
+    stored.inputs["Name"].default_value = VELOCITY
+    faster = vector_math_node(tree, "SCALE", velocity, speed)
+    feed(tree, [stored.inputs["Geometry"], stored.inputs["Value"]], [moved, faster])
+    return stored.outputs["Geometry"]
+
+
+def has_velocity(mixture: FieldMixture, term: Term) -> bpy.types.NodeSocket:
+    """Return 1 where the blend of a term has velocities, otherwise 0."""
+    return mixture.of_step("FLOAT", HAS.format(VELOCITY), term)
+
+
+def velocity_of_points(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
+    """Return the velocity stored on the points of a mesh, as a field; 0 if there is none."""
+    node = tree.nodes.new("GeometryNodeInputNamedAttribute")
+    node.data_type = "FLOAT_VECTOR"
+    node.inputs["Name"].default_value = VELOCITY
+    return next(socket for socket in node.outputs if socket.enabled)
