@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
-from .closest_points import ClosestPointFinder
+from .closest_points import ClosestPointFinder, ClosestPoints
 from .facing_points import FacingPointFinder
 from .mesh import TriangleMesh
 from .normals import triangle_normals
@@ -48,20 +48,23 @@ class FoldFinder:
         """Prepare queries."""
         return cls(rest, target, FacingPointFinder(target), ClosestPointFinder(target.corners))
 
-    def agreements(
-        self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED, some: NDArray[np.int64] | None = None
-    ) -> NDArray[np.float64]:
-        """Return the cosine, (m,), between the normals of triangles, all or some, and the surface's below them."""
-        return self._agreements(vertices[self._faces(some)], control)
+    def agreements(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
+        """Return the cosine between the normals of all triangles and of the surface about their centers, (m,).
 
-    def collapsed(self, vertices: NDArray[np.float64], some: NDArray[np.int64] | None = None) -> NDArray[np.bool_]:
+        The surface's triangle there is hardly ever another than the closest one, and found in a fifth of the time.
+        """
+        corners = vertices[self.rest.faces]
+        return self._agreements(corners, self.finder.find_closest(corners.mean(axis=1), control))
+
+    def collapsed(self, vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Tell which triangles, (m,), have lost nearly all of their area, relative to the areas of both shapes."""
-        faces = self._faces(some)
-        return self._area_ratios(vertices[faces], faces) < _COLLAPSED
+        return self._area_ratios(vertices[self.rest.faces], self.rest.faces) < _COLLAPSED
 
-    def scores(
-        self, corners: NDArray[np.float64], some: NDArray[np.int64], control: Control = UNINTERRUPTED
-    ) -> NDArray[np.float64]:
+    def folded(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.bool_]:
+        """Tell which triangles, (m,), are flipped, perpendicular to the surface, or collapsed."""
+        return (self.agreements(vertices, control) < FOLDED) | self.collapsed(vertices)
+
+    def scores(self, corners: NDArray[np.float64], some: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return how far triangles are from being folded, (k,): the cosine to the surface, less where they collapse.
 
         Parameters
@@ -70,25 +73,14 @@ class FoldFinder:
             Their corners.
         some : (k,) int64
             Which triangles they are.
-        control : Control
-            Stops the work.
         """
         ratios = self._area_ratios(corners, self.rest.faces[some])
-        return np.minimum(self._agreements(corners, control), FOLDED / _COLLAPSED * ratios)
+        agreements = self._agreements(corners, self.closest.find(corners.mean(axis=1)))
+        return np.minimum(agreements, FOLDED / _COLLAPSED * ratios)
 
-    def folded(
-        self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED, some: NDArray[np.int64] | None = None
-    ) -> NDArray[np.bool_]:
-        """Tell which triangles, (m,), are flipped, perpendicular to the surface, or collapsed."""
-        chosen = np.arange(len(self.rest.faces)) if some is None else some
-        return self.scores(vertices[self.rest.faces[chosen]], chosen, control) < FOLDED
-
-    def _faces(self, some: NDArray[np.int64] | None) -> NDArray[np.int64]:
-        return self.rest.faces if some is None else self.rest.faces[some]
-
-    def _agreements(self, corners: NDArray[np.float64], control: Control) -> NDArray[np.float64]:
-        below = self.closest.find(corners.mean(axis=1), control).triangles
-        return np.einsum("md,md->m", triangle_normals(corners), triangle_normals(self.target.corners[below]))
+    def _agreements(self, corners: NDArray[np.float64], below: ClosestPoints) -> NDArray[np.float64]:
+        facing = triangle_normals(self.target.corners[below.triangles])
+        return np.einsum("md,md->m", triangle_normals(corners), facing)
 
     def _area_ratios(self, corners: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return areas relative to those at rest and to the areas of both shapes; 1 without area at rest."""

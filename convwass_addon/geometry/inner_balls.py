@@ -97,7 +97,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     """
     normals = vertex_normals(mesh.vertices, mesh.faces)
     tree = _surface_samples(mesh)
-    radii = _shrunk_radii(mesh, normals, tree)
+    radii = _shrunk_radii(mesh, mesh.vertices, normals, tree)
     centers = mesh.vertices - radii[:, None] * normals
     radii = np.minimum(radii, tree.query(centers)[0])
     a, b, c = mesh.faces.T
@@ -109,29 +109,34 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     return _largest_part(_central(_subset(found, radii > 0)))
 
 
-def touching_radii(mesh: TriangleMesh) -> NDArray[np.float64]:
-    """Return the radius of the largest ball inside a closed surface that touches it at each vertex, (n,).
+def touching_radii(mesh: TriangleMesh, chosen: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the radius of the largest ball inside a closed surface that touches it at some vertices, (k,).
 
     Parameters
     ----------
     mesh : TriangleMesh
         As for :func:`inner_balls`, in any number of components.
+    chosen : (k,) int64
+        The vertices.
     """
-    return _shrunk_radii(mesh, vertex_normals(mesh.vertices, mesh.faces), _surface_samples(mesh))
+    normals = vertex_normals(mesh.vertices, mesh.faces)
+    return _shrunk_radii(mesh, mesh.vertices[chosen], normals[chosen], _surface_samples(mesh))
 
 
 def _surface_samples(mesh: TriangleMesh) -> cKDTree:
     return cKDTree(np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)]))
 
 
-def _shrunk_radii(mesh: TriangleMesh, normals: NDArray[np.float64], tree: cKDTree) -> NDArray[np.float64]:
-    """Shrink a ball at every vertex until no sample of the surface is inside; return the radii."""
-    radii = np.full(len(mesh.vertices), 0.5 * float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))))
+def _shrunk_radii(
+    mesh: TriangleMesh, points: NDArray[np.float64], normals: NDArray[np.float64], tree: cKDTree
+) -> NDArray[np.float64]:
+    """Shrink a ball at each of some points of a surface until no sample is inside; return the radii."""
+    radii = np.full(len(points), 0.5 * float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))))
     active = np.arange(len(radii))
     for _ in range(_ROUNDS):
-        centers = mesh.vertices[active] - radii[active, None] * normals[active]
+        centers = points[active] - radii[active, None] * normals[active]
         distances, nearest = tree.query(centers)
-        reach = mesh.vertices[active] - tree.data[nearest]
+        reach = points[active] - tree.data[nearest]
         along = np.einsum("ni,ni->n", reach, normals[active])
         shrunk = np.einsum("ni,ni->n", reach, reach) / np.maximum(2.0 * along, np.finfo(float).tiny)
         # Very close to the contact point, a facet of a round body is not an obstacle.

@@ -109,7 +109,7 @@ class _Unfolding:
         """Move some vertices if that leaves fewer folds."""
         touched, before = self.graph.touching(chosen), self.vertices[chosen]
         self.vertices[chosen] = places
-        left = self.folds.folded(self.vertices, some=touched)
+        left = self.folds.scores(self.vertices[self.folds.rest.faces[touched]], touched) < FOLDED
         if left.sum() < self.folded[touched].sum():
             self.folded[touched] = left
         else:

@@ -28,15 +28,17 @@ from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
 from .guided_way import GuidedWay
 from .mirror_symmetry import MirrorSymmetry
-from .straight_pieces import FittedPieces, StayNear, fitted_pieces
+from .refined_samples import with_middles
+from .straight_pieces import Criterion, FittedPieces, StayNear, fitted_pieces
 from .volume_keeping import has_volume, with_even_volume
 from .volume_on_pieces import KeepVolume
 
 # A map below this score leads some parts to the wrong place (the limit of the automatic choice of motions), and would
 # distort the mesh.
 _LEAST_SCORE = 0.6
-# Number of samples of a path, some of which become key positions.
-_SAMPLES = 65
+# Number of computed samples of a path, and how often their number is doubled by interpolation. Some of the samples
+# become key positions.
+_SAMPLES, _DOUBLINGS = 17, 2
 # Fraction of the work for the motion.
 _GUIDED = 0.8
 # Vertices farther from the other surface than this fraction of its diagonal count as missing it.
@@ -187,17 +189,21 @@ def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control:
     if demands.symmetry is not None:
         # Means of positions that are symmetric about different planes are not quite symmetric.
         positions = np.stack([demands.symmetry.symmetrized(points) for points in positions])
-    times = tuple(end / (len(samples) - 1) for end in pieces.ends)
+    last = (len(samples) - 1) * 2**_DOUBLINGS
+    times = tuple(end / last for end in pieces.ends)
     return _judged(way, KeyPath(name, times, positions, score, pieces.deviation / diagonal, 0.0, 0.0, 0), control)
 
 
 def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float, control: Control) -> FittedPieces:
     """Follow a path, with an even volume if the mesh encloses one."""
-    if not has_volume(mesh):
-        path = np.stack(samples)
-        return fitted_pieces(path, [StayNear(path, most)])
-    path = np.stack(with_even_volume(samples, mesh, control))
-    return fitted_pieces(path, [StayNear(path, most), KeepVolume.of(path, mesh.faces, _VOLUME)])
+    keeps_volume = has_volume(mesh)
+    path = np.stack(with_even_volume(samples, mesh, control) if keeps_volume else samples)
+    for _ in range(_DOUBLINGS):
+        path = with_middles(path)
+    criteria: list[Criterion] = [StayNear(path, most)]
+    if keeps_volume:
+        criteria.append(KeepVolume.of(path, mesh.faces, _VOLUME))
+    return fitted_pieces(path, criteria)
 
 
 def _judged(way: GuidedWay, path: KeyPath, control: Control) -> KeyPath:
