@@ -12,6 +12,7 @@ import pytest
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
+from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorPlane, MirrorSymmetry
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -83,6 +84,16 @@ def test_one_mesh_swings_its_arm_with_few_keys(arms, swing):
     assert path.turned == 0
     end = TriangleMesh(path.positions[-1], arms[0].faces)
     assert end.volume == pytest.approx(arms[1].volume, rel=0.01)
+
+
+def test_a_symmetric_mesh_swings_symmetrically(arms, swing):
+    symmetry = MirrorSymmetry.of(arms[0].vertices, MirrorPlane(np.zeros(3), np.array([0.0, 0.0, 1.0])), "one")
+    demands = KeyDemands(0.02, symmetry)
+    (path,) = drained(paths_along(swing, arms, ["one", "other"], demands, UNINTERRUPTED))
+    for points in path.positions:
+        mirrored = symmetry.plane(points).mirrored(points)
+        np.testing.assert_allclose(mirrored, points[symmetry.partners], atol=1e-9)
+    assert path.distance < 0.002
 
 
 def test_the_record_has_figures_of_the_fit(swing):
