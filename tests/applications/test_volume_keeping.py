@@ -29,6 +29,17 @@ def test_a_growing_ball_stays_on_the_ground_and_gains_volume_evenly():
         assert grown.bounds[0, 2] == pytest.approx(0.0, abs=0.01)
 
 
+def test_what_gets_thicker_is_not_scaled_as_a_whole():
+    thin, thick = torus(2.0, 0.2), torus(2.0, 0.4)
+    growth = Growth.between(thin, thick)
+    assert growth.scale < 1.03
+    samples = [(1 - t) * thin.vertices + t * thick.vertices for t in np.linspace(0.0, 1.0, 5)]
+    middle = with_even_volume(samples, thin, UNINTERRUPTED)[2]
+    assert TriangleMesh(middle, thin.faces).volume == pytest.approx(0.5 * (thin.volume + thick.volume), rel=1e-3)
+    # The volume is proportional to the square of the smaller radius.
+    assert middle[:, 2].max() == pytest.approx(np.sqrt(0.5 * (0.2**2 + 0.4**2)), rel=0.02)
+
+
 def test_a_thickened_torus_keeps_its_ring():
     mesh = torus(2.0, 0.5)
     wanted = mesh.volume * 1.21

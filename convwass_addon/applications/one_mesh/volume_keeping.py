@@ -82,9 +82,17 @@ class Growth:
 
     @classmethod
     def between(cls, first: TriangleMesh, last: TriangleMesh) -> Growth:
-        """Compare volumes and centers of two meshes with the same faces."""
-        scale = float(np.cbrt(last.volume / first.volume))
-        centers = [own.vertex_areas @ own.vertices / own.area for own in (first, last)]
+        """Compare two meshes with the same faces by their centers, and by distances from these.
+
+        By volume, a body that only gets thicker would be scaled about its center, and its feet would sink into the
+        ground on the way.
+        """
+        centers, spreads = [], []
+        for mesh in (first, last):
+            center = mesh.vertex_areas @ mesh.vertices / mesh.area
+            centers.append(center)
+            spreads.append(mesh.vertex_areas @ np.square(mesh.vertices - center).sum(axis=1) / mesh.area)
+        scale = float(np.sqrt(spreads[1] / spreads[0]))
         return cls(scale, centers[1] - scale * centers[0])
 
     def evenly_in_volume(self, points: NDArray[np.float64], t: float) -> NDArray[np.float64]:
