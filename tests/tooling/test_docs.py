@@ -135,7 +135,7 @@ def test_a_wrong_command_is_detected():
 
 @pytest.mark.parametrize("page", [page for page in PAGES if page.name not in _TELLS_OF_OTHERS], ids=shown)
 def test_options_exist(page):
-    known = {"--python", "--blender", "--check", "--help", "--command", "--only", "--out"}
+    known = {"--python", "--blender", "--check", "--help", "--command", "--only", "--out", "--glb"}
     # Options of the tests that install the extension.
     known |= {"--zip", "--from-zip"}
     for command in program.COMMANDS:
