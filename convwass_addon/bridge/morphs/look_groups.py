@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..node_copies import can_copy, copied_nodes
+from ..shown_nodes import shown_tree
 from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
 from .materials import mark_as_frames
 
@@ -106,9 +107,9 @@ class LookGroups:
 
     def of(self, material: bpy.types.Material) -> bpy.types.NodeTree | None:
         """Return a new group with the outputs `SURFACE` and `DISPLACEMENT`; None if the nodes cannot be copied."""
-        source = material.node_tree
-        if source is None or not all(can_copy(tree) for tree in node_trees(source)):
+        if not is_wrapped(material):
             return None
+        source = material.node_tree
         output = source.get_output_node("ALL")
         group = bpy.data.node_groups.new(f"Look of {material.name}", "ShaderNodeTree")
         mark_as_frames(group)
@@ -147,7 +148,8 @@ class LookGroups:
 
 def is_wrapped(material: bpy.types.Material) -> bool:
     """Return whether :class:`LookGroups` can copy a material."""
-    return material.node_tree is not None and all(can_copy(tree) for tree in node_trees(material.node_tree))
+    tree = shown_tree(material)
+    return tree is not None and all(can_copy(own) for own in node_trees(tree))
 
 
 def node_trees(tree: bpy.types.NodeTree) -> list[bpy.types.NodeTree]:

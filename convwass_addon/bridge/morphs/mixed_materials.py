@@ -21,6 +21,9 @@ _STRENGTH = "Emission Strength"
 # Emission is mixed as one value, and the base color comes from an attribute.
 _LEFT_OUT = ("Base Color", EMISSION, _STRENGTH, "Weight")
 
+# Settings of materials besides their nodes, which frames have if all of their materials agree.
+_SETTINGS = ("displacement_method", "surface_render_method", "use_backface_culling", "use_transparent_shadow")
+
 Value = tuple[float, ...]
 
 
@@ -115,6 +118,7 @@ class MixedMaterials:
     ) -> None:
         self._color, self._weight, self._looks = color, weight, looks
         self._values = [[ShaderValues.of(own) for own in slots_of] for slots_of in slots]
+        self._settings = [[_settings(own) for own in slots_of] for slots_of in slots]
         self._names = [["" if own is None else own.name for own in slots_of] for slots_of in slots]
         self._made: dict[tuple[int, ...], Handle] = {}
         self._make((0,) * len(slots), name)
@@ -148,7 +152,14 @@ class MixedMaterials:
                 for number, (own, group, share) in enumerate(zip(values, groups, shares, strict=True), start=1)
             ]
             show_looks(material, looks, self._looks.how)
+            agreed = set.intersection(*(own[slot] for own, slot in zip(self._settings, key, strict=True)))
+            for name, value in agreed:
+                setattr(material, name, value)
         self._made[key] = Handle.of("materials", material)
+
+
+def _settings(material: bpy.types.Material | None) -> set[tuple[str, object]]:
+    return {(name, getattr(material, name)) for name in _SETTINGS if material is not None}
 
 
 def _simple_look(tree: bpy.types.NodeTree, number: int, shader: ShaderValues, share: bpy.types.NodeSocket) -> MixedLook:
