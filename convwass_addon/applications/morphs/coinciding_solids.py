@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr, ndtri
 
+from ...geometry.grid_halving import doubled, halved
 from ...geometry.near import capped_squares
 from ...geometry.thin_parts import locally_normalized
 
@@ -80,11 +81,14 @@ class CoincidingSolids:
         apart = gaussian_filter(np.where(near, spread, np.float32(0)), _SMOOTH)
         about = gaussian_filter(near.astype(np.float32), _SMOOTH)
         typical = np.maximum(np.where(near, spread, 0), apart / np.maximum(about, np.float32(1e-3)))
-        agreement = np.exp(-np.square(np.maximum(typical - _APART, 0) / _FALL)).astype(np.float32)
-        np.maximum(agreement, _growing_in_place(depths), out=agreement)
+        agreement = np.ones_like(typical)
+        differing = np.flatnonzero(typical > _APART)
+        agreement.ravel()[differing] = np.exp(-np.square((typical.ravel()[differing] - _APART) / _FALL))
+        if (agreement < 1.0).any():
+            np.maximum(agreement, _growing_in_place(depths), out=agreement)
         depths = np.stack([_extended(depth) for depth in depths])
         mean = np.tensordot(np.asarray(weights, np.float32), depths, 1)
-        return cls(ndtr(mean / _BLUR).astype(np.float32), agreement, depths)
+        return cls(_blurred(mean), agreement, depths)
 
     @cached_property
     def disagreement(self) -> float:
@@ -114,14 +118,26 @@ class CoincidingSolids:
 def _growing_in_place(depths: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return 1 where solids differ by parts that only some of them have, falling to 0 where parts have moved.
 
-    Near a part that has moved, the solids fill as much space as each other, only elsewhere.
+    Near a part that has moved, the solids fill as much space as each other, only elsewhere. Averages over many cells
+    are computed on cells of twice the size.
     """
-    filled = ndtr(depths / np.float32(_BLUR)).astype(np.float32)
-    smooth = [gaussian_filter(own, _BALANCE, truncate=_BALANCE_REACH) for own in filled]
-    differing = gaussian_filter(np.ptp(filled, axis=0), _BALANCE, truncate=_BALANCE_REACH)
-    share = np.ptp(smooth, axis=0) / np.maximum(differing, np.float32(1e-4))
+    shape = depths.shape[1:]
+    filled = [_blurred(own) for own in depths]
+    differing, *smooth = (
+        gaussian_filter(halved(own, len(shape)), _BALANCE / 2.0, truncate=_BALANCE_REACH)
+        for own in (np.ptp(filled, axis=0), *filled)
+    )
+    share = doubled(np.ptp(smooth, axis=0) / np.maximum(differing, np.float32(1e-4)), shape)
     rising = np.clip((share - _MOVED) / (_GROWN - _MOVED), 0.0, 1.0)
     return rising**2 * (3.0 - 2.0 * rising)
+
+
+def _blurred(depth: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Return the density of a blurred solid at signed distances in cells; beyond the known ones it is 0 or 1."""
+    density = (depth > 0.0).astype(np.float32)
+    near = np.flatnonzero(np.abs(depth) < 0.99 * _KNOWN * _BLUR)
+    density.ravel()[near] = ndtr(depth.ravel()[near] / np.float32(_BLUR))
+    return density
 
 
 def _extended(depth: NDArray[np.float32]) -> NDArray[np.float32]:
