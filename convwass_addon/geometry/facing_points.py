@@ -75,6 +75,11 @@ class FacingPointFinder:
             self._search_by_position_and_normal(found, again[start : start + _AT_ONCE], points, units)
         return found
 
+    @property
+    def closest(self) -> ClosestPointFinder:
+        """The finder of closest points, regardless of normals."""
+        return self._closest
+
     def find_closest(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> ClosestPoints:
         """Find the closest point on the surface for each of `points`, (n, 3), regardless of its normal."""
         return self._closest.find_about(points, control)

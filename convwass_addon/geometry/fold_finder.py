@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
-from .closest_points import ClosestPointFinder, ClosestPoints
+from .closest_points import ClosestPoints
 from .facing_points import FacingPointFinder
 from .mesh import TriangleMesh
 from .normals import triangle_normals
@@ -33,20 +33,17 @@ class FoldFinder:
     target : TriangleMesh
         The surface that the mesh is deformed to.
     finder : FacingPointFinder
-        Nearest-point queries on the target that respect the orientation.
-    closest : ClosestPointFinder
-        Exact ones that do not.
+        Nearest-point queries on the target.
     """
 
     rest: TriangleMesh
     target: TriangleMesh
     finder: FacingPointFinder
-    closest: ClosestPointFinder
 
     @classmethod
     def of(cls, rest: TriangleMesh, target: TriangleMesh) -> FoldFinder:
         """Prepare queries."""
-        return cls(rest, target, FacingPointFinder(target), ClosestPointFinder(target.corners))
+        return cls(rest, target, FacingPointFinder(target))
 
     def agreements(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
         """Return the cosine between the normals of all triangles and of the surface about their centers, (m,).
@@ -75,7 +72,7 @@ class FoldFinder:
             Which triangles they are.
         """
         ratios = self._area_ratios(corners, self.rest.faces[some])
-        agreements = self._agreements(corners, self.closest.find(corners.mean(axis=1)))
+        agreements = self._agreements(corners, self.finder.closest.find(corners.mean(axis=1)))
         return np.minimum(agreements, FOLDED / _COLLAPSED * ratios)
 
     def _agreements(self, corners: NDArray[np.float64], below: ClosestPoints) -> NDArray[np.float64]:

@@ -35,6 +35,8 @@ _OVERLAP = 0.25
 _FOLDED = 2.0
 # Number of nearest balls to which each ball is linked.
 _NEIGHBORS = 40
+# Points that represent the surface where only radii are asked for.
+_MOST_SAMPLES = 20_000
 
 
 @dataclass(frozen=True)
@@ -96,7 +98,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
         Closed, oriented outward, connected; every vertex is used.
     """
     normals = vertex_normals(mesh.vertices, mesh.faces)
-    tree = _surface_samples(mesh)
+    tree = cKDTree(_surface_samples(mesh))
     radii = _shrunk_radii(mesh, mesh.vertices, normals, tree)
     centers = mesh.vertices - radii[:, None] * normals
     radii = np.minimum(radii, tree.query(centers)[0])
@@ -112,6 +114,8 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
 def touching_radii(mesh: TriangleMesh, chosen: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return the radius of the largest ball inside a closed surface that touches it at some vertices, (k,).
 
+    The surface of a fine mesh is represented by about 20 000 of its vertices and centers of triangles.
+
     Parameters
     ----------
     mesh : TriangleMesh
@@ -120,11 +124,13 @@ def touching_radii(mesh: TriangleMesh, chosen: NDArray[np.int64]) -> NDArray[np.
         The vertices.
     """
     normals = vertex_normals(mesh.vertices, mesh.faces)
-    return _shrunk_radii(mesh, mesh.vertices[chosen], normals[chosen], _surface_samples(mesh))
+    samples = _surface_samples(mesh)
+    tree = cKDTree(samples[:: max(1, len(samples) // _MOST_SAMPLES)])
+    return _shrunk_radii(mesh, mesh.vertices[chosen], normals[chosen], tree)
 
 
-def _surface_samples(mesh: TriangleMesh) -> cKDTree:
-    return cKDTree(np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)]))
+def _surface_samples(mesh: TriangleMesh) -> NDArray[np.float64]:
+    return np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)])
 
 
 def _shrunk_radii(

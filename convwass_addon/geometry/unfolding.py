@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPointFinder
 from .fold_finder import FOLDED, FoldFinder
-from .mesh import TriangleMesh
 from .mesh_discs import FaceGraph, MeshDisc
 from .normals import triangle_normals, unit_vectors, vertex_normals
 from .planar_embedding import embedded, on_unit_disc
@@ -35,27 +34,22 @@ _MORE_RINGS, _MORE_TARGET_RINGS = 4, 12
 _ROUNDS, _STEPS, _MIDDLE_STEPS = 6, (0.2, 0.45), (0.0, 0.25, 0.5, 0.75)
 
 
-def unfolded(
-    rest: TriangleMesh, vertices: NDArray[np.float64], target: TriangleMesh, control: Control = UNINTERRUPTED
-) -> NDArray[np.float64]:
+def unfolded(folds: FoldFinder, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
     """Return the vertices, (n, 3), of a mesh on a surface with as few folds as possible.
 
     Parameters
     ----------
-    rest : TriangleMesh
-        The undeformed mesh, facing outward.
+    folds : FoldFinder
+        Of the undeformed mesh and the surface, both facing outward.
     vertices : (n, 3) float64
-        Deformed positions on `target`. Vertices away from folds stay there.
-    target : TriangleMesh
-        The surface, facing outward.
+        Deformed positions on the surface. Vertices away from folds stay there.
     control : Control
         Stops the work.
     """
-    folds = FoldFinder.of(rest, target)
     found = folds.folded(vertices, control)
     if not found.any():
         return vertices
-    unfolding = _Unfolding(folds, FaceGraph.of(rest), FaceGraph.of(target), vertices.copy(), found)
+    unfolding = _Unfolding(folds, FaceGraph.of(folds.rest), FaceGraph.of(folds.target), vertices.copy(), found)
     for _ in range(_SWEEPS):
         before = found.sum()
         for rings in _RINGS:
@@ -146,7 +140,7 @@ class _Unfolding:
         places = [own + step * (ring - own) for step in _STEPS]
         places += [middle + step * (ring - middle) for step in _MIDDLE_STEPS]
         target = self.folds.target
-        facing = triangle_normals(target.corners[self.folds.closest.find(ring).triangles])
+        facing = triangle_normals(target.corners[self.folds.finder.closest.find(ring).triangles])
         normal = unit_vectors(facing.mean(axis=0, keepdims=True))
         flat = np.concatenate(places)
         hits = self.folds.finder.find(flat, np.repeat(normal, len(flat), axis=0))

@@ -27,7 +27,7 @@ def test_a_flipped_patch_is_unfolded(target):
     folded[near, 0] *= -1.0
     finder = FoldFinder.of(mesh, target)
     assert finder.folded(folded).sum() > 10
-    found = unfolded(mesh, folded, target)
+    found = unfolded(finder, folded)
     assert not finder.folded(found).any()
     assert ClosestPointFinder(target.corners).find(found).distances.max() < 0.01
     far = mesh.vertices[:, 2] < 0.0
@@ -36,4 +36,4 @@ def test_a_flipped_patch_is_unfolded(target):
 
 def test_a_mesh_without_folds_is_unchanged(target):
     mesh = ball(points=600)
-    assert unfolded(mesh, mesh.vertices, target) is mesh.vertices
+    assert unfolded(FoldFinder.of(mesh, target), mesh.vertices) is mesh.vertices

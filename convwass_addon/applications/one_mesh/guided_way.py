@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.fold_finder import FoldFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.surface_projection import drawn_along_normals
@@ -32,8 +33,8 @@ class GuidedWay:
         The motion of all shapes, the first of which is the mesh.
     index : int
         Index of the other shape.
-    mesh, target : TriangleMesh
-        The mesh and the other shape, undeformed.
+    folds : FoldFinder
+        Of the mesh and the other shape.
     heights : (n,) float64
         Remaining distances to the other surface at the end, along the normals of the guided mesh.
     mended : TurnedOffsets
@@ -42,8 +43,7 @@ class GuidedWay:
 
     motion: GuidedMotion
     index: int
-    mesh: TriangleMesh
-    target: TriangleMesh
+    folds: FoldFinder
     heights: NDArray[np.float64]
     mended: TurnedOffsets
 
@@ -53,18 +53,29 @@ class GuidedWay:
     ) -> GuidedWay:
         """Guide the mesh to the end, project it onto the surface there, and unfold it."""
         nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
-        way = cls(motion, index, mesh, target, np.zeros(len(mesh.vertices)), nothing)
+        folds = FoldFinder.of(mesh, target)
+        way = cls(motion, index, folds, np.zeros(len(mesh.vertices)), nothing)
         guided = way.guided(1.0)
         normals = vertex_normals(guided.vertices, mesh.faces)
         drawn = drawn_along_normals(guided, target, control)
         heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
         laid = guided.vertices + heights[:, None] * normals
-        final = unfolded(mesh, laid, target, control)
+        final = unfolded(folds, laid, control)
         # Normals change abruptly where the guided mesh folds, so vertices there get their whole offset as `mended`.
         mended = (final != laid).any(axis=1)
         heights[mended] = 0.0
         offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
-        return cls(motion, index, mesh, target, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
+        return cls(motion, index, folds, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
+
+    @property
+    def mesh(self) -> TriangleMesh:
+        """The mesh, undeformed."""
+        return self.folds.rest
+
+    @property
+    def target(self) -> TriangleMesh:
+        """The other shape, undeformed."""
+        return self.folds.target
 
     def guided(self, t: float) -> TriangleMesh:
         """Return the guided mesh; at the end, its limit, since a shape without weight is not moved."""

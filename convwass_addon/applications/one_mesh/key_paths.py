@@ -16,7 +16,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.fold_finder import FoldFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.weighted_quantile import weighted_quantile
@@ -208,9 +207,9 @@ def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float,
 
 def _judged(way: GuidedWay, path: KeyPath, control: Control) -> KeyPath:
     """Return a path with the figures of its last key."""
-    final, folds = TriangleMesh(path.positions[-1], way.mesh.faces), FoldFinder.of(way.mesh, way.target)
+    final, folds = TriangleMesh(path.positions[-1], way.mesh.faces), way.folds
     diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
-    distances = folds.closest.find(final.vertices, control).distances / diagonal
+    distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
     turned = folds.agreements(final.vertices, control) < 0.0
     poor = distances > _FAR
     poor[final.faces[turned | folds.collapsed(final.vertices)]] = True

@@ -16,6 +16,8 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.products import product
+
 # Pieces are chosen by so many times the allowed error, the longest first: twice it is more than any fit makes up for,
 # and half of it leaves room for points that were not among the probes.
 _LONGER = (2.0, 1.8, 1.6, 1.4, 1.2, 1.0, 0.8, 0.5)
@@ -132,10 +134,14 @@ def _fitted(path: NDArray[np.float64], knots: list[int]) -> NDArray[np.float64]:
     """Return positions at the knots, (k, n, 3): at both ends as they are, in between by least squares."""
     times = np.arange(len(path))
     hats = np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
-    flat = path.reshape(len(path), -1)
-    ends = flat[[0, -1]]
-    inner = np.linalg.lstsq(hats[:, 1:-1], flat - hats[:, [0, -1]] @ ends, rcond=None)[0]
-    return np.concatenate([ends[:1], inner, ends[1:]]).reshape(len(knots), -1, 3)
+    # The inner positions are linear in the samples.
+    inverse = np.linalg.pinv(hats[:, 1:-1])
+    weights = inverse.copy()
+    weights[:, [0, -1]] -= inverse @ hats[:, [0, -1]]
+    found = np.empty((len(knots), *path.shape[1:]))
+    found[[0, -1]] = path[[0, -1]]
+    found[1:-1] = product(weights, path.reshape(len(path), -1)).reshape(-1, *path.shape[1:])
+    return found
 
 
 def _strayed(

@@ -119,14 +119,17 @@ def thickened(mesh: TriangleMesh, thickness: NDArray[np.float64], volume: float)
     volume : float
         The volume; if the factor would exceed a quarter, it stays there.
     """
-    areas = area_normals(mesh.vertices, mesh.faces)
+    centered = mesh.vertices - mesh.vertices.mean(axis=0)
+    areas = area_normals(centered, mesh.faces)
     offsets = thickness[:, None] * unit_vectors(areas)
-    # The volume is a polynomial of the factor, of which its value, slope and another value give all but the cubic term.
-    slope, missing = float(np.einsum("nd,nd->", areas, offsets)), volume - mesh.volume
+    # The volume is a polynomial of the factor, whose value and slope here, and slope elsewhere, give all but the cubic
+    # term. The areas are its gradient.
+    missing = volume - float(np.einsum("nd,nd->", areas, centered)) / 3.0
+    slope = float(np.einsum("nd,nd->", areas, offsets))
     factor = float(np.clip(missing / slope, -_MOST, _MOST)) if slope > 0.0 else 0.0
     if factor:
-        gained = TriangleMesh(mesh.vertices + factor * offsets, mesh.faces).volume - mesh.volume
-        bend = (gained - slope * factor) / factor**2
+        there = area_normals(centered + factor * offsets, mesh.faces)
+        bend = (float(np.einsum("nd,nd->", there, offsets)) - slope) / (2.0 * factor)
         root = max(slope**2 + 4.0 * bend * missing, 0.0)
         # The solution of bend x^2 + slope x = missing that stays finite without a bend.
         factor = float(np.clip(2.0 * missing / (slope + np.sqrt(root)), -_MOST, _MOST))
