@@ -47,7 +47,7 @@ def apart(one, other):
 @pytest.fixture(scope="module")
 def arms():
     straight, _ = arm(0.0)
-    swung, _ = arm(np.radians(120.0))
+    swung, _ = arm(np.radians(120.0), around=20, along=52)
     return straight, shuffled(swung)[0]
 
 
@@ -83,7 +83,11 @@ def test_one_mesh_swings_its_arm_with_few_keys(arms, swing):
     assert path.distance_95 < 0.004
     assert path.turned == 0
     end = TriangleMesh(path.positions[-1], arms[0].faces)
-    assert end.volume == pytest.approx(arms[1].volume, rel=0.01)
+    # The second arm has more and other vertices. Rings end within a quarter of its thickness of where they belong.
+    known = arm(np.radians(120.0))[0].vertices
+    rings = [points[:640].reshape(40, 16, 3).mean(axis=1) for points in (end.vertices, known)]
+    assert np.linalg.norm(rings[0] - rings[1], axis=1).max() < 0.15
+    assert end.volume == pytest.approx(arms[1].volume, rel=0.03)
 
 
 def test_a_symmetric_mesh_swings_symmetrically(arms, swing):
