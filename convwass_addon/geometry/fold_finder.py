@@ -48,17 +48,17 @@ class FoldFinder:
     def agreements(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
         """Return the cosine between the normals of all triangles and of the surface about their centers, (m,).
 
-        The surface's triangle there is hardly ever another than the closest one, and found in a fifth of the time.
+        The fast search for the surface's triangle there hardly ever returns another than the closest one.
         """
         corners = vertices[self.rest.faces]
         return self._agreements(corners, self.finder.find_closest(corners.mean(axis=1), control))
 
     def collapsed(self, vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
-        """Tell which triangles, (m,), have lost nearly all of their area, relative to the areas of both shapes."""
+        """Return which triangles, (m,), have lost nearly all of their area, relative to the areas of both shapes."""
         return self._area_ratios(vertices[self.rest.faces], self.rest.faces) < _COLLAPSED
 
     def folded(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.bool_]:
-        """Tell which triangles, (m,), are flipped, perpendicular to the surface, or collapsed."""
+        """Return which triangles, (m,), are flipped, perpendicular to the surface, or collapsed."""
         return (self.agreements(vertices, control) < FOLDED) | self.collapsed(vertices)
 
     def scores(self, corners: NDArray[np.float64], some: NDArray[np.int64]) -> NDArray[np.float64]:

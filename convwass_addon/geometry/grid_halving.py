@@ -23,7 +23,7 @@ def halved(field: NDArray[np.floating], dimensions: int = 3) -> NDArray[np.float
 
 
 def doubled(field: NDArray[np.floating], shape: Sequence[int]) -> NDArray[np.floating]:
-    """Interpolate a field (mx, my, mz, ...) linearly on cells of half the size, in a grid of `shape`, (3,) or less.
+    """Interpolate a field (mx, my, mz, ...) linearly on cells of half the size, in a grid of `shape`, up to three axes.
 
     It is constant beyond the outer centers.
     """

@@ -32,9 +32,9 @@ _BLUR, _KNOWN = 0.7, 2.6
 # Solids agree where their distances differ by at most this many cells. Beyond that, agreement falls off like a Gaussian
 # of the second width, and is smoothed over the third, so that no seam is visible.
 _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
-# Distances are extended to this many cells. Solids are compared within this many cells (standard deviation), up to so
-# many times that. Of what differs there, one solid has more than the others by the first share or less where parts have
-# moved, and by the second or more where parts grow in place.
+# Distances are extended to this many cells. Solids are compared within a Gaussian of this many cells, truncated at this
+# many standard deviations. There, the excess of one solid over the others, as a fraction of all that differs, is at
+# most the first value where parts have moved, and at least the second where parts grow in place.
 _FAR = 8.0
 _BALANCE, _BALANCE_REACH = 5.0, 2.0
 _MOVED, _GROWN = 0.2, 0.5
@@ -118,8 +118,8 @@ class CoincidingSolids:
 def _growing_in_place(depths: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return 1 where solids differ by parts that only some of them have, falling to 0 where parts have moved.
 
-    Near a part that has moved, the solids fill as much space as each other, only elsewhere. Averages over many cells
-    are computed on cells of twice the size.
+    Near a part that has moved, all solids fill the same amount of space, but in different places. Averages over many
+    cells are computed on cells of twice the size.
     """
     shape = depths.shape[1:]
     filled = [_blurred(own) for own in depths]

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Samples of a smooth path between those that were computed."""
+"""Interpolate between the computed samples of a smooth path."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
 
-# Weights of four consecutive samples: of the middle between the inner two, and between the first two.
+# Weights of four consecutive samples, for the point halfway between the inner two and for that between the first two.
 _INNER, _FIRST = np.array([-1.0, 9.0, 9.0, -1.0]) / 16.0, np.array([5.0, 15.0, -5.0, 1.0]) / 16.0
 
 

@@ -24,8 +24,8 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import area_normals, unit_vectors, vertex_normals
 from ...progress import Control
 
-# Number of vertices, about, at which the thickness is measured; distance that counts as much as a normal turned by 60
-# degrees, relative to the square root of the area; rounds of averaging over neighbors that make the thickness smooth.
+# Approximate number of vertices at which the thickness is measured; distance, relative to the square root of the area,
+# that counts as much as a normal rotated by 60 degrees; rounds of averaging over neighbors.
 _BALLS, _TURN, _SMOOTHINGS = 2000, 0.05, 8
 # Largest change of the thickness, as a fraction; more would fold the surface.
 _MOST = 0.25
@@ -84,8 +84,8 @@ class Growth:
     def between(cls, first: TriangleMesh, last: TriangleMesh) -> Growth:
         """Compare two meshes with the same faces by their centers, and by distances from these.
 
-        By volume, a body that only gets thicker would be scaled about its center, and its feet would sink into the
-        ground on the way.
+        If volumes were compared, a body that only gets thicker would be scaled about its center, and its feet would
+        sink into the ground on the way.
         """
         centers, spreads = [], []
         for mesh in (first, last):
@@ -96,7 +96,7 @@ class Growth:
         return cls(scale, centers[1] - scale * centers[0])
 
     def evenly_in_volume(self, points: NDArray[np.float64], t: float) -> NDArray[np.float64]:
-        """Scale points, (n, 3), at time t, whose lengths have grown evenly, as if the volume had.
+        """Scale points, (n, 3), of a time t as if not the lengths but the volume of the mesh had grown evenly.
 
         Points are scaled about the fixed point of the growth, so that what rests on the ground stays there.
         """
@@ -115,7 +115,7 @@ def thickened(mesh: TriangleMesh, thickness: NDArray[np.float64], volume: float)
     mesh : TriangleMesh
         Closed, outward.
     thickness : (n,) float64
-        All distances are this times one factor.
+        Vertices move by this times a common factor.
     volume : float
         The volume; if the factor would exceed a quarter, it stays there.
     """

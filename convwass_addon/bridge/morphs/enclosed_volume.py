@@ -16,7 +16,7 @@ def with_volume(
     """Return a closed mesh that is moved along its normals to enclose a volume.
 
     The divergence theorem gives the volume, a third of the sum of areas times p . n over all faces, whose derivative is
-    the area. One Newton step does for the percent that meshes of mixed fields are off by.
+    the area. One Newton step is enough, because meshes of mixed fields are off by only about a percent.
 
     Parameters
     ----------
@@ -25,7 +25,7 @@ def with_volume(
     mesh : bpy.types.NodeSocket
         Facing outward.
     volume : bpy.types.NodeSocket
-        To be enclosed.
+        The volume to enclose.
     farthest : float
         Vertices are moved no farther than this.
     """

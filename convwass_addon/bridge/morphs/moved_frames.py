@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Geometry nodes that move baked meshes by their velocities to the moment of a mixture.
 
-A point that turns by an angle of a on a way of length s is then off by a s / 8 halfway between two blends, while the
-meshes themselves are off by s / 2.
+Halfway between two blends, a point that rotates by an angle a along a path of length s is then off by a s / 8; without
+the move, it is off by s / 2.
 """
 
 from __future__ import annotations
@@ -66,7 +66,7 @@ def moved_frame(
 ) -> bpy.types.NodeSocket:
     """Return the mesh of the nearer of two terms, moved to the moment, with its velocities times a factor.
 
-    That is for thin parts that move by more than they are thick: nothing of them is left in a mixture.
+    For thin parts that move by more than their thickness: mixtures do not show them at all.
     """
     before, after = mixture.terms
     later = math_node(

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motion blur of pads: keys of the velocity of the handle, because Geometry Nodes know only where it is now."""
+"""Motion blur of pads: keys of the handle's velocity, because Geometry Nodes know only its current position."""
 
 from __future__ import annotations
 
