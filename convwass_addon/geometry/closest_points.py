@@ -208,8 +208,10 @@ def _samples(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray
 
     A triangle is divided into n^2 similar ones, n along each edge, and sampled at their centers.
     """
-    centers = corners.mean(axis=1)
-    reach = np.linalg.norm(corners - centers[:, None], axis=2).max(axis=1)
+    a, b, c = np.moveaxis(corners, 1, 0)
+    centers = (a + b + c) / 3.0
+    squares = [np.einsum("md,md->m", corner - centers, corner - centers) for corner in (a, b, c)]
+    reach = np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
     wanted = max(_SAMPLES, _SAMPLES_PER_TRIANGLE * len(corners))
     spacing = np.sqrt(np.square(reach).sum() / wanted)
     cuts = np.ones(len(corners), np.int64)

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from .edge_means import EdgeMeans
 from .mesh import TriangleMesh
-from .normals import triangle_normals, unit_vectors
+from .normals import mean_directions, triangle_normals
 
 # A triangle counts as folded if the cosine between its normal and those of its vertices is below this.
 _TURNED = 0.1
@@ -42,7 +42,7 @@ def without_folds(
     (n, 3) float64
         The displacements; at triangles that they would flip, those to the mean of the neighbors, or smaller ones.
     """
-    facing = unit_vectors(normals[mesh.faces].sum(axis=1))
+    facing = mean_directions(normals, mesh.faces)
     before = np.einsum("md,md->m", triangle_normals(mesh.corners), facing)
 
     def folded(displaced: NDArray[np.float64]) -> NDArray[np.int64]:

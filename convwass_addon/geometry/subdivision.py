@@ -94,7 +94,8 @@ def with_edges_halved(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_
     middles = np.empty(mesh.faces.size, np.int64)
     middles[use.side] = np.repeat(numbers, use.count)
     ends = edge_ends(mesh.faces, use)[chosen]
-    vertices = np.concatenate([mesh.vertices, mesh.vertices[ends].mean(axis=1)])
+    first, second = (mesh.vertices.take(end, axis=0) for end in ends.T)
+    vertices = np.concatenate([mesh.vertices, 0.5 * (first + second)])
     parts, parents = _cut(mesh.faces, middles.reshape(-1, 3), vertices)
     return HalvedEdges(TriangleMesh(vertices, parts), parents, ends)
 

@@ -31,7 +31,7 @@ from .edges import edge_ends, edge_use
 from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
-from .normals import area_normals, triangle_normals, unit_vectors, vertex_normals
+from .normals import area_normals, mean_directions, triangle_normals, unit_vectors, vertex_normals
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
 
@@ -199,7 +199,7 @@ class _Carried:
         found = self.source.shape.finder.find_closest(wanted)
         return replace(
             self,
-            starts=np.concatenate([self.starts, self.starts[ends].mean(axis=1)]),
+            starts=np.concatenate([self.starts, 0.5 * (self.starts[first] + self.starts[second])]),
             certainty=np.concatenate([self.certainty, self.certainty[ends].mean(axis=1)]),
             places=self.places.followed_by(found),
             points=np.concatenate([self.points, found.interpolated(self.source.shape.mesh.corners)]),
@@ -230,15 +230,16 @@ class _Carried:
 
     def trust(self, normals: NDArray[np.float64], cell: float) -> NDArray[np.float64]:
         """Return the trust in offsets, (n,), from 0 to 1."""
-        distances = np.linalg.norm(self.points - self.starts, axis=1) / cell
+        offsets = self.points - self.starts
+        distances = np.sqrt(np.einsum("nd,nd->n", offsets, offsets)) / cell
         agreement = np.einsum("nd,nd->n", self.normals, normals)
         outside = (_INSIDE - self.source.filled(self.points)) / (_INSIDE - _SURFACE)
         near = (_FARTHEST - distances) / (_FARTHEST - _TRUSTED)
         known = self.certainty * np.prod([np.clip(part, 0.0, 1.0) for part in (near, 2.0 * agreement, outside)], axis=0)
         if self.source.reliability is None:
             return known
-        corners = self.source.shape.mesh.faces[self.places.triangles]
-        return known * np.einsum("nc,nc->n", self.places.shares, self.source.reliability[corners])
+        corners = self.source.shape.mesh.faces.take(self.places.triangles, axis=0)
+        return known * np.einsum("nc,nc->n", self.places.shares, self.source.reliability.take(corners))
 
     def relaxed(self, faces: NDArray[np.int64], facing: NDArray[np.float64], means: EdgeMeans) -> _Carried:
         """Move points of flipped or upright triangles to the mean of their neighbors, projected onto the shape.
@@ -256,7 +257,8 @@ class _Carried:
         # Only triangles around moved vertices change.
         rows = np.arange(len(faces))
         for _ in range(_RELAXATIONS):
-            turned = rows[np.einsum("md,md->m", triangle_normals(points[faces[rows]]), facing[rows]) < _TURNED]
+            normals = triangle_normals(points.take(faces.take(rows, axis=0), axis=0))
+            turned = rows[np.einsum("md,md->m", normals, facing.take(rows, axis=0)) < _TURNED]
             if not len(turned):
                 break
             near = np.zeros(len(points), bool)
@@ -266,7 +268,7 @@ class _Carried:
             found = self.source.shape.finder.find_closest(means.mean_points(points)[moved])
             places = places.replaced(moved, found)
             points[moved] = found.interpolated(self.source.shape.mesh.corners)
-            rows = np.flatnonzero(chosen[faces].any(axis=1))
+            rows = np.flatnonzero(np.logical_or.reduce([chosen.take(corner) for corner in faces.T]))
         return replace(self, places=places, points=points)
 
 
@@ -280,7 +282,7 @@ class _Laid:
 
     def relaxed(self, means: EdgeMeans) -> _Laid:
         """Relax the points on all shapes."""
-        facing = unit_vectors(self.normals[self.mesh.faces].sum(axis=1))
+        facing = mean_directions(self.normals, self.mesh.faces)
         return replace(self, carried=[own.relaxed(self.mesh.faces, facing, means) for own in self.carried])
 
     def refined(self, cell: float, face_size: float, most: int) -> _Laid | None:
@@ -304,7 +306,7 @@ class _Laid:
         if not chosen.any():
             return None
         halved = with_edges_halved(self.mesh, use, chosen)
-        normals = unit_vectors(self.normals[halved.ends].sum(axis=1))
+        normals = mean_directions(self.normals, halved.ends)
         carried = [own.with_middles(halved.ends) for own in self.carried]
         return _Laid(halved.mesh, np.concatenate([self.normals, normals]), carried)
 

@@ -37,7 +37,7 @@ from .volumes import Lattice
 Made = TypeVar("Made", covariant=True)
 
 # Number of blends at which the extent of moved shapes is measured for the common grid.
-_SAMPLED_BLENDS = 9
+_SAMPLED_BLENDS = 5
 
 
 @dataclass(frozen=True)
