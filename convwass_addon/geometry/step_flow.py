@@ -48,7 +48,7 @@ class StepFlow:
         step = np.ascontiguousarray(step * min(1.0, _LARGEST_SLOPE / max(_slope(step), _LARGEST_SLOPE)))
         self.steps.append(step)
         centers = _centers(self.shape)
-        before = _inverted(step, centers, _CLOSE_ON_GRIDS)
+        before = _inverted(step, centers, step.reshape(-1, 3), _CLOSE_ON_GRIDS)
         self._back = (before - centers + sampled(self._back, before)).reshape(self._back.shape)
 
     def moved(self, points: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
@@ -62,7 +62,7 @@ class StepFlow:
         """Return the points whose images are given, (n, 3) in cells: the exact inverse of :meth:`moved`."""
         for step in reversed(self.steps):
             control.check()
-            points = _inverted(step, points, _CLOSE)
+            points = _inverted(step, points, sampled(step, points), _CLOSE)
         return points
 
     def carried(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -80,15 +80,18 @@ def _centers(shape: tuple[int, ...]) -> NDArray[np.float64]:
     return np.stack([index.ravel() for index in np.indices(shape)], axis=1) + 0.5
 
 
-def _inverted(step: NDArray[np.float64], points: NDArray[np.float64], close: float) -> NDArray[np.float64]:
-    """Solve x + v(x) = y for every point y by the fixed-point iteration x <- y - v(x)."""
-    found = points - sampled(step, points)
-    live = np.arange(len(points))
+def _inverted(
+    step: NDArray[np.float64], points: NDArray[np.float64], moves: NDArray[np.float64], close: float
+) -> NDArray[np.float64]:
+    """Solve x + v(x) = y for every point y, (n, 3), by the fixed-point iteration x <- y - v(x), given v(y), (n, 3)."""
+    found = points - moves
+    # The iteration contracts: where a step is this short, its change is shorter still.
+    live = np.flatnonzero(np.einsum("nd,nd->n", moves, moves) > close**2)
     for _ in range(_MOST_ROUNDS):
-        better = points[live] - sampled(step, found[live])
-        change = np.abs(better - found[live]).max(axis=1)
-        found[live] = better
-        live = live[change > close]
         if not len(live):
             break
+        better = points.take(live, axis=0) - sampled(step, found.take(live, axis=0))
+        change = better - found.take(live, axis=0)
+        found[live] = better
+        live = live[np.einsum("nd,nd->n", change, change) > close**2]
     return found
