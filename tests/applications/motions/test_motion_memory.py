@@ -64,12 +64,16 @@ def test_anything_that_changes_is_found_again(finding, changed):
     assert choice(memory) is first and len(finding) == 2
 
 
-def test_only_the_last_two_are_kept(finding):
-    memory = MotionMemory()
-    first = choice(memory)
-    for coherence in (0.1, 0.2):
-        choice(memory, coherence=coherence)
-    assert choice(memory) is not first
+def test_as_many_are_kept_as_fit(finding):
+    memory, shapes = MotionMemory(), (ball(points=10_000), ball(2.0, points=10_000))
+    first = choice(memory, shapes)
+    last = choice(memory, shapes, coherence=0.1)
+    assert choice(memory, shapes) is first
+    choice(memory, shapes, coherence=0.2)
+    assert choice(memory, shapes, coherence=0.1) is not last
+    # Larger shapes than that are searched for again.
+    large = (ball(points=26_000), ball(2.0, points=26_000))
+    assert choice(memory, large) is not choice(memory, large)
 
 
 def test_errors_are_not_kept(finding):
