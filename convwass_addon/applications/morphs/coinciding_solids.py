@@ -23,21 +23,14 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr, ndtri
 
-from ...geometry.grid_halving import doubled, halved
-from ...geometry.near import capped_squares
 from ...geometry.thin_parts import locally_normalized
+from .growing_parts import extended, growing_in_place
 
 # Blur in cells from which distances are computed, and the largest known distance in units of the blur.
 _BLUR, _KNOWN = 0.7, 2.6
 # Solids agree where their distances differ by at most this many cells. Beyond that, agreement falls off like a Gaussian
 # of the second width, and is smoothed over the third, so that no seam is visible.
 _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
-# Distances are extended to this many cells. Solids are compared within a Gaussian of this many cells, truncated at this
-# many standard deviations. There, the excess of one solid over the others, as a fraction of all that differs, is at
-# most the first value where parts have moved, and at least the second where parts grow in place.
-_FAR = 8.0
-_BALANCE, _BALANCE_REACH = 5.0, 2.0
-_MOVED, _GROWN = 0.2, 0.5
 # A point of the surface belongs to no agreeing part if its agreement is below this.
 _AGREED = 0.5
 # Solids coincide if they disagree on at most this fraction of the surface.
@@ -85,8 +78,8 @@ class CoincidingSolids:
         differing = np.flatnonzero(typical > _APART)
         agreement.ravel()[differing] = np.exp(-np.square((typical.ravel()[differing] - _APART) / _FALL))
         if (agreement < 1.0).any():
-            np.maximum(agreement, _growing_in_place(depths), out=agreement)
-        depths = np.stack([_extended(depth) for depth in depths])
+            np.maximum(agreement, growing_in_place([_blurred(own) for own in depths]), out=agreement)
+        depths = np.stack([extended(depth, 0.99 * _KNOWN * _BLUR) for depth in depths])
         mean = np.tensordot(np.asarray(weights, np.float32), depths, 1)
         return cls(_blurred(mean), agreement, depths)
 
@@ -115,38 +108,12 @@ class CoincidingSolids:
         return agreement * own + (np.float32(1) - agreement) * density.astype(np.float32)
 
 
-def _growing_in_place(depths: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return 1 where solids differ by parts that only some of them have, falling to 0 where parts have moved.
-
-    Near a part that has moved, all solids fill the same amount of space, but in different places. Averages over many
-    cells are computed on cells of twice the size.
-    """
-    shape = depths.shape[1:]
-    filled = [_blurred(own) for own in depths]
-    differing, *smooth = (
-        gaussian_filter(halved(own, len(shape)), _BALANCE / 2.0, truncate=_BALANCE_REACH)
-        for own in (np.ptp(filled, axis=0), *filled)
-    )
-    share = doubled(np.ptp(smooth, axis=0) / np.maximum(differing, np.float32(1e-4)), shape)
-    rising = np.clip((share - _MOVED) / (_GROWN - _MOVED), 0.0, 1.0)
-    return rising**2 * (3.0 - 2.0 * rising)
-
-
 def _blurred(depth: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the density of a blurred solid at signed distances in cells; beyond the known ones it is 0 or 1."""
     density = (depth > 0.0).astype(np.float32)
     near = np.flatnonzero(np.abs(depth) < 0.99 * _KNOWN * _BLUR)
     density.ravel()[near] = ndtr(depth.ravel()[near] / np.float32(_BLUR))
     return density
-
-
-def _extended(depth: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Return signed distances that are known further away from the surface."""
-    inside = depth > 0.0
-    known = np.float32(0.99 * _KNOWN * _BLUR)
-    away = [np.sqrt(capped_squares(part, _FAR), dtype=np.float32) - np.float32(0.5) for part in (~inside, inside)]
-    far = np.clip(np.where(inside, away[0], -away[1]), -_FAR, _FAR)
-    return np.where(np.abs(depth) < known, depth, np.copysign(np.maximum(np.abs(far), np.abs(depth)), depth))
 
 
 def _depth(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draw close-ups of blends into docs/pictures: ``python3 run.py python docs/close_ups.py``.
+
+``close_up_face.jpg`` shows the head of a man who becomes an ogre, next to both shapes and between them;
+``close_up_slow_motion.jpg`` shows ten moments of a double ring that opens to become a bird. ``--only NAME`` draws one.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+import bpy
+import numpy as np
+from PIL import Image, ImageDraw, ImageFont
+
+from convwass_addon.applications.morphs.layouts import Blend
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.framing import Pose, View
+from convwass_addon.bridge.objects import write_mesh
+from convwass_addon.bridge.studio import Studio
+from convwass_addon.geometry.mesh import TriangleMesh
+
+# Unlike the add-on, the benchmarks are not installed.
+sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from benchmarks.blends import ASSETS, read_meshes
+from benchmarks.coherence_pairs import pairs_named
+
+PICTURES = Path(__file__).resolve().parent / "pictures"
+
+# Light paths per pixel, quality of JPEG, height of labels in pixels.
+_SAMPLES, _QUALITY, _LABEL = 16, 86, 26
+_INK = (52, 52, 56)
+_CLAY = (0.48, 0.12, 0.05, 1.0)
+
+
+@dataclass(frozen=True)
+class Part:
+    """What a tile shows of a frame.
+
+    Attributes
+    ----------
+    middle : (3,) float64
+        Point in the middle of the tile.
+    width : float
+        Of the tile, in scene units.
+    """
+
+    middle: np.ndarray
+    width: float
+
+
+def main() -> None:
+    """Draw all pictures or one."""
+    pictures = {"close_up_face": face, "close_up_slow_motion": slow_motion}
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--only", choices=pictures, help="draw this picture alone")
+    options = parser.parse_args()
+    for name in [options.only] if options.only else pictures:
+        path = PICTURES / f"{name}.jpg"
+        pictures[name]().save(path, quality=_QUALITY, optimize=True, progressive=True)
+        print(f"{path.name}: {path.stat().st_size / 1e3:.0f} kB")
+
+
+def face() -> Image.Image:
+    """Show the head of a man who becomes an ogre."""
+    (pair,) = pairs_named(["man to ogre"], None)
+    ends = pair.ends()
+    labels = ("0", "1/24", "1/4", "1/2", "3/4", "23/24", "1")
+    frames = blended((ends.first, ends.second), [0.0, 1 / 24, 0.25, 0.5, 0.75, 23 / 24, 1.0], cells=100)
+    return tiled(frames, labels, _head, View(-math.pi / 2 + 0.5, math.radians(4.0)), size=300, columns=4)
+
+
+def slow_motion() -> Image.Image:
+    """Show how a double ring opens on its way to a bird."""
+    shapes = read_meshes([ASSETS / f"{name}.ply" for name in ("double_torus", "bird")])
+    times = np.linspace(7.0, 13.75, 10) / 24.0
+    labels = [f"frame {24.0 * t:.2f}" for t in times]
+    frames = blended(shapes, times, cells=100)
+    return tiled(frames, labels, _whole, View(-math.pi / 2 + 0.44, math.radians(8.0)), size=300, columns=5)
+
+
+def blended(shapes: Sequence[TriangleMesh], times: Sequence[float], cells: int) -> list[TriangleMesh]:
+    """Return the blends of two shapes at some times from 0 to 1, with default settings."""
+    blends = [Blend((1.0 - float(t), float(t))) for t in times]
+    steps = morph(shapes, ("First", "Second"), blends, MorphSettings(resolution=cells))
+    frames = [step.payload for step in steps if step.payload is not None]
+    return [shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
+
+
+def _head(mesh: TriangleMesh) -> Part:
+    low, high = mesh.bounds[:, 2]
+    height = 0.2 * (high - low)
+    top = mesh.vertices[mesh.vertices[:, 2] > high - height]
+    return Part(np.array([*top.mean(axis=0)[:2], high - 0.55 * height]), 1.25 * height)
+
+
+def _whole(mesh: TriangleMesh) -> Part:
+    return Part(mesh.bounds.mean(axis=0), 1.05 * float(np.ptp(mesh.bounds, axis=0).max()))
+
+
+def tiled(
+    frames: Sequence[TriangleMesh],
+    labels: Sequence[str],
+    part_of: Callable[[TriangleMesh], Part],
+    view: View,
+    size: int,
+    columns: int,
+) -> Image.Image:
+    """Render a part of every frame, and arrange the tiles in rows with labels below."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    clay = _clay()
+    parts = [part_of(frame) for frame in frames]
+    width = max(part.width for part in parts)
+    rows = -(-len(frames) // columns)
+    sheet = Image.new("RGB", (size * columns, (size + _LABEL) * rows), "white")
+    draw, font = ImageDraw.Draw(sheet), ImageFont.load_default(16)
+    for index, (frame, part, label) in enumerate(zip(frames, parts, labels, strict=True)):
+        left, top = size * (index % columns), (size + _LABEL) * (index // columns)
+        with Studio() as studio, TemporaryDirectory() as folder:
+            studio.show(_object(frame, clay))
+            depth = studio.build([frame.vertices], view)
+            away = float(np.ptp(frame.bounds, axis=0).max())
+            studio.look_flat(Pose(part.middle + 3.0 * away * view.axes[2], view), width, depth)
+            studio.set_quality((size, size), _SAMPLES)
+            studio.render(Path(folder) / "tile.png")
+            with Image.open(Path(folder) / "tile.png") as tile:
+                sheet.paste(tile.convert("RGB"), (left, top))
+        draw.text((left + size / 2, top + size + _LABEL / 2), label, _INK, font, anchor="mm")
+        print(".", end="", flush=True)
+    print()
+    return sheet
+
+
+def _clay() -> bpy.types.Material:
+    material = bpy.data.materials.new("Clay")
+    if material.node_tree is None:  # Blender 4.5
+        material.use_nodes = True
+    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Base Color"].default_value = _CLAY
+    shader.inputs["Roughness"].default_value = 0.5
+    return material
+
+
+def _object(mesh: TriangleMesh, material: bpy.types.Material) -> bpy.types.Object:
+    data = bpy.data.meshes.new("Frame")
+    write_mesh(data, mesh)
+    data.shade_smooth()
+    data.materials.append(material)
+    return bpy.data.objects.new("Frame", data)
+
+
+if __name__ == "__main__":
+    main()
