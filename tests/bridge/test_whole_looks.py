@@ -236,6 +236,18 @@ def test_a_player_shows_the_nearest_blend_with_its_whole_materials(bare_scene, m
     assert np.abs(found - expected).mean() < 0.01
 
 
+def test_an_interpolating_player_shows_whole_materials_between_blends(bare_scene, make_object, tmp_path):
+    inputs = [add_ball(make_object, name, checkered(name)) for name in "AB"]
+    collection = bake(bare_scene, inputs, steps=4)
+    expected = picture(bare_scene, tmp_path, frame_objects(collection)[2])
+    player = make_player(collection, between="INTERPOLATED")
+    for frame, subframe in ((3, 0.0), (3, 0.4)):
+        bare_scene.frame_set(frame, subframe=subframe)
+        found = picture(bare_scene, tmp_path, player)
+        assert squares(found) > 0.98 * squares(expected)
+        assert np.abs(found - expected).mean() < 0.06
+
+
 def test_plain_materials_are_mixed_as_one_shader(bare_scene, make_object):
     """Without textures, values are enough; frames stay small."""
     import bpy

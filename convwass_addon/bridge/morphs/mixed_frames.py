@@ -20,7 +20,7 @@ from ..sequence import pick
 from .enclosed_volume import with_volume
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
-from .frame_attributes import CUSTOM_NORMAL, GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT, VELOCITY
+from .frame_attributes import CUSTOM_NORMAL, LOOKS, SOURCE_WEIGHT, VELOCITY
 from .moved_frames import HAS
 from .stored import WEIGHTS_KEY
 from .stored_fields import COLOR, ENCLOSED, OFFSET, Column, StoredFields
@@ -49,8 +49,9 @@ _MOST_CORRECTED = 1.0
 _MOST_INFLATED = 0.2
 _KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
 _OWN = ("position", CUSTOM_NORMAL, LOOKS)
-# Mixtures have no UV maps, so that they show colors instead of whole materials; nor do they need what else these read.
-_LEFT_OUT = tuple(pattern.format("") for pattern in (SOURCE_WEIGHT, REST_POSITION, REST_NORMAL, GENERATED))
+# UV maps are read at the center of a face and this share of the way from there to each corner, and continued: the face
+# then belongs to one side of all seams. Corners farther away in the texture than the limit are not continued.
+_NEAR_CENTER, _MOST_CONTINUED = 0.05, 0.1
 
 
 def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
@@ -65,8 +66,14 @@ def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
         if attribute.domain == "POINT"
         and attribute.data_type in _KINDS
         and attribute.name not in _OWN
-        and not attribute.name.startswith((".", *_LEFT_OUT))
+        and not attribute.name.startswith((".", SOURCE_WEIGHT.format("")))
     }
+
+
+def carried_uv_maps(frames: Sequence[bpy.types.Object]) -> list[str]:
+    """Return the names of the UV maps that the materials of blends read."""
+    blends = [obj for obj in frames if LOOKS in obj.data.attributes]
+    return list(dict.fromkeys(layer.name for obj in blends for layer in obj.data.uv_layers))
 
 
 def is_shape(frame: bpy.types.Object) -> bool:
@@ -162,6 +169,7 @@ class MixedFrames:
             name = SOURCE_WEIGHT.format(number)
             own = [self.mixture.of_step("FLOAT", name, term) for term in self.mixture.terms]
             shown = self.stored(shown, name, "FLOAT", weighted_sum(self.tree, own, self.weights))
+        shown = switch(self.tree, "GEOMETRY", detail, shown, self._with_uv_maps(shown))
         names = carried_attributes(self.frames)
         if names:
             shown, points = laid.with_nearest(shown, "POINT")
@@ -178,6 +186,18 @@ class MixedFrames:
             velocity = vector_math_node(self.tree, "SCALE", velocity, pace)
             shown = self.stored(shown, VELOCITY, "FLOAT_VECTOR", velocity)
         return shown
+
+    def _with_uv_maps(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Return a mesh with the UV maps of the largest blend, and the mark of meshes that have them."""
+        names = carried_uv_maps(self.frames)
+        if not any(LOOKS in obj.data.attributes for obj in self.frames):
+            return geometry
+        laid = _Laid(self, [self._largest_blend()])
+        for name in names:
+            geometry = self.stored(geometry, name, "FLOAT2", laid.at_corners(name), "CORNER")
+        mark = self.tree.nodes.new("ShaderNodeValue")
+        mark.outputs[0].default_value = 1.0
+        return self.stored(geometry, LOOKS, "FLOAT", mark.outputs[0])
 
     @property
     def color(self) -> bpy.types.NodeSocket:
@@ -243,11 +263,16 @@ class MixedFrames:
         return [term.weight for term in self.mixture.terms]
 
     def stored(
-        self, geometry: bpy.types.NodeSocket, name: str, kind: str, value: bpy.types.NodeSocket
+        self,
+        geometry: bpy.types.NodeSocket,
+        name: str,
+        kind: str,
+        value: bpy.types.NodeSocket,
+        domain: str = "POINT",
     ) -> bpy.types.NodeSocket:
-        """Return a geometry with a point attribute."""
+        """Return a geometry with an attribute, by default of points."""
         node = self.tree.nodes.new("GeometryNodeStoreNamedAttribute")
-        node.data_type, node.domain = kind, "POINT"
+        node.data_type, node.domain = kind, domain
         node.inputs["Name"].default_value = name
         feed(self.tree, [node.inputs["Geometry"], node.inputs["Value"]], [geometry, value])
         return node.outputs["Geometry"]
@@ -352,6 +377,26 @@ class _Laid:
         pairs = zip(self._targets, points, strict=True)
         return [sample_index(self._tree, target, kind, value, point) for target, point in pairs]
 
+    def at_corners(self, name: str) -> bpy.types.NodeSocket:
+        """Return a UV map of the first mesh for the corners of faces, none of which reaches across a seam."""
+        tree, place = self._tree, self._places[0]
+        center = _of_face(tree, place)
+        way = vector_math_node(tree, "SCALE", vector_math_node(tree, "SUBTRACT", place, center), _NEAR_CENTER)
+        middle = _of_face(tree, self._on_surface(name, place))
+        beside = self._on_surface(name, vector_math_node(tree, "ADD", center, way))
+        step = vector_math_node(tree, "SCALE", vector_math_node(tree, "SUBTRACT", beside, middle), 1.0 / _NEAR_CENTER)
+        is_near = math_node(tree, "LESS_THAN", vector_math_node(tree, "LENGTH", step), _MOST_CONTINUED)
+        return vector_math_node(tree, "ADD", middle, vector_math_node(tree, "SCALE", step, is_near))
+
+    def _on_surface(self, name: str, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Return an attribute at the closest points of the first mesh."""
+        node = self._tree.nodes.new("GeometryNodeSampleNearestSurface")
+        node.data_type = "FLOAT_VECTOR"
+        value = self._attribute("FLOAT_VECTOR", name)
+        for key, source in (("Mesh", self._targets[0]), ("Value", value), ("Sample Position", place)):
+            self._tree.links.new(source, node.inputs[key])
+        return node.outputs["Value"]
+
     def _missing(
         self,
         term: Term,
@@ -381,3 +426,11 @@ class _Laid:
         node.data_type = kind
         node.inputs["Name"].default_value = name
         return next(socket for socket in node.outputs if socket.enabled)
+
+
+def _of_face(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return a vector as it is for the face of a corner."""
+    node = tree.nodes.new("GeometryNodeFieldOnDomain")
+    node.data_type, node.domain = "FLOAT_VECTOR", "FACE"
+    feed(tree, node.inputs, [value])
+    return next(socket for socket in node.outputs if socket.enabled)
