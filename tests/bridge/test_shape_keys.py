@@ -133,6 +133,24 @@ def test_the_bake_gives_the_first_mesh_keys_that_lead_to_the_second_shape(monkey
     assert first.hide_get() and second.hide_get()
 
 
+def test_a_new_basis_replaces_the_first_mesh(monkeypatch):
+    hook("First", 0.0).location = (4.0, 0.0, 0.0)
+    hook("Second", 0.5)
+
+    def raised(shapes, names, demands, settings, guides, control):
+        yield Progress(0.5, Sentence("Half"))
+        return [path_to(names[1], (1.0,), [moved(shapes[0].vertices, 0, 0, 1)])]
+
+    monkeypatch.setattr(shape_key_job, "key_paths", raised)
+    options = {**QUICK, "basis": "QUADS", "resolution": 40}
+    assert bpy.ops.convwass.bake_morph(inputs="First,Second", **options) == {"FINISHED"}
+    obj = bpy.data.objects["First Morph"]
+    assert np.median([len(polygon.vertices) for polygon in obj.data.polygons]) == 4
+    rest = evaluated(obj)
+    assert rest[:, 0].min() == pytest.approx(3.5, abs=0.05)
+    assert slide(obj, Second=1.0) == pytest.approx(moved(rest, 0, 0, 1), abs=1e-5)
+
+
 def test_mirror_images_are_found_in_the_space_of_the_object(cube):
     cube.matrix_world = Matrix.LocRotScale((3.0, 1.0, 0.0), Euler((0.2, 0.5, 0.9)), (1.0, 2.0, 0.5))
     bpy.context.view_layer.update()
