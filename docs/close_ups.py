@@ -3,7 +3,7 @@
 """Draw close-ups of blends into docs/pictures: ``python3 run.py python docs/close_ups.py``.
 
 ``close_up_face.jpg`` shows the head of a man who becomes an ogre, next to both shapes and between them;
-``close_up_slow_motion.jpg`` shows ten moments of a double ring that opens to become a bird. ``--only NAME`` draws one.
+``close_up_slow_motion.jpg`` shows ten moments of a ball that opens to become a knot. ``--only NAME`` draws one.
 """
 
 from __future__ import annotations
@@ -30,7 +30,6 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from benchmarks.blends import ASSETS, read_meshes
 from benchmarks.coherence_pairs import pairs_named
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
@@ -79,11 +78,12 @@ def face() -> Image.Image:
 
 
 def slow_motion() -> Image.Image:
-    """Show how a double ring opens on its way to a bird."""
-    shapes = read_meshes([ASSETS / f"{name}.ply" for name in ("double_torus", "bird")])
-    times = np.linspace(7.0, 13.75, 10) / 24.0
-    labels = [f"frame {24.0 * t:.2f}" for t in times]
-    frames = blended(shapes, times, cells=100)
+    """Show how a ball opens on its way to a knot."""
+    (pair,) = pairs_named(["ball to knot"], None)
+    ends = pair.ends()
+    times = np.linspace(3.0, 9.3, 10) / 24.0
+    labels = [f"frame {24.0 * t:.1f}" for t in times]
+    frames = blended((ends.first, ends.second), times, cells=100)
     return tiled(frames, labels, _whole, View(-math.pi / 2 + 0.44, math.radians(8.0)), size=300, columns=5)
 
 
