@@ -8,6 +8,7 @@ Each is baked as by a user, rendered in Cycles, and played back and forth. ``--o
 from __future__ import annotations
 
 import argparse
+import math
 import sys
 from collections.abc import Callable
 from pathlib import Path
@@ -18,8 +19,10 @@ from filming import Film, save, save_loop
 from live_films import live_frames, with_pad
 from numpy.typing import NDArray
 from photographs import color_material, finer, sample_shape
+from walking_film import walking_frames
 
 import convwass_addon
+from convwass_addon.bridge.framing import View
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.objects import triangle_mesh, write_mesh
 from convwass_addon.bridge.studio import world_points
@@ -75,6 +78,14 @@ def any_topology() -> None:
     """Turn a ball into a knot: a hole opens where it costs least."""
     names = clay_pair("ball to knot")
     save("any_topology", Film(bake(*names, motion="TRANSPORT")).rendered((560, 460)))
+
+
+def walking() -> None:
+    """Turn a textured man into an ogre and back while both walk."""
+    begin()
+    frames = walking_frames()
+    pictures = Film(frames[:-1]).rendered((520, 520), View(math.radians(-60.0), math.radians(10.0)))
+    save_loop("walking", pictures, [_MOMENT] * len(pictures))
 
 
 def one_mesh() -> None:
@@ -180,7 +191,7 @@ def _piebald(points: NDArray[np.float64]) -> NDArray[np.float64]:
     return inside * [0.015, 0.013, 0.012] + (1.0 - inside) * [0.82, 0.78, 0.72]
 
 
-FILMS = {film.__name__: film for film in (first, hold_together, live, any_topology, one_mesh)}
+FILMS = {film.__name__: film for film in (first, hold_together, live, one_mesh, walking, any_topology)}
 
 
 def main() -> None:
