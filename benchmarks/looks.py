@@ -19,8 +19,7 @@ An object with a normal map, procedural textures and three slots, turned and sca
 colors, of 255, between it and the first frame, and the frame at 1/2000 of the way
 """
 _SECONDS = """
-CPU seconds per frame to read a cached frame, transfer its looks and write its mesh; with whole materials, and with
-colors only
+CPU seconds per frame to transfer and write looks: whole materials with one UV map each, and colors only
 """
 
 
@@ -38,5 +37,5 @@ def main(cells: int) -> None:
     found = measured(_CASES, "start", cells=cells)
     print(f"first frame {found['end']:.2f}, next frame {found['next']:.2f} (goal: 2)", flush=True)
     print(_SECONDS)
-    found = measured(_CASES, "seconds", cells=cells, looks="FADE")
-    print(f"{found['triangles']} triangles: {found['looks']:.2f} s, colors {found['colors']:.2f} s (goal: 0.3 s more)")
+    found = measured(_CASES, "seconds", cells=cells)
+    print(f"{found['triangles']} triangles: {found['FADE']:.2f} s (goal: 0.3), colors only {found['COLORS']:.2f} s")

@@ -6,20 +6,20 @@ from __future__ import annotations
 
 import json
 import sys
-import tempfile
 import time
-from pathlib import Path
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, minimum_filter
 
-from convwass_addon.applications.morphs.computation import Computation
-from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.bake import MorphBake
+from convwass_addon.bridge.morphs.carrying import Carrying
+from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.uv_charts import uv_sizes
 
 from .look_scenes import (
@@ -81,24 +81,29 @@ def start(cells: int) -> dict[str, object]:
     return found
 
 
-def seconds(cells: int, looks: str) -> dict[str, object]:
-    """Bake from cached frames, to measure only reading them, carrying the looks and writing meshes."""
-    frames = 4
-    with tempfile.TemporaryDirectory() as folder:
-        times = []
-        for chosen in ("COLORS", looks, None):
-            scene = empty_scene()
-            inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
-            cache, settings = FrameCache(Path(folder)), MorphSettings(cells, motion="transport")
-            blends, depsgraph = path_blends(2, frames), bpy.context.evaluated_depsgraph_get()
-            job = MorphJob(scene, depsgraph, inputs, blends, settings, {"looks": chosen or "COLORS"}, 1)
-            begin = time.process_time()
-            for step in job.steps(how=Computation(workers=1, cache=cache)):
-                job.write(step)
-            times.append(time.process_time() - begin)
-        # The first bake has filled the cache.
-        triangles = max(len(mesh.polygons) for mesh in bpy.data.meshes)
-    return {"triangles": triangles, "looks": times[1] / (frames - 1), "colors": times[2] / (frames - 1)}
+def seconds(cells: int) -> dict[str, object]:
+    """Transfer and write the looks of frames: whole materials with a UV map each, and colors only."""
+    scene = empty_scene()
+    inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
+    depsgraph, blends = bpy.context.evaluated_depsgraph_get(), path_blends(2, 4)
+    shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
+    work = morph(shapes, ["Sphere", "Cube"], blends, MorphSettings(cells), workers=1)
+    reports = [report for report in work if isinstance(report.payload, MorphFrame) and report.payload.mesh is not None]
+    found: dict[str, object] = {"triangles": max(len(report.payload.mesh.faces) for report in reports)}
+    for looks in ("COLORS", "FADE"):
+        bake = MorphBake.begin(scene, inputs, blends, {}, 1)
+        carrying = Carrying(scene, bake.inputs, bake.frozen, blends, looks)
+        carried = []
+        begin = time.process_time()
+        carried += [report.payload for report in carrying.looked_up(iter(reports))]
+        spent = time.process_time() - begin
+        objects = [bake.add(frame) for frame in carried]
+        begin = time.process_time()
+        for obj, frame in zip(objects, carried, strict=True):
+            carrying.write(obj.data, frame)
+        found[looks] = (spent + time.process_time() - begin) / len(carried)
+        bake.discard()
+    return found
 
 
 def _contrast(obj: bpy.types.Object) -> float:
