@@ -205,6 +205,19 @@ def test_frames_start_with_the_look_of_an_object_that_was_turned_and_scaled(bare
         assert np.abs(picture(bare_scene, tmp_path, frame) - expected).mean() < 0.02
 
 
+def test_the_parts_of_a_shape_keep_their_own_spaces(bare_scene, make_object):
+    """Two balls form a shape; each is its own unit ball around the origin."""
+    inputs = []
+    for name in "AB":
+        ball_, child = (add_ball(make_object, name + part, procedural(name), with_uvs=False) for part in "12")
+        child.parent, child.location.x = ball_, 2.5
+        inputs.append(ball_)
+    mesh = frame_objects(bake(bare_scene, inputs, grouping="PARENTS"))[1].data
+    positions = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.attributes["rest_position_1"].data.foreach_get("vector", positions)
+    np.testing.assert_allclose(np.linalg.norm(positions.reshape(-1, 3), axis=1), 1.0, atol=0.05)
+
+
 @pytest.mark.parametrize("how", ["FRONT", "PATCHES"])
 def test_a_front_and_patches_have_sharp_edges_and_their_share_of_the_surface(bare_scene, make_object, tmp_path, how):
     inputs = [add_ball(make_object, name, material(name), with_uvs=False) for name in "AB"]
