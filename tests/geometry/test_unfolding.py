@@ -30,6 +30,8 @@ def test_a_flipped_patch_is_unfolded(target):
     found = unfolded(finder, folded)
     assert not finder.folded(found).any()
     assert ClosestPointFinder(target.corners).find(found).distances.max() < 0.01
+    covered = ClosestPointFinder(found[mesh.faces]).find(target.vertices).distances
+    assert covered.max() < 0.05
     far = mesh.vertices[:, 2] < 0.0
     np.testing.assert_array_equal(found[far], folded[far])
 
