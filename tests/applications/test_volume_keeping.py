@@ -29,7 +29,7 @@ def test_a_growing_ball_stays_on_the_ground_and_gains_volume_evenly():
         assert grown.bounds[0, 2] == pytest.approx(0.0, abs=0.01)
 
 
-def test_what_gets_thicker_is_not_scaled_as_a_whole():
+def test_thickening_does_not_scale_the_whole_mesh():
     thin, thick = torus(2.0, 0.2), torus(2.0, 0.4)
     growth = Growth.between(thin, thick)
     assert growth.scale < 1.03
