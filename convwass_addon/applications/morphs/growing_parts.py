@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Parts that only some of several solids have: where they are, and distances by which they grow and shrink.
 
-Both concern many cells around a surface and need no accuracy, so that they are computed on a coarser grid.
+Both concern many cells around a surface and need little accuracy, so they are computed on a coarser grid.
 """
 
 from __future__ import annotations
@@ -20,17 +20,17 @@ from ...geometry.near import capped_squares
 _MOST_CELLS = 64
 # Distances are known to this fraction of the longest side: a part that reaches further would appear in one piece.
 _FAR = 0.25
-# Solids are compared within this many cells (standard deviation), up to so many times that.
+# Solids are compared within a Gaussian of this many cells, truncated at this many standard deviations.
 _AROUND, _REACH = 5.0, 2.0
-# Of what solids differ by around a place, one has more than the others by the first share or less where parts have
-# moved, and by the second or more where parts grow in place. Chosen by eye on double torus to bird.
+# Around a place, the excess of one solid over the others, as a fraction of all that differs, is at most the first value
+# where parts have moved, and at least the second where parts grow in place. Chosen by eye on double torus to bird.
 _MOVED, _GROWN = 0.15, 0.4
 
 
 def growing_in_place(filled: Sequence[NDArray[np.floating]]) -> NDArray[np.float32]:
     """Return where solids differ by parts that only some of them have.
 
-    Near a part that has moved, the solids fill as much space as each other, only elsewhere.
+    Near a part that has moved, all solids fill the same amount of space, but in different places.
 
     Parameters
     ----------
