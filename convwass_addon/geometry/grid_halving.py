@@ -10,10 +10,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 
-def halved(field: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return the means of 2 x 2 x 2 cells of a field (nx, ny, nz, ...); odd sides are padded with zeros."""
-    field = np.pad(field, [(0, size % 2) for size in field.shape[:3]] + [(0, 0)] * (field.ndim - 3))
-    for axis in range(3):
+def halved(field: NDArray[np.floating], dimensions: int = 3) -> NDArray[np.floating]:
+    """Return the means of 2 x 2 x 2 cells of a field (nx, ny, nz, ...); odd sides are padded with zeros.
+
+    With another number of `dimensions`, only so many axes are halved.
+    """
+    field = np.pad(field, [(0, size % 2) for size in field.shape[:dimensions]] + [(0, 0)] * (field.ndim - dimensions))
+    for axis in range(dimensions):
         even, odd = (slice(None),) * axis + (slice(0, None, 2),), (slice(None),) * axis + (slice(1, None, 2),)
         field = field.dtype.type(0.5) * (field[even] + field[odd])
     return field
