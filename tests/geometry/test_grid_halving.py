@@ -29,3 +29,10 @@ def test_linear_fields_stay_linear_inside():
 
 def test_odd_sides_are_restored():
     assert doubled(np.ones((4, 3, 2, 5)), (7, 5, 3)).shape == (7, 5, 3, 5)
+
+
+def test_other_axes_are_left_alone():
+    field = RANDOM.uniform(size=(6, 5, 4))
+    flat = halved(field, dimensions=2)
+    assert flat.shape == (3, 3, 4)
+    np.testing.assert_allclose(flat[1, 1], field[2:4, 2:4].mean(axis=(0, 1)))
