@@ -19,6 +19,7 @@ The mesh of the first shape deformed to the second. Methods: `shape keys` as in 
 last of these keys, Shrinkwrap with default settings, and the nearest point with a similar normal.
 
 mean, 95 %  distance from the last key to the other surface, relative to its diagonal
+uncovered   distance from the other surface to the last key, 95 %: parts that are not reached
 normals     mean angle between their normals, degrees
 crossing    fraction of triangles that cross others, beyond that of the shapes: in the last key, and maximum on the way
 turned      triangles of the last key facing away from the other surface; collapsed ones lost 99 % of their area
@@ -26,11 +27,11 @@ volume      largest error on the way, relative to the mesh's own at both ends; e
 stretch     median ratio of the singular values of the deformation, which stretches UV maps
 """
 _COLUMNS = (
-    f"{'':16} {'way':13} {'mean':>7} {'95 %':>7} {'normals':>7} {'crossing':>8} {'way':>7} {'turned':>6} "
-    f"{'collapsed':>9} {'volume':>7} {'end':>7} {'stretch':>7} {'keys':>4} {'CPU s':>6}"
+    f"{'':16} {'way':13} {'mean':>7} {'95 %':>7} {'uncovered':>9} {'normals':>7} {'crossing':>8} {'way':>7} "
+    f"{'turned':>6} {'collapsed':>9} {'volume':>7} {'end':>7} {'stretch':>7} {'keys':>4} {'CPU s':>6}"
 )
 _GOALS = (
-    f"{'to reach':16} {'':13} {'0.10 %':>7} {'0.40 %':>7} {'5.0':>7} {'0.50 %':>8} {'':>7} {'0':>6} {'0':>9} "
+    f"{'to reach':16} {'':13} {'0.10 %':>7} {'0.40 %':>7} {'':>9} {'5.0':>7} {'0.50 %':>8} {'':>7} {'0':>6} {'0':>9} "
     f"{'1.0 %':>7} {'':>7} {'1.15':>7} {'6':>4} {'10':>6}"
 )
 
@@ -70,7 +71,8 @@ def line(pair: str, way: str, found: dict[str, float]) -> str:
     """Return a row of the table."""
     figures = MeshFigures(**{name: value for name, value in found.items() if name not in ("cpu", "wall")})
     return (
-        f"{pair:16} {way:13} {_percent(figures.distance):>7} {_percent(figures.distance_95):>7} {figures.normals:7.1f} "
+        f"{pair:16} {way:13} {_percent(figures.distance):>7} {_percent(figures.distance_95):>7} "
+        f"{_percent(figures.uncovered):>9} {figures.normals:7.1f} "
         f"{_percent(figures.crossing):>8} {_percent(figures.crossing_way):>7} {figures.turned:6} {figures.collapsed:9} "
         f"{100 * figures.volume:5.1f} % {100 * figures.volume_end:5.1f} % {figures.stretch:7.2f} {figures.keys:4} "
         f"{found['cpu']:6.1f}"

@@ -63,6 +63,9 @@ class MeshFigures:
     distance, distance_95 : float
         From the mesh in the last key to the other surface, relative to its diagonal: mean and 95th percentile over the
         area.
+    uncovered : float
+        Distance from the other surface to the mesh in the last key, relative to its diagonal: 95th percentile over the
+        area. It shows parts that the mesh does not reach, such as a muzzle or horns.
     normals : float
         Mean angle between their normals, in degrees.
     crossing, crossing_way : float
@@ -84,6 +87,7 @@ class MeshFigures:
 
     distance: float
     distance_95: float
+    uncovered: float
     normals: float
     crossing: float
     crossing_way: float
@@ -102,6 +106,7 @@ class MeshFigures:
         finder = ClosestPointFinder(target.corners)
         found = finder.find(last.vertices)
         distances, areas = found.distances / diagonal, last.vertex_areas
+        back = ClosestPointFinder(last.corners).find(target.vertices).distances
         shares = areas / areas.sum()
         there = found.interpolated(vertex_normals(target.vertices, target.faces)[target.faces])
         own = vertex_normals(last.vertices, last.faces)
@@ -111,6 +116,7 @@ class MeshFigures:
         return cls(
             distance=float(shares @ distances),
             distance_95=weighted_quantile(distances, areas, 0.95),
+            uncovered=weighted_quantile(back / diagonal, target.vertex_areas, 0.95),
             normals=float(shares @ angles),
             crossing=max(0.0, crossing_share(last) - allowed),
             crossing_way=max(0.0, max(crossing_share(played.at(t)) for t in WAY[::_CROSSINGS_EVERY]) - allowed),

@@ -23,6 +23,7 @@ def test_a_growing_ball_has_only_a_volume_error():
     figures = MeshFigures.of(straight(mesh, larger.vertices), larger)
     assert (figures.turned, figures.collapsed, figures.keys) == (0, 0, 1)
     assert figures.distance == pytest.approx(0.0, abs=1e-9)
+    assert figures.uncovered == pytest.approx(0.0, abs=1e-9)
     assert figures.normals == pytest.approx(0.0, abs=1e-3)
     assert (figures.crossing, figures.crossing_way) == (0.0, 0.0)
     assert figures.stretch == pytest.approx(1.0, abs=1e-3)
@@ -63,3 +64,12 @@ def test_folded_collapsed_and_crossing_triangles_are_counted():
     figures = MeshFigures.of(straight(pair, moved), pair)
     assert figures.crossing > 0.0
     assert figures.collapsed > 0
+
+
+def test_parts_that_are_not_reached_are_uncovered():
+    """One of two balls is all that the mesh takes; the other is as far away as the nearest points of both."""
+    mesh, other = ball(points=200), ball(points=200, center=(8.0, 0.0, 0.0))
+    target = joined(mesh, other)
+    figures = MeshFigures.of(straight(mesh, mesh.vertices), target)
+    assert figures.distance == pytest.approx(0.0, abs=1e-9)
+    assert 6.0 < figures.uncovered * np.linalg.norm(np.ptp(target.bounds, axis=0)) < 9.0
