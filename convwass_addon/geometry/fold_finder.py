@@ -18,6 +18,8 @@ from .normals import triangle_normals
 FOLDED = 0.1
 """Triangles count as folded below this score, see :meth:`FoldFinder.scores`."""
 
+# Closest points of so many triangles are found exactly, in a second.
+_MOST_EXACT = 20_000
 # Triangles count as collapsed below this fraction of their expected area.
 _COLLAPSED = 0.01
 
@@ -46,12 +48,16 @@ class FoldFinder:
         return cls(rest, target, FacingPointFinder(target))
 
     def agreements(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
-        """Return the cosine between the normals of all triangles and of the surface about their centers, (m,).
+        """Return the cosine between the normals of all triangles and of the surface below their centers, (m,).
 
-        The fast search for the surface's triangle there hardly ever returns another than the closest one.
+        On fine meshes, the surface's triangle there is hardly ever another than the closest one, and found in a fifth of
+        the time.
         """
         corners = vertices[self.rest.faces]
-        return self._agreements(corners, self.finder.find_closest(corners.mean(axis=1), control))
+        centers = corners.mean(axis=1)
+        is_fine = len(centers) > _MOST_EXACT
+        below = self.finder.find_closest(centers, control) if is_fine else self.finder.closest.find(centers, control)
+        return self._agreements(corners, below)
 
     def collapsed(self, vertices: NDArray[np.float64]) -> NDArray[np.bool_]:
         """Return which triangles, (m,), have lost nearly all of their area, relative to the areas of both shapes."""
