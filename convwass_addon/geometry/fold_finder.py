@@ -50,8 +50,7 @@ class FoldFinder:
     def agreements(self, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
         """Return the cosine between the normals of all triangles and of the surface below their centers, (m,).
 
-        On fine meshes, the surface's triangle there is hardly ever another than the closest one, and found in a fifth of
-        the time.
+        On fine meshes, a fast search hardly ever returns another triangle of the surface than the closest one.
         """
         corners = vertices[self.rest.faces]
         centers = corners.mean(axis=1)
