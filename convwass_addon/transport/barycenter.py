@@ -196,8 +196,8 @@ def barycenter(
     check_sharpness(sharpness)
     check_entropy_limit(entropy_limit)
     check_solver(tolerance, max_iterations)
-    if debias_tolerance is not None:
-        check_solver(debias_tolerance, max_iterations)
+    if debias_tolerance is not None and not debias_tolerance > 0:
+        raise ValueError(f"debias_tolerance must be positive, got {debias_tolerance}")
     if tightening < 0 or tightening != int(tightening):
         raise ValueError(f"tightening must be zero or a positive whole number, got {tightening}")
     if numerics not in ("automatic", "scaling"):

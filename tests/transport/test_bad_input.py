@@ -89,6 +89,7 @@ SOLVERS += [propagate, barycenter_between, barycenter_from_neighbor, soft_map]
 SOFT_MAPS = [soft_map, soft_map_between, symmetric_soft_map]
 RATHER = {
     "tolerance": [(0.0, "must be positive, got 0.0"), (-1e-3, "must be positive"), (np.nan, "must be positive")],
+    "debias_tolerance": [(0.0, "must be positive, got 0.0"), (-1e-3, "must be positive"), (np.nan, "must be positive")],
     "max_iterations": [(0, "must be at least 1, got 0"), (-1, "must be at least 1")],
     "sharpness": [(-0.1, "must lie between 0 and 1, got -0.1"), (1.1, "must lie between"), (np.nan, "must lie")],
     "entropy_limit": [("least", 'must be "max", a number'), (np.nan, "must be"), ([0.0] * 7, "must be")],
