@@ -43,7 +43,7 @@ class RenderSamples:
 USUAL_SAMPLES = RenderSamples(12, 8)
 """For pictures to be kept."""
 
-FEW_SAMPLES = RenderSamples(4, 3)
+FEW_SAMPLES = RenderSamples(4, 2)
 """For a first look, in half the time."""
 
 # Colors of shapes without materials.
