@@ -84,7 +84,7 @@ def walking() -> None:
     """Turn a textured man into an ogre and back while both walk."""
     begin()
     frames = walking_frames()
-    pictures = Film(frames[:-1]).rendered((520, 520), View(math.radians(-60.0), math.radians(10.0)))
+    pictures = Film(frames[:-1]).rendered((520, 520), View(math.radians(-60.0), math.radians(18.0)))
     save_loop("walking", pictures, [_MOMENT] * len(pictures))
 
 
