@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..node_math import math_node
 from .frame_attributes import GENERATED, LOOKS
 from .look_groups import DISPLACEMENT, SURFACE
 
@@ -70,8 +71,10 @@ def show_looks(material: bpy.types.Material, looks: Sequence[MixedLook], how: st
     for index, look in enumerate(looks):
         look.surface.node.location = (100.0, -250.0 * (index + 1))
     for index, look in enumerate(looks[1:], start=1):
-        taken = _math(tree, "ADD", taken, look.share, index)
-        factor = _factor(tree, _math(tree, "DIVIDE", look.share, taken, index), index, how)
+        taken = math_node(tree, "ADD", taken, look.share)
+        share = math_node(tree, "DIVIDE", look.share, taken)
+        taken.node.location = share.node.location = (-100.0, -250.0 * (index + 1))
+        factor = _factor(tree, share, index, how)
         shader = _mixed_shaders(tree, factor, shader, look.surface, index)
         if displacement is not None or look.displacement is not None:
             displacement = _mixed_vectors(tree, factor, displacement, look.displacement)
@@ -101,9 +104,11 @@ def _threshold(
 
     This is 0 everywhere for a share of 0, and 1 everywhere for a share of 1.
     """
-    grown = _math(tree, "MULTIPLY", share, 1.0 + width)
-    above = _math(tree, "SUBTRACT", grown, level)
-    factor = _math(tree, "DIVIDE", above, width)
+    grown = math_node(tree, "MULTIPLY", share, 1.0 + width)
+    above = math_node(tree, "SUBTRACT", grown, level)
+    factor = math_node(tree, "DIVIDE", above, width)
+    for own in (grown, above, factor):
+        own.node.location = (-100.0, -250.0)
     factor.node.use_clamp = True
     return factor
 
@@ -128,24 +133,6 @@ def _noise(tree: bpy.types.NodeTree, place: str) -> bpy.types.NodeSocket:
     spread.inputs["From Min"].default_value, spread.inputs["From Max"].default_value = _NOISE
     tree.links.new(noise.outputs[0], spread.inputs["Value"])
     return spread.outputs[0]
-
-
-def _math(
-    tree: bpy.types.NodeTree,
-    operation: str,
-    first: bpy.types.NodeSocket,
-    second: bpy.types.NodeSocket | float,
-    place: int = 0,
-) -> bpy.types.NodeSocket:
-    node = tree.nodes.new("ShaderNodeMath")
-    node.operation = operation
-    node.location = (-100.0, -250.0 * (place + 1))
-    tree.links.new(first, node.inputs[0])
-    if isinstance(second, float):
-        node.inputs[1].default_value = second
-    else:
-        tree.links.new(second, node.inputs[1])
-    return node.outputs[0]
 
 
 def _mixed_shaders(
