@@ -15,6 +15,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from characters import body_object
 from filming import Film, save, save_loop
 from live_films import live_frames, with_pad
 from numpy.typing import NDArray
@@ -24,9 +25,8 @@ from walking_film import walking_frames
 import convwass_addon
 from convwass_addon.bridge.framing import View
 from convwass_addon.bridge.morphs.stored import frame_objects
-from convwass_addon.bridge.objects import triangle_mesh, write_mesh
+from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.studio import world_points
-from convwass_addon.geometry.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -66,7 +66,7 @@ def live() -> None:
     shapes = [sample_shape(name) for name in names]
     depsgraph = bpy.context.evaluated_depsgraph_get()
     moments = live_frames([triangle_mesh(obj, depsgraph) for obj in shapes], names)
-    frames = [_object("Moment", moment.mesh) for moment in moments]
+    frames = [body_object("Moment", moment.mesh) for moment in moments]
     for frame in frames:
         paint(frame, _clay)
     pictures = Film(frames).rendered((560, 460))
@@ -132,17 +132,9 @@ def clay_pair(pair: str) -> tuple[str, str]:
     (chosen,) = pairs_named([pair], None)
     ends = chosen.ends()
     for name, mesh in (("First", ends.first), ("Second", ends.second)):
-        obj = _object(name, mesh)
+        obj = body_object(name, mesh)
         paint(obj, _clay)
     return "First", "Second"
-
-
-def _object(name: str, mesh: TriangleMesh) -> bpy.types.Object:
-    data = bpy.data.meshes.new(name)
-    write_mesh(data, mesh)
-    obj = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
 
 
 def bake(first: str, second: str, motion: str = "AUTOMATIC") -> list[bpy.types.Object]:
