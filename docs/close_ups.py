@@ -18,13 +18,13 @@ from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
+from clay import clay, frame_object
 from PIL import Image, ImageDraw, ImageFont
 
 from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.bridge.studio import Studio
 from convwass_addon.geometry.mesh import TriangleMesh
 
@@ -116,7 +116,7 @@ def tiled(
 ) -> Image.Image:
     """Render a part of every frame, and arrange the tiles in rows with labels below."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    clay = _clay()
+    material = clay(_CLAY)
     parts = [part_of(frame) for frame in frames]
     width = max(part.width for part in parts)
     rows = -(-len(frames) // columns)
@@ -125,7 +125,7 @@ def tiled(
     for index, (frame, part, label) in enumerate(zip(frames, parts, labels, strict=True)):
         left, top = size * (index % columns), (size + _LABEL) * (index // columns)
         with Studio() as studio, TemporaryDirectory() as folder:
-            studio.show(_object(frame, clay))
+            studio.show(frame_object(frame, material))
             depth = studio.build([frame.vertices], view)
             away = float(np.ptp(frame.bounds, axis=0).max())
             studio.look_flat(Pose(part.middle + 3.0 * away * view.axes[2], view), width, depth)
@@ -137,24 +137,6 @@ def tiled(
         print(".", end="", flush=True)
     print()
     return sheet
-
-
-def _clay() -> bpy.types.Material:
-    material = bpy.data.materials.new("Clay")
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    shader.inputs["Base Color"].default_value = _CLAY
-    shader.inputs["Roughness"].default_value = 0.5
-    return material
-
-
-def _object(mesh: TriangleMesh, material: bpy.types.Material) -> bpy.types.Object:
-    data = bpy.data.meshes.new("Frame")
-    write_mesh(data, mesh)
-    data.shade_smooth()
-    data.materials.append(material)
-    return bpy.data.objects.new("Frame", data)
 
 
 if __name__ == "__main__":

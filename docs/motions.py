@@ -17,12 +17,12 @@ from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
+from clay import clay, frame_object
 from PIL import Image, ImageDraw, ImageFont
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
-from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import drained
 
@@ -122,13 +122,13 @@ def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int, samples: int) -
     bpy.ops.wm.read_factory_settings(use_empty=True)
     collection = bpy.data.collections.new("Sheet")
     bpy.context.scene.collection.children.link(collection)
-    clay = _clay()
+    material = clay(_CLAY)
     # The sheet adds a gap between neighbors that touch.
     extents = np.max([np.ptp(frame.bounds, axis=0) for frames in rows for frame in frames], axis=0)
     across, down = float(extents[:2].max()), float(extents[2])
     for row, frames in enumerate(rows):
         for column, frame in enumerate(frames):
-            obj = _object(frame, clay)
+            obj = frame_object(frame, material)
             obj.location = (across * column, 0.0, -down * row)
             share = column / (len(frames) - 1)
             obj[WEIGHTS_KEY], obj[INDEX_KEY] = [1.0 - share, share], row * len(frames) + column
@@ -137,24 +137,6 @@ def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int, samples: int) -
         path = drained(render_contact_sheet(collection, Path(folder) / "sheet.png", width=width, samples=samples))
         with Image.open(path) as picture:
             return picture.convert("RGB")
-
-
-def _clay() -> bpy.types.Material:
-    material = bpy.data.materials.new("Clay")
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    shader.inputs["Base Color"].default_value = _CLAY
-    shader.inputs["Roughness"].default_value = 0.5
-    return material
-
-
-def _object(mesh: TriangleMesh, material: bpy.types.Material) -> bpy.types.Object:
-    data = bpy.data.meshes.new("Frame")
-    write_mesh(data, mesh)
-    data.shade_smooth()
-    data.materials.append(material)
-    return bpy.data.objects.new("Frame", data)
 
 
 def labeled(sheet: Image.Image, block: Block) -> Image.Image:
