@@ -15,6 +15,7 @@ APPLICATIONS = {
     },
     "motions": {
         "choosing": ("chosen_motion", "MotionChoice"),
+        "motion_request": ("MotionRequest",),
         "guided_motion": ("guided_motion", "GuidedMotion", "GuidedPair"),
         "guided_settings": ("GuidedSettings",),
         "map_quality": ("MapQuality",),

@@ -18,6 +18,7 @@ from ..morphs.layouts import Blend
 from ..motions.choosing import MotionChoice, chosen_motion
 from ..motions.limbs import is_nearly_convex
 from ..motions.motion import MovedShape
+from ..motions.motion_request import MotionRequest
 from .flat_pieces import FilledPieces, FlatPieces
 from .flat_settings import FlatSettings
 from .sheets import AttachedPoints, Sheet
@@ -162,8 +163,8 @@ def chosen_flat_motion(
     for index in range(count):
         own = tuple(Sheet.of(each.parts[index]) for each in filled)
         meshes = [sheet.mesh for sheet in own]
-        work = chosen_motion(meshes, names, pairs_of(blends), settings.motion, settings.coherence, (), control)
-        choices.append((yield from within(work, index / count, (index + 1) / count)))
+        request = MotionRequest(meshes, names, pairs_of(blends), settings.motion, settings.coherence)
+        choices.append((yield from within(chosen_motion(request, control), index / count, (index + 1) / count)))
         sheets.append(own)
     record = min(choices, key=lambda choice: (choice.motion is not None, choice.score or 0.0)).record()
     if all(choice.motion is None for choice in choices):

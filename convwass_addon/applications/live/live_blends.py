@@ -34,6 +34,7 @@ from ..morphs.preparing import sketchable_problem, with_connectivity
 from ..morphs.volumes import Lattice
 from ..motions.choosing import MotionChoice
 from ..motions.motion_memory import MotionMemory
+from ..motions.motion_request import MotionRequest
 from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
 from .filling_lattice import FAR, LEVELS, FillingLattice, Mixture, count_of_nodes, fitting_levels
 from .layered_fields import LEAST_REST, LayeredFields
@@ -382,10 +383,9 @@ class LiveBlends:
     def _choosing(self, blends: Sequence[Blend], control: Control) -> Work[MotionChoice]:
         shapes, settings = self._shapes, self._settings
         outward = [orient_outward(mesh) for mesh in shapes.meshes]
-        work = self._motions.chosen(
-            outward, shapes.names, pairs_of(blends), settings.motion, settings.coherence, shapes.guides, control
-        )
-        return (yield from within(work, _PLAIN_SHARE, _MOTION_SHARE))
+        pairs = pairs_of(blends)
+        request = MotionRequest(outward, shapes.names, pairs, settings.motion, settings.coherence, shapes.guides)
+        return (yield from within(self._motions.chosen(request, control), _PLAIN_SHARE, _MOTION_SHARE))
 
     def _begin_motion(self, moving: MovingProblem) -> None:
         """Lay a lattice of moved shapes over the one of plain transport, in a box that holds both."""

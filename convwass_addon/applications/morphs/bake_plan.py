@@ -21,6 +21,7 @@ from ..memory import check_memory, fitting_beside
 from ..motions.choosing import MotionChoice
 from ..motions.guides import Guide
 from ..motions.motion_memory import MotionMemory
+from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation
 from .first_preview import first_preview
@@ -192,12 +193,11 @@ class BakePlan:
 
     def _motion(self, control: Control) -> Work[MotionChoice]:
         """Choose how the shapes move."""
-        asked, coherence = self.settings.motion, self.settings.coherence
+        kind, coherence = self.settings.motion, self.settings.coherence
         # With "transport" the shapes are oriented when they are voxelized.
-        outward = self.shapes if asked == "transport" else [orient_outward(shape) for shape in self.shapes]
-        pairs = pairs_of(self.blends)
-        work = self.motions.chosen(outward, self.names, pairs, asked, coherence, self.guides, control)
-        return (yield from within(work, VOXEL_SHARE, self._chosen_at))
+        outward = self.shapes if kind == "transport" else [orient_outward(shape) for shape in self.shapes]
+        request = MotionRequest(outward, self.names, pairs_of(self.blends), kind, coherence, self.guides)
+        return (yield from within(self.motions.chosen(request, control), VOXEL_SHARE, self._chosen_at))
 
     def _moving(self, moving: MovingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Start runs of moving inputs."""

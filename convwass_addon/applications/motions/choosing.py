@@ -4,22 +4,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
 from ...errors import Cancelled, ConvwassError
-from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .combined_motion import combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
-from .guides import Guide
 from .limbs import is_nearly_convex
 from .motion import Motion
-from .warp_motion import warp_motion
+from .motion_request import MotionRequest
+from .warp_motion import WarpMotion, warp_motion
 
 # Guided motions are used alone if the worst map between two shapes has at least the first score, and are completed by a
 # warp from the second on. Chosen by eye on pairs of the benchmark.
@@ -61,71 +59,49 @@ class MotionChoice:
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
 
-def chosen_motion(
-    shapes: Sequence[TriangleMesh],
-    names: Sequence[str],
-    pairs: Sequence[tuple[int, int]],
-    asked: str,
-    coherence: float,
-    guides: Sequence[Guide],
-    control: Control,
-) -> Work[MotionChoice]:
+def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Choose and compute the motion of a morph.
-
-    Parameters
-    ----------
-    shapes, names
-        The inputs, oriented outward, and their names for messages.
-    pairs : sequence of (int, int)
-        Pairs of inputs that occur together in a blend.
-    asked : str
-        "automatic", "guided", "warp" or "transport".
-    coherence : float
-        0 to 1; there is no motion at 0.
-    guides : sequence of mappings from int to int
-        See :func:`.guided_motion.guided_motion`.
-    control : Control
-        Stops the work.
 
     Raises
     ------
     InputError
         Invalid guides, or a requested motion that cannot be computed.
     """
-    if asked == "transport" or coherence == 0.0 or not pairs:
+    if request.kind == "transport" or request.coherence == 0.0 or not request.pairs:
         return MotionChoice("transport", "ASKED")
-    if (
-        asked == "automatic"
-        and not guides
-        and all(is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume) for shape in shapes)
+    if request.kind == "warp":
+        return MotionChoice("warp", "ASKED", (yield from _warp(request, control)))
+    if request.kind == "guided":
+        guided = yield from _guided(request, control)
+        return MotionChoice("guided", "ASKED", guided, _score(guided))
+    if not request.guides and all(
+        is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume) for shape in request.shapes
     ):
         return MotionChoice("transport", "SOLID")
-    if asked == "warp":
-        motion = yield from warp_motion(shapes, names, pairs, coherence, control)
-        return MotionChoice("warp", "ASKED", motion)
-    settings = GuidedSettings(coherence=coherence)
-    share = 1.0 if asked == "guided" else _GUIDED_SHARE
+    return (yield from _automatic(request, control))
+
+
+def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the guided motion if the shapes map onto each other, or else one that a warp completes or replaces."""
     guided, failure = None, ""
     try:
-        guided = yield from within(guided_motion(shapes, names, pairs, settings, guides, control), 0.0, share)
+        guided = yield from within(_guided(request, control), 0.0, _GUIDED_SHARE)
     except Cancelled:
         raise
     except _FAILURES as error:
-        if asked == "guided" or guides:
+        if request.guides:
             raise
         failure = str(error)
     score = None if guided is None else _score(guided)
-    if asked == "guided":
-        return MotionChoice("guided", "ASKED", guided, score)
     if guided is not None and score >= _TRUSTED:
         return MotionChoice("guided", "FITS", guided, score)
     doubted = guided is not None and score >= _DOUBTED
     try:
         if doubted:
-            work = combined_motion(guided, names, pairs, coherence, control)
+            work = combined_motion(guided, request.names, request.pairs, request.coherence, control)
         else:
-            work = warp_motion(shapes, names, pairs, coherence, control)
-        motion = yield from within(work, share, 1.0)
+            work = _warp(request, control)
+        motion = yield from within(work, _GUIDED_SHARE, 1.0)
     except Cancelled:
         raise
     except _FAILURES as error:
@@ -133,6 +109,15 @@ def chosen_motion(
         return MotionChoice("transport", "FAILED", None, score, failure or str(error))
     kind = "combined" if doubted else "warp"
     return MotionChoice(kind, "FAILED" if guided is None else "UNLIKE", motion, score, failure)
+
+
+def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:
+    settings = GuidedSettings(coherence=request.coherence)
+    return guided_motion(request.shapes, request.names, request.pairs, settings, request.guides, control)
+
+
+def _warp(request: MotionRequest, control: Control) -> Work[WarpMotion]:
+    return warp_motion(request.shapes, request.names, request.pairs, request.coherence, control)
 
 
 def _score(guided: GuidedMotion) -> float:

@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from itertools import permutations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...geometry.barycentric import barycentric_coordinates
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.surface_rotations import surface_rotations
@@ -192,19 +192,6 @@ def _embedding(carrier: Carrier, shape: TriangleMesh) -> ClosestPoints:
     shares = np.eye(3)[corner]
     if carrier.parents is not None:
         triangle[rest.faces.ravel()] = np.repeat(carrier.parents, 3)
-        shares = _barycentric(rest.vertices, shape.corners[triangle])
+        shares = barycentric_coordinates(shape.corners[triangle], rest.vertices[:, None])[:, 0]
         shares[:count] = np.where((shape.faces[triangle[:count]] == np.arange(count)[:, None]), 1.0, 0.0)
     return ClosestPoints(triangle, shares, np.zeros(len(rest.vertices)))
-
-
-def _barycentric(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return barycentric coordinates of points in the planes of triangles, (n, 3); a third each in degenerate ones."""
-    a, b = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    normal = np.cross(a, b)
-    squared = np.einsum("ni,ni->n", normal, normal)
-    offset = points - corners[:, 0]
-    safe = np.where(squared > 0, squared, 1.0)
-    second = np.einsum("ni,ni->n", np.cross(offset, b), normal) / safe
-    third = np.einsum("ni,ni->n", np.cross(a, offset), normal) / safe
-    shares = np.stack([1.0 - second - third, second, third], axis=1)
-    return np.where((squared > 0)[:, None], shares, 1.0 / 3.0)

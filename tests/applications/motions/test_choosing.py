@@ -8,6 +8,7 @@ import pytest
 
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import InputError, ResourceError
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball, box, joined, square
@@ -41,8 +42,9 @@ def motions(monkeypatch):
     return given
 
 
-def choice(asked="automatic", coherence=0.5, guides=(), shapes=SHAPES):
-    return drained(chosen_motion(shapes, ("A", "B"), [(0, 1)], asked, coherence, guides, UNINTERRUPTED))
+def choice(kind="automatic", coherence=0.5, guides=(), shapes=SHAPES):
+    request = MotionRequest(shapes, ("A", "B"), [(0, 1)], kind, coherence, guides)
+    return drained(chosen_motion(request, UNINTERRUPTED))
 
 
 @pytest.mark.parametrize(("score", "kind"), [(0.95, "guided"), (0.6, "combined"), (0.1, "warp")])
@@ -67,7 +69,7 @@ def test_automatic_falls_back_to_transport_after_errors(motions):
 
 def test_a_requested_motion_is_computed_or_refused(motions):
     motions(guided_with(0.1))
-    assert [choice(asked).kind for asked in ("guided", "warp", "transport")] == ["guided", "warp", "transport"]
+    assert [choice(kind).kind for kind in ("guided", "warp", "transport")] == ["guided", "warp", "transport"]
     motions(InputError("no map"))
     with pytest.raises(InputError, match="no map"):
         choice("guided")

@@ -4,17 +4,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from convwass_addon.applications.motions import motion_memory
 from convwass_addon.applications.motions.choosing import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
+from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import InputError
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball
 
 SHAPES = (ball(points=40), ball(2.0, points=40))
-SAME = {"names": ("A", "B"), "pairs": [(0, 1)], "asked": "automatic", "coherence": 0.5, "guides": ()}
+SAME = MotionRequest(SHAPES, ("A", "B"), [(0, 1)], "automatic", 0.5)
 
 
 @pytest.fixture
@@ -22,9 +25,9 @@ def finding(monkeypatch):
     """Replace the search, which takes seconds; return the list of all searches."""
     searches = []
 
-    def found(*arguments):
-        searches.append(arguments)
-        if arguments[3] == "guided":
+    def found(request, _control):
+        searches.append(request)
+        if request.kind == "guided":
             raise InputError("no map")
         return MotionChoice("warp", "ASKED")
         yield
@@ -33,15 +36,14 @@ def finding(monkeypatch):
     return searches
 
 
-def choice(memory, shapes=SHAPES, **changed):
-    given = SAME | changed
-    return drained(memory.chosen(shapes, *given.values(), UNINTERRUPTED))
+def choice(memory, **changed):
+    return drained(memory.chosen(replace(SAME, **changed), UNINTERRUPTED))
 
 
 def test_the_same_motion_is_found_once(finding):
     memory = MotionMemory()
     first = choice(memory)
-    assert choice(memory, (ball(points=40), ball(2.0, points=40))) is first
+    assert choice(memory, shapes=(ball(points=40), ball(2.0, points=40))) is first
     assert len(finding) == 1
     assert choice(MotionMemory()) is not first
 
@@ -52,7 +54,7 @@ def test_the_same_motion_is_found_once(finding):
         {"shapes": (SHAPES[0], ball(2.1, points=40))},
         {"shapes": SHAPES[::-1]},
         {"names": ("A", "C")},
-        {"asked": "warp"},
+        {"kind": "warp"},
         {"coherence": 0.6},
         {"guides": [{0: 1, 1: 2}]},
     ],
@@ -66,19 +68,19 @@ def test_anything_that_changes_is_found_again(finding, changed):
 
 def test_as_many_are_kept_as_fit(finding):
     memory, shapes = MotionMemory(), (ball(points=10_000), ball(2.0, points=10_000))
-    first = choice(memory, shapes)
-    last = choice(memory, shapes, coherence=0.1)
-    assert choice(memory, shapes) is first
-    choice(memory, shapes, coherence=0.2)
-    assert choice(memory, shapes, coherence=0.1) is not last
+    first = choice(memory, shapes=shapes)
+    last = choice(memory, shapes=shapes, coherence=0.1)
+    assert choice(memory, shapes=shapes) is first
+    choice(memory, shapes=shapes, coherence=0.2)
+    assert choice(memory, shapes=shapes, coherence=0.1) is not last
     # Larger shapes than that are searched for again.
     large = (ball(points=26_000), ball(2.0, points=26_000))
-    assert choice(memory, large) is not choice(memory, large)
+    assert choice(memory, shapes=large) is not choice(memory, shapes=large)
 
 
 def test_errors_are_not_kept(finding):
     memory = MotionMemory()
     for _ in range(2):
         with pytest.raises(InputError, match="no map"):
-            choice(memory, asked="guided")
+            choice(memory, kind="guided")
     assert len(finding) == 2

@@ -1,0 +1,50 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Everything that the motion of a morph depends on."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from ...geometry.mesh import TriangleMesh
+from .guides import Guide
+
+
+@dataclass(frozen=True)
+class MotionRequest:
+    """The shapes that are to move into each other, and how.
+
+    Attributes
+    ----------
+    shapes, names
+        The inputs, oriented outward, and their names for messages.
+    pairs : sequence of (int, int)
+        Pairs of inputs that occur together in a blend.
+    kind : str
+        "automatic", "guided", "warp" or "transport".
+    coherence : float
+        0 to 1; there is no motion at 0.
+    guides : sequence of mappings from int to int
+        See :func:`.guided_motion.guided_motion`.
+    """
+
+    shapes: Sequence[TriangleMesh]
+    names: Sequence[str]
+    pairs: Sequence[tuple[int, int]]
+    kind: str
+    coherence: float
+    guides: Sequence[Guide] = ()
+
+    def digest(self) -> bytes:
+        """Return a hash of everything, equal for equal requests."""
+        sizes = [[len(shape.vertices), len(shape.faces)] for shape in self.shapes]
+        entries = [sorted(guide.items()) for guide in self.guides]
+        about = [list(self.names), list(self.pairs), self.kind, self.coherence, entries, sizes]
+        hashed = hashlib.sha256(json.dumps(about).encode())
+        for shape in self.shapes:
+            hashed.update(shape.vertices.astype("<f8").tobytes())
+            hashed.update(shape.faces.astype("<i8").tobytes())
+        return hashed.digest()
