@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a bake leaves when it ends or is stopped: the frames of a morph, or one mesh with shape keys."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, nullcontext
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import bpy
+from bpy.app.translations import pgettext_rpt as rpt_
+
+from ..bridge.frame_range import play_whole
+from ..bridge.morphs.disk_output import packed_bytes
+from ..bridge.morphs.replace import replace_bake
+from ..bridge.morphs.stand_ins import stand_ins
+from ..bridge.morphs.stored import frame_objects
+from ..bridge.operator_errors import reason
+from ..sentence import Sentence
+from ..translations import translated
+from .morph_manage import select_only
+from .reporting import tell
+
+if TYPE_CHECKING:
+    from ..applications.morphs.frame_cache import FrameCache
+    from ..applications.one_mesh.key_paths import KeyPath
+    from ..bridge.flat.flat_job import FlatJob
+    from ..bridge.flat.picture_job import PictureJob
+    from ..bridge.morphs.job import MorphJob
+    from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
+
+# Total size of the meshes above which a warning is shown.
+_LARGE_MEGABYTES = 250.0
+# The operator that creates the output, by kind and layout.
+_OUTPUT_OPERATORS = {
+    ("PLAYER", "PATH"): "make_player",
+    ("PLAYER", "GRID"): "make_blend_pad",
+    ("PLAYER", "TRIANGLE"): "make_blend_pad",
+    ("VOLUME", ""): "make_volume",
+    ("CACHE", ""): "make_cache",
+}
+
+
+@dataclass(frozen=True)
+class FrameResults:
+    """The frames of a morph.
+
+    Attributes
+    ----------
+    operator : bpy.types.Operator
+        *Bake Morph*, which holds the options and shows the messages.
+    job : MorphJob or FlatJob or PictureJob
+        Wrote the frames.
+    cache : FrameCache or None
+        Frames of earlier bakes, if they are kept.
+    """
+
+    operator: bpy.types.Operator
+    job: MorphJob | FlatJob | PictureJob
+    cache: FrameCache | None
+
+    def nothing_kept(self) -> str:
+        """Return the message of a bake that was stopped without a result."""
+        if self.operator.replaces:
+            return rpt_("Stopped; the morph was not changed")
+        return rpt_("Stopped before the first frame was finished")
+
+    def keep(self, context: bpy.types.Context, scene: bpy.types.Scene) -> bool:
+        """Keep what is there after a stop; return whether there is anything."""
+        from ..bridge.morphs.job import MorphJob
+
+        if self.operator.replaces:
+            return False
+        message = rpt_("Stopped; {:d} finished frames are kept").format(len(self.job.records))
+        if not self.job.records:
+            # Flat shapes have no previews.
+            if not (isinstance(self.job, MorphJob) and self.job.keep_previews()):
+                return False
+            message = rpt_("Stopped; the previews are kept, coarser than requested")
+        collection = self.job.finish(self.operator.hide_inputs)
+        _fit_range(self.operator, self.job, scene)
+        select_only(context, frame_objects(collection)[:1])
+        self.operator.report({"WARNING"}, message)
+        return True
+
+    def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
+        """Put the frames into the scene, convert them to the requested output, and report."""
+        collection = self.job.finish(self.operator.hide_inputs)
+        _fit_range(self.operator, self.job, scene)
+        replaced = bpy.data.collections.get(self.operator.replaces)
+        if replaced is not None:
+            collection = replace_bake(replaced, collection)
+        select_only(context, frame_objects(collection)[:1])
+        self._hand_over(scene, collection)
+        self._report(collection)
+        if self.operator.following:
+            bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=self.operator.following)
+
+    def _report(self, collection: bpy.types.Collection) -> None:
+        """Show the most important message: errors of the solver, notices, the size, or a summary."""
+        slack = [record for record in self.job.records if not record.get("converged", True)]
+        notices = [*self.job.notices, *(self.cache.notices if self.cache is not None else ())]
+        megabytes = packed_bytes(frame_objects(collection)) / 1e6
+        if slack:
+            worst = max(record["marginal_error"] for record in slack)
+            message = rpt_("{:d} frames are less exact than requested (marginal error up to {:.1%}); try more blur")
+            self.operator.report({"WARNING"}, message.format(len(slack), worst))
+        elif notices:
+            self.operator.report({"WARNING"}, " ".join(translated(notice) for notice in notices))
+        elif megabytes > _LARGE_MEGABYTES:
+            message = rpt_(
+                "The meshes add about {:.0f} MB to the file; Make Cache or Make Volume stores them next to it"
+            )
+            self.operator.report({"WARNING"}, message.format(megabytes))
+        else:
+            self.operator.report({"INFO"}, self._summary(collection.name) + self._when())
+
+    def _summary(self, name: str) -> str:
+        count = len(self.job.records)
+        if self.cache is None or not self.cache.reused:
+            made = {
+                "CURVE": rpt_("{:s}: {:d} curves"),
+                "DRAWING": rpt_("{:s}: {:d} drawings"),
+                "PICTURE": rpt_("{:s}: {:d} pictures"),
+            }
+            return made.get(getattr(self.job, "kind", ""), rpt_("{:s}: {:d} meshes")).format(name, count)
+        return rpt_("{:s}: {:d} meshes, {:d} of them from the cache").format(name, count, self.cache.reused)
+
+    def _when(self) -> str:
+        """Return the frame range of the morph as text."""
+        if self.job.span is None:
+            return ""
+        return rpt_(", frames {:d} to {:d}").format(*map(round, self.job.span))
+
+    def _hand_over(self, scene: bpy.types.Scene, morph: bpy.types.Collection) -> None:
+        """Convert the morph to the requested output; if that fails, its meshes are kept."""
+        output, layout = self.operator.output, self.operator.layout
+        name = _OUTPUT_OPERATORS.get((output, layout)) or _OUTPUT_OPERATORS.get((output, ""))
+        if name is None or stand_ins(morph):
+            return
+        options = {"folder": self.operator.folder} if output in ("VOLUME", "CACHE") else {}
+        if output == "PLAYER":
+            options["between"] = self.operator.between
+        if output == "CACHE":
+            options["kind"] = self.operator.cache_format
+        try:
+            with nullcontext() if scene == bpy.context.scene else _showing(scene, morph):
+                getattr(bpy.ops.convwass, name)(**options)
+        except RuntimeError as error:
+            self.operator.report({"WARNING"}, str(reason(error)))
+
+
+@dataclass(frozen=True)
+class ShapeKeyResults:
+    """One mesh with shape keys, which is there as a whole or not at all.
+
+    Attributes
+    ----------
+    operator : bpy.types.Operator
+        *Bake Morph*, which holds the options and shows the messages.
+    job : ShapeKeyJob
+        Computed the keys.
+    """
+
+    operator: bpy.types.Operator
+    job: ShapeKeyJob
+
+    def nothing_kept(self) -> str:
+        """Return the message of a bake that was stopped."""
+        return rpt_("Stopped; nothing was changed")
+
+    def keep(self, _context: bpy.types.Context, _scene: bpy.types.Scene) -> bool:
+        """Return False: without all of its keys the mesh is of no use."""
+        return False
+
+    def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
+        """Put the mesh into the scene and report how well it arrives."""
+        obj = self.job.finish(self.operator.hide_inputs)
+        _fit_range(self.operator, self.job, scene)
+        select_only(context, [obj])
+        count = sum(len(path.times) for path in self.job.paths)
+        farthest = max(path.distance_95 for path in self.job.paths)
+        text = rpt_("{:s}: {:d} shape keys; 95 % of the mesh ends within {:.2%} of the other shape")
+        warnings = [*self.job.notices, *(_poor_notice(path) for path in self.job.paths if len(path.poor))]
+        tell(self.operator, text.format(obj.name, count, farthest), (), warnings)
+
+
+def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob, scene: bpy.types.Scene) -> None:
+    if operator.fit_range and job.span is not None:
+        play_whole(scene, *job.span)
+
+
+def _poor_notice(path: KeyPath) -> Sentence:
+    return Sentence(
+        "{count} vertices are folded or do not arrive at {name}; an attribute marks them: add guides there",
+        {"count": len(path.poor), "name": path.name},
+    )
+
+
+@contextmanager
+def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[None]:
+    """Make a morph active for operators, although the window shows another scene."""
+    nothing = {"object": None, "active_object": None, "selected_objects": []}
+    with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0], collection=morph, **nothing):
+        yield
