@@ -7,6 +7,7 @@ from __future__ import annotations
 import queue
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import closing
 from typing import Any, Generic, TypeVar
 
 from ..errors import Cancelled
@@ -80,18 +81,19 @@ class BackgroundJob(Generic[Result]):
 
     def _worked(self) -> Result:
         """Run the work and queue its reports."""
-        work = self._work(self._control)
-        while True:
-            try:
-                report = next(work)
-            except StopIteration as end:
-                # A result that was cancelled at the last moment must not be used.
+        # Work that is left unfinished ends its threads here, and not wherever the garbage collector finds it.
+        with closing(self._work(self._control)) as work:
+            while True:
+                try:
+                    report = next(work)
+                except StopIteration as end:
+                    # A result that was cancelled at the last moment must not be used.
+                    self._control.check()
+                    return end.value
+                self._queue.put(report)
+                if isinstance(report.payload, Request):
+                    report.payload.wait(self._control)
                 self._control.check()
-                return end.value
-            self._queue.put(report)
-            if isinstance(report.payload, Request):
-                report.payload.wait(self._control)
-            self._control.check()
 
 
 class InlineJob(Generic[Result]):

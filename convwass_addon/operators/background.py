@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable
+from contextlib import closing
 from dataclasses import dataclass
 from typing import Any, Protocol
 
@@ -75,8 +76,8 @@ class BackgroundOperator:
             return refuse_if_known(self, error)
         self._in_background = False
         try:
-            with progress_at_mouse() as show:
-                for report in self.work()(UNINTERRUPTED):
+            with progress_at_mouse() as show, closing(self.work()(UNINTERRUPTED)) as work:
+                for report in work:
                     self._job.write(report)
                     show(report.fraction)
                 return self._finish(context, self._job)

@@ -89,6 +89,24 @@ def test_cancelling_ends_waiting_work(kind, work):
     assert job.result is None
 
 
+@EACH
+def test_cancelled_work_has_cleaned_up_when_it_is_done(kind):
+    cleaned_on = []
+
+    def holding(control: Control) -> Work[None]:
+        try:
+            while True:
+                yield Progress(0.5, Sentence("Holding"))
+                time.sleep(0.001)
+        finally:
+            cleaned_on.append(threading.current_thread().name)
+
+    job = kind(holding)
+    next(report for _ in iter(int, 1) for report in job.poll())
+    assert job.cancel()
+    assert cleaned_on == ["convwass" if kind is BackgroundJob else threading.current_thread().name]
+
+
 def test_interleaved_work_runs_only_while_polled_on_the_polling_thread():
     places = []
 
