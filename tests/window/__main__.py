@@ -35,6 +35,7 @@ SCENARIOS = (
     "light",
     "flat",
     "elsewhere",
+    "newcomer",
     "morphs",
     "live",
     "guides",

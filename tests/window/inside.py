@@ -118,6 +118,11 @@ class Window:
         yield from self.move(x, y)
         yield from self._input("click", button)
 
+    def shift_click(self, x: float, y: float) -> Iterator[float]:
+        """Move and click while Shift is held."""
+        yield from self.move(x, y)
+        yield from self._input("keydown", "shift", "click", 1, "keyup", "shift")
+
     def drag(self, places: list[tuple[float, float]]) -> Iterator[float]:
         """Press the mouse at the first place, move through all others, and release it."""
         yield from self.move(*places[0])

@@ -32,7 +32,7 @@ _COLORS = {
     "horse": (0.75, 0.22, 0.1),
     "bird": (0.1, 0.3, 0.75),
     "double_torus": (0.8, 0.5, 0.1),
-    "cow": (0.5, 0.4, 0.3),
+    "cow": (0.85, 0.75, 0.6),
 }
 
 
@@ -44,7 +44,7 @@ def walkthrough(window: Window) -> Iterator[float]:
     system.use_region_overlap = False
     (window.pictures / "walkthrough").mkdir(exist_ok=True)
     yield 1.0
-    for stage in (_extension, _morph, _pad, _flat, _densities, _soft_map, _armature, _recolor, _light):
+    for stage in (_extension, _live, _morph, _pad, _flat, _densities, _soft_map, _armature, _recolor, _light):
         yield from stage(window)
     view.ui_scale, system.use_region_overlap = before, True
     window.say("the walk-through has its pictures")
@@ -59,6 +59,25 @@ def _extension(window: Window) -> Iterator[float]:
     # There is nothing below.
     yield from _shot(window, "extension", area, share=0.42)
     area.type = "VIEW_3D"
+    yield 1.0
+
+
+def _live(window: Window) -> Iterator[float]:
+    import live
+
+    yield from _begin(window)
+    shapes = [_shape(window, name, 3.0 * place) for place, name in enumerate(("horse", "cow"))]
+    yield from _look_at(window, shapes)
+    yield from window.open_tab("Convwass")
+    yield from window.press("convwass.live_morph")
+    yield from window.wait(live._is_shown, 60, "a blend is shown")
+    yield from live._seen_from_the_front(window)
+    live._value().morph = 0.35
+    yield from window.wait(lambda: str(live._session().message) == "Ready", 300, "the blends are ready")
+    yield 1.0
+    yield from _shot(window, "live")
+    yield from window.into_view()
+    yield from window.key("Escape")
     yield 1.0
 
 
