@@ -82,9 +82,9 @@ def test_a_bake_writes_its_files_to_the_given_folder(empty_scene, tmp_path, outp
 
 
 def test_large_meshes_are_worth_a_warning(empty_scene, monkeypatch, capfd):
-    from convwass_addon.operators import morph_bake
+    from convwass_addon.operators import morph_results
 
-    monkeypatch.setattr(morph_bake, "packed_bytes", lambda objects: 300e6)
+    monkeypatch.setattr(morph_results, "packed_bytes", lambda objects: 300e6)
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
