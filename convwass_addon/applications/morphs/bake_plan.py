@@ -25,6 +25,7 @@ from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation
 from .first_preview import first_preview
+from .kept_blends import KeptBlends
 from .following_problem import FollowingProblem
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
@@ -48,6 +49,9 @@ from .volumes import fitting_workers
 
 # Fractions of the progress bar for previews, if there are any, and for the motion.
 _PREVIEW_SHARE, _MOTION_SHARE = 0.12, 0.3
+# Solved blends are kept in at most this many bytes, and in half of the free memory. 24 blends of a horse and a bird
+# take 56 MB at 100 cells.
+_MOST_KEPT = 1 << 29
 
 
 @dataclass(frozen=True)
@@ -75,11 +79,14 @@ class BegunRuns:
         Fraction of the work that is done when they have been started.
     problem : MorphProblem or MovingProblem
         The problem that the runs solve, possibly without the connectivity of the shapes.
+    kept : KeptBlends or None
+        Gets the solved blends of inputs at rest.
     """
 
     pending: Pending
     fraction: float
     problem: MorphProblem | MovingProblem
+    kept: KeptBlends | None = None
 
 
 @dataclass(frozen=True)
@@ -122,11 +129,12 @@ class BakePlan:
             return (yield from self._sketched(problem, stack, control))
         most = self._fitting(problem)
         problem = with_connectivity(problem, min(most, len(self.shapes)))
-        if self.executor is None:
-            pending = stack.enter_context(runs_in_threads(problem, self.runs, control, most))
-        else:
+        if self.executor is not None:
             pending = stack.enter_context(runs_elsewhere(problem, self.runs, self.executor))
-        return BegunRuns(pending, self._chosen_at, problem)
+            return BegunRuns(pending, self._chosen_at, problem)
+        kept = self._keeping(problem, most)
+        pending = stack.enter_context(runs_in_threads(problem, self.runs, control, most, kept))
+        return BegunRuns(pending, self._chosen_at, problem, kept)
 
     def prepared(self, control: Control) -> Work[MorphProblem | MovingProblem]:
         """Return the problem shared by all blends; without the connectivity of the shapes if they do not move."""
@@ -163,11 +171,16 @@ class BakePlan:
 
     @contextmanager
     def again(
-        self, problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, control: Control
+        self,
+        problem: MorphProblem | MovingProblem,
+        runs: dict[int, Run],
+        asked: Asked,
+        control: Control,
+        kept: KeptBlends | None = None,
     ) -> Iterator[Pending]:
         """Compute blends of some runs again; see :func:`.solving_again.solve_again`."""
         if self.executor is None:
-            work = again_in_threads(problem, runs, asked, control, self._fitting(problem))
+            work = again_in_threads(problem, runs, asked, control, self._fitting(problem), kept)
         else:
             work = again_elsewhere(problem, runs, asked, self.executor)
         with work as pending:
@@ -190,6 +203,11 @@ class BakePlan:
     def _fitting(self, problem: MorphProblem | MovingProblem) -> int:
         """Return how many threads can solve at the same time."""
         return self.workers or fitting_workers(problem.lattice, self.shapes, self.matching.count, self._threads)
+
+    def _keeping(self, problem: MorphProblem, workers: int) -> KeptBlends:
+        """Return what keeps solved blends, within the memory that the bake leaves free."""
+        needed = problem.lattice.memory(self.shapes, workers, self.matching.count)
+        return KeptBlends(fitting_beside(needed, 2, _MOST_KEPT), finest=self.keeps_potentials)
 
     def _motion(self, control: Control) -> Work[MotionChoice]:
         """Choose how the shapes move."""
@@ -216,9 +234,10 @@ class BakePlan:
         most = self._fitting(problem)
         needed = problem.lattice.memory(self.shapes, most, self.matching.count)
         chosen = self._previewed(problem.transport.sketch_bytes, needed)
-        sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most))
+        kept = self._keeping(problem, most)
+        sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most, kept))
         yield from self._previews(sketched, control)
-        return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem)
+        return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem, kept)
 
     def _first_preview(self, control: Control) -> Work[None]:
         """Show one blend first, more coarsely than the other previews."""

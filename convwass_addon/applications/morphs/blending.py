@@ -18,6 +18,7 @@ from .blend_solver import BlendSolver, PartSketch, SolvedBlend
 from .coinciding_solids import CoincidingSolids
 from .detail import detailed_blend, starts_of_transport
 from .extraction import extract_surface, own_surface
+from .kept_blends import KeptBlends
 from .layouts import Blend
 from .merging import merged_parts
 from .morph_problem import MorphFrame, MorphProblem
@@ -73,6 +74,7 @@ def solve_blends(
     control: Control = UNINTERRUPTED,
     sketches: Sequence[Sketch] | None = None,
     hand_over: HandOver = at_once,
+    kept: KeptBlends | None = None,
 ) -> list[MorphFrame]:
     """Solve a run of blends, each started from the previous one.
 
@@ -89,6 +91,8 @@ def solve_blends(
     hand_over : callable, optional
         Extracts a surface, here or in another thread while the next blend is solved, and returns a function that waits
         for the frame; see :class:`.spare_threads.SpareThreads`.
+    kept : KeptBlends, optional
+        Gets all solved blends.
 
     Returns
     -------
@@ -97,7 +101,7 @@ def solve_blends(
     """
     solver = BlendSolver(problem.transport, control)
     known = [()] * len(blends) if sketches is None else [sketch.parts for sketch in sketches]
-    frames = [hand_over(_solved(problem, solver, *own)) for own in zip(blends, known, strict=True)]
+    frames = [hand_over(_solved(problem, solver, *own, kept)) for own in zip(blends, known, strict=True)]
     return [frame() for frame in frames]
 
 
@@ -106,8 +110,9 @@ def solve_some_blends(
     blends: Sequence[Blend],
     problems: Sequence[MorphProblem | None],
     control: Control = UNINTERRUPTED,
+    kept: KeptBlends | None = None,
 ) -> list[MorphFrame]:
-    """Solve a run of blends, each started from the previous one, and compute the frames of some of them.
+    """Compute the frames of some blends of a run, in which each blend is solved from the previous one.
 
     Parameters
     ----------
@@ -120,10 +125,15 @@ def solve_some_blends(
         beyond the end of this sequence are not solved.
     control : Control
         Ends the work when cancelled.
+    kept : KeptBlends, optional
+        Blends that have been solved before; nothing is solved if all needed ones are among them.
     """
+    pairs = list(zip(blends, problems, strict=False))
+    if kept is not None and all(blend in kept for blend, problem in pairs if problem is not None):
+        return [surfaced_frame(problem, kept.solved(blend)) for blend, problem in pairs if problem is not None]
     solver = BlendSolver(transport, control)
     frames = []
-    for blend, problem in zip(blends, problems, strict=False):
+    for blend, problem in pairs:
         if blend.source is None:
             solved = solver.solve(blend, transport.blend_volumes(blend))
             frames += [] if problem is None else [surfaced_frame(problem, solved)]
@@ -131,12 +141,19 @@ def solve_some_blends(
 
 
 def _solved(
-    problem: MorphProblem, solver: BlendSolver, blend: Blend, sketch: Sequence[PartSketch]
+    problem: MorphProblem,
+    solver: BlendSolver,
+    blend: Blend,
+    sketch: Sequence[PartSketch],
+    kept: KeptBlends | None,
 ) -> Callable[[], MorphFrame]:
     """Solve a blend, and return a function that computes its frame without the solver."""
     if blend.source is not None:
         return partial(_input_measured, problem, blend)
-    return partial(surfaced_frame, problem, solver.solve(blend, problem.transport.blend_volumes(blend), sketch))
+    solved = solver.solve(blend, problem.transport.blend_volumes(blend), sketch)
+    if kept is not None:
+        kept.keep(solved)
+    return partial(surfaced_frame, problem, solved)
 
 
 def _input_itself(problem: MorphProblem, blend: Blend) -> MorphFrame:

@@ -134,10 +134,11 @@ def morph(
     review = BakeReview(blends if wanted is None else ())
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
-        fraction, problem = 0.0, None
+        fraction, problem, kept = 0.0, None, None
         if missing:
             begun = yield from plan.begun(stack, control)
-            solved, fraction, problem = as_solved(begun.pending, control), begun.fraction, begun.problem
+            solved, fraction = as_solved(begun.pending, control), begun.fraction
+            problem, kept = begun.problem, begun.kept
         total = sum(map(len, runs))
         span = (_REVIEWED_FROM if review.is_needed else 1.0) - fraction
         for done, frame in enumerate(in_order(runs, missing, solved, store), start=1):
@@ -145,7 +146,7 @@ def morph(
             ends = done == total and review.is_done()
             share = 1.0 if ends else fraction + span * done / total
             yield Progress(share, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
-        remaking = Remaking(plan, runs, store, problem, control)
+        remaking = Remaking(plan, runs, store, problem, control, kept)
         yield from within(remaking.fitted(review), fraction + span, 1.0)
 
 

@@ -13,6 +13,7 @@ from ...sentence import Sentence
 from .bake_plan import BakePlan
 from .demands import Demand
 from .frame_cache import BakeCache
+from .kept_blends import KeptBlends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moving_problem import MovingProblem
@@ -66,6 +67,8 @@ class Remaking:
         The problem shared by all blends; None if all frames came from the cache.
     control : Control
         Cancels the work.
+    kept : KeptBlends or None
+        Blends of this bake that need not be solved again.
     """
 
     def __init__(
@@ -75,8 +78,10 @@ class Remaking:
         store: BakeCache | None,
         problem: MorphProblem | MovingProblem | None,
         control: Control,
+        kept: KeptBlends | None = None,
     ) -> None:
         self._plan, self._runs, self._store, self._problem, self._control = plan, runs, store, problem, control
+        self._kept = kept
         self._demands: dict[Blend, Demand] = {}
         self._surfaces: dict[Blend, TriangleMesh] = {}
 
@@ -144,7 +149,7 @@ class Remaking:
         runs = self._affected(missing)
         if self._problem is None:
             self._problem = yield from within(replace(self._plan, runs=runs).prepared(self._control), 0.0, 0.0)
-        with self._plan.again(self._problem, runs, missing, self._control) as pending:
+        with self._plan.again(self._problem, runs, missing, self._control, self._kept) as pending:
             for solved in as_solved(pending, self._control):
                 for frame in solved.frames:
                     found[frame.blend] = frame

@@ -16,6 +16,7 @@ from ...geometry.mending import Connectivity
 from ...progress import Control
 from ..workers import frame_workers, one_blas_thread
 from .blending import HandOver, Sketch, sketch_blends, solve_blends
+from .kept_blends import KeptBlends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moving_problem import MovingProblem, solve_moving_blends
@@ -100,11 +101,13 @@ def runs_of(blends: Sequence[Blend], wanted: range | None = None) -> list[Run]:
 
 
 @contextmanager
-def runs_in_threads(problem: MorphProblem, runs: dict[int, Run], control: Control, workers: int) -> Iterator[Pending]:
-    """Solve runs of a morph between solids in threads; see :func:`solved_in_threads`."""
+def runs_in_threads(
+    problem: MorphProblem, runs: dict[int, Run], control: Control, workers: int, kept: KeptBlends | None = None
+) -> Iterator[Pending]:
+    """Solve runs of a morph between solids in threads, and keep the blends; see :func:`solved_in_threads`."""
 
     def solve(run: Run, control: Control, hand_over: HandOver) -> list[MorphFrame]:
-        return solve_blends(problem, run, control, None, hand_over)
+        return solve_blends(problem, run, control, None, hand_over, kept)
 
     with solved_in_threads(solve, problem.transport.effort, runs, control, workers) as pending:
         yield pending
@@ -155,6 +158,7 @@ def sketched_runs_in_threads(
     sketched: Sequence[int],
     control: Control,
     workers: int,
+    kept: KeptBlends | None = None,
 ) -> Iterator[SketchedRuns]:
     """Like :func:`runs_in_threads` for a problem with coarser levels, which are solved first for some runs.
 
@@ -167,12 +171,12 @@ def sketched_runs_in_threads(
     sketched : sequence of int
         Indices of the runs to sketch: first the first blend of each, in this order, then the second of each, and so on,
         so that previews cover the whole morph early.
-    control, workers
+    control, workers, kept
         As for :func:`runs_in_threads`.
     """
     with _threads(control, workers) as (executor, own):
         spare = SpareThreads(executor, len(runs), workers - 1)
-        yield _begun(executor, problem, runs, sketched, own, spare)
+        yield _begun(executor, problem, runs, sketched, own, spare, kept)
 
 
 def _begun(
@@ -182,6 +186,7 @@ def _begun(
     sketched: Sequence[int],
     control: Control,
     spare: SpareThreads,
+    kept: KeptBlends | None,
 ) -> SketchedRuns:
     """Submit all work in the order of execution; a sketch is freed when nothing waits for it any more."""
     # Threads start work in this order, so whatever a thread waits for is already running in another one.
@@ -195,7 +200,7 @@ def _begun(
         executor.submit(problem.shape_connectivity, index) for index in range(len(problem.transport.volumes))
     ]
     frames = {
-        executor.submit(_solve_sketched, problem, run, control, spare, connectivity, sketches.get(index)): index
+        executor.submit(_solve_sketched, problem, run, control, spare, connectivity, sketches.get(index), kept): index
         for index, run in runs.items()
     }
     rounds = [own[place] for place in range(RUN_LENGTH) for own in sketches.values() if place < len(own)]
@@ -216,11 +221,12 @@ def _solve_sketched(
     spare: SpareThreads,
     connectivity: Sequence[Future[Connectivity]],
     sketches: Sequence[Future[Sketch]] | None,
+    kept: KeptBlends | None,
 ) -> list[MorphFrame]:
     known = None if sketches is None else [sketch.result() for sketch in sketches]
     whole = replace(problem, connectivity=tuple(shape.result() for shape in connectivity), meshes=())
     spare.begin()
-    return solve_blends(whole, run, control, known, spare.hand_over)
+    return solve_blends(whole, run, control, known, spare.hand_over, kept)
 
 
 @contextmanager

@@ -13,6 +13,7 @@ from ...progress import UNINTERRUPTED, Control
 from ..workers import one_blas_thread
 from .blending import HandOver, solve_some_blends
 from .demands import Demand
+from .kept_blends import KeptBlends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moving_problem import MovingProblem
@@ -23,7 +24,11 @@ Asked = Mapping[Blend, Demand]
 
 
 def solve_again(
-    problem: MorphProblem | MovingProblem, run: Run, asked: Asked, control: Control = UNINTERRUPTED
+    problem: MorphProblem | MovingProblem,
+    run: Run,
+    asked: Asked,
+    control: Control = UNINTERRUPTED,
+    kept: KeptBlends | None = None,
 ) -> list[MorphFrame]:
     """Compute some blends of a run again.
 
@@ -37,6 +42,8 @@ def solve_again(
         The blends, and the demand on each.
     control : Control
         Cancels the work.
+    kept : KeptBlends, optional
+        Blends of inputs at rest that have been solved before.
 
     Returns
     -------
@@ -48,7 +55,7 @@ def solve_again(
     limited = [problem.demanding(asked[blend]) if blend in asked else None for blend in run]
     while limited and limited[-1] is None:
         limited.pop()
-    return solve_some_blends(problem.transport, run, limited, control)
+    return solve_some_blends(problem.transport, run, limited, control, kept)
 
 
 def solve_again_apart(problem: MorphProblem | MovingProblem, run: Run, asked: Asked) -> list[MorphFrame]:
@@ -59,12 +66,17 @@ def solve_again_apart(problem: MorphProblem | MovingProblem, run: Run, asked: As
 
 @contextmanager
 def again_in_threads(
-    problem: MorphProblem | MovingProblem, runs: dict[int, Run], asked: Asked, control: Control, workers: int
+    problem: MorphProblem | MovingProblem,
+    runs: dict[int, Run],
+    asked: Asked,
+    control: Control,
+    workers: int,
+    kept: KeptBlends | None = None,
 ) -> Iterator[Pending]:
     """Call :func:`solve_again` for several runs in threads; see :func:`.runs.solved_in_threads`."""
 
     def solve(run: Run, control: Control, _hand_over: HandOver) -> list[MorphFrame]:
-        return solve_again(problem, run, asked, control)
+        return solve_again(problem, run, asked, control, kept)
 
     with solved_in_threads(solve, lambda blend: float(blend in asked), runs, control, workers) as pending:
         yield pending

@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blends that are computed again from kept barycenters."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.blending import solve_blends
+from convwass_addon.applications.morphs.demands import Demand
+from convwass_addon.applications.morphs.kept_blends import KeptBlends
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.part_labels import unparted
+from convwass_addon.applications.morphs.preparing import prepared_problem
+from convwass_addon.applications.morphs.solving_again import solve_again
+from convwass_addon.errors import Cancelled
+from convwass_addon.geometry.connectivity import Connectivity
+from convwass_addon.progress import Control, drained
+from tests.shapes import ball, box
+
+RUN = tuple(path_blends(2, 4)[1:4])
+ASKED = {RUN[2]: Demand(Connectivity(1, 0, 0))}
+CANCELLED = Control()
+CANCELLED.cancel()
+
+
+@pytest.fixture(scope="module")
+def problem():
+    settings = MorphSettings(motion="transport", resolution=24)
+    prepared = drained(prepared_problem((ball(), box()), ("a", "b"), unparted(2), settings, 1))
+    return replace(prepared, keeps_potentials=True)
+
+
+@pytest.fixture(scope="module")
+def kept(problem):
+    blends = KeptBlends(1 << 30, finest=True)
+    solve_blends(problem, RUN, kept=blends)
+    return blends
+
+
+def test_kept_blends_give_the_same_frames_without_a_solve(problem, kept):
+    (solved,) = solve_again(problem, RUN, ASKED)
+    with pytest.raises(Cancelled):
+        solve_again(problem, RUN, ASKED, CANCELLED)
+    # This would be cancelled, too, if anything were solved.
+    (found,) = solve_again(problem, RUN, ASKED, CANCELLED, kept)
+    assert found.record == solved.record
+    np.testing.assert_array_equal(found.mesh.vertices, solved.mesh.vertices)
+    np.testing.assert_array_equal(found.mesh.faces, solved.mesh.faces)
+    np.testing.assert_array_equal(found.origins, solved.origins)
+    for one, other in zip(found.potentials, solved.potentials, strict=True):
+        np.testing.assert_array_equal(one.columns, other.columns)
+
+
+def test_only_as_many_blends_are_kept_as_fit(problem):
+    few = KeptBlends(0)
+    solve_blends(problem, RUN, kept=few)
+    assert not any(blend in few for blend in RUN)
+
+
+def test_all_are_solved_again_if_one_is_missing(problem):
+    first = KeptBlends(1 << 30)
+    solve_blends(problem, RUN[:1], kept=first)
+    assert RUN[0] in first
+    assert RUN[2] not in first
+    with pytest.raises(Cancelled):
+        solve_again(problem, RUN, ASKED, CANCELLED, first)
