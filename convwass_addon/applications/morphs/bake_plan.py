@@ -25,8 +25,8 @@ from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation
 from .first_preview import first_preview
-from .kept_blends import KeptBlends
 from .following_problem import FollowingProblem
+from .kept_blends import KeptBlends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
