@@ -6,12 +6,16 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import label
+from scipy.ndimage import generate_binary_structure, label
 
 from .labelling import Pieces
+
+# Face neighbors of a cell in the last three of four axes.
+_WITHIN_WINDOWS = generate_binary_structure(4, 1) & (np.arange(3) == 1)[:, None, None, None]
 
 
 @dataclass(frozen=True)
@@ -49,9 +53,7 @@ class Cuts:
         left = inside.copy()
         for taken in removed.values():
             left[tuple(taken.T)] = False
-        regions = Pieces.of(left)
-        for cut, taken in removed.items():
-            self._plugs[cut] = _plugs(taken, regions, inside)
+        self._plugs = _plugs(removed, Pieces.of(left), inside)
 
     def take(self, cut: int) -> bool:
         """Apply a cut unless it would disconnect regions or make a hollow; return whether it was applied."""
@@ -61,7 +63,9 @@ class Cuts:
         gone = set().union(*(plug.cells for plug in own))
         # Plugs that share cells with the cut no longer connect anything.
         others = {
-            key: [plug for plug in plugs if not plug.cells & gone] for key, plugs in self._plugs.items() if key != cut
+            key: [plug for plug in plugs if plug.cells.isdisjoint(gone)]
+            for key, plugs in self._plugs.items()
+            if key != cut
         }
         links = [plug.regions for plugs in others.values() for plug in plugs]
         if not all(plug.is_open and _are_connected(plug.regions, links) for plug in own):
@@ -70,23 +74,43 @@ class Cuts:
         return True
 
 
-def _plugs(taken: NDArray[np.int64], regions: Pieces, inside: NDArray[np.bool_]) -> list[_Plug]:
-    low = taken.min(axis=0)
-    window = np.zeros(taken.max(axis=0) - low + 1, bool)
-    window[tuple((taken - low).T)] = True
-    names = label(window)[0][tuple((taken - low).T)]
+def _plugs(
+    removed: Mapping[int, NDArray[np.int64]], regions: Pieces, inside: NDArray[np.bool_]
+) -> dict[int, list[_Plug]]:
+    """Return the components of the cells that each cut removes."""
+    sizes = [len(taken) for taken in removed.values()]
+    taken, cut = np.concatenate(list(removed.values())), np.repeat(np.arange(len(sizes)), sizes)
+    names = _components(removed)
     places = np.ravel_multi_index(tuple(taken.T), regions.shape)
     # Include edge neighbors, since the surface between cells may connect these as well.
     steps = np.ravel_multi_index(np.indices((3, 3, 3)).reshape(3, -1), regions.shape)
     steps -= steps[13]
-    faces = steps[[4, 10, 12, 14, 16, 22]]
-    plugs = []
-    for name in range(1, int(names.max()) + 1):
-        cells = places[names == name]
-        touched = regions.at((cells[:, None] + steps).ravel())
-        is_open = not inside.ravel()[cells[:, None] + faces].all()
-        plugs.append(_Plug(set(cells.tolist()), set(touched.tolist()) - {0}, is_open))
+    touched = regions.at((places[:, None] + steps).ravel()).reshape(-1, len(steps))
+    is_open = ~inside.ravel()[places[:, None] + steps[[4, 10, 12, 14, 16, 22]]].all(axis=1)
+    order = np.argsort(names, kind="stable")
+    ends = np.searchsorted(names[order], np.arange(1, int(names.max()) + 2))
+    plugs: dict[int, list[_Plug]] = {key: [] for key in removed}
+    keys = list(removed)
+    for start, end in pairwise(ends):
+        own = order[start:end]
+        plug = _Plug(set(places[own].tolist()), set(touched[own].ravel().tolist()) - {0}, bool(is_open[own].any()))
+        plugs[keys[cut[own[0]]]].append(plug)
     return plugs
+
+
+def _components(removed: Mapping[int, NDArray[np.int64]]) -> NDArray[np.int64]:
+    """Return the component of every removed cell, 1, 2, ...; those of different cuts have different ones."""
+    lows = [taken.min(axis=0) for taken in removed.values()]
+    sizes = np.max([taken.max(axis=0) - low + 1 for taken, low in zip(removed.values(), lows, strict=True)], axis=0)
+    windows = np.zeros((len(lows), *sizes), bool)
+    places = np.concatenate(
+        [
+            np.column_stack([np.full(len(taken), index), taken - low])
+            for index, (taken, low) in enumerate(zip(removed.values(), lows, strict=True))
+        ]
+    )
+    windows[tuple(places.T)] = True
+    return label(windows, _WITHIN_WINDOWS)[0][tuple(places.T)]
 
 
 def _are_connected(regions: set[int], links: list[set[int]]) -> bool:

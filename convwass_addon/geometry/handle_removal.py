@@ -142,29 +142,34 @@ class _Search:
 
     def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> int:
         """Try changes at cells, (n, 3), in turn; return the number of handles removed."""
-        gains = self._gains(cells, wanted)
-        lowers = wanted < self._level
-        cuts, fills = (self._taken(cells, wanted, np.where(these[:, None], gains, 0)) for these in (lowers, ~lowers))
+        before = self._windows(cells)
+        after = before[:, None] * self._factors(cells, wanted)
+        gains = self._gains(before, after)
+        radii = np.argmax(gains > 0, axis=1)
+        flips = (before > self._level) != (after[np.arange(len(cells)), radii] > self._level)
+        useful, lowers = (gains > 0).any(axis=1), wanted < self._level
+        inside = self._inner > self._level
+        cuts = Cuts(inside, _flipped(cells, flips, useful & lowers))
+        fills = Cuts(~inside, _flipped(cells, flips, useful & ~lowers))
         gone = 0
         later = np.zeros(len(cells), bool)
-        for index in np.flatnonzero((gains > 0).any(axis=1)):
+        for index in np.flatnonzero(useful):
             if later[index]:
                 continue
             # The Euler number cannot tell cutting a handle from splitting a component, or filling one from making a
             # bubble.
             if not (cuts if lowers[index] else fills).take(int(index)):
                 continue
-            radius = int(np.argmax(gains[index] > 0))
-            if not self._applied(cells[index : index + 1], wanted[index : index + 1], radius):
+            if not self._applied(cells[index : index + 1], wanted[index : index + 1], radii[index]):
                 continue
-            gone += int(gains[index, radius])
+            gone += int(gains[index, radii[index]])
             if gone >= most:
                 return gone
             # Gains of overlapping changes have to be computed again.
             later[index + 1 :] |= np.abs(cells[index + 1 :] - cells[index]).max(axis=1) <= 2 * _REACH
         return gone + self.change(cells[later], wanted[later], most - gone) if later.any() else gone
 
-    def _applied(self, cell: NDArray[np.int64], wanted: NDArray[np.floating], radius: int) -> bool:
+    def _applied(self, cell: NDArray[np.int64], wanted: NDArray[np.floating], radius: np.int64) -> bool:
         """Change the density at one cell, (1, 3), unless this splits a component or a hollow; return whether it did."""
         span = _span(cell[0])
         before = self._around[span].copy()
@@ -179,33 +184,37 @@ class _Search:
         self._counts[counted] = count
         return True
 
-    def _taken(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], gains: NDArray[np.int64]) -> Cuts:
-        """Collect the cells that useful changes remove: from the inside for cuts, from the outside for fillings."""
-        inside = self._around > self._level
-        taken = {}
-        for index in np.flatnonzero((gains > 0).any(axis=1)):
-            one = slice(index, index + 1)
-            change = self._factors(cells[one], wanted[one])[0, np.argmax(gains[index] > 0)]
-            span = _span(cells[index])
-            flipped = np.argwhere(inside[span] != (self._around[span] * change > self._level))
-            if len(flipped):
-                taken[int(index)] = flipped + cells[index]
-        first = next(iter(taken.values()), None)
-        return Cuts(inside if first is None or inside[tuple(first[0])] else ~inside, taken)
-
     def _factors(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.floating]:
         """Return the factors of the density around each cell for each radius, (n, radii, 13, 13, 13)."""
         share = wanted / self._around[tuple((cells + _REACH).T)] - 1.0
         return 1.0 + share[:, None, None, None, None] * self._shapes
 
-    def _gains(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.int64]:
-        """Return how many handles each change removes at each radius if it splits no component, (n, radii)."""
+    def _windows(self, cells: NDArray[np.int64]) -> NDArray[np.floating]:
+        """Return the density around each cell, (n, 13, 13, 13)."""
         reach = np.arange(2 * _REACH + 1)
         i, j, k = cells.T[:, :, None] + reach
-        before = self._around[i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]]
-        after = before[:, None] * self._factors(cells, wanted)
-        numbers = euler_numbers_within(after.reshape(-1, *before.shape[1:]), self._level).reshape(len(cells), -1)
+        return self._around[i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]]
+
+    def _gains(self, before: NDArray[np.floating], after: NDArray[np.floating]) -> NDArray[np.int64]:
+        """Return how many handles each change removes at each radius if it splits no component, (n, radii)."""
+        numbers = euler_numbers_within(after.reshape(-1, *before.shape[1:]), self._level).reshape(len(before), -1)
         return np.rint((numbers - euler_numbers_within(before, self._level)[:, None]) / 2).astype(np.int64)
+
+
+def _flipped(
+    cells: NDArray[np.int64], flips: NDArray[np.bool_], wanted: NDArray[np.bool_]
+) -> dict[int, NDArray[np.int64]]:
+    """Return the cells, (m, 3), that wanted changes move to the other side of the level, by the index of the change."""
+    chosen = np.flatnonzero(wanted)
+    change, *offsets = np.nonzero(flips[chosen])
+    # Cells of the density with a margin of one cell.
+    places = np.stack(offsets, axis=1) + cells[chosen][change] - (_REACH - 1)
+    ends = np.searchsorted(change, np.arange(len(chosen) + 1))
+    return {
+        int(index): places[start:end]
+        for index, start, end in zip(chosen, ends[:-1], ends[1:], strict=True)
+        if end > start
+    }
 
 
 def _span(cell: NDArray[np.int64]) -> tuple[slice, ...]:

@@ -43,21 +43,40 @@ def euler_numbers_within(windows: NDArray[np.floating], level: float) -> NDArray
 
     A change inside a part changes this by the same amount as the Euler number of the whole surface.
     """
-    inside = (windows > level).view(np.uint8)
-    codes = np.zeros((len(windows), *np.subtract(windows.shape[1:], 1)), np.uint8)
-    for bit, corner in enumerate(_CORNERS):
-        at_corner = tuple(slice(c, c + n) for c, n in zip(corner, codes.shape[1:], strict=True))
-        codes |= inside[(slice(None), *at_corner)] << np.uint8(bit)
+    codes = _corner_codes(windows > level)
     mixed = np.flatnonzero((codes > 0) & (codes < 255))
-    found = codes.ravel()[mixed]
+    found = codes[mixed]
     table = _cube_table()
     shares = table.share[found]
     unclear = np.flatnonzero(table.ambiguous[found])
     if len(unclear):
-        part, *low = np.unravel_index(mixed[unclear], codes.shape)
+        part, *low = np.unravel_index(mixed[unclear], windows.shape)
         corners = np.stack(low, axis=-1)[:, None] + _CORNERS
         shares[unclear] = _shares(windows[part[:, None], *np.moveaxis(corners, 2, 0)] / level - 1.0)
-    return np.bincount(mixed // max(codes[0].size, 1), shares, minlength=len(windows))
+    return np.bincount(mixed // max(windows[0].size, 1), shares, minlength=len(windows))
+
+
+def _corner_codes(inside: NDArray[np.bool_]) -> NDArray[np.uint8]:
+    """Return which corners of every cube are inside, as bits in the order of `_CORNERS`, at its first corner.
+
+    Parameters
+    ----------
+    inside : (k, mx, my, mz) bool
+        Parts of a grid.
+
+    Returns
+    -------
+    (k * mx * my * mz,) uint8
+        Zero at the last cells of every axis, where no cube begins. Shifts of the flat array are several times as fast
+        as shifts along the axes of small parts.
+    """
+    codes = inside.ravel().view(np.uint8).copy()
+    for doubling, axis in enumerate((3, 2, 1)):
+        step = int(np.prod(inside.shape[axis + 1 :]))
+        codes[: len(codes) - step] |= codes[step:] << np.uint8(2**doubling)
+    boxes = codes.reshape(inside.shape)
+    boxes[:, -1], boxes[:, :, -1], boxes[..., -1] = 0, 0, 0
+    return codes
 
 
 @dataclass(frozen=True)

@@ -61,3 +61,13 @@ def test_boxes_touching_at_an_edge_are_connected_like_their_surface(beside, piec
     density[2:7, 7:12, 2:6] = density[7:12, 2:7, 2:6] = beside
     assert pieces_above(density, 0.5).count == pieces
     assert Connectivity.of(surface_at_level(density, 0.5)).pieces == pieces
+
+
+def test_parts_of_a_grid_add_up():
+    density = np.random.default_rng(3).random((9, 7, 8))
+    whole = euler_numbers_within(density[None], 0.6)[0]
+    parts = [density[:5], density[4:]]
+    # Every cube between cells belongs to one part.
+    alone = [euler_numbers_within(part[None], 0.6)[0] for part in parts]
+    np.testing.assert_allclose(sum(alone), whole)
+    np.testing.assert_allclose(euler_numbers_within(np.stack(parts), 0.6), alone)
