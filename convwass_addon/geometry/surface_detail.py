@@ -52,7 +52,7 @@ _FADING = 2
 _FLAT, _SMOOTH = 0.03, 0.01
 # The volume is corrected if its relative error exceeds the first number, by at most the second in cells along the
 # normals, in this many rounds: a chair halfway to a man needs a fifth of a cell.
-_VOLUME_TOLERANCE, _MOST_CORRECTION, _ROUNDS_OF_VOLUME = 5e-4, 0.3, 3
+_VOLUME_TOLERANCE, _MOST_CORRECTION, _ROUNDS_OF_VOLUME = 5e-4, 0.6, 4
 
 
 @dataclass(frozen=True)

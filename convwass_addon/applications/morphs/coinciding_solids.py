@@ -6,10 +6,9 @@ Next to a flat face, a solid blurred by sigma has the density Phi(d / sigma) at 
 Phi^-1(density), which is smooth to a hundredth of a cell if the densities are exact volume fractions. Further away, d
 is the distance of cells.
 
-Where only some solids have a part, such as a feather or the arc of a ring, the mean of the distances lets it grow out
-of what they share, or shrink into it: a part of half thickness r has the length r w / (1 - w) at its weight w.
-Transport would bring its mass from elsewhere, in pieces. Where a part lies beside its counterpart, the mean of the
-distances would lose both, and the barycenter is used instead.
+Where only some solids have a part, such as a feather or the arc of a ring, it grows out of what they share, or retracts
+into it (:mod:`.mean_solid`). Transport would bring its mass from elsewhere, in pieces. Where a part lies beside its
+counterpart, the mean of the distances would lose both, and the barycenter is used instead.
 """
 
 from __future__ import annotations
@@ -25,14 +24,21 @@ from scipy.special import ndtr, ndtri
 
 from ...geometry.thin_parts import locally_normalized
 from .growing_parts import extended, growing_in_place
+from .mean_solid import mean_solid
 
 # Blur in cells from which distances are computed, and the largest known distance in units of the blur.
 _BLUR, _KNOWN = 0.7, 2.6
+# Distances up to this many cells are kept where exact ones are computed; further away, they magnify the errors of the
+# densities.
+_SURE = 1.0
 # Solids agree where their distances differ by at most this many cells. Beyond that, agreement falls off like a Gaussian
 # of the second width, and is smoothed over the third, so that no seam is visible.
 _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
 # A point of the surface belongs to no agreeing part if its agreement is below this.
 _AGREED = 0.5
+# Where solids disagree on less than the first fraction of the surface, the mean is used there, too; from the second
+# fraction on, the barycenter.
+_SMALL_REST, _LARGE_REST = 0.03, 0.06
 # Solids coincide if they disagree on at most this fraction of the surface.
 _LEAST_REST = 1e-3
 
@@ -57,7 +63,9 @@ class CoincidingSolids:
     depths: NDArray[np.float32]
 
     @classmethod
-    def of(cls, occupancies: Sequence[NDArray[np.floating]], weights: Sequence[float]) -> CoincidingSolids:
+    def of(
+        cls, occupancies: Sequence[NDArray[np.floating]], weights: Sequence[float], volume: float | None = None
+    ) -> CoincidingSolids:
         """Average solids.
 
         Parameters
@@ -66,6 +74,8 @@ class CoincidingSolids:
             Fraction of every cell that each solid fills.
         weights : (k,)
             Weights of the mean, of sum 1.
+        volume : float, optional
+            Volume of the mean in cells; see :func:`.mean_solid.mean_solid`.
         """
         depths = np.stack([_depth(occupancy) for occupancy in occupancies])
         spread = np.ptp(depths, axis=0)
@@ -80,8 +90,12 @@ class CoincidingSolids:
         if (agreement < 1.0).any():
             np.maximum(agreement, growing_in_place([_blurred(own) for own in depths]), out=agreement)
         depths = np.stack([extended(depth, 0.99 * _KNOWN * _BLUR) for depth in depths])
-        mean = np.tensordot(np.asarray(weights, np.float32), depths, 1)
-        return cls(_blurred(mean), agreement, depths)
+        density = _blurred(mean_solid(depths, weights, _SURE, volume))
+        solids = cls(density, agreement, depths)
+        spared = np.clip((_LARGE_REST - solids.disagreement) / (_LARGE_REST - _SMALL_REST), 0.0, 1.0)
+        if spared == 0.0:
+            return solids
+        return cls(density, np.maximum(agreement, np.float32(spared**2 * (3.0 - 2.0 * spared))), depths)
 
     @cached_property
     def disagreement(self) -> float:

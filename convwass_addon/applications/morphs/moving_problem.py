@@ -174,7 +174,8 @@ class MovingProblem:
         alone = Blend(tuple(blend.weights[i] for i in active))
         problem = self._problem_of(blend, shapes, active, control)
         occupancies = [problem.transport.occupancy(i) for i in range(len(active))]
-        solids = CoincidingSolids.of(occupancies, alone.weights)
+        volume = float(problem.transport.blend_volumes(alone).sum())
+        solids = CoincidingSolids.of(occupancies, alone.weights, volume)
         return MovedBlend(alone, problem, shapes, active, occupancies, solids)
 
     def _of_inputs(

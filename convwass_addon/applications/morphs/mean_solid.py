@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The mean of solids by their signed distances, with slender parts that grow and retract evenly, and a given volume.
+
+The weighted mean of the distances d_i is right where surfaces lie side by side. It loses slender parts that only one
+solid has: at its weight w, a part of half thickness r has the length r w / (1 - w), so long parts vanish within a
+frame or two. Such parts are included up to a front instead, which advances evenly (:mod:`...geometry.part_fronts`).
+
+The volume of the mean is not that of the solids. If the whole surface were offset, thin parts would vanish, so only
+those parts of the surface move where the solids differ: in proportion to the spread of the distances, as if the parts
+that only some of the solids have were a little earlier or later.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.exact_depths import exact_depths
+from ...geometry.part_fronts import PartFronts, shared_core
+
+# Radius in cells with which a part is rounded at its front.
+_ROUNDING = 3.0
+# Largest shift relative to the smallest weight.
+_MOST_SHIFT = 0.9
+# Steps of the bisection for the volume.
+_STEPS = 9
+# Distances are computed exactly where the mean solid's surface is this close and distances differ by more than this.
+_BAND, _APART = 3.0, 1.0
+# A part that reaches less far than this, in cells, has no front.
+_SHORT = 3.0
+
+
+def mean_solid(
+    depths: NDArray[np.float32], weights: Sequence[float], known: float, volume: float | None = None
+) -> NDArray[np.float32]:
+    """Return the signed distance to the mean of solids, exact only next to its surface.
+
+    Parameters
+    ----------
+    depths : (k, nx, ny, nz) float32
+        Signed distance to the surface of every solid in cells, positive inside; also (k, nx, ny).
+    weights : (k,)
+        Weights of the solids, of sum 1.
+    known : float
+        Distances up to this one are exact.
+    volume : float, optional
+        Volume of the mean in cells, reached as far as the solids differ.
+    """
+    weights = np.asarray(weights, np.float32)
+    growth = _Growth.of(depths, weights)
+    mean = _Mean.of(depths, weights, growth)
+    rough = mean.enclosing(volume)
+    cells = np.flatnonzero((np.abs(rough) < _BAND) & (mean.spread > _APART))
+    if not len(cells):
+        return rough
+    exact = depths.copy()
+    for own, depth in zip(exact, depths, strict=True):
+        far = cells[np.abs(depth.ravel()[cells]) >= known]
+        own.ravel()[far] = exact_depths(depth, far)
+    return _Mean.of(exact, weights, growth).enclosing(volume)
+
+
+@dataclass(frozen=True)
+class _Growth:
+    """What the fronts of slender parts include and exclude, as bounds on the signed distance: at least, at most."""
+
+    least: NDArray[np.float32]
+    most: NDArray[np.float32]
+
+    @classmethod
+    def of(cls, depths: NDArray[np.float32], weights: NDArray[np.float32]) -> _Growth | None:
+        """Return the bounds; None if the solids share nothing, or if no part is long."""
+        if not ((depths.max(axis=0) > 0.0) & (depths.min(axis=0) < -_SHORT)).any():
+            return None
+        core = shared_core(list(depths > 0.0))
+        if core is None:
+            return None
+        least, most = (np.full(core.shape, -np.inf, np.float32) for _ in range(2))
+        for depth, weight in zip(depths, weights, strict=True):
+            part = PartFronts.of(depth, core)
+            near = np.flatnonzero(part.near)
+            # A part is whole at a weight of 1, and thins at its tip before it retracts.
+            height, hold = part.heights(float(weight), _ROUNDING).ravel()[near], part.hold.ravel()[near]
+            front = np.where(part.loose.ravel()[near], np.float32(-1.0), height - hold)
+            least.ravel()[near] = np.maximum(least.ravel()[near], _rounded(depth.ravel()[near], front))
+            most.ravel()[near] = np.maximum(most.ravel()[near], height + 2.0 * hold)
+        most[core | np.isinf(most)] = np.inf
+        return cls(least, most)
+
+
+@dataclass(frozen=True)
+class _Mean:
+    """The mean of signed distances, their spread, the bounds from slender parts, and the largest shift."""
+
+    mean: NDArray[np.float32]
+    spread: NDArray[np.float32]
+    growth: _Growth | None
+    most: float
+
+    @classmethod
+    def of(cls, depths: NDArray[np.float32], weights: NDArray[np.float32], growth: _Growth | None) -> _Mean:
+        return cls(np.tensordot(weights, depths, 1), np.ptp(depths, axis=0), growth, _MOST_SHIFT * float(weights.min()))
+
+    def enclosing(self, volume: float | None) -> NDArray[np.float32]:
+        """Return the signed distance of the mean whose volume is the given one, as far as shifts reach."""
+        if volume is None:
+            return self._at(0.0)
+        low, high = -self.most, self.most
+        for _ in range(_STEPS):
+            middle = (low + high) / 2.0
+            low, high = (middle, high) if _volume(self._at(middle)) > volume else (low, middle)
+        return self._at((low + high) / 2.0)
+
+    def _at(self, shift: float) -> NDArray[np.float32]:
+        """Subtract a shift from the weight of what only some solids have."""
+        mean = self.mean - np.float32(shift) * self.spread
+        if self.growth is None:
+            return mean
+        # Slender parts end at their fronts, so that nothing hangs free beyond them.
+        return np.maximum(np.minimum(mean, self.growth.most), self.growth.least)
+
+
+def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Intersect a part with what its front has reached, with a rounded edge."""
+    below, behind = np.maximum(_ROUNDING - depth, 0.0), np.maximum(_ROUNDING - front, 0.0)
+    return np.minimum(_ROUNDING - np.hypot(below, behind), np.minimum(depth, front)).astype(np.float32)
+
+
+def _volume(depth: NDArray[np.floating]) -> float:
+    return float(np.clip(depth + np.float32(0.5), 0.0, 1.0).sum(dtype=np.float64))

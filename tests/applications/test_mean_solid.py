@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Means of solids of which only one has a part: it grows evenly, in one piece."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+from scipy.ndimage import label
+
+from convwass_addon.applications.morphs.mean_solid import mean_solid
+
+GRID = np.stack(np.meshgrid(*[np.arange(44) + 0.5] * 3, indexing="ij"), axis=-1)
+
+
+def rod(*points, radius=2.5):
+    """The signed distance to a bent rod, positive inside."""
+    nearest = np.inf
+    for start, end in pairwise(points):
+        start, along = np.array(start, float), np.subtract(end, start).astype(float)
+        share = np.clip((GRID - start) @ along / (along @ along), 0.0, 1.0)
+        nearest = np.minimum(nearest, np.linalg.norm(GRID - start - share[..., None] * along, axis=-1))
+    return radius - nearest
+
+
+def ball(radius, center=(22.0, 22.0, 22.0)):
+    return radius - np.linalg.norm(GRID - center, axis=-1)
+
+
+SLAB = np.minimum(10.0 - GRID[..., 2], GRID[..., 2] - 2.0)
+SLAB = np.minimum(SLAB, np.minimum(GRID[..., 0] - 3.0, 41.0 - GRID[..., 0]))
+SLAB = np.minimum(SLAB, np.minimum(GRID[..., 1] - 3.0, 41.0 - GRID[..., 1]))
+
+
+def mean(one, other, share, volume=None):
+    depths = np.clip(np.stack([one, other]), -11.0, 11.0).astype(np.float32)
+    return mean_solid(depths, (1.0 - share, share), 1.0, volume)
+
+
+def pieces(depth):
+    return label(depth > 0.0)[1]
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+def test_a_rod_grows_evenly(share):
+    tall = np.maximum(SLAB, rod((22, 22, 5), (22, 22, 38)))
+    found = mean(SLAB, tall, share)
+    top = np.flatnonzero(found[22, 22] > 0.0)[-1] + 1.0
+    # The rod rises to 40.5 with its round tip; at a weight of 1, its front is three cells further.
+    assert top == pytest.approx(10.0 + 33.5 * share, abs=1.6)
+    assert pieces(found) == 1
+    section = (found[:, :, 13] > 0.0).sum()
+    assert section == pytest.approx(np.pi * 2.5**2, rel=0.25)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
+def test_an_arch_opens_in_its_middle_and_retracts_to_both_sides(share):
+    arch = np.maximum(SLAB, rod((9, 22, 8), (9, 22, 28), (35, 22, 28), (35, 22, 8)))
+    found = mean(arch, SLAB, share)
+    assert pieces(found) == 1
+    # Each half is 18 cells high and 13 wide, along the axis of the rod.
+    heights = [np.flatnonzero(found[x, 22] > 0.0)[-1] + 1.0 for x in (8, 35)]
+    assert heights[0] == pytest.approx(heights[1], abs=1.01)
+    if (1.0 - share) * 31.0 < 16.0:
+        assert heights[0] == pytest.approx(10.0 + 34.0 * (1.0 - share), abs=3.0)
+
+
+@pytest.mark.parametrize("share", [0.2, 0.35, 0.5, 0.65, 0.8])
+def test_parts_that_cross_stay_in_one_piece(share):
+    """A hook reaches across a pole of the other solid; what both fill there hangs free of the rest."""
+    hook = np.maximum(SLAB, rod((8, 22, 8), (8, 22, 26), (36, 22, 26)))
+    pole = np.maximum(SLAB, rod((27, 22, 8), (27, 22, 38)))
+    assert pieces(np.minimum(hook, pole)) == 2
+    assert pieces(mean(hook, pole, share)) == 1
+
+
+def test_the_volume_is_reached_where_solids_differ():
+    """A rod that both solids share keeps its width; the balls next to it take up the difference."""
+    common = rod((22, 22, 4), (22, 22, 40), radius=2.0)
+    small, large = np.maximum(common, ball(6.0)), np.maximum(common, ball(12.0))
+    plain = np.count_nonzero(mean(small, large, 0.5) > 0.0)
+    found = mean(small, large, 0.5, volume=1.3 * plain)
+    assert np.count_nonzero(found > 0.0) == pytest.approx(1.3 * plain, rel=0.02)
+    assert (found[:, :, 36] > 0.0).sum() == (common[:, :, 36] > 0.0).sum()

@@ -1,0 +1,79 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.part_fronts import Along, PartFronts, shared_core
+
+SHAPE = (30, 12, 40)
+
+
+def filled(*boxes):
+    """Cells in boxes, each given by its first cell and the one after its last."""
+    cells = np.zeros(SHAPE, bool)
+    for low, high in boxes:
+        cells[tuple(slice(a, b) for a, b in zip(low, high, strict=True))] = True
+    return cells
+
+
+SLAB = filled(((1, 1, 1), (29, 11, 8)))
+POLE = filled(((8, 6, 8), (9, 7, 33)))
+BRANCH = filled(((9, 6, 14), (15, 7, 15)))
+ARCH = filled(((4, 6, 8), (5, 7, 20)), ((4, 6, 20), (25, 7, 21)), ((24, 6, 8), (25, 7, 20)))
+
+
+def depth(part):
+    return np.where(SLAB | part, 1.0, -1.0)
+
+
+def test_distances_follow_a_part_and_its_reach_is_its_end():
+    along = Along.of(depth(POLE | BRANCH), SLAB)
+    distance, reach = along.distance, along.reach
+    np.testing.assert_allclose(distance[8, 6, 8:33], np.arange(1, 26))
+    assert (reach[8, 6, 8:33] == 25.0).all()
+    # The branch leaves the pole at a distance of 6 or 7 and ends five cells further.
+    assert reach[11:15, 6, 14] == pytest.approx(distance[14, 6, 14])
+    assert distance[14, 6, 14] == pytest.approx(7 + 5 + np.sqrt(2) - 1, abs=0.5)
+    assert not distance[SLAB].any()
+    assert np.isinf(distance[20, 6, 30])
+
+
+def test_an_arch_is_farthest_in_its_middle():
+    along = Along.of(depth(ARCH), SLAB)
+    distance, reach = along.distance, along.reach
+    top = distance[5:24, 6, 20]
+    assert abs(int(np.argmax(top)) - 9) <= 1
+    assert reach[4, 6, 8:20] == pytest.approx(top.max(), abs=1.0)
+    assert reach[24, 6, 10] == pytest.approx(reach[4, 6, 10], abs=1.0)
+
+
+@pytest.mark.parametrize("weight", [0.25, 0.5, 0.75])
+def test_a_front_is_at_its_share_of_a_part(weight):
+    part = PartFronts.of(depth(POLE), SLAB)
+    along = part.heights(weight)[8, 6, 10:31]
+    assert np.interp(0.0, -along, np.arange(10, 31) + 0.5 - 8.0) == pytest.approx(25.0 * weight, abs=0.6)
+    assert part.hold[8, 6, 10:20].max() < 0.1
+
+
+def test_a_layer_is_as_wide_as_it_is_thick_and_held_back():
+    thickness = 7
+    layer = filled(((1, 1, 8), (29, 11, 8 + thickness)))
+    top = 8.0 + thickness - (np.arange(SHAPE[2]) + 0.5)
+    solid = np.where(SLAB | layer, np.broadcast_to(top, SHAPE), -1.0)
+    inner = (15, 6, slice(8, 8 + thickness))
+    assert Along.of(solid, SLAB).width[inner] == pytest.approx(thickness - 0.5)
+    assert PartFronts.of(solid, SLAB).hold[15, 6, 10:13] == pytest.approx(4.0, abs=0.1)
+
+
+def test_a_separate_part_is_loose():
+    apart = filled(((20, 4, 20), (24, 8, 24)))
+    part = PartFronts.of(depth(apart), SLAB)
+    np.testing.assert_array_equal(part.loose, apart)
+
+
+def test_the_core_is_the_largest_common_part():
+    crossing = filled(((7, 5, 20), (10, 8, 23)))
+    np.testing.assert_array_equal(shared_core([SLAB | crossing, SLAB | crossing | POLE]), SLAB)
+    assert shared_core([SLAB, POLE]) is None
