@@ -16,8 +16,12 @@ import pytest
 from convwass_addon import cli
 from convwass_addon.applications import memory
 from convwass_addon.applications.morphs.morph import morph
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.one_mesh import shape_key_job
+from convwass_addon.progress import Progress
+from convwass_addon.sentence import Sentence
 from tests.clusters import local_cluster
 
 pytestmark = [
@@ -245,6 +249,7 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
         ),
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "1", "--cache", "{in}/f", "--frames-range", "0"], 3, "one of them"),
         (["{in}/cube.obj", "{in}/ball.ply", "--weights", "1,1", "--output", "usd"], 3, "do not move"),
+        (["{in}/cube.obj", "{in}/ball.ply", "--textures"], 3, "--output shape-keys"),
         (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
         ([], 2, "SHAPE"),
     ],
@@ -257,6 +262,22 @@ def test_errors_have_codes_and_instructions(shapes, tmp_path, capfd, words, code
     assert cli.main(["morph", "--motion", "transport", *words]) == code
     assert message in capfd.readouterr().err
     assert sorted(tmp_path.rglob("*")) == before
+
+
+def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch):
+    def moved(meshes, names, *_):
+        yield Progress(0.5, Sentence("Half"))
+        return [KeyPath(names[1], (1.0,), meshes[0].vertices[None] * 0.5, 0.9, 0.0, 0.1, 0.5, 0)]
+
+    monkeypatch.setattr(shape_key_job, "key_paths", moved)
+    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--output", "shape-keys", "--textures"]
+    words += ["--texture-size", "16", "--texture-samples", "1", "--texture-folder", str(tmp_path / "images")]
+    assert cli.main([*words, "--out", str(tmp_path / "keys.blend")]) == 0
+    named = capfd.readouterr().out.split("\n")
+    assert str(tmp_path / "keys.blend") in named
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "keys.blend"))
+    (obj,) = (obj for obj in bpy.data.objects if obj.name.endswith("Morph"))
+    assert obj.data.materials[-1].name == f"{obj.name} Baked"
 
 
 def test_too_much_memory_has_its_own_code(shapes, tmp_path, capfd, monkeypatch):

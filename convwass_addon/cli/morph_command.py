@@ -25,6 +25,7 @@ from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.followed_inputs import FOLLOW
 from ..bridge.morphs.morph_guides import guides_asked_for
 from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
+from ..errors import InputError
 from ..progress import Progress
 from .answer import Answer
 from .morph_baking import baked, prepared_job, rendered, report, run_job
@@ -63,6 +64,8 @@ def run_morph(options: Namespace) -> Answer:
     # Check everything before the work begins.
     refuse_still_cache(options, blends)
     has_frames = options.output != SHAPE_KEYS
+    if options.textures and has_frames:
+        raise InputError("--textures requires --output shape-keys, since frames have no common UV map.")
     exported = export_format(options.export) if options.export and has_frames else None
     computing = computing_of(options, blends, between)
     bpy.ops.wm.read_factory_settings(use_empty=True)

@@ -9,6 +9,7 @@ from pathlib import Path
 
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
+from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import ON_DISK, PACKED, SHAPE_KEYS
 from .argument_types import WORKERS, frame_range, numbers
@@ -124,4 +125,10 @@ def _add_output_options(parser: ArgumentParser) -> None:
         + ", ".join(suffixes())
         + "; with --output shape-keys also .fbx, but no .obj, .ply and .stl",
     )
+    group.add_argument(
+        "--textures",
+        action="store_true",
+        help="with --output shape-keys: also bake images of the looks of the shapes, and a material that mixes them",
+    )
+    add_setting_options(group, TextureSettings)
     group.add_argument("--json", action="store_true", help="print the solver's records as JSON")

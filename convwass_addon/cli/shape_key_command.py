@@ -11,15 +11,18 @@ from pathlib import Path
 import bpy
 
 from ..applications.morphs.morph_settings import MorphSettings
+from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import save_blend
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.morph_guides import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.one_mesh.key_files import checked_key_target, export_shape_keys
 from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
+from ..bridge.one_mesh.texture_job import BakedTextures, TextureJob
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
+from .from_schema import given_settings
 from .reports import note
 
 # Options that only apply to frames.
@@ -44,6 +47,7 @@ def with_shape_keys(
         )
     refuse_one_mesh(inputs)
     exported = checked_key_target(options.export) if options.export else None
+    textures = TextureSettings(**given_settings(options, TextureSettings))
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
     guides = guides_asked_for(options.guides, inputs, depsgraph)
     request = replace(request, guides=[guide.as_dict() for guide in guides])
@@ -59,5 +63,24 @@ def with_shape_keys(
         note(notice)
     play_whole(scene, *job.span)
     record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
-    besides = export_shape_keys(obj, exported) if exported else []
+    besides = []
+    if options.textures:
+        baked = _baked_textures(obj, textures)
+        record["textures"] = [image.name for image in baked.images]
+        besides += baked.files
+    besides += export_shape_keys(obj, exported) if exported else []
     return Answer.of_files(record, [save_blend(target), *besides])
+
+
+def _baked_textures(obj: bpy.types.Object, settings: TextureSettings) -> BakedTextures:
+    """Bake images of the looks of the shapes, at the start of the animation."""
+    job = TextureJob(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), obj, settings)
+    try:
+        with ProgressBar("Baking textures") as bar:
+            bar.result_of(job.steps())
+        baked = job.finish()
+    finally:
+        job.discard()
+    for notice in job.notices:
+        note(notice)
+    return baked

@@ -37,6 +37,7 @@ from . import (
     soft_map_pairs,
     soft_map_transfer,
     soft_map_view,
+    texture_bake,
 )
 
 _MODULES = (
@@ -48,6 +49,7 @@ _MODULES = (
     morph_output,
     morph_export,
     attached_parts,
+    texture_bake,
     morph_play,
     live_morph,
     density_paint,

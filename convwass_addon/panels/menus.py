@@ -8,8 +8,10 @@ import bpy
 
 from ..operators.live_morph import CONVWASS_OT_live_morph
 from ..operators.morph_bake import CONVWASS_OT_bake_morph
+from ..operators.texture_bake import CONVWASS_OT_bake_textures
 from ..properties.live import LiveProperties
 from ..properties.morphs import MorphProperties
+from ..properties.one_mesh import TextureProperties
 from .sidebar import fill_operator
 
 
@@ -30,3 +32,5 @@ def _draw(menu: bpy.types.Menu, context: bpy.types.Context) -> None:
     operator = menu.layout.operator(CONVWASS_OT_live_morph.bl_idname, icon="PLAY")
     fill_operator(operator, context.scene.convwass_morph, MorphProperties)
     fill_operator(operator, context.scene.convwass_live, LiveProperties)
+    operator = menu.layout.operator(CONVWASS_OT_bake_textures.bl_idname, icon="TEXTURE")
+    fill_operator(operator, context.scene.convwass_textures, TextureProperties)

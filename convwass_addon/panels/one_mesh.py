@@ -12,8 +12,10 @@ from ..bridge.one_mesh.records import has_key_record, key_records
 from ..errors import ConvwassError
 from ..operators.attached_parts import CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad
 from ..operators.morph_export import CONVWASS_OT_export_morph
+from ..operators.texture_bake import CONVWASS_OT_bake_textures
+from ..properties.one_mesh import TextureProperties
 from ..translations import translated
-from .sidebar import Sidebar, draw_wrapped
+from .sidebar import Sidebar, draw_wrapped, fill_operator
 
 
 class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
@@ -49,4 +51,22 @@ class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
         column.operator(CONVWASS_OT_export_morph.bl_idname, icon="EXPORT")
 
 
-classes = (CONVWASS_PT_one_mesh,)
+class CONVWASS_PT_textures(Sidebar, bpy.types.Panel):
+    """Images of the looks of the shapes, for the one mesh"""
+
+    bl_label = "Textures"
+    bl_idname = "CONVWASS_PT_textures"
+    bl_parent_id = "CONVWASS_PT_one_mesh"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.convwass_textures
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        for name in ("texture_looks", "texture_size", "texture_samples", "texture_uvs", "texture_folder"):
+            layout.prop(settings, name)
+        operator = layout.operator(CONVWASS_OT_bake_textures.bl_idname, icon="TEXTURE")
+        fill_operator(operator, settings, TextureProperties)
+
+
+classes = (CONVWASS_PT_one_mesh, CONVWASS_PT_textures)

@@ -9,6 +9,6 @@ from types import ModuleType
 
 def registered() -> tuple[ModuleType, ...]:
     """Return the modules that register properties; imported here because they import bpy."""
-    from . import armatures, densities, light, live, morph_guides, morph_inputs, progress, recolor, soft_maps
+    from . import armatures, densities, light, live, morph_guides, morph_inputs, one_mesh, progress, recolor, soft_maps
 
-    return (progress, morph_inputs, morph_guides, live, densities, soft_maps, armatures, recolor, light)
+    return (progress, morph_inputs, morph_guides, one_mesh, live, densities, soft_maps, armatures, recolor, light)

@@ -133,6 +133,24 @@ def test_the_bake_gives_the_first_mesh_keys_that_lead_to_the_second_shape(monkey
     assert first.hide_get() and second.hide_get()
 
 
+def test_the_mesh_remembers_the_shape_and_where_it_reaches_it(monkeypatch):
+    first, second = hook("First", 0.0), hook("Second", 0.5)
+    first.location, second.location = (4.0, 0.0, 0.0), (0.0, 9.0, 0.0)
+
+    def known(shapes, names, demands, settings, guides, control):
+        yield Progress(0.5, Sentence("Half"))
+        return [path_to(names[1], (1.0,), [shapes[1].vertices])]
+
+    monkeypatch.setattr(shape_key_job, "key_paths", known)
+    assert bpy.ops.convwass.bake_morph(inputs="First,Second", alignment="CENTERED", **QUICK) == {"FINISHED"}
+    obj = bpy.data.objects["First Morph"]
+    stored = obj["convwass_shapes"]["Second"]
+    assert stored["shape"] == second
+    placement = np.array(stored["placement"]).reshape(4, 4)
+    placed = (evaluated(second) + np.array([0.0, 9.0, 0.0])) @ placement[:3, :3].T + placement[:3, 3]
+    assert slide(obj, Second=1.0) == pytest.approx(placed, abs=1e-5)
+
+
 def test_a_new_basis_replaces_the_first_mesh(monkeypatch):
     hook("First", 0.0).location = (4.0, 0.0, 0.0)
     hook("Second", 0.5)

@@ -124,13 +124,13 @@ def test_every_operator_can_be_polled_and_most_can_be_called(seen):
     never = {name for name, count in seen["polls 2"].items() if not count}
     # A map to the mirror image needs one object twice; the others need a live morph, or a mesh with shape keys.
     live = {"bake_live_morph", "end_live_morph", "keep_live_shape"}
-    assert sorted(never - {"stop", "mirror_map", *live, "attach_parts", "make_key_pad"}) == []
+    assert sorted(never - {"stop", "mirror_map", *live, "attach_parts", "bake_textures", "make_key_pad"}) == []
 
 
 def test_every_panel_is_drawn(seen):
     assert len(seen["panels"]) >= 20
-    # Progress is shown only during work, and the other one for meshes with shape keys.
-    idle = ["CONVWASS_PT_image_progress", "CONVWASS_PT_one_mesh", "CONVWASS_PT_progress"]
+    # Progress is shown only during work, and the others for meshes with shape keys.
+    idle = ["CONVWASS_PT_image_progress", "CONVWASS_PT_one_mesh", "CONVWASS_PT_progress", "CONVWASS_PT_textures"]
     assert sorted(name for name, count in seen["panels"].items() if not count) == idle
 
 

@@ -16,7 +16,7 @@ from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.motions.guided_settings import GuidedSettings
 from ...applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
 from ...errors import ConvwassError, InputError
-from ...geometry.alignment import aligned_meshes
+from ...geometry.alignment import AlignedMeshes, aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ..handles import Handle
 from ..morphs.animated_inputs import animation_notices
@@ -27,6 +27,7 @@ from .records import key_records
 from .remeshed_rest import remeshed_shape
 from .rest_mesh import armature_last, rest_mesh
 from .shape_keys import animate_sliders, object_with_keys
+from .texture_looks import remember_shape
 
 
 class ShapeKeyJob:
@@ -80,6 +81,7 @@ class ShapeKeyJob:
                 raise
         self._shapes = laid.meshes
         self._move = None if laid.moves is None else np.array(laid.moves[0].matrix, dtype=np.float64)
+        self._placements = _placements(laid)
         self._settings = GuidedSettings(coherence=settings.coherence)
         self._demands = KeyDemands(request.key_error / 100.0, symmetry)
         self._frames, self._first = request.frames, first_frame
@@ -111,6 +113,13 @@ class ShapeKeyJob:
             positions = positions @ inverse[:3, :3].T + inverse[:3, 3]
         return self._rest.key_coordinates(positions)
 
+    def _remember(self, obj: bpy.types.Object, sliders: Sequence[str]) -> None:
+        """Store the shapes that still exist on an object with sliders to them."""
+        shapes = [handle.find() for handle in self._inputs[1:]]
+        for slider, shape, placement in zip(sliders, shapes, self._placements, strict=True):
+            if shape is not None:
+                remember_shape(obj, slider, shape, placement)
+
     @property
     def span(self) -> tuple[float, float]:
         """First and last scene frame of the animation."""
@@ -131,11 +140,20 @@ class ShapeKeyJob:
             )
         paths = [replace(path, positions=self._key_coordinates(path.positions)) for path in self.paths]
         obj = object_with_keys(source, mesh, paths, scene, self._rest.modifiers)
-        made = key_records(obj)[-len(self.paths) :]
-        animate_sliders(obj, [record["name"] for record in made], self._first, self._frames)
+        sliders = [record["name"] for record in key_records(obj)[-len(self.paths) :]]
+        self._remember(obj, sliders)
+        animate_sliders(obj, sliders, self._first, self._frames)
         if hide_inputs:
             hide((shape for handle in self._inputs if (shape := handle.find()) is not None), scene)
         return obj
+
+
+def _placements(laid: AlignedMeshes) -> list[NDArray[np.float64]]:
+    """Return for every shape but the first the transform to where the first one reaches it in the scene, (4, 4)."""
+    if laid.moves is None:
+        return [np.eye(4) for _ in laid.meshes[1:]]
+    own, *others = (np.array(move.matrix, dtype=np.float64) for move in laid.moves)
+    return [np.linalg.solve(own, other) for other in others]
 
 
 def refuse_one_mesh(objects: Sequence[bpy.types.Object]) -> None:

@@ -1,0 +1,225 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Show one channel of a material, such as its roughness, as emitted light, so that Cycles can bake it.
+
+Cycles' own passes leave colors of metals black and have no pass for metallic and alpha. The channel is therefore read
+from the shaders of the material, through Mix Shader, Add Shader and groups, and linked to an Emission shader.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+
+from ..morphs.look_groups import node_trees
+from ..node_math import Value, vector_math_node
+from ..node_trees import own_tree
+from ..shown_nodes import shown_tree, source_node
+
+_METALS = ("BSDF_GLOSSY", "BSDF_METALLIC")
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A channel of the Principled BSDF.
+
+    Attributes
+    ----------
+    name : str
+        As in the Principled BSDF.
+    inputs : tuple of str
+        Names of the inputs of shaders that hold it.
+    default : (r, g, b)
+        Its value without a material.
+    is_color : bool
+        Whether its images are sRGB encoded.
+    """
+
+    name: str
+    inputs: tuple[str, ...]
+    default: tuple[float, float, float]
+    is_color: bool = False
+
+
+BASE_COLOR = Channel("Base Color", ("Base Color", "Color"), (0.8, 0.8, 0.8), is_color=True)
+EMISSION = Channel("Emission", (), (0.0, 0.0, 0.0), is_color=True)
+METALLIC = Channel("Metallic", ("Metallic",), (0.0, 0.0, 0.0))
+ROUGHNESS = Channel("Roughness", ("Roughness",), (0.5, 0.5, 0.5))
+ALPHA = Channel("Alpha", ("Alpha",), (1.0, 1.0, 1.0))
+NORMAL = Channel("Normal", (), (0.5, 0.5, 1.0))
+VALUES = (BASE_COLOR, METALLIC, ROUGHNESS, ALPHA, EMISSION)
+"""The channels that are values of sockets; the base color is the first."""
+
+_BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
+class ShownChannel:
+    """A material that emits a channel.
+
+    Attributes
+    ----------
+    material : bpy.types.Material
+        New.
+    groups : list of bpy.types.NodeTree
+        New groups that it uses.
+    value : (r, g, b) or None
+        The channel if it is the same everywhere.
+    """
+
+    material: bpy.types.Material
+    groups: list[bpy.types.NodeTree]
+    value: tuple[float, float, float] | None
+
+
+def shown_channel(source: bpy.types.Material | None, channel: Channel) -> ShownChannel:
+    """Create a material that emits a channel of another one, or of none."""
+    if source is None or shown_tree(source) is None:
+        material = bpy.data.materials.new("Channel")
+        tree = own_tree(material)
+        value = _without_nodes(source, channel)
+        groups = []
+    else:
+        material = source.copy()
+        tree = material.node_tree
+        reader = _Reader(channel, [])
+        output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
+        value = channel.default if output is None else reader.of(tree, output.inputs["Surface"])
+        groups = reader.groups
+    output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
+    for own in output.inputs:
+        for link in list(own.links):
+            tree.links.remove(link)
+    emission = tree.nodes.new("ShaderNodeEmission")
+    if isinstance(value, bpy.types.NodeSocket):
+        tree.links.new(value, emission.inputs["Color"])
+    else:
+        emission.inputs["Color"].default_value = (*value, 1.0)
+    tree.links.new(emission.outputs[0], output.inputs["Surface"])
+    return ShownChannel(material, groups, None if isinstance(value, bpy.types.NodeSocket) else value)
+
+
+def has_normals(materials: Sequence[bpy.types.Material | None]) -> bool:
+    """Return whether any of the materials changes the normals of a surface."""
+    trees = [shown_tree(own) for own in materials if own is not None]
+    nodes = [node for tree in trees if tree is not None for own in node_trees(tree) for node in own.nodes]
+    return any(
+        node.inputs[name].is_linked for node in nodes for name in ("Normal", "Displacement") if _takes(node, name)
+    )
+
+
+def _takes(node: bpy.types.Node, name: str) -> bool:
+    """Return whether a node is a shader or output with an input of a name."""
+    return name in node.inputs and (node.type.startswith("BSDF") or node.type == "OUTPUT_MATERIAL")
+
+
+def _without_nodes(material: bpy.types.Material | None, channel: Channel) -> tuple[float, float, float]:
+    """Return a channel of a material without nodes."""
+    if material is None:
+        return channel.default
+    own = {
+        BASE_COLOR: tuple(material.diffuse_color[:3]),
+        METALLIC: (material.metallic,) * 3,
+        ROUGHNESS: (material.roughness,) * 3,
+    }
+    return own.get(channel, channel.default)
+
+
+@dataclass
+class _Reader:
+    """Reads a channel from shaders.
+
+    Attributes
+    ----------
+    channel : Channel
+        The channel.
+    groups : list of bpy.types.NodeTree
+        Copies of groups, with an output for the channel.
+    """
+
+    channel: Channel
+    groups: list[bpy.types.NodeTree]
+
+    def of(self, tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket) -> Value:
+        """Return the channel of what is linked to a shader input."""
+        node = source_node(socket)
+        if node is None:
+            return self.channel.default if self.channel != BASE_COLOR else _BLACK
+        if node.type == "REROUTE":
+            return self.of(tree, node.inputs[0])
+        if node.type == "MIX_SHADER":
+            return _mixed(tree, node.inputs[0], self.of(tree, node.inputs[1]), self.of(tree, node.inputs[2]))
+        if node.type == "ADD_SHADER":
+            return self._of_sum(tree, node)
+        if node.type == "GROUP" and node.node_tree is not None:
+            return self._of_group(node, socket.links[0].from_socket)
+        return self._of_shader(tree, node)
+
+    def _of_sum(self, tree: bpy.types.NodeTree, node: bpy.types.Node) -> Value:
+        """Add emissions; other channels are those of the first shader that does not only emit."""
+        if self.channel == EMISSION:
+            return vector_math_node(tree, "ADD", *(self.of(tree, socket) for socket in node.inputs))
+        sources = [source_node(socket) for socket in node.inputs]
+        solid = next((k for k, own in enumerate(sources) if own is not None and own.type != "EMISSION"), 0)
+        return self.of(tree, node.inputs[solid])
+
+    def _of_group(self, node: bpy.types.Node, shader: bpy.types.NodeSocket) -> Value:
+        """Add an output with the channel of a shader output to a copy of a group."""
+        copy = node.node_tree.copy()
+        self.groups.append(copy)
+        result = next((own for own in copy.nodes if own.type == "GROUP_OUTPUT" and own.is_active_output), None)
+        if result is None:
+            return self.channel.default
+        inner = next(own for own in result.inputs if own.identifier == shader.identifier)
+        value = self.of(copy, inner)
+        if not isinstance(value, bpy.types.NodeSocket):
+            return value
+        made = copy.interface.new_socket("Channel", in_out="OUTPUT", socket_type="NodeSocketColor")
+        copy.links.new(value, next(own for own in result.inputs if own.identifier == made.identifier))
+        node.node_tree = copy
+        return next(own for own in node.outputs if own.identifier == made.identifier)
+
+    def _of_shader(self, tree: bpy.types.NodeTree, node: bpy.types.Node) -> Value:
+        if self.channel == EMISSION:
+            return _emission(tree, node)
+        if node.type == "EMISSION":
+            return _BLACK if self.channel == BASE_COLOR else self.channel.default
+        if self.channel == METALLIC and node.type in _METALS:
+            return _WHITE
+        if self.channel == ALPHA and node.type == "BSDF_TRANSPARENT":
+            return _BLACK
+        name = next((name for name in self.channel.inputs if name in node.inputs), None)
+        return self.channel.default if name is None else _value(node.inputs[name])
+
+
+def _emission(tree: bpy.types.NodeTree, node: bpy.types.Node) -> Value:
+    """Return the light that a shader emits."""
+    names = {"EMISSION": ("Color", "Strength"), "BSDF_PRINCIPLED": ("Emission Color", "Emission Strength")}
+    if node.type not in names:
+        return _BLACK
+    color, strength = (_value(node.inputs[name]) for name in names[node.type])
+    if not isinstance(strength, bpy.types.NodeSocket):
+        if strength[0] == 0.0:
+            return _BLACK
+        if not isinstance(color, bpy.types.NodeSocket):
+            return tuple(strength[0] * own for own in color)
+    return vector_math_node(tree, "MULTIPLY", color, strength)
+
+
+def _value(socket: bpy.types.NodeSocket) -> Value:
+    """Return what is linked to an input, or its own value as a color."""
+    if source_node(socket) is not None:
+        return socket.links[0].from_socket
+    own = socket.default_value
+    return (own,) * 3 if isinstance(own, float) else tuple(own)[:3]
+
+
+def _mixed(tree: bpy.types.NodeTree, factor: bpy.types.NodeSocket, first: Value, second: Value) -> Value:
+    """Return the mixture of two values by the factor of a Mix Shader."""
+    if not any(isinstance(own, bpy.types.NodeSocket) for own in (first, second)) and first == second:
+        return first
+    share = _value(factor)
+    difference = vector_math_node(tree, "SUBTRACT", second, first)
+    return vector_math_node(tree, "MULTIPLY_ADD", difference, share, first)

@@ -1,0 +1,308 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Bake images of the looks of all shapes for a mesh with shape keys, with a material that mixes them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion, distance_transform_edt
+
+from ...applications.one_mesh.texture_settings import TextureSettings
+from ...errors import ConvwassError, InputError
+from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...sentence import Sentence
+from ..files import absolute_folder
+from ..handles import Handle
+from .moving_meshes import srgb
+from .records import key_records
+from .texture_baking import TextureSize, baked_pixels
+from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, shown_channel
+from .texture_looks import BAKED, SLOTS, Look, end_look, start_look
+from .texture_material import ChannelImages, baked_material
+from .texture_uvs import baked_uv_map, loop_uvs, texture_pixels
+
+# Distances between mesh and shape that are tried one after the other: multiples of the typical distance, and at least
+# fractions of the diagonal.
+_REACHES = ((3.0, 0.002), (12.0, 0.01), (48.0, 0.05))
+# A further distance is tried, and in the end a notice given, if more than this share of the texture has no surface.
+_MISSED = 0.001
+
+
+@dataclass(frozen=True)
+class BakedTextures:
+    """Result of a baking.
+
+    Attributes
+    ----------
+    images : list of bpy.types.Image
+        All images.
+    material : bpy.types.Material
+        Shows them.
+    files : list of Path
+        The images on disk.
+    uv_map : str
+        The UV map of the images.
+    """
+
+    images: list[bpy.types.Image]
+    material: bpy.types.Material
+    files: list[Path]
+    uv_map: str
+
+
+@dataclass
+class _Baked:
+    """What has been baked of a look: how far each pixel had to reach, -1 where there is nothing, and its channels."""
+
+    reaches: list[float] = field(default_factory=list)
+    attempt: NDArray[np.int64] | None = None
+    pixels: dict[Channel, NDArray[np.float32]] = field(default_factory=dict)
+
+
+class TextureJob:
+    """Bakes images for a mesh with shape keys; all methods must be called on the main thread.
+
+    Parameters
+    ----------
+    scene, depsgraph : bpy.types.Scene, bpy.types.Depsgraph
+        To evaluate the objects.
+    obj : bpy.types.Object
+        A mesh with shape keys to other shapes.
+    settings : TextureSettings
+        What is baked.
+
+    Raises
+    ------
+    InputError
+        A shape was deleted, the mesh does not reach it, there is no UV map although it was asked for, or the folder
+        cannot be used.
+    """
+
+    def __init__(
+        self, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, obj: bpy.types.Object, settings: TextureSettings
+    ) -> None:
+        self._folder = absolute_folder(settings.texture_folder) if settings.texture_folder else None
+        self._obj, self._settings = Handle.of("objects", obj), settings
+        self._looks: list[Look] = []
+        self._baked: list[_Baked] = []
+        self.notices: list[Sentence] = []
+        sliders = [record["name"] for record in key_records(obj)]
+        prepared = _without_keys(obj)
+        try:
+            self._uv_map = baked_uv_map(prepared, obj.name, settings.texture_uvs)
+            self._uvs = loop_uvs(prepared, self._uv_map)
+            if settings.texture_looks != "END":
+                self._looks.append(start_look(obj, prepared, scene, depsgraph))
+            for slider in {"ALL": sliders, "START": [], "END": sliders[-1:]}[settings.texture_looks]:
+                self._looks.append(end_look(obj, slider, prepared, scene, depsgraph))
+            self._values = {channel: self._common_value(channel) for channel in VALUES}
+        except BaseException:
+            self.discard()
+            raise
+        finally:
+            bpy.data.meshes.remove(prepared)
+
+    def _common_value(self, channel: Channel) -> tuple[float, float, float] | None:
+        """Return a channel if it is the same on all shapes; None if it needs images."""
+        found = set()
+        for look in self._looks:
+            for material in _materials(look):
+                shown = shown_channel(material, channel)
+                found.add(shown.value)
+                bpy.data.batch_remove([shown.material, *shown.groups])
+        return found.pop() if len(found) == 1 else None
+
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Bake one image after the other."""
+        channels = [BASE_COLOR, *(own for own in VALUES[1:] if self._values[own] is None)]
+        if any(has_normals(_materials(look)) for look in self._looks):
+            channels.append(NORMAL)
+        done, count = 0, len(channels) * len(self._looks)
+        for look in self._looks:
+            baked = _Baked()
+            self._baked.append(baked)
+            for channel in channels:
+                control.check()
+                values = {"channel": channel.name, "name": look.name}
+                yield Progress(done / count, Sentence("{channel} of {name}", values), None)
+                baked.pixels[channel] = self._pixels(look, channel, baked)
+                done += 1
+
+    def _pixels(self, look: Look, channel: Channel, baked: _Baked) -> NDArray[np.float32]:
+        """Bake a channel; the first one decides how far every pixel has to reach."""
+        size = TextureSize(self._settings.texture_size, self._settings.texture_samples, self._uv_map)
+        if baked.attempt is None:
+            found = self._first(look, channel, baked, size)
+        else:
+            found = np.zeros((size.pixels, size.pixels, 3), np.float32)
+            for number, reach in enumerate(baked.reaches):
+                own = baked_pixels(look, channel, size, reach)[..., :3]
+                found[baked.attempt == number] = own[baked.attempt == number]
+        return _filled(found, baked.attempt >= 0)
+
+    def _first(self, look: Look, channel: Channel, baked: _Baked, size: TextureSize) -> NDArray[np.float32]:
+        found = np.zeros((size.pixels, size.pixels, 3), np.float32)
+        baked.attempt = np.full((size.pixels, size.pixels), -1)
+        mesh = look.onto.mesh.find()
+        if mesh is None:
+            raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
+        shown = np.zeros(size.pixels**2, dtype=bool)
+        shown[texture_pixels(mesh, self._uv_map, size.pixels).places] = True
+        # Cycles treats borders of islands slightly differently.
+        inside = binary_erosion(shown.reshape(size.pixels, size.pixels))
+        for number, reach in enumerate(self._reaches(look, mesh)):
+            own = baked_pixels(look, channel, size, reach)
+            new = (own[..., 3] > 0.0) & (baked.attempt < 0)
+            # Samples beyond the border of an island have no color.
+            found[new] = own[new][:, :3] / own[new][:, 3:]
+            baked.attempt[new] = number
+            baked.reaches.append(reach)
+            missed = np.count_nonzero(inside & (baked.attempt < 0)) / max(1, np.count_nonzero(inside))
+            if missed <= _MISSED:
+                return found
+        values = {"share": f"{missed:.1%}", "name": look.name}
+        self.notices.append(
+            Sentence("{share} of the texture of {name} have no surface of it within reach, and are filled in.", values)
+        )
+        return found
+
+    def _reaches(self, look: Look, mesh: bpy.types.Mesh) -> list[float]:
+        if look.shape is None:
+            return [0.0]
+        points = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.vertices.foreach_get("co", points)
+        world = points.reshape(-1, 3) @ look.onto.world[:3, :3].T
+        diagonal = float(np.linalg.norm(np.ptp(world, axis=0)))
+        return [max(times * look.reach, least * diagonal) for times, least in _REACHES]
+
+    def write(self, report: Progress[object]) -> None:
+        """Do nothing: the file is only changed at the end."""
+
+    def discard(self) -> None:
+        """Remove the copies of the shapes."""
+        for look in self._looks:
+            look.discard()
+
+    def finish(self) -> BakedTextures:
+        """Create the images and the material, and assign it to the mesh.
+
+        Raises
+        ------
+        ConvwassError
+            The mesh was deleted, or its faces have changed.
+        """
+        obj = self._obj.find()
+        if obj is None or len(obj.data.loops) != len(self._uvs):
+            raise ConvwassError("The mesh was deleted or changed during the baking; start again.")
+        self.discard()
+        made = {channel: self._images(obj.name, channel) for channel in self._baked[0].pixels}
+        constants = {own: ChannelImages((), value) for own, value in self._values.items() if own not in made}
+        sliders = [look.slider for look in self._looks]
+        material = baked_material(f"{obj.name} Baked", constants | made, sliders, self._uv_map)
+        material[BAKED] = True
+        _wear(obj.data, material, self._uv_map, self._uvs)
+        images = [image for own in made.values() for image in own.images]
+        return BakedTextures(images, material, [self._stored(image) for image in images if self._folder], self._uv_map)
+
+    def _images(self, name: str, channel: Channel) -> ChannelImages:
+        """Create the images of a channel, or a value if it turns out to be the same everywhere."""
+        pixels = [baked.pixels[channel] for baked in self._baked]
+        first = pixels[0][0, 0]
+        if channel != NORMAL and all(np.allclose(own, first, atol=1e-4) for own in pixels):
+            return ChannelImages((), tuple(map(float, first)))
+        strength = max(1.0, *(float(own.max()) for own in pixels)) if channel == EMISSION else 1.0
+        images = tuple(
+            _image(
+                f"{name} {look.name} {channel.name}" if look.slider else f"{name} {channel.name}",
+                own / strength,
+                channel,
+            )
+            for look, own in zip(self._looks, pixels, strict=True)
+        )
+        for image in images:
+            if self._folder is None:
+                image.pack()
+        return ChannelImages(images, channel.default, strength)
+
+    def _stored(self, image: bpy.types.Image) -> Path:
+        """Write an image to the folder."""
+        self._folder.mkdir(parents=True, exist_ok=True)
+        file = self._folder / f"{bpy.path.clean_name(image.name)}.png"
+        image.filepath_raw, image.file_format = str(file), "PNG"
+        try:
+            image.save()
+        except RuntimeError as error:
+            raise InputError("{file} could not be written.", file=str(file)) from error
+        return file
+
+
+def _materials(look: Look) -> list[bpy.types.Material | None]:
+    """Return the materials that the faces of a look have."""
+    mesh = look.source.mesh.find()
+    if mesh is None:
+        raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
+    slots = np.empty(len(mesh.polygons), np.int32)
+    mesh.polygons.foreach_get("material_index", slots)
+    count = len(mesh.materials)
+    return [mesh.materials[slot] if count else None for slot in np.unique(np.minimum(slots, max(count - 1, 0)))]
+
+
+def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
+    """Copy the mesh of an object as it was before an earlier baking, undeformed and without shape keys."""
+    mesh = obj.data.copy()
+    holder = bpy.data.objects.new("Holder", mesh)
+    positions = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.shape_keys.key_blocks[0].data.foreach_get("co", positions)
+    holder.shape_key_clear()
+    bpy.data.objects.remove(holder)
+    mesh.vertices.foreach_set("co", positions)
+    if SLOTS in mesh.attributes:
+        slots = np.empty(len(mesh.polygons), np.int32)
+        mesh.attributes[SLOTS].data.foreach_get("value", slots)
+        mesh.polygons.foreach_set("material_index", slots)
+    return mesh
+
+
+def _wear(mesh: bpy.types.Mesh, material: bpy.types.Material, uv_map: str, uvs: NDArray[np.float32]) -> None:
+    """Give all faces of a mesh a baked material, with its UV map; the material of an earlier baking is replaced."""
+    if uv_map not in mesh.uv_layers:
+        mesh.uv_layers.new(name=uv_map, do_init=False)
+    mesh.uv_layers[uv_map].uv.foreach_set("vector", np.ascontiguousarray(uvs).ravel())
+    mesh.uv_layers.active = mesh.uv_layers[uv_map]
+    if SLOTS not in mesh.attributes:
+        slots = np.empty(len(mesh.polygons), np.int32)
+        mesh.polygons.foreach_get("material_index", slots)
+        mesh.attributes.new(SLOTS, "INT", "FACE").data.foreach_set("value", slots)
+    place = next((own for own, worn in enumerate(mesh.materials) if worn is not None and BAKED in worn), None)
+    if place is None:
+        mesh.materials.append(material)
+        place = len(mesh.materials) - 1
+    else:
+        mesh.materials[place] = material
+    mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), place, np.int32))
+    mesh.update()
+
+
+def _filled(pixels: NDArray[np.float32], known: NDArray[np.bool_]) -> NDArray[np.float32]:
+    """Give pixels that are not known the value of the closest one that is, so that no seam shows in small mipmaps."""
+    if known.all() or not known.any():
+        return pixels
+    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
+    return pixels[rows, columns]
+
+
+def _image(name: str, pixels: NDArray[np.float32], channel: Channel) -> bpy.types.Image:
+    """Create an image of bytes from linear values, (size, size, 3)."""
+    size = len(pixels)
+    image = bpy.data.images.new(name, size, size, alpha=False)
+    image.colorspace_settings.name = "sRGB" if channel.is_color else "Non-Color"
+    values = srgb(pixels) if channel.is_color else np.clip(pixels, 0.0, 1.0)
+    stored = np.concatenate([values, np.ones((size, size, 1))], axis=2).astype(np.float32)
+    image.pixels.foreach_set(stored.ravel())
+    image.update()
+    return image

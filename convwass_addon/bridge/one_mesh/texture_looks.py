@@ -1,0 +1,225 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The surfaces between which textures are baked: the one mesh at each of its shapes, and the shapes themselves.
+
+An object with shape keys remembers the shapes they lead to, and where these were laid to match it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+from numpy.typing import NDArray
+
+from ...errors import ConvwassError, InputError
+from ...geometry.closest_points import ClosestPointFinder
+from ..handles import Handle
+from ..morphs.bake import wear_material
+from ..objects import evaluated_object, triangle_mesh
+from .records import key_names, key_records
+
+SHAPES_KEY = "convwass_shapes"
+"""Custom property of the object: the other shapes by the names of their sliders."""
+SLOTS = "convwass_slots"
+"""Face attribute with the material slots from before the first baking."""
+BAKED = "convwass_baked"
+"""Custom property of materials that show baked images."""
+
+# The mesh must end within this multiple of the distance in its record, plus a share of the shape's diagonal.
+_SLACK, _LEAST = 3.0, 0.01
+# Points at which this is checked.
+_CHECKED = 2000
+
+
+@dataclass(frozen=True)
+class Surface:
+    """A frozen object.
+
+    Attributes
+    ----------
+    mesh : Handle
+        Without users, in local space.
+    world : (4, 4) float64
+        From local to world space.
+    color : (r, g, b, a)
+        Color of the object.
+    """
+
+    mesh: Handle
+    world: NDArray[np.float64]
+    color: tuple[float, ...]
+
+    def object_in(self, scene: bpy.types.Scene, name: str) -> bpy.types.Object:
+        """Link an object with a copy of the mesh to a scene; raises ConvwassError if the mesh was removed by undo."""
+        mesh = self.mesh.find()
+        if mesh is None:
+            raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
+        obj = bpy.data.objects.new(name, mesh.copy())
+        obj.matrix_world, obj.color = Matrix(self.world), self.color
+        scene.collection.objects.link(obj)
+        return obj
+
+
+@dataclass(frozen=True)
+class Look:
+    """A shape whose look is baked.
+
+    Attributes
+    ----------
+    name : str
+        Name of the shape.
+    slider : str or None
+        The slider that leads to it; None for the undeformed mesh.
+    onto : Surface
+        The mesh in this shape.
+    shape : Surface or None
+        The shape; None for the undeformed mesh, which is baked from itself.
+    reach : float
+        Typical distance of the two, scene units.
+    """
+
+    name: str
+    slider: str | None
+    onto: Surface
+    shape: Surface | None
+    reach: float
+
+    @property
+    def source(self) -> Surface:
+        """The surface that has the look."""
+        return self.shape or self.onto
+
+    def discard(self) -> None:
+        """Remove the copies."""
+        for surface in (self.onto, self.shape):
+            mesh = None if surface is None else surface.mesh.find()
+            if mesh is not None and not mesh.users:
+                bpy.data.meshes.remove(mesh)
+
+
+def remember_shape(obj: bpy.types.Object, slider: str, shape: bpy.types.Object, placement: NDArray[np.float64]) -> None:
+    """Store the shape that a slider of an object leads to.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        An object with shape keys.
+    slider : str
+        Name of a slider.
+    shape : bpy.types.Object
+        The shape.
+    placement : (4, 4) float64
+        The transform from where it is in the scene to where the mesh reaches it.
+    """
+    known = obj[SHAPES_KEY].to_dict() if SHAPES_KEY in obj else {}
+    values = np.asarray(placement, dtype=np.float64).ravel().tolist()
+    obj[SHAPES_KEY] = {**known, slider: {"shape": shape, "placement": values}}
+
+
+def start_look(
+    obj: bpy.types.Object, prepared: bpy.types.Mesh, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph
+) -> Look:
+    """Freeze the undeformed mesh with its own look; parameters as :func:`end_look`."""
+    return Look(obj.name, None, _posed(obj, prepared, None, scene, depsgraph), None, 0.0)
+
+
+def end_look(
+    obj: bpy.types.Object,
+    slider: str,
+    prepared: bpy.types.Mesh,
+    scene: bpy.types.Scene,
+    depsgraph: bpy.types.Depsgraph,
+) -> Look:
+    """Freeze the mesh where a slider leads to, and the shape there.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        An object with shape keys.
+    slider : str
+        Name of a slider.
+    prepared : bpy.types.Mesh
+        A copy of its mesh without shape keys and with the UV map for the textures.
+    scene, depsgraph : bpy.types.Scene, bpy.types.Depsgraph
+        To evaluate modifiers.
+
+    Raises
+    ------
+    InputError
+        The shape was deleted, or the mesh does not reach it.
+    """
+    stored = obj[SHAPES_KEY].to_dict().get(slider, {}) if SHAPES_KEY in obj else {}
+    shape = stored.get("shape")
+    if shape is None:
+        raise InputError("The shape of {slider} is not in this file; bake the shape keys again.", slider=slider)
+    record = next(own for own in key_records(obj) if own["name"] == slider)
+    key = obj.data.shape_keys.key_blocks.get(key_names(slider, len(record["times"]))[-1])
+    if key is None:
+        raise InputError("The shape key of {slider} was removed or renamed; bake it again.", slider=slider)
+    positions = np.empty(3 * len(key.data), np.float32)
+    key.data.foreach_get("co", positions)
+    placement = np.array(stored["placement"], dtype=np.float64).reshape(4, 4)
+    there = triangle_mesh(shape, depsgraph)
+    onto = _posed(obj, prepared, positions, scene, depsgraph)
+    points = there.vertices @ placement[:3, :3].T + placement[:3, 3]
+    diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
+    try:
+        _check_arrival(onto, points[there.faces], slider, diagonal, float(record.get("distance_95", 0.0)))
+        with evaluated_object(shape, depsgraph) as evaluated:
+            world = placement @ np.array(evaluated.matrix_world, dtype=np.float64)
+            mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    except InputError:
+        bpy.data.meshes.remove(onto.mesh.find())
+        raise
+    for place, slot in enumerate(shape.material_slots[: len(mesh.materials)]):
+        if slot.link == "OBJECT":
+            mesh.materials[place] = slot.material
+    wear_material(mesh)
+    reach = float(record.get("distance_95", 0.0)) * diagonal
+    return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, tuple(shape.color)), reach)
+
+
+def _check_arrival(
+    onto: Surface, triangles: NDArray[np.float64], slider: str, diagonal: float, distance: float
+) -> None:
+    """Raise InputError if a mesh is not at its shape, such as in another pose."""
+    mesh = onto.mesh.find()
+    points = np.empty(3 * len(mesh.vertices), np.float32)
+    mesh.vertices.foreach_get("co", points)
+    every = max(1, len(mesh.vertices) // _CHECKED)
+    sample = points.reshape(-1, 3)[::every].astype(np.float64) @ onto.world[:3, :3].T + onto.world[:3, 3]
+    found = ClosestPointFinder(triangles).find(sample)
+    if np.quantile(found.distances, 0.9) > (_SLACK * distance + _LEAST) * diagonal:
+        raise InputError(
+            "The mesh does not reach {slider} in its current pose; go to the frame in which its shape keys were "
+            "baked, and leave the shape where it was.",
+            slider=slider,
+        )
+
+
+def _posed(
+    obj: bpy.types.Object,
+    prepared: bpy.types.Mesh,
+    positions: NDArray[np.float32] | None,
+    scene: bpy.types.Scene,
+    depsgraph: bpy.types.Depsgraph,
+) -> Surface:
+    """Freeze an object with other positions of its vertices, modifiers applied."""
+    mesh = prepared.copy()
+    if positions is not None:
+        mesh.vertices.foreach_set("co", positions)
+    copy = obj.copy()
+    copy.animation_data_clear()
+    copy.data = mesh
+    scene.collection.objects.link(copy)
+    try:
+        with evaluated_object(copy, depsgraph) as evaluated:
+            frozen = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+            world = np.array(evaluated.matrix_world, dtype=np.float64)
+    finally:
+        bpy.data.objects.remove(copy)
+        bpy.data.meshes.remove(mesh)
+    return Surface(Handle.of("meshes", frozen), world, tuple(obj.color))

@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The UV map that textures are baked to."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+from numpy.typing import NDArray
+
+from ...errors import InputError
+from ...geometry.uv_pixels import UvPixels, uv_pixels
+from ..morphs.appearance import render_uv_map
+from ..scratch_scene import scratch_scene
+
+BAKED_UVS = "Baked"
+"""Name of new UV maps."""
+
+# Resolution at which overlaps are counted, and the share of the area that borders of islands may add.
+_SIZE, _OVERLAP = 512, 0.05
+# Gap between islands, as a fraction of the image.
+_GAP = 0.005
+# UVs may lie this far out of the image.
+_SLACK = 1e-3
+
+
+def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str) -> str:
+    """Return the name of a UV map in which every face has its own place; unwraps the mesh if it has none.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        Without shape keys and users.
+    name : str
+        What messages call it.
+    how : "AUTO", "OWN" or "NEW"
+        With "AUTO", the UV map of renders is used if it lies in the image and does not overlap itself.
+
+    Raises
+    ------
+    InputError
+        There is no UV map, and `how` is "OWN".
+    """
+    own = render_uv_map(mesh)
+    if own is None and how == "OWN":
+        raise InputError("{name} has no UV map; unwrap it, or choose a new UV map.", name=name)
+    if own is not None and (how == "OWN" or (how == "AUTO" and _is_usable(mesh, own.name))):
+        return own.name
+    return _unwrapped(mesh)
+
+
+def texture_pixels(mesh: bpy.types.Mesh, uv_map: str, size: int) -> UvPixels:
+    """Rasterize a UV map without margin; see :func:`.uv_pixels.uv_pixels`."""
+    vertices = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("vertices", vertices)
+    return uv_pixels(triangle_uvs(mesh, uv_map), vertices.reshape(-1, 3), size, 0)
+
+
+def triangle_uvs(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32]:
+    """Return the UV coordinates at the corners of the triangles, (m, 3, 2)."""
+    mesh.calc_loop_triangles()
+    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
+    mesh.loop_triangles.foreach_get("loops", loops)
+    return loop_uvs(mesh, uv_map)[loops].reshape(-1, 3, 2)
+
+
+def loop_uvs(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32]:
+    """Return the UV coordinates of the face corners, (l, 2)."""
+    found = np.empty(2 * len(mesh.loops), np.float32)
+    mesh.uv_layers[uv_map].uv.foreach_get("vector", found)
+    return found.reshape(-1, 2)
+
+
+def _is_usable(mesh: bpy.types.Mesh, uv_map: str) -> bool:
+    """Return whether a UV map lies in the image and hardly overlaps itself."""
+    uvs = triangle_uvs(mesh, uv_map).astype(np.float64)
+    if uvs.min() < -_SLACK or uvs.max() > 1.0 + _SLACK:
+        return False
+    first, second = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
+    area = 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum()
+    covered = len(texture_pixels(mesh, uv_map, _SIZE).places) / _SIZE**2
+    return 0.0 < area <= (1.0 + _OVERLAP) * covered + 1.0 / _SIZE
+
+
+def _unwrapped(mesh: bpy.types.Mesh) -> str:
+    """Add a UV map with Smart UV Project; the UV map of renders remains."""
+    shown = render_uv_map(mesh)
+    name = "" if shown is None else shown.name
+    made = mesh.uv_layers.new(name=BAKED_UVS, do_init=False)
+    if made is None:
+        raise InputError("{name} has eight UV maps; delete one.", name=mesh.name)
+    made_name = made.name
+    mesh.uv_layers.active = made
+    for own in ("vertices", "edges", "polygons"):
+        elements = getattr(mesh, own)
+        elements.foreach_set("hide", np.zeros(len(elements), dtype=bool))
+        elements.foreach_set("select", np.ones(len(elements), dtype=bool))
+    with scratch_scene() as scene:
+        obj = bpy.data.objects.new("Unwrapped", mesh)
+        scene.collection.objects.link(obj)
+        layer = scene.view_layers[0]
+        layer.objects.active = obj
+        obj.select_set(True, view_layer=layer)
+        try:
+            with bpy.context.temp_override(scene=scene, view_layer=layer, active_object=obj, object=obj):
+                bpy.ops.object.mode_set(mode="EDIT")
+                with bpy.context.temp_override(edit_object=obj, objects_in_mode_unique_data=[obj]):
+                    bpy.ops.uv.smart_project(island_margin=_GAP)
+                bpy.ops.object.mode_set(mode="OBJECT")
+        finally:
+            bpy.data.objects.remove(obj)
+    if name:
+        mesh.uv_layers[name].active_render = True
+    return made_name

@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Images of the looks of several shapes, baked for one mesh."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
+from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
+from convwass_addon.bridge.one_mesh.texture_job import TextureJob
+from convwass_addon.bridge.one_mesh.texture_looks import remember_shape
+from convwass_addon.errors import InputError
+from convwass_addon.progress import drained
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+SIZE = 64
+QUICK = {"texture_size": SIZE, "texture_samples": 1}
+RED, BLUE = (1.0, 0.0, 0.0), (0.0, 0.0, 0.5)
+
+
+def plain_material(name, color, **values):
+    material = bpy.data.materials.new(name)
+    shader = next(node for node in own_tree(material).nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Base Color"].default_value = (*color, 1.0)
+    for own, value in values.items():
+        shader.inputs[own].default_value = value
+    return material
+
+
+def sphere(name, segments, material, scale=1.0):
+    bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=segments // 2, radius=scale)
+    obj = bpy.context.object
+    obj.name = name
+    obj.data.materials.append(material)
+    return obj
+
+
+@pytest.fixture
+def ball():
+    """A ball of radius 1 that grows to another one of radius 2, of other vertices, which stands aside."""
+    source = sphere("Ball", 32, plain_material("Red", RED, Metallic=1.0))
+    target = sphere("Large", 48, plain_material("Blue", BLUE, Metallic=1.0), 2.0)
+    target.location.x = 10.0
+    bpy.context.view_layer.update()
+    rest = triangle_mesh(source, bpy.context.evaluated_depsgraph_get()).vertices
+    path = KeyPath("Large", (1.0,), 2.0 * rest[None], 0.9, 0.0, 0.0, 0.003, 0)
+    obj = object_with_keys(source, source.data.copy(), [path], bpy.context.scene)
+    placement = np.eye(4)
+    placement[0, 3] = -10.0
+    remember_shape(obj, "Large", target, placement)
+    return obj
+
+
+def job(obj, **settings):
+    return TextureJob(
+        bpy.context.scene, bpy.context.evaluated_depsgraph_get(), obj, TextureSettings(**{**QUICK, **settings})
+    )
+
+
+def baked(obj, **settings):
+    made = job(obj, **settings)
+    drained(made.steps())
+    found = made.finish()
+    assert not made.notices
+    return found
+
+
+def pixels(image):
+    found = np.empty(4 * SIZE * SIZE, np.float32)
+    image.pixels.foreach_get(found)
+    return found.reshape(SIZE, SIZE, 4)[..., :3]
+
+
+def principled(material):
+    return next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+
+
+def test_plain_looks_become_two_images_and_what_is_alike_a_value(ball, inventory):
+    before = inventory()
+    found = baked(ball)
+    start, end = found.images
+    np.testing.assert_allclose(pixels(start), np.broadcast_to(RED, (SIZE, SIZE, 3)), atol=0.01)
+    # 0.5 is 0.735 in sRGB.
+    np.testing.assert_allclose(pixels(end), np.broadcast_to((0.0, 0.0, 0.735), (SIZE, SIZE, 3)), atol=0.01)
+    assert all(image.packed_file is not None for image in found.images)
+    assert principled(found.material).inputs["Metallic"].default_value == 1.0
+    assert [polygon.material_index for polygon in ball.data.polygons] == [1] * len(ball.data.polygons)
+    bpy.data.batch_remove([*found.images, found.material])
+    assert inventory() == before
+
+
+def test_the_material_mixes_the_looks_by_the_slider(ball):
+    """Emitted light in a render is the mixture of the colors."""
+    found = baked(ball)
+    tree = found.material.node_tree
+    shown = principled(found.material).inputs["Base Color"].links[0].from_socket
+    emission = tree.nodes.new("ShaderNodeEmission")
+    tree.links.new(shown, emission.inputs["Color"])
+    tree.links.new(emission.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    scene = bpy.context.scene
+    scene.render.engine, scene.cycles.samples = "CYCLES", 1
+    scene.render.resolution_x = scene.render.resolution_y = 8
+    scene.view_settings.view_transform = "Raw"
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.camera.location.z = 3.0
+    scene.collection.objects.link(scene.camera)
+    ball["Large"] = 0.25
+    ball.update_tag()
+    assert np.allclose(rendered_center(scene), 0.75 * np.array(RED) + 0.25 * np.array(BLUE), atol=0.02)
+
+
+def rendered_center(scene):
+    scene.render.image_settings.file_format = "OPEN_EXR"
+    scene.render.filepath = bpy.app.tempdir + "center.exr"
+    bpy.ops.render.render(write_still=True)
+    image = bpy.data.images.load(scene.render.filepath)
+    found = np.array(image.pixels[:]).reshape(8, 8, 4)[3:5, 3:5, :3].mean(axis=(0, 1))
+    bpy.data.images.remove(image)
+    return found
+
+
+def test_a_mesh_without_uvs_is_unwrapped_and_a_texture_of_the_shape_lands_where_it_belongs(ball):
+    """The shape is colored by its height; every corner of the mesh must find its own height in the image."""
+    while ball.data.uv_layers:
+        ball.data.uv_layers.remove(ball.data.uv_layers[0])
+    material = ball["convwass_shapes"]["Large"]["shape"].data.materials[0]
+    tree = material.node_tree
+    place, axes = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(place.outputs["Generated"], axes.inputs[0])
+    tree.links.new(axes.outputs["Z"], principled(material).inputs["Roughness"])
+    found = baked(ball, texture_looks="END")
+    (image,) = found.images
+    assert image.colorspace_settings.name == "Non-Color" and found.uv_map == "Baked"
+    uvs = np.array([own.vector for own in ball.data.uv_layers["Baked"].uv])
+    heights = np.array([ball.data.vertices[loop.vertex_index].co.z for loop in ball.data.loops])
+    places = np.clip((uvs * SIZE).astype(int), 0, SIZE - 1)
+    seen = pixels(image)[places[:, 1], places[:, 0], 0]
+    assert np.quantile(np.abs(seen - (heights + 1.0) / 2.0), 0.95) < 0.06
+
+
+def test_normal_maps_and_light_are_baked(ball):
+    material = ball.data.materials[0]
+    tree = material.node_tree
+    image = bpy.data.images.new("Tilted", 4, 4)
+    image.colorspace_settings.name = "Non-Color"
+    image.pixels.foreach_set(np.tile(np.array([0.75, 0.5, 0.933, 1.0], np.float32), 16))
+    texture, normal = tree.nodes.new("ShaderNodeTexImage"), tree.nodes.new("ShaderNodeNormalMap")
+    texture.image = image
+    tree.links.new(texture.outputs["Color"], normal.inputs["Color"])
+    tree.links.new(normal.outputs[0], principled(material).inputs["Normal"])
+    principled(material).inputs["Emission Color"].default_value = (1.0, 0.5, 0.0, 1.0)
+    principled(material).inputs["Emission Strength"].default_value = 4.0
+    found = baked(ball, texture_looks="START")
+    assert principled(found.material).inputs["Emission Strength"].default_value == 1.0
+    np.testing.assert_allclose(principled(found.material).inputs["Emission Color"].default_value[:3], (4.0, 2.0, 0.0))
+    (normals,) = found.images
+    np.testing.assert_allclose(np.median(pixels(normals), axis=(0, 1)), (0.75, 0.5, 0.933), atol=0.02)
+
+
+def test_baking_again_replaces_images_with_those_of_the_original_materials(ball):
+    first = baked(ball)
+    again = baked(ball, texture_looks="START")
+    assert [own.name for own in ball.data.materials] == ["Red", again.material.name]
+    assert first.material.users == 0
+    assert principled(again.material).inputs["Base Color"].default_value[0] == pytest.approx(1.0)
+
+
+def test_images_can_be_written_to_a_folder(ball, tmp_path):
+    found = baked(ball, texture_folder=str(tmp_path / "textures"))
+    assert sorted(file.name for file in (tmp_path / "textures").iterdir()) == sorted(file.name for file in found.files)
+    assert len(found.files) == 2 and all(file.stat().st_size > 0 for file in found.files)
+
+
+def test_what_cannot_be_baked_is_refused_and_leaves_nothing(ball, inventory):
+    shape, before = ball["convwass_shapes"]["Large"]["shape"], inventory()
+    shape.location.z = 5.0
+    bpy.context.view_layer.update()
+    with pytest.raises(InputError, match="does not reach Large"):
+        job(ball)
+    while ball.data.uv_layers:
+        ball.data.uv_layers.remove(ball.data.uv_layers[0])
+    with pytest.raises(InputError, match="no UV map"):
+        job(ball, texture_uvs="OWN")
+    assert inventory() == before
+    bpy.data.objects.remove(shape)
+    with pytest.raises(InputError, match="not in this file"):
+        job(ball)
+
+
+def test_the_button_bakes_and_a_stopped_job_leaves_nothing(ball, inventory):
+    bpy.context.view_layer.objects.active = ball
+    assert bpy.ops.convwass.bake_textures(texture_size=16, texture_samples=1) == {"FINISHED"}
+    assert ball.data.materials[-1].name.startswith("Ball Morph Baked")
+    before = inventory()
+    stopped = job(ball)
+    work = stopped.steps()
+    next(work), next(work)
+    work.close()
+    stopped.discard()
+    assert inventory() == before
