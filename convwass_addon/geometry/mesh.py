@@ -73,22 +73,31 @@ class TriangleMesh:
     @cached_property
     def area(self) -> float:
         """Surface area."""
-        a, b, c = self.corners[:, 0], self.corners[:, 1], self.corners[:, 2]
-        return 0.5 * float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+        return 0.5 * float(self._doubled_areas().sum())
 
     @cached_property
     def vertex_areas(self) -> NDArray[np.float64]:
         """A third of the area of the triangles around every vertex, (n,)."""
-        a, b, c = np.moveaxis(self.corners, 1, 0)
-        thirds = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 6.0
-        return np.bincount(self.faces.ravel(), np.repeat(thirds, 3), len(self.vertices))
+        return np.bincount(self.faces.ravel(), np.repeat(self._doubled_areas() / 6.0, 3), len(self.vertices))
+
+    def _doubled_areas(self) -> NDArray[np.float64]:
+        """Twice the area of every triangle, (m,)."""
+        # Coordinate by coordinate takes a third of the time of np.cross and np.linalg.norm.
+        a, b, c = self._corners_by_coordinate(self.vertices)
+        (ux, uy, uz), (vx, vy, vz) = b - a, c - a
+        return np.sqrt((uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2)
+
+    def _corners_by_coordinate(self, vertices: NDArray[np.float64]) -> list[NDArray[np.float64]]:
+        """First, second and third corners of the triangles, (3, m) each."""
+        points = np.ascontiguousarray(vertices.T)
+        return [points.take(corner, axis=1) for corner in np.ascontiguousarray(self.faces.T)]
 
     @cached_property
     def face_volumes(self) -> NDArray[np.float64]:
         """Signed volumes of the tetrahedra between the triangles and the center of the bounds, (m,)."""
-        points = np.ascontiguousarray((self.vertices - self.bounds.mean(axis=0)).T)
         # Coordinate by coordinate takes half the time of np.cross.
-        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (points[:, corner] for corner in self.faces.T)
+        corners = self._corners_by_coordinate(self.vertices - self.bounds.mean(axis=0))
+        (ax, ay, az), (bx, by, bz), (cx, cy, cz) = corners
         return (ax * (by * cz - bz * cy) + ay * (bz * cx - bx * cz) + az * (bx * cy - by * cx)) / 6.0
 
     @cached_property

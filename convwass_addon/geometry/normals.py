@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -22,7 +24,11 @@ def mean_directions(normals: NDArray[np.float64], corners: NDArray[np.int64]) ->
 
 def triangle_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return unit normals of triangles, (m, 3), from their corners, (m, 3, 3); zero for triangles without area."""
-    return unit_vectors(_doubled_area_normals(corners))
+    first, second, third = (np.ascontiguousarray(corners[:, corner].T) for corner in range(3))
+    x, y, z = _cross(second - first, third - first)
+    lengths = np.sqrt(x * x + y * y + z * z)
+    lengths[lengths == 0.0] = 1.0
+    return np.stack([x / lengths, y / lengths, z / lengths], axis=1)
 
 
 def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -36,12 +42,10 @@ def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDA
         Triangles.
     """
     first, second, third = np.ascontiguousarray(faces.T)
-    # Coordinate by coordinate takes two fifths of the time of np.cross, and gives the same numbers.
     columns = np.ascontiguousarray(vertices.T)
-    ux, uy, uz = (column[second] - column[first] for column in columns)
-    vx, vy, vz = (column[third] - column[first] for column in columns)
+    one, other = ([column[end] - column[first] for column in columns] for end in (second, third))
     corners, found = faces.ravel(), np.empty((len(vertices), 3))
-    for axis, doubled in enumerate((uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx)):
+    for axis, doubled in enumerate(_cross(one, other)):
         found[:, axis] = np.bincount(corners, np.repeat(doubled / 6.0, 3), len(vertices))
     return found
 
@@ -51,7 +55,12 @@ def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> N
     return unit_vectors(area_normals(vertices, faces))
 
 
-def _doubled_area_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return normals of triangles, (m, 3), with twice the area as length."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    return np.cross(b - a, c - a)
+def _cross(
+    first: Sequence[NDArray[np.float64]], second: Sequence[NDArray[np.float64]]
+) -> tuple[NDArray[np.float64], ...]:
+    """Return the coordinates of cross products, three arrays (m,), of vectors given by theirs.
+
+    This takes two fifths of the time of np.cross, and gives the same numbers.
+    """
+    (ux, uy, uz), (vx, vy, vz) = first, second
+    return uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx

@@ -61,20 +61,38 @@ def deformation_gradients(
     faces : (m, 3) int64
         Triangles.
     """
-    before, after = (_frames(points.take(faces, axis=0)) for points in (rest, moved))
-    longest = np.square(before).sum(axis=1).max(axis=1)
-    # The determinant of a frame is the squared area over its square root: area to the power of 3/2.
-    regular = np.linalg.det(before) > (_THIN * longest) ** 1.5
-    before[~regular] = after[~regular] = np.eye(3)
-    return after @ np.linalg.inv(before)
+    one, other, normal, doubled = _frames(rest, faces)
+    longest = np.maximum(np.square(one).sum(axis=0), np.square(other).sum(axis=0))
+    regular = doubled > _THIN * longest
+    doubled = np.where(regular, doubled, 1.0)
+    # The rows of the inverse of the matrix whose columns are both edges and the normal over the root of its length.
+    squared, rooted = doubled**2, doubled**1.5
+    rows = _cross(other, normal) / squared, _cross(normal, one) / squared, normal / rooted
+    moved_one, moved_other, moved_normal, moved_doubled = _frames(moved, faces)
+    columns = moved_one, moved_other, moved_normal / np.sqrt(np.where(moved_doubled > 0.0, moved_doubled, 1.0))
+    gradients = np.empty((len(faces), 3, 3))
+    for i in range(3):
+        for j in range(3):
+            gradients[:, i, j] = sum(column[i] * row[j] for column, row in zip(columns, rows, strict=True))
+    gradients[~regular] = np.eye(3)
+    return gradients
 
 
-def _frames(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return two edges and the scaled normal of every triangle as columns, (m, 3, 3)."""
-    one, other = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    normals = np.cross(one, other)
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    return np.stack([one, other, normals / np.sqrt(np.where(lengths > 0, lengths, 1.0))], axis=2)
+def _frames(points: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
+    """Return two edges of every triangle, (3, m), their cross product, (3, m), and its length, (m,)."""
+    # One contiguous array per coordinate, because NumPy is slow for many vectors of length three.
+    first, second, third = np.ascontiguousarray(faces.T)
+    columns = np.ascontiguousarray(points.T)
+    one = np.stack([column.take(second) - column.take(first) for column in columns])
+    other = np.stack([column.take(third) - column.take(first) for column in columns])
+    normal = _cross(one, other)
+    return one, other, normal, np.sqrt(np.square(normal).sum(axis=0))
+
+
+def _cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the cross products of vectors given by coordinates, (3, m)."""
+    (ux, uy, uz), (vx, vy, vz) = first, second
+    return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
 
 
 class PoissonDeformation:
