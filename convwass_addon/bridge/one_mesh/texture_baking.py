@@ -56,7 +56,7 @@ def baked_pixels(look: Look, channel: Channel, size: TextureSize, reach: float) 
     Returns
     -------
     (size, size, 4) float32
-        Linear values, rows from the bottom. Except for normals, alpha is 0 where there is no surface within reach.
+        Linear values, rows from the bottom; alpha is 0 where there is no surface within reach.
 
     Raises
     ------

@@ -100,41 +100,44 @@ class TextureJob:
                 self._looks.append(start_look(obj, prepared, scene, depsgraph))
             for slider in {"ALL": sliders, "START": [], "END": sliders[-1:]}[settings.texture_looks]:
                 self._looks.append(end_look(obj, slider, prepared, scene, depsgraph))
-            self._values = {channel: self._common_value(channel) for channel in VALUES}
+            self._values = {channel: [_value_of(look, channel) for look in self._looks] for channel in VALUES}
         except BaseException:
             self.discard()
             raise
         finally:
             bpy.data.meshes.remove(prepared)
 
-    def _common_value(self, channel: Channel) -> tuple[float, float, float] | None:
-        """Return a channel if it is the same on all shapes; None if it needs images."""
-        found = set()
-        for look in self._looks:
-            for material in _materials(look):
-                shown = shown_channel(material, channel)
-                found.add(shown.value)
-                bpy.data.batch_remove([shown.material, *shown.groups])
-        return found.pop() if len(found) == 1 else None
+    def _is_common(self, channel: Channel) -> bool:
+        """Return whether a channel is the same everywhere on all shapes."""
+        first = self._values[channel][0]
+        return first is not None and all(own == first for own in self._values[channel])
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Bake one image after the other."""
-        channels = [BASE_COLOR, *(own for own in VALUES[1:] if self._values[own] is None)]
+        channels = [BASE_COLOR, *(own for own in VALUES[1:] if not self._is_common(own))]
         if any(has_normals(_materials(look)) for look in self._looks):
             channels.append(NORMAL)
         done, count = 0, len(channels) * len(self._looks)
-        for look in self._looks:
+        for number, look in enumerate(self._looks):
             baked = _Baked()
             self._baked.append(baked)
             for channel in channels:
                 control.check()
                 values = {"channel": channel.name, "name": look.name}
                 yield Progress(done / count, Sentence("{channel} of {name}", values), None)
-                baked.pixels[channel] = self._pixels(look, channel, baked)
+                value = self._values[channel][number] if channel != NORMAL else None
+                if value is not None:
+                    baked.pixels[channel] = self._uniform(value)
+                else:
+                    baked.pixels[channel] = self._pixels(look, channel, baked)
                 done += 1
 
+    def _uniform(self, value: tuple[float, float, float]) -> NDArray[np.float32]:
+        size = self._settings.texture_size
+        return np.broadcast_to(np.array(value, np.float32), (size, size, 3))
+
     def _pixels(self, look: Look, channel: Channel, baked: _Baked) -> NDArray[np.float32]:
-        """Bake a channel; the first one decides how far every pixel has to reach."""
+        """Bake a channel; the first one that is baked decides how far every pixel has to reach."""
         size = TextureSize(self._settings.texture_size, self._settings.texture_samples, self._uv_map)
         if baked.attempt is None:
             found = self._first(look, channel, baked, size)
@@ -201,7 +204,7 @@ class TextureJob:
             raise ConvwassError("The mesh was deleted or changed during the baking; start again.")
         self.discard()
         made = {channel: self._images(obj.name, channel) for channel in self._baked[0].pixels}
-        constants = {own: ChannelImages((), value) for own, value in self._values.items() if own not in made}
+        constants = {own: ChannelImages((), values[0]) for own, values in self._values.items() if own not in made}
         sliders = [look.slider for look in self._looks]
         material = baked_material(f"{obj.name} Baked", constants | made, sliders, self._uv_map)
         material[BAKED] = True
@@ -239,6 +242,16 @@ class TextureJob:
         except RuntimeError as error:
             raise InputError("{file} could not be written.", file=str(file)) from error
         return file
+
+
+def _value_of(look: Look, channel: Channel) -> tuple[float, float, float] | None:
+    """Return a channel of a look if it is the same everywhere; None if it is not."""
+    found = set()
+    for material in _materials(look):
+        shown = shown_channel(material, channel)
+        found.add(shown.value)
+        bpy.data.batch_remove([shown.material, *shown.groups])
+    return found.pop() if len(found) == 1 else None
 
 
 def _materials(look: Look) -> list[bpy.types.Material | None]:
