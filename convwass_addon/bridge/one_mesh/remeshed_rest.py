@@ -10,13 +10,12 @@ import bpy
 import numpy as np
 
 from ...applications.one_mesh.remeshed_basis import adaptive_mesh, even_mesh
-from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ...progress import UNINTERRUPTED
-from ...sentence import Sentence
 from ..objects import frozen_copy, write_mesh
-from .rest_mesh import RestMesh
+from .carried_basis import carry_to_basis
+from .rest_mesh import RestMesh, at_rest
 
 _METHODS = {"EVEN": even_mesh, "ADAPTIVE": adaptive_mesh, "QUADS": even_mesh}
 
@@ -38,7 +37,10 @@ class RemeshedShape:
 
 
 def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: str, resolution: int) -> RemeshedShape:
-    """Make a new mesh of an object as it is seen in the scene; materials are kept.
+    """Make a new mesh of an object as it is seen in the scene.
+
+    It has the materials, UV maps, colors and vertex groups of the object. An armature and the modifiers after it are
+    kept; those after it must be hidden (`armature_last`).
 
     Parameters
     ----------
@@ -54,7 +56,8 @@ def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: 
     Raises
     ------
     InputError
-        As :func:`..objects.frozen_copy`, or the object encloses too little at this resolution.
+        As :func:`..objects.frozen_copy` and :func:`.rest_mesh.at_rest`, or the object encloses too little at this
+        resolution.
     """
     source = frozen_copy(obj, depsgraph)
     try:
@@ -62,13 +65,10 @@ def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: 
         polygons = Polygons.of_quads(shape) if kind == "QUADS" else Polygons.of_triangles(shape.faces)
         mesh = bpy.data.meshes.new(obj.name)
         write_mesh(mesh, shape, polygons)
-        _carry_materials(source, mesh)
+        carry_to_basis(source, mesh, shape, polygons)
     finally:
         bpy.data.meshes.remove(source)
-    lost = Sentence(
-        "The new mesh of {name} has its materials, but no UV maps, weights or armature.", {"name": obj.name}
-    )
-    return RemeshedShape(shape, RestMesh(mesh, shape.vertices, None, (), [lost]))
+    return RemeshedShape(shape, at_rest(obj, mesh, shape.vertices))
 
 
 def _triangles(mesh: bpy.types.Mesh) -> TriangleMesh:
@@ -78,17 +78,3 @@ def _triangles(mesh: bpy.types.Mesh) -> TriangleMesh:
     corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("vertices", corners)
     return TriangleMesh.from_arrays(points.reshape(-1, 3), corners.reshape(-1, 3))
-
-
-def _carry_materials(source: bpy.types.Mesh, mesh: bpy.types.Mesh) -> None:
-    """Give every face the material of the closest one."""
-    for material in source.materials:
-        mesh.materials.append(material)
-    if len(source.materials) < 2:
-        return
-    of_triangles = np.empty(len(source.loop_triangles), np.int32)
-    source.loop_triangles.foreach_get("material_index", of_triangles)
-    centers = np.empty(3 * len(mesh.polygons), np.float32)
-    mesh.polygons.foreach_get("center", centers)
-    closest = ClosestPointFinder(_triangles(source).corners).find(centers.reshape(-1, 3).astype(np.float64))
-    mesh.polygons.foreach_set("material_index", of_triangles[closest.triangles])

@@ -118,18 +118,59 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
     with _hidden(obj.modifiers[place]):
         mesh = _local_copy(obj, depsgraph) if before else obj.data.copy()
     try:
-        linear = _skinning(obj, obj.modifiers[place], mesh)
+        linear = _skinning(obj, obj.modifiers[place], mesh)[:, :3, :3]
     except InputError:
         bpy.data.meshes.remove(mesh)
         raise
-    if obj.modifiers[place].use_deform_preserve_volume and _is_posed(obj.modifiers[place].object):
-        notices.append(
-            Sentence(
-                "{name} is posed with Preserve Volume; at joints its keys are approximate. Use the rest pose.",
-                {"name": obj.name},
-            )
+    return RestMesh(mesh, seen, linear, kept, [*notices, *_approximate(obj, place)])
+
+
+def at_rest(obj: bpy.types.Object, mesh: bpy.types.Mesh, seen: NDArray[np.float64]) -> RestMesh:
+    """Undo the armature of an object on a mesh that shows the object as it is seen in the scene.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object; without an armature, the mesh is left as it is.
+    mesh : bpy.types.Mesh
+        Without users, in world space, with the vertex groups of the object. Its vertices are moved.
+    seen : (n, 3) float64
+        Its vertices.
+
+    Raises
+    ------
+    InputError
+        The pose flattens parts of the mesh. The mesh is removed.
+    """
+    place = armature_place(obj)
+    if place is None:
+        return RestMesh(mesh, seen, None, (), [])
+    try:
+        skinning = _skinning(obj, obj.modifiers[place], mesh)
+    except InputError:
+        bpy.data.meshes.remove(mesh)
+        raise
+    linear = skinning[:, :3, :3]
+    rest = np.linalg.solve(linear, (seen - skinning[:, :3, 3])[..., None])[..., 0]
+    mesh.vertices.foreach_set("co", rest.astype(np.float32).ravel())
+    if obj.matrix_world.is_negative:
+        mesh.flip_normals()
+    mesh.update()
+    kept = tuple(own.name for own in list(obj.modifiers)[place:])
+    return RestMesh(mesh, seen, linear, kept, _approximate(obj, place))
+
+
+def _approximate(obj: bpy.types.Object, place: int) -> list[Sentence]:
+    """Return a notice if the armature of an object, its modifier at `place`, does not blend transforms linearly."""
+    modifier = obj.modifiers[place]
+    if not (modifier.use_deform_preserve_volume and _is_posed(modifier.object)):
+        return []
+    return [
+        Sentence(
+            "{name} is posed with Preserve Volume; at joints its keys are approximate. Use the rest pose.",
+            {"name": obj.name},
         )
-    return RestMesh(mesh, seen, linear, kept, notices)
+    ]
 
 
 def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply: bool) -> bpy.types.Mesh:
@@ -158,10 +199,10 @@ def _hidden(modifier: bpy.types.Modifier) -> Iterator[None]:
 
 
 def _skinning(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy.types.Mesh) -> NDArray[np.float64]:
-    """Return the linear part of linear blend skinning in world space for every vertex, (n, 3, 3)."""
-    rig, own = modifier.object, np.array(obj.matrix_world, dtype=np.float64)[:3, :3]
+    """Return the transform from local to world space by linear blend skinning for every vertex, (n, 4, 4)."""
+    rig, own = modifier.object, np.array(obj.matrix_world, dtype=np.float64)
     bones = {
-        group.index: np.array(_bone_motion(rig, rig.pose.bones[group.name]), dtype=np.float64)[:3, :3]
+        group.index: np.array(_bone_motion(rig, rig.pose.bones[group.name]), dtype=np.float64)
         for group in obj.vertex_groups
         if group.name in rig.pose.bones and rig.data.bones[group.name].use_deform
     }
@@ -171,7 +212,7 @@ def _skinning(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy.typ
         total = sum(weight for weight, _ in weights)
         if total > 0.0:
             linear[vertex.index] = sum(weight / total * motion for weight, motion in weights) @ own
-    if (np.linalg.svd(linear, compute_uv=False)[:, -1] < _LEAST).any():
+    if (np.linalg.svd(linear[:, :3, :3], compute_uv=False)[:, -1] < _LEAST).any():
         raise InputError("The pose of {name} flattens parts of it; use the rest pose.", name=obj.name)
     return linear
 
