@@ -28,6 +28,8 @@ _SLACK = 0.95
 _AT_ONCE = 20
 # Half width of a change in cells. Its shapes are (radii, 13, 13, 13), one at the center and zero at the boundary.
 _REACH = 6
+# More than a grid has along an axis.
+_MOST_CELLS = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -88,37 +90,62 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int, eff
     int
         Number of handles removed; the number of components does not increase.
     """
-    left = excess
     own = _SHAPES[: effort.radii]
-    for places, shapes in ((_places, own[:_NARROW]), (_places, own), (_places_between, own)):
-        if left > 0:
-            left -= _removed(density, level, left, shapes, places(density, level, effort))
-    return excess - left
+    places = _places(density, level, effort)
+    narrow = _removed(density, level, excess, own[:_NARROW], places)
+    wide = between = _NOTHING
+    if narrow.count < excess:
+        if narrow.count:
+            wide = _removed(density, level, excess - narrow.count, own, _places(density, level, effort))
+        else:
+            # The density is as before, so that what was tried would fail again.
+            wide = _removed(density, level, excess, own[_NARROW:], places.chosen(~narrow.helpful))
+    left = excess - narrow.count - wide.count
+    if left > 0:
+        others = _places_between(density, level, effort)
+        between = _removed(density, level, left, own, others if left < excess else others.beyond(places))
+    return excess - left + between.count
+
+
+@dataclass(frozen=True)
+class _Removed:
+    """Number of removed handles, and which of the places would remove one if it could be changed alone."""
+
+    count: int
+    helpful: NDArray[np.bool_]
+
+
+_NOTHING = _Removed(0, np.zeros(0, bool))
 
 
 def _removed(
     density: NDArray[np.floating], level: float, excess: int, shapes: NDArray[np.float32], places: _Places
-) -> int:
+) -> _Removed:
     """Like `remove_handles`, with given shapes of changes at given places."""
     around = np.pad(density, _REACH)
     search = _Search(around, level, shapes)
     left = excess
     cells, wanted = places.cells, places.wanted
+    helpful = np.zeros(len(cells), bool)
     for start in range(0, len(cells), _AT_ONCE):
         batch = slice(start, start + _AT_ONCE)
-        left -= search.change(cells[batch], wanted[batch], left)
+        done = search.change(cells[batch], wanted[batch], left)
+        helpful[batch] = done.helpful
+        left -= done.count
         if left <= 0:
             break
-    density[...] = around[(slice(_REACH, -_REACH),) * 3]
-    return excess - left
+    if left < excess:
+        density[...] = around[(slice(_REACH, -_REACH),) * 3]
+    return _Removed(excess - left, helpful)
 
 
 @dataclass(frozen=True)
 class _Places:
-    """Cells, (n, 3), whose density may be changed, and their new densities, (n,)."""
+    """Cells, (n, 3), whose density may be changed, their new densities, (n,), and which of these are higher, (n,)."""
 
     cells: NDArray[np.int64]
     wanted: NDArray[np.floating]
+    is_raised: NDArray[np.bool_]
 
     @classmethod
     def of(
@@ -126,9 +153,22 @@ class _Places:
     ) -> _Places:
         """Lower the density at thin places and raise it in holes, at `most` of them, the nearest to the level first."""
         cells = np.concatenate([thin, holes])
-        wanted = np.repeat(np.array([LOWERED * level, RAISED * level], density.dtype), [len(thin), len(holes)])
+        is_raised = np.arange(len(cells)) >= len(thin)
+        wanted = np.where(is_raised, RAISED * level, LOWERED * level).astype(density.dtype)
         order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:most]
-        return cls(cells[order], wanted[order])
+        return cls(cells[order], wanted[order], is_raised[order])
+
+    def chosen(self, which: NDArray[np.bool_]) -> _Places:
+        """Return some of the places."""
+        return _Places(self.cells[which], self.wanted[which], self.is_raised[which])
+
+    def beyond(self, others: _Places) -> _Places:
+        """Return the places that are not among others."""
+        return self.chosen(~np.isin(self._keys(), others._keys()))
+
+    def _keys(self) -> NDArray[np.int64]:
+        """Return a number for every place that no other place has, (n,)."""
+        return 2 * np.ravel_multi_index(tuple(self.cells.T), (_MOST_CELLS,) * 3) + self.is_raised
 
 
 class _Search:
@@ -140,8 +180,8 @@ class _Search:
         self._inner = around[(slice(_REACH - 1, 1 - _REACH),) * 3]
         self._counts: dict[Callable[..., Pieces], int] = {}
 
-    def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> int:
-        """Try changes at cells, (n, 3), in turn; return the number of handles removed."""
+    def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> _Removed:
+        """Try changes at cells, (n, 3), in turn."""
         before = self._windows(cells)
         after = before[:, None] * self._factors(cells, wanted)
         gains = self._gains(before, after)
@@ -164,10 +204,12 @@ class _Search:
                 continue
             gone += int(gains[index, radii[index]])
             if gone >= most:
-                return gone
+                return _Removed(gone, useful)
             # Gains of overlapping changes have to be computed again.
             later[index + 1 :] |= np.abs(cells[index + 1 :] - cells[index]).max(axis=1) <= 2 * _REACH
-        return gone + self.change(cells[later], wanted[later], most - gone) if later.any() else gone
+        if later.any():
+            gone += self.change(cells[later], wanted[later], most - gone).count
+        return _Removed(gone, useful)
 
     def _applied(self, cell: NDArray[np.int64], wanted: NDArray[np.floating], radius: np.int64) -> bool:
         """Change the density at one cell, (1, 3), unless this splits a component or a hollow; return whether it did."""
