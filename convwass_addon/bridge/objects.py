@@ -163,16 +163,21 @@ def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons
         Faces to use instead of triangles.
     """
     polygons = polygons or Polygons.of_triangles(mesh.faces)
+    # Blender would number the edges in the order of a hash table; sorted ones compress better.
+    edges = polygons.edges
     mesh_data.clear_geometry()
     mesh_data.vertices.add(len(mesh.vertices))
+    mesh_data.edges.add(len(edges.vertices))
     mesh_data.loops.add(len(polygons.corners))
     mesh_data.polygons.add(len(polygons.starts))
     # Only contiguous arrays of exactly these types are copied in one operation; others are copied element by element.
     mesh_data.vertices.foreach_set("co", _short(mesh.vertices).ravel())
     mesh_data.loops.foreach_set("vertex_index", np.ascontiguousarray(polygons.corners, dtype=np.int32))
+    mesh_data.loops.foreach_set("edge_index", np.ascontiguousarray(edges.of_corners, dtype=np.int32))
+    mesh_data.edges.foreach_set("vertices", np.ascontiguousarray(edges.vertices, dtype=np.int32).ravel())
     mesh_data.polygons.foreach_set("loop_start", np.ascontiguousarray(polygons.starts, dtype=np.int32))
     mesh_data.shade_smooth()
-    mesh_data.update(calc_edges=True)
+    mesh_data.update()
 
 
 def _short(vertices: np.ndarray) -> np.ndarray:

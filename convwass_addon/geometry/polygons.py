@@ -14,6 +14,22 @@ from .quad_pairing import quad_pairs
 
 
 @dataclass(frozen=True)
+class PolygonEdges:
+    """The edges of polygonal faces.
+
+    Attributes
+    ----------
+    vertices : (e, 2) int64
+        Their ends, the smaller vertex first, in lexicographic order.
+    of_corners : (c,) int64
+        The edge from every corner of the faces to the next one.
+    """
+
+    vertices: NDArray[np.int64]
+    of_corners: NDArray[np.int64]
+
+
+@dataclass(frozen=True)
 class Polygons:
     """Polygonal faces of a mesh.
 
@@ -38,6 +54,15 @@ class Polygons:
         owners = np.empty(int(self.sources.max(initial=-1)) // 3 + 1, np.int64)
         owners[self.sources // 3] = np.repeat(np.arange(len(self.starts)), counts)
         return owners
+
+    @property
+    def edges(self) -> PolygonEdges:
+        """The edges, once each."""
+        following = np.arange(1, len(self.corners) + 1)
+        following[np.append(self.starts[1:], len(self.corners))[: len(self.starts)] - 1] = self.starts
+        ends = np.sort(np.stack([self.corners, self.corners[following]], axis=1), axis=1)
+        keys, of_corners = np.unique((ends[:, 0] << 32) | ends[:, 1], return_inverse=True)
+        return PolygonEdges(np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1), of_corners.reshape(-1))
 
     @classmethod
     def of_triangles(cls, faces: NDArray[np.int64]) -> Polygons:

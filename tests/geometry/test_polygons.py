@@ -42,6 +42,19 @@ def test_pairs_become_quads_and_others_only_if_well_shaped():
     assert listed(odd)[5] == (0, 2, 3)
 
 
+def test_edges_are_sorted_and_known_to_their_corners():
+    """A cube of quads and two triangles has twelve edges and a diagonal."""
+    polygons = Polygons.of_quads(TriangleMesh(CORNERS, np.concatenate([FACES[:10], FACES[10:][::-1]])))
+    cut = Polygons(np.append(polygons.corners[:20], FACES[10:].ravel()), np.array([0, 4, 8, 12, 16, 20, 23]), None)
+    edges = cut.edges
+    assert len(edges.vertices) == 13 and (edges.vertices[:, 0] < edges.vertices[:, 1]).all()
+    assert (np.diff(edges.vertices[:, 0] * 8 + edges.vertices[:, 1]) > 0).all()
+    for face, own in zip(listed(cut), np.split(edges.of_corners, cut.starts[1:]), strict=True):
+        ends = [tuple(sorted(pair)) for pair in zip(face, (*face[1:], face[0]), strict=True)]
+        assert [tuple(edges.vertices[edge]) for edge in own] == ends
+    assert (np.bincount(edges.of_corners) == 2).all()
+
+
 def test_neither_bent_nor_skewed_triangles_are_joined():
     bent = TriangleMesh.from_arrays([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0.2, 0.8, 0.9)], [(0, 1, 2), (2, 3, 0)])
     skewed = TriangleMesh.from_arrays([(0, 0, 0), (1, 0, 0), (5, 1, 0), (4, 1, 0)], [(0, 1, 2), (2, 3, 0)])
