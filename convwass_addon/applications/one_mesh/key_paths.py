@@ -27,6 +27,7 @@ from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
 from .guided_way import GuidedWay
 from .mirror_symmetry import MirrorSymmetry
+from .poor_maps import poor_map_error
 from .refined_samples import with_middles
 from .straight_pieces import Criterion, FittedPieces, StayNear, fitted_pieces
 from .volume_keeping import has_volume, with_even_volume
@@ -146,13 +147,9 @@ def key_paths(
     motion = yield from within(guided_motion(outward, names, pairs, settings, guides, control), 0.0, _GUIDED)
     for pair in pairs:
         if motion.pairs[pair].score < _LEAST_SCORE:
-            raise InputError(
-                "{first} and {second} match too poorly ({score:.0%}) for one mesh to take both shapes. "
-                "Add guides: corresponding points of both.",
-                first=names[0],
-                second=names[pair[1]],
-                score=motion.pairs[pair].score,
-            )
+            other = pair[1]
+            score = motion.pairs[pair].score
+            raise poor_map_error(outward[0], outward[other], (names[0], names[other]), score, control)
     return (yield from within(paths_along(motion, outward, names, demands, control), _GUIDED, 1.0))
 
 
