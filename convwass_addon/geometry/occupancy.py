@@ -100,7 +100,7 @@ def _axis_coverage(
     a, b = (axis + 1) % 3, (axis + 2) % 3
     sheared = np.stack(
         [
-            _RAYS * corners[..., a] - 0.5 + _NUDGE[0],
+            _RAYS * corners[..., a] + corners[..., b] - 0.5 + _NUDGE[0],
             _RAYS * corners[..., b] - 0.5 + _NUDGE[1],
             corners[..., axis],
         ],
@@ -115,7 +115,10 @@ def _axis_coverage(
     control.check()
     layer = np.floor(found.height).astype(np.int64)
     column, row = np.divmod(found.ray, rows)
-    voxel = (layer * shape[a] + column // _RAYS) * shape[b] + row // _RAYS
+    # Rows are shifted by a fraction of the distance between rays, so that the rays through a voxel meet a face at as
+    # many places as there are rays. A voxel is as long as a whole number of these shifts.
+    across = ((column + 0.5 - (row + 0.5) / _RAYS) // _RAYS).astype(np.int64)
+    voxel = (layer * shape[a] + across) * shape[b] + row // _RAYS
     plane = shape[a] * shape[b]
     step, above = found.step, found.step * (found.height - layer)
     # A change at some height fills the rest of its voxel and all voxels above.

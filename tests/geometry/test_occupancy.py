@@ -32,6 +32,14 @@ def test_closed_solids_keep_their_volume(mesh):
     assert filled.sum() == pytest.approx(mesh.volume, rel=5e-3)
 
 
+@pytest.mark.parametrize("thickness", [3.9, 4.13, 4.3])
+@pytest.mark.parametrize("axis", [0, 1, 2])
+def test_plates_along_the_grid_are_as_thick_as_they_are(axis, thickness):
+    """Faces that no ray of two axes sees at more than a few places."""
+    plate = box(np.roll((thickness, 14.3, 12.6), axis), (18.07, 15.91, 18.23))
+    assert occupancy(plate.corners, SHAPE).sum() == pytest.approx(plate.volume, rel=1.2e-2)
+
+
 def test_faces_on_cell_boundaries_are_exact():
     filled = occupancy(box((10, 12, 14), (20, 16, 18)).corners, SHAPE)
     expected = np.zeros(SHAPE)

@@ -173,7 +173,9 @@ def extract_surface(
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
     extracted = _mended(prepared, volume, shapes, settings, constraint)
-    shown = prepared.density > extracted.surface.level
+    # Repairs on a coarse grid may raise the level above all of the density that they started from.
+    level = min(extracted.surface.level, float(np.nextafter(prepared.density.max(), np.float32(0.0))))
+    shown = prepared.density > level
     lost = lost_parts(density[prepared.box], shown, _REACH * sigma).moved(prepared.low)
     return Extraction(prepared.placed(extracted.surface), {**extracted.record, "lost": lost.record()})
 
@@ -214,7 +216,7 @@ def _mended(
     held = int(np.count_nonzero((limited > level) != (mending.density > level)))
     if held:
         mending = mended_surface(limited, volume, most, constraint.effort)
-    return Extraction(_sized(mending, settings), {**mending.record(), "held": held})
+    return Extraction(_sized(mending, settings), {**mending.record(), "held": held, "held_share": held / volume})
 
 
 def _sized(mending: Mending, settings: MorphSettings) -> LevelSurface:

@@ -26,6 +26,9 @@ from .surface_steps import Chain, SurfaceSteps
 _ROUNDS = 3
 # A blend with no more cells than this limited by its neighbor is considered unchanged.
 _HELD = 2
+# Limits that concern more than this fraction of the volume spoil a blend: what they hold back is then taken from the
+# whole surface. On cracks of a ball that becomes a knot, they concern 0.9 to 6 %, on parts that appear up to 0.2 %.
+_MOST_HELD = 5e-3
 
 
 class BakeReview:
@@ -100,7 +103,8 @@ class Remaking:
     def _evened(self, chain: Chain, topology: SteadyTopology) -> Work[None]:
         """Limit the distances between successive blends of a chain, until one is within its limit anyway.
 
-        If none is, the jump would only move to the end of the chain, so all blends stay as they are.
+        If none is, the jump would only move to the end of the chain, so all blends stay as they are. They also do if
+        the limits change much more than a part that appears.
         """
         near = self._surfaces.get(chain.beside, chain.near)
         demands: dict[Blend, Demand] = {}
@@ -113,6 +117,8 @@ class Remaking:
             held = frame.record.get("held")
             if not isinstance(held, int) or held <= _HELD:
                 break
+            if frame.record["held_share"] > _MOST_HELD:
+                return
             demands[blend], near = demand, frame.mesh
             frames.append(frame)
             yield Progress(
