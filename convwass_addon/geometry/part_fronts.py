@@ -12,24 +12,35 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, gaussian_filter, label
 from skimage.graph import MCP_Geometric
 
+# Components of an intersection are large from this fraction of the largest one on.
+_LARGE = 0.05
 # Distances are smoothed and extended beyond a part by a Gaussian of this many cells, truncated at so many deviations.
 _BLUR, _TRUNCATE = 1.0, 3.0
 # Cells whose distances differ by less than this count as equally far.
 _LAYER = 0.5
 # Height where there is no part nearby.
 _FAR = np.float32(1e3)
-# A part is slender where it reaches this many times its width: not at all up to the first, fully from the second on.
-# Chosen by eye on a cup whose handle retracts and whose wall grows.
-_BROAD, _SLENDER = 2.0, 4.0
+# A part is slender where its solid fills less than the first fraction of the space around, and broad from the second
+# on; at a flat face, a half is filled. Around is within a Gaussian of so many cells, and at least of this fraction of
+# the longest side. Chosen by eye on a cup whose handle retracts while its wall grows, and on a ball to a knot.
+_SLENDER, _BROAD = 0.35, 0.5
+_AROUND, _ABOUT = 4.0, 1.0 / 16.0
 # Where it is not slender, a front is held back by this many cells.
 _HELD = 4.0
 
 
 def shared_core(solids: Sequence[NDArray[np.bool_]]) -> NDArray[np.bool_] | None:
-    """Return the largest component of the intersection of solids; None if they have nothing in common."""
+    """Return the large components of the intersection of solids; None if they have nothing in common.
+
+    Small ones, such as where two limbs cross, belong to the parts of the solids.
+    """
     common = np.logical_and.reduce(list(solids))
     names, count = label(common, np.ones((3,) * common.ndim))
-    return names == 1 + int(np.argmax(np.bincount(names.ravel())[1:])) if count else None
+    if not count:
+        return None
+    sizes = np.bincount(names.ravel())
+    sizes[0] = 0
+    return (sizes >= _LARGE * sizes.max())[names]
 
 
 @dataclass(frozen=True)
@@ -67,12 +78,14 @@ class PartFronts:
         depth : (nx, ny, nz)
             Signed distance to its surface in cells, positive inside; also (nx, ny).
         core : (nx, ny, nz) bool
-            A connected subset of it.
+            A subset of it.
         """
         measured = Along.of(depth, core)
         known = np.isfinite(measured.distance) & ~core
-        ratio = measured.reach[known] / np.maximum(measured.width[known], 1.0)
-        slender = np.clip((ratio - _BROAD) / (_SLENDER - _BROAD), 0.0, 1.0)
+        around = gaussian_filter(
+            (depth > 0.0).astype(np.float32), max(_AROUND, _ABOUT * max(depth.shape)), truncate=2.0
+        )
+        slender = np.clip((_BROAD - around[known]) / (_BROAD - _SLENDER), 0.0, 1.0)
         hold = np.zeros(depth.shape, np.float32)
         hold[known] = _HELD * (1.0 - slender)
         distance = np.where(known, measured.distance - np.float32(0.5), np.float32(0.0))
@@ -104,14 +117,10 @@ class Along:
         From the core along the part, in cells from center to center; zero in the core, infinite where no path leads.
     reach : (nx, ny, nz) float32
         The largest distance on any path from here along which distances increase.
-    width : (nx, ny, nz) float32
-        The largest depth on the path from the core, of those paths where it is smallest: half the width of a limb, and
-        the thickness of a layer.
     """
 
     distance: NDArray[np.float32]
     reach: NDArray[np.float32]
-    width: NDArray[np.float32]
 
     @classmethod
     def of(cls, depth: NDArray[np.floating], core: NDArray[np.bool_]) -> Along:
@@ -121,23 +130,18 @@ class Along:
         distance[core] = 0.0
         rim = core & binary_dilation(part, np.ones((3,) * core.ndim))
         if not rim.any():
-            return cls(distance, np.zeros_like(distance), np.zeros_like(distance))
+            return cls(distance, np.zeros_like(distance))
         paths = MCP_Geometric(np.where(part | rim, 1.0, np.inf), fully_connected=True)
         found, _ = paths.find_costs([tuple(cell) for cell in np.argwhere(rim)])
         distance[part] = found[part]
         around = np.pad(distance, 1, constant_values=np.inf)
-        flat, own = around.ravel(), np.pad(depth, 1).ravel()
+        flat = around.ravel()
         steps = np.ravel_multi_index(np.indices((3,) * core.ndim).reshape(core.ndim, -1), around.shape)
         steps = steps - steps[len(steps) // 2]
-        reach, width = np.zeros(flat.shape, np.float32), np.full(flat.shape, np.inf, np.float32)
-        layers = _layers(flat)
-        for layer in reversed(layers):
+        reach = np.zeros(flat.shape, np.float32)
+        for layer in reversed(_layers(flat)):
             reach[layer] = np.maximum(flat[layer], reach[layer[:, None] + steps].max(axis=1))
-        for layer in layers:
-            before = width[layer[:, None] + steps].min(axis=1)
-            width[layer] = np.maximum(own[layer], np.where(np.isfinite(before), before, 0.0))
-        inner = (slice(1, -1),) * core.ndim
-        return cls(distance, *(values.reshape(around.shape)[inner] for values in (reach, width)))
+        return cls(distance, reach.reshape(around.shape)[(slice(1, -1),) * core.ndim])
 
 
 def _layers(distances: NDArray[np.float32]) -> list[NDArray[np.int64]]:

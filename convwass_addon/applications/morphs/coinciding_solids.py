@@ -38,7 +38,7 @@ _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
 _AGREED = 0.5
 # Where solids disagree on less than the first fraction of the surface, the mean is used there, too; from the second
 # fraction on, the barycenter.
-_SMALL_REST, _LARGE_REST = 0.03, 0.06
+_SMALL_REST, _LARGE_REST = 0.12, 0.25
 # Solids coincide if they disagree on at most this fraction of the surface.
 _LEAST_REST = 1e-3
 
