@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+import json
+import struct
+
 import bpy
 import numpy as np
 import pytest
@@ -12,7 +15,8 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
+from convwass_addon.bridge.one_mesh.key_files import export_shape_keys
+from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.bridge.one_mesh.texture_job import TextureJob
 from convwass_addon.bridge.one_mesh.texture_looks import remember_shape
 from convwass_addon.errors import InputError
@@ -164,6 +168,29 @@ def test_normal_maps_and_light_are_baked(ball):
     np.testing.assert_allclose(np.median(pixels(normals), axis=(0, 1)), (0.75, 0.5, 0.933), atol=0.02)
 
 
+def test_mixed_shaders_and_groups_are_read(ball):
+    """A quarter of a red Diffuse BSDF and three quarters of a group with a green Principled BSDF of alpha 0.5."""
+    group = bpy.data.node_groups.new("Coat", "ShaderNodeTree")
+    group.interface.new_socket("Shader", in_out="OUTPUT", socket_type="NodeSocketShader")
+    coat, result = group.nodes.new("ShaderNodeBsdfPrincipled"), group.nodes.new("NodeGroupOutput")
+    color = group.nodes.new("ShaderNodeRGB")
+    color.outputs[0].default_value = (0.0, 1.0, 0.0, 1.0)
+    coat.inputs["Alpha"].default_value = 0.5
+    group.links.new(color.outputs[0], coat.inputs["Base Color"])
+    group.links.new(coat.outputs[0], result.inputs[0])
+    tree = ball.data.materials[0].node_tree
+    used, diffuse, mix = (tree.nodes.new(f"ShaderNode{kind}") for kind in ("Group", "BsdfDiffuse", "MixShader"))
+    used.node_tree = group
+    diffuse.inputs["Color"].default_value, mix.inputs[0].default_value = (1.0, 0.0, 0.0, 1.0), 0.75
+    tree.links.new(diffuse.outputs[0], mix.inputs[1])
+    tree.links.new(used.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    found = principled(baked(ball, texture_looks="START").material)
+    assert not found.inputs["Base Color"].is_linked and not found.inputs["Alpha"].is_linked
+    np.testing.assert_allclose(found.inputs["Base Color"].default_value[:3], (0.25, 0.75, 0.0), atol=1e-3)
+    assert found.inputs["Alpha"].default_value == pytest.approx(0.625, abs=1e-3)
+
+
 def test_baking_again_replaces_images_with_those_of_the_original_materials(ball):
     first = baked(ball)
     again = baked(ball, texture_looks="START")
@@ -176,6 +203,23 @@ def test_images_can_be_written_to_a_folder(ball, tmp_path):
     found = baked(ball, texture_folder=str(tmp_path / "textures"))
     assert sorted(file.name for file in (tmp_path / "textures").iterdir()) == sorted(file.name for file in found.files)
     assert len(found.files) == 2 and all(file.stat().st_size > 0 for file in found.files)
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_gltf_files_contain_the_images_of_a_single_look(ball, tmp_path):
+    texture = bpy.data.images.new("Dots", 4, 4)
+    texture.pixels.foreach_set(np.tile(np.array([1, 1, 1, 1, 0, 0, 0, 1], np.float32), 8))
+    node = ball.data.materials[0].node_tree.nodes.new("ShaderNodeTexImage")
+    node.image = texture
+    shader = principled(ball.data.materials[0])
+    node.id_data.links.new(node.outputs["Color"], shader.inputs["Base Color"])
+    baked(ball, texture_looks="START")
+    animate_sliders(ball, ["Large"], 1, 2)
+    (file,) = export_shape_keys(ball, tmp_path / "ball.glb")
+    data = file.read_bytes()
+    head = json.loads(data[20 : 20 + struct.unpack_from("<I", data, 12)[0]])
+    (material,) = head["materials"]
+    assert len(head["images"]) == 1 and "baseColorTexture" in material["pbrMetallicRoughness"]
 
 
 def test_what_cannot_be_baked_is_refused_and_leaves_nothing(ball, inventory):
