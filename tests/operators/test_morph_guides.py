@@ -194,5 +194,5 @@ def test_flat_shapes_take_no_guides(cubes):
     bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
     with pytest.raises(RuntimeError, match="Flat shapes do not support guides"):
         bpy.ops.convwass.morph_guides_from_names(kind="GROUPS")
-    assert bake(motion="GUIDED", flat_resolution=64) == {"FINISHED"}
+    assert bake(motion="TRANSPORT", flat_resolution=64) == {"FINISHED"}
     assert stored_guides() == []

@@ -121,7 +121,8 @@ class Window:
     def shift_click(self, x: float, y: float) -> Iterator[float]:
         """Move and click while Shift is held."""
         yield from self.move(x, y)
-        yield from self._input("keydown", "shift", "click", 1, "keyup", "shift")
+        for words in (("keydown", "shift"), ("click", 1), ("keyup", "shift")):
+            yield from self._input(*words)
 
     def drag(self, places: list[tuple[float, float]]) -> Iterator[float]:
         """Press the mouse at the first place, move through all others, and release it."""

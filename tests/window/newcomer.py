@@ -70,6 +70,7 @@ def _two_shapes(window: Window) -> Iterator[float]:
 def _select_both(window: Window) -> Iterator[float]:
     monkey, torus = bpy.data.objects["Suzanne"], bpy.data.objects["Torus"]
     yield from window.click(*window.on_screen(monkey.location))
+    yield from window.wait(monkey.select_get, 10, "a click selects an object")
     # A torus is empty in the middle.
     from_middle = torus.location.copy()
     from_middle.x += 1.0
@@ -83,7 +84,7 @@ def _bake(window: Window, clock: _Clock) -> Iterator[float]:
     progress = bpy.context.window_manager.convwass_progress
     yield from window.press("convwass.bake_morph")
     clock.took("the button Bake Morph is found and pressed")
-    yield from window.wait(lambda: len(_visible_meshes()) > 0 and len(bpy.data.meshes) > 2, 60, "a preview is shown")
+    yield from window.wait(lambda: len(_mesh_objects()) > 2, 60, "a preview is shown")
     clock.took("the first preview is seen")
     yield from window.picture("newcomer 2 preview")
     yield from window.wait(lambda: _morphs() and not progress.running, 900, "the bake ends")
@@ -120,5 +121,5 @@ def _morphs() -> list[bpy.types.Collection]:
     return [collection for collection in bpy.data.collections if "convwass_morph" in collection]
 
 
-def _visible_meshes() -> list[bpy.types.Object]:
-    return [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.visible_get()]
+def _mesh_objects() -> list[bpy.types.Object]:
+    return [obj for obj in bpy.data.objects if obj.type == "MESH"]
