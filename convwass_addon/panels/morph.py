@@ -12,6 +12,7 @@ from ..applications.memory import available_memory
 from ..applications.morphs.memory_needs import estimated_bytes
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_kinds import looks_flat
+from ..bridge.live.running import running_live
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.shape_sources import is_part, is_plain, shape_roots, shape_source
 from ..operators.morph_bake import CONVWASS_OT_bake_morph
@@ -144,7 +145,7 @@ def _draw_selection(
         text = iface_("{:d} selected objects: {:d} shapes").format(objects, len(shapes))
         box.label(text=text, icon="INFO", translate=False)
     if len(shapes) < 2:
-        box.label(text=_hint(settings.layout), icon="INFO", translate=False)
+        box.label(text=_hint(context, settings.layout), icon="INFO", translate=False)
         # After a bake, a frame is selected and the shapes are hidden.
         if active_morph(context) is not None:
             box.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
@@ -187,8 +188,10 @@ def _draw_memory(
     draw_wrapped(layout, context, text, icon)
 
 
-def _hint(layout: str) -> str:
+def _hint(context: bpy.types.Context, layout: str) -> str:
     """Return a hint how many shapes a layout requires, in the user's language."""
+    if context.window_manager.convwass_progress.running or running_live() is not None:
+        return iface_("The shapes are hidden meanwhile")
     if layout == "GRID":
         return iface_("Select four shapes")
     if layout == "TRIANGLE":

@@ -70,6 +70,15 @@ def test_an_empty_scene_shows_instructions():
     assert ("label", "Select at least two shapes") in draw_all()
 
 
+def test_nothing_is_to_be_selected_while_a_bake_hides_the_shapes():
+    progress = bpy.context.window_manager.convwass_progress
+    progress.running = True
+    drawn = draw(bpy.types.CONVWASS_PT_morph)
+    progress.running = False
+    assert ("label", "The shapes are hidden meanwhile") in drawn
+    assert "Select at least" not in " ".join(text for _, text in drawn)
+
+
 @pytest.mark.parametrize(("layout", "wanted"), {"GRID": "four", "TRIANGLE": "three", "BLEND": "at least two"}.items())
 def test_without_a_selection_the_number_of_shapes_for_the_layout_is_shown(layout, wanted):
     settings().layout = layout

@@ -74,9 +74,8 @@ def _live(window: Window) -> Iterator[float]:
     yield from live._seen_from_the_front(window)
     live._value().morph = 0.35
     yield from window.wait(lambda: str(live._session().message) == "Ready", 300, "the blends are ready")
-    yield 1.0
-    yield from _shot(window, "live")
     yield from window.into_view()
+    yield from _shot(window, "live")
     yield from window.key("Escape")
     yield 1.0
 
@@ -94,7 +93,8 @@ def _morph(window: Window) -> Iterator[float]:
     bpy.context.scene.frame_set(13)
     yield from window.press("convwass.bake_morph")
     progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: progress.fraction > 0.25 or not progress.running, 300, "the bake gets on")
+    yield from window.wait(lambda: progress.fraction > 0.7 or not progress.running, 300, "the bake gets on")
+    yield from window.into_view()
     yield from _shot(window, "baking")
     yield from window.wait(lambda: _morphs() and not progress.running, 600, "the bake ends")
     bpy.context.scene.frame_set(13)
