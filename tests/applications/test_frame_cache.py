@@ -40,9 +40,9 @@ def solved(monkeypatch):
     """The runs that were really computed, as a list of their first frames."""
     found = []
 
-    def in_threads(problem, runs, control, workers, real=bake_plan.runs_in_threads):
+    def in_threads(problem, runs, *arguments, real=bake_plan.runs_in_threads):
         found.extend(run[0].frame for run in runs.values())
-        return real(problem, runs, control, workers)
+        return real(problem, runs, *arguments)
 
     monkeypatch.setattr(bake_plan, "runs_in_threads", in_threads)
     return found
