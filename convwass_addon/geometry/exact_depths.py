@@ -23,7 +23,7 @@ def exact_depths(depth: NDArray[np.floating], cells: NDArray[np.int64]) -> NDArr
     ----------
     depth : (nx, ny, nz)
         Signed distance to the surface in cells, positive inside. It is smooth next to the surface; further away, only
-        its sign is used. Also (nx, ny).
+        its sign is used, and its largest magnitude, where distances end. Also (nx, ny).
     cells : (n,) int64
         Indices of cells in the flattened grid.
 
@@ -44,6 +44,7 @@ def exact_depths(depth: NDArray[np.floating], cells: NDArray[np.int64]) -> NDArr
     # The foot of the perpendicular is somewhere beside the nearest sample.
     from_plane = np.abs(((places - surface[nearest]) * normals[nearest]).sum(axis=1))
     away = np.maximum(from_plane, np.sqrt(np.maximum(away**2 - _BESIDE**2, 0.0)))
+    away = np.minimum(away, np.abs(depth).max())
     return np.copysign(away, depth.ravel()[cells]).astype(np.float32)
 
 

@@ -13,7 +13,7 @@ def test_distances_from_a_ball_are_exact_from_its_signs_and_the_cells_next_to_it
     center, radius = np.array(shape) / 2.0 + 0.3, 10.4
     cells = np.stack(np.meshgrid(*[np.arange(n) + 0.0 for n in shape], indexing="ij"), axis=-1)
     true = radius - np.linalg.norm(cells - center, axis=-1)
-    rough = np.where(np.abs(true) < 1.6, true, 1.6 * np.sign(true)).astype(np.float32)
+    rough = np.where(np.abs(true) < 1.6, true, 9.0 * np.sign(true)).astype(np.float32)
     chosen = np.flatnonzero((np.abs(true) > 1.6) & (np.abs(true) < 8.0))
     assert np.abs(exact_depths(rough, chosen) - true.ravel()[chosen]).max() < 0.1
 
@@ -33,3 +33,11 @@ def test_next_to_an_edge_distances_are_those_to_the_edge():
 def test_without_a_surface_distances_stay_as_they_are():
     empty = np.full((8, 8, 8), -3.0)
     assert exact_depths(empty, np.array([5, 100])) == pytest.approx([-3.0, -3.0])
+
+
+def test_distances_end_where_those_of_the_grid_end():
+    """A clipped distance keeps parts whose counterpart is far away."""
+    cells = np.arange(60.0)
+    depth = np.clip(np.broadcast_to(10.3 - cells, (8, 60)), -12.0, 12.0)
+    found = exact_depths(depth, np.array([np.ravel_multi_index((4, x), depth.shape) for x in (18, 50)]))
+    assert found == pytest.approx([-7.7, -12.0], abs=0.05)
