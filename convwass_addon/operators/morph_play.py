@@ -13,8 +13,9 @@ from ..bridge.morphs.pad_velocity import handle_velocity, key_handle_velocity
 from ..bridge.morphs.player import build_player, is_player, require_path, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
-from ..bridge.morphs.stored import frame_objects
+from ..bridge.morphs.stored import frame_objects, is_solid
 from ..bridge.mouse_progress import progress_at_mouse
+from ..bridge.openvdb_module import openvdb_module
 from ..errors import ConvwassError
 from ..progress import Result, Work, drained, watched
 from ..properties.from_schema import property_of, values_of, with_properties
@@ -29,6 +30,15 @@ def _with_cursor(work: Work[Result]) -> Result:
     """Do all of some work, and show at the mouse how far it is."""
     with progress_at_mouse() as show:
         return drained(watched(work, lambda report: show(report.fraction)))
+
+
+def _fitting_between(operator: bpy.types.Operator, morph: bpy.types.Collection) -> str:
+    """Return what this Blender can show between two blends, with a warning if it cannot interpolate."""
+    if operator.between == "INTERPOLATED" and is_solid(morph) and openvdb_module() is None:
+        text = rpt_("The nearest blend is shown; interpolation requires OpenVDB for Python, which this Blender lacks")
+        operator.report({"WARNING"}, text)
+        return "NEAREST"
+    return operator.between
 
 
 class _OnPlayedMorph(OnActiveMorph):
@@ -81,7 +91,7 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
         require_no_drawings(morph)
         require_path(morph)
         turn_into_meshes(morph)
-        work = build_player(morph, playback=self.playback, easing=self.easing, between=self.between)
+        work = build_player(morph, playback=self.playback, easing=self.easing, between=_fitting_between(self, morph))
         return _with_cursor(work)
 
 
@@ -214,7 +224,7 @@ class CONVWASS_OT_make_blend_pad(_OnPlayedMorph, bpy.types.Operator):
         require_no_drawings(morph)
         require_sheet(morph)
         turn_into_meshes(morph)
-        return _with_cursor(build_blend_pad(morph, between=self.between)).handle
+        return _with_cursor(build_blend_pad(morph, between=_fitting_between(self, morph))).handle
 
 
 class CONVWASS_OT_remove_player(_OnPlayedMorph, bpy.types.Operator):

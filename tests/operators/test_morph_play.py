@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import bpy
 import numpy as np
 import pytest
@@ -37,6 +39,15 @@ def path(empty_scene):
     add_shapes(2)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=32)
     return bpy.context.object.users_collection[0]
+
+
+def test_without_openvdb_a_player_shows_the_nearest_blend(path, monkeypatch, capfd):
+    monkeypatch.setitem(sys.modules, "openvdb", None)
+    assert bpy.ops.convwass.make_player() == {"FINISHED"}
+    assert is_player(bpy.context.object)
+    assert "lacks" in capfd.readouterr().out
+    # It needs no fields.
+    assert not any(mesh.name.endswith("Fields") for mesh in bpy.data.meshes)
 
 
 @pytest.fixture

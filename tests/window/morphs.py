@@ -138,6 +138,8 @@ def _plays(window: Window) -> Iterator[float]:
     _settings().resolution, _settings().frames = 48, 12
     yield from _baked(window)
     yield from window.press("convwass.make_player")
+    yield 1.0
+    assert bpy.context.object.name.endswith("Player"), "the button makes no player"
     yield from window.picture("6 player")
     window.say("a player is made by its button")
 
