@@ -29,6 +29,10 @@ from .texture_uvs import baked_uv_map, loop_uvs, texture_pixels
 # Distances between mesh and shape that are tried one after the other: multiples of the typical distance, and at least
 # fractions of the diagonal.
 _REACHES = ((3.0, 0.002), (12.0, 0.01), (48.0, 0.05))
+# Width of the margin around islands relative to the image: mipmaps of 1/32 of the size do not show what is beyond.
+_MARGIN = 1.0 / 64.0
+# What is beyond it, instead of the mean.
+_AROUND = {NORMAL: NORMAL.default}
 # A further distance is tried, and in the end a notice given, if more than this share of the texture has no surface.
 _MISSED = 0.001
 
@@ -57,10 +61,23 @@ class BakedTextures:
 
 @dataclass
 class _Baked:
-    """What has been baked of a look: how far each pixel had to reach, -1 where there is nothing, and its channels."""
+    """What has been baked of a look.
+
+    Attributes
+    ----------
+    reaches : list of float
+        The distances that were tried.
+    attempt : (size, size) int64
+        The index among them at which each pixel found the shape; -1 where there is nothing.
+    shown : (size, size) bool
+        Whether a face covers the pixel.
+    pixels : dict of Channel to (size, size, 3) float32
+        The channels.
+    """
 
     reaches: list[float] = field(default_factory=list)
     attempt: NDArray[np.int64] | None = None
+    shown: NDArray[np.bool_] | None = None
     pixels: dict[Channel, NDArray[np.float32]] = field(default_factory=dict)
 
 
@@ -146,7 +163,8 @@ class TextureJob:
             for number, reach in enumerate(baked.reaches):
                 own = baked_pixels(look, channel, size, reach)[..., :3]
                 found[baked.attempt == number] = own[baked.attempt == number]
-        return _filled(found, baked.attempt >= 0)
+        known = baked.attempt >= 0
+        return _filled(found, known, baked.shown, _AROUND.get(channel))
 
     def _first(self, look: Look, channel: Channel, baked: _Baked, size: TextureSize) -> NDArray[np.float32]:
         found = np.zeros((size.pixels, size.pixels, 3), np.float32)
@@ -157,7 +175,8 @@ class TextureJob:
         shown = np.zeros(size.pixels**2, dtype=bool)
         shown[texture_pixels(mesh, self._uv_map, size.pixels).places] = True
         # Cycles treats borders of islands slightly differently.
-        inside = binary_erosion(shown.reshape(size.pixels, size.pixels))
+        baked.shown = shown.reshape(size.pixels, size.pixels)
+        inside = binary_erosion(baked.shown)
         for number, reach in enumerate(self._reaches(look, mesh)):
             own = baked_pixels(look, channel, size, reach)
             new = (own[..., 3] > 0.0) & (baked.attempt < 0)
@@ -301,12 +320,22 @@ def _wear(mesh: bpy.types.Mesh, material: bpy.types.Material, uv_map: str, uvs: 
     mesh.update()
 
 
-def _filled(pixels: NDArray[np.float32], known: NDArray[np.bool_]) -> NDArray[np.float32]:
-    """Give pixels that are not known the value of the closest one that is, so that no seam shows in small mipmaps."""
+def _filled(
+    pixels: NDArray[np.float32],
+    known: NDArray[np.bool_],
+    shown: NDArray[np.bool_],
+    around: tuple[float, float, float] | None,
+) -> NDArray[np.float32]:
+    """Give unknown pixels of faces and of the margin around them the closest known value, and others `around`.
+
+    By default, `around` is the mean of the known values, which is no seam even in the smallest mipmaps.
+    """
     if known.all() or not known.any():
         return pixels
-    rows, columns = distance_transform_edt(~known, return_distances=False, return_indices=True)
-    return pixels[rows, columns]
+    distances, (rows, columns) = distance_transform_edt(~known, return_indices=True)
+    near = shown | (distances <= max(1.0, _MARGIN * len(pixels)))
+    beyond = pixels[known].mean(axis=0) if around is None else np.array(around, np.float32)
+    return np.where(near[..., None], pixels[rows, columns], beyond)
 
 
 def _image(name: str, pixels: NDArray[np.float32], channel: Channel) -> bpy.types.Image:
