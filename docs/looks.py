@@ -53,9 +53,9 @@ def _row(looks: str, cells: int, folder: Path) -> Image.Image:
     """Bake five frames from one animal to the other, and render them; all rows share the solved blends."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     horse, cow = finer(sample_shape("horse"), 1), finer(sample_shape("cow"), 1)
-    _dress(horse, _spotted())
-    _unwrap(cow)
-    _dress(cow, _quilted())
+    dress(horse, spotted())
+    unwrap(cow)
+    dress(cow, quilted())
     bpy.context.view_layer.update()
     settings, depsgraph = MorphSettings(cells), bpy.context.evaluated_depsgraph_get()
     job = MorphJob(bpy.context.scene, depsgraph, [horse, cow], path_blends(2, 4), settings, {"looks": looks}, 1)
@@ -68,13 +68,14 @@ def _row(looks: str, cells: int, folder: Path) -> Image.Image:
         return picture.convert("RGB").crop(shown)
 
 
-def _dress(obj: bpy.types.Object, material: bpy.types.Material) -> None:
+def dress(obj: bpy.types.Object, material: bpy.types.Material) -> None:
+    """Give a shape a single material and smooth shading."""
     obj.data.shade_smooth()
     obj.data.materials.clear()
     obj.data.materials.append(material)
 
 
-def _unwrap(obj: bpy.types.Object) -> None:
+def unwrap(obj: bpy.types.Object) -> None:
     """Unwrap a shape into a few dozen islands."""
     bpy.context.view_layer.objects.active = obj
     bpy.ops.object.mode_set(mode="EDIT")
@@ -91,7 +92,7 @@ def _material(name: str) -> tuple[bpy.types.Material, bpy.types.NodeTree, bpy.ty
     return material, material.node_tree, shader
 
 
-def _spotted() -> bpy.types.Material:
+def spotted() -> bpy.types.Material:
     """Return the coat of a giraffe, with raised spots, in object coordinates."""
     material, tree, shader = _material("Giraffe")
     place, cells = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeTexVoronoi")
@@ -110,7 +111,7 @@ def _spotted() -> bpy.types.Material:
     return material
 
 
-def _quilted() -> bpy.types.Material:
+def quilted() -> bpy.types.Material:
     """Return a cloth of blue and white squares with seams, as an image with a normal map."""
     material, tree, shader = _material("Quilt")
     size, squares = 2048, 40
