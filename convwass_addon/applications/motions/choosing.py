@@ -45,6 +45,8 @@ class MotionChoice:
         Score of the worst map between two shapes, 0 to 1, if there is one.
     failure : str
         Message of the error, if one occurred.
+    turned : float
+        Largest angle in degrees by which a shape was turned about the vertical axis to be mapped to another.
     """
 
     kind: str
@@ -52,10 +54,11 @@ class MotionChoice:
     motion: Motion | None = field(default=None, repr=False)
     score: float | None = None
     failure: str = ""
+    turned: float = 0.0
 
     def record(self) -> dict[str, object]:
         """Return the description of the motion for the record of every frame, ready for JSON."""
-        known = {"score": self.score, "failure": self.failure or None}
+        known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
 
@@ -73,7 +76,7 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
         return MotionChoice("warp", "ASKED", (yield from _warp(request, control)))
     if request.kind == "guided":
         guided = yield from _guided(request, control)
-        return MotionChoice("guided", "ASKED", guided, _score(guided))
+        return MotionChoice("guided", "ASKED", guided, _score(guided), turned=_turned(guided))
     if not request.guides and all(
         is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume) for shape in request.shapes
     ):
@@ -94,7 +97,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         failure = str(error)
     score = None if guided is None else _score(guided)
     if guided is not None and score >= _TRUSTED:
-        return MotionChoice("guided", "FITS", guided, score)
+        return MotionChoice("guided", "FITS", guided, score, turned=_turned(guided))
     doubted = guided is not None and score >= _DOUBTED
     try:
         if doubted:
@@ -108,7 +111,8 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "FAILED", None, score, failure or str(error))
     kind = "combined" if doubted else "warp"
-    return MotionChoice(kind, "FAILED" if guided is None else "UNLIKE", motion, score, failure)
+    turned = _turned(guided) if doubted else 0.0
+    return MotionChoice(kind, "FAILED" if guided is None else "UNLIKE", motion, score, failure, turned)
 
 
 def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:
@@ -123,3 +127,8 @@ def _warp(request: MotionRequest, control: Control) -> Work[WarpMotion]:
 def _score(guided: GuidedMotion) -> float:
     """Return the score of the worst map between two shapes."""
     return min(pair.score for pair in guided.pairs.values())
+
+
+def _turned(guided: GuidedMotion) -> float:
+    """Return the largest angle in degrees by which a shape was turned to be mapped."""
+    return max(abs(pair.turn) for pair in guided.pairs.values())

@@ -24,23 +24,19 @@ from ...geometry.mutual_alignment import Correspondence, mutual_poses
 from ...geometry.rotation_fields import rotation_matrices
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
-from ..soft_maps.soft_map_settings import SoftMapSettings
-from ..soft_maps.surface_maps import PointMap
 from ..workers import both_ways, one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
-from .laid_meshes import Laid
 from .map_quality import MapQuality, map_quality
+from .mapped_pairs import MappedPair, mapped_pair, registering
 from .motion import MovedShape
-from .pair_maps import PairMap, pair_map
-from .pair_registration import grown_pair, laid_on_each_other
 from .shape_deformations import ShapeDeformation, split_deformation
 
 # Least weight of a point in the rigid alignment, even if its map is not trusted at all.
 _LEAST_TRUST = 0.01
-# Fractions of the work on a pair after the grown registration, after solving the map, and after the registration.
-_GROWN, _MAPPED, _LAID = 0.2, 0.6, 0.9
+# Fraction of the work on a pair after the registration.
+_LAID = 0.9
 
 
 @dataclass(frozen=True)
@@ -58,6 +54,8 @@ class GuidedPair:
         confidence instead.
     score_without : float or None
         Score of the map without guides, if there are guides.
+    turn : float
+        Angle in degrees by which one shape was turned about the vertical axis before they were registered.
     """
 
     quality: MapQuality
@@ -65,11 +63,13 @@ class GuidedPair:
     followed: int
     score: float
     score_without: float | None
+    turn: float = 0.0
 
     def record(self) -> dict[str, object]:
         """Return the figures, ready for JSON."""
         guides = {"given": self.guides, "followed": self.followed, "score_without": self.score_without}
-        return {"score": self.score, **self.quality.as_dict(), **({"guides": guides} if self.guides else {})}
+        turned = {"turned": round(self.turn)} if self.turn else {}
+        return {"score": self.score, **self.quality.as_dict(), **turned, **({"guides": guides} if self.guides else {})}
 
 
 @dataclass(frozen=True)
@@ -249,50 +249,28 @@ def guided_motion(
         marked = guide_pairs(guides, *ordered)
         places = np.stack([one.places(marked[:, 0]), other.places(marked[:, 1])], axis=1)
         begin, end = (0.05 + 0.95 * share / len(wanted) for share in (number, number + 1))
-        there, back, found = yield from within(_deformed(one, other, places, settings, control), begin, end)
+        there, back, best = yield from within(_deformed(one, other, places, settings, control), begin, end)
         deformations[ordered], deformations[ordered[::-1]] = there, back
         quality = map_quality(one, other, there, back).or_worse(map_quality(other, one, back, there))
+        found = best.map
         score = max(found.score, quality.confidence) if quality.is_beyond_doubt else found.score
-        known[pair] = GuidedPair(quality, found.guides, len(found.pairs), score, found.score_without)
+        known[pair] = GuidedPair(quality, found.guides, len(found.pairs), score, found.score_without, best.turn)
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 
 
 def _deformed(
     one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
-) -> Work[tuple[ShapeDeformation, ShapeDeformation, PairMap]]:
+) -> Work[tuple[ShapeDeformation, ShapeDeformation, MappedPair]]:
     """Deform two shapes to match each other."""
-    message = Sentence("Registering {first} to {second}", {"first": one.name, "second": other.name})
-    yield Progress(0.0, message)
-    with one_blas_thread():
-        grown = None if len(pairs) else grown_pair((one, other), control)
-    yield Progress(_GROWN, message)
-    found, starts = PairMap.none(), None
-    if grown is None or not grown.fits:
-        map_settings = SoftMapSettings(vertices=settings.map_vertices)
-        found = yield from within(pair_map(one, other, pairs, map_settings, control), _GROWN, _MAPPED)
-        starts = (_start(one, other, found.found.forward), _start(other, one, found.found.backward))
-    yield Progress(_MAPPED, message)
-    with one_blas_thread():
-        laid = laid_on_each_other((one, other), starts, found.pairs, grown, control)
-    yield Progress(_LAID, message)
+    best = yield from within(mapped_pair(one, other, pairs, settings, control), 0.0, _LAID)
+    yield Progress(_LAID, registering(one, other))
     with one_blas_thread():
         # The samples of both shapes are needed for both directions.
         both_ways(lambda k: (one, other)[k].samples)
-        there = split_deformation(one, other, laid.first, None, control)
-        back = split_deformation(other, one, laid.second, there, control)
-    if laid.is_grown:
-        shares = [carrier.mesh.vertex_areas / carrier.mesh.area for carrier in (one, other)]
-        trust = [float(share @ own.trust) for share, own in zip(shares, (laid.first, laid.second), strict=True)]
-        found = replace(found, score=min(trust))
-    return there, back, found
-
-
-def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
-    """Return the registration's start: mapped positions of a shape's vertices, with confidences."""
-    places = np.where(points.found[:, None], points.positions(target.mesh), source.mesh.vertices)
-    # Mapped points need some weight, even those without confidence.
-    return Laid(places, np.where(points.found, np.maximum(points.confidence.astype(np.float64), 1e-6), 0.0))
+        there = split_deformation(one, other, best.laid.first, None, control)
+        back = split_deformation(other, one, best.laid.second, there, control)
+    return there, back, best
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:

@@ -17,8 +17,8 @@ BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
 SHAPES = (BARBELL, ball(2.0, points=40))
 
 
-def guided_with(score):
-    return SimpleNamespace(pairs={(0, 1): SimpleNamespace(score=score)})
+def guided_with(score, turn=0.0):
+    return SimpleNamespace(pairs={(0, 1): SimpleNamespace(score=score, turn=turn)})
 
 
 def work_of(outcome):
@@ -53,6 +53,11 @@ def test_automatic_follows_the_score_of_the_map(motions, score, kind):
     found = choice()
     assert (found.kind, found.score) == (kind, score)
     assert found.reason == ("FITS" if kind == "guided" else "UNLIKE")
+
+
+def test_the_record_says_by_how_much_shapes_were_turned(motions):
+    motions(guided_with(0.95, turn=-90.0))
+    assert choice().record()["turned"] == 90
 
 
 def test_automatic_warps_without_a_map(motions):

@@ -1,0 +1,65 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find how far an upright shape is turned about the vertical axis relative to another one."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from .mesh import TriangleMesh
+from .normals import vertex_normals
+from .rotation_fields import rotation_matrices
+
+# Number of turns tried, and number of vertices of each shape that are compared.
+_TURNS, _SAMPLES = 12, 1000
+# Length in sizes of the surface that the difference of unit normals counts as.
+_NORMALS = 0.2
+# A turn is needed if it leaves at most this fraction of the distance that the shapes have as they stand. Between the
+# benchmark's tuned pairs, which all face the same way, the best turn leaves .91 or more; between a horse and a cow
+# turned by 180 degrees .79, and after 90 degrees .30 to .83 for bodies that are longer than wide.
+_CLEARLY = 0.87
+
+
+def upright_turn(source: TriangleMesh, target: TriangleMesh) -> NDArray[np.float64] | None:
+    """Return the rotation about the z axis that makes one shape face like another.
+
+    Parameters
+    ----------
+    source, target : TriangleMesh
+        Oriented outward; compared with centers and sizes made equal.
+
+    Returns
+    -------
+    (3, 3) float64 or None
+        A multiple of 30 degrees; None if no turn brings the shapes clearly closer to each other.
+    """
+    angles = 2.0 * np.pi * np.arange(_TURNS) / _TURNS
+    turns = rotation_matrices(angles[:, None] * np.array([0.0, 0.0, 1.0]))
+    apart = distances_after(source, target, turns)
+    best = int(apart.argmin())
+    return turns[best] if apart[best] < _CLEARLY * apart[0] else None
+
+
+def distances_after(source: TriangleMesh, target: TriangleMesh, turns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the mean distance of two shapes, both ways, after turns of the first one, (k, 3, 3), in sizes, (k,)."""
+    points, normals, areas = _samples(source)
+    others, facing, shares = _samples(target)
+    there = cKDTree(np.hstack([others, _NORMALS * facing]))
+    found = []
+    for turn in turns:
+        turned = np.hstack([points @ turn.T, _NORMALS * normals @ turn.T])
+        ahead, back = there.query(turned)[0], cKDTree(turned).query(there.data)[0]
+        found.append(0.5 * (areas @ ahead + shares @ back))
+    return np.array(found)
+
+
+def _samples(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return some vertices about the center in sizes of the surface, their normals, and their shares of the area."""
+    used = np.unique(mesh.faces)
+    chosen = used[:: max(len(used) // _SAMPLES, 1)]
+    areas = mesh.vertex_areas
+    middle = areas @ mesh.vertices / areas.sum()
+    points = (mesh.vertices[chosen] - middle) / np.sqrt(mesh.area)
+    return points, vertex_normals(mesh.vertices, mesh.faces)[chosen], areas[chosen] / areas[chosen].sum()

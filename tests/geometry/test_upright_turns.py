@@ -1,0 +1,32 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.rotation_fields import rotation_matrices
+from convwass_addon.geometry.upright_turns import upright_turn
+from tests.shapes import ball, joined
+
+# A body with a head at one end.
+ANIMAL = joined(ball(1.0, points=300), ball(0.8, (1.5, 0.0, 0.0), 300), ball(0.5, (2.6, 0.0, 0.9), 300))
+
+
+def about_z(degrees):
+    return rotation_matrices(np.radians([[0.0, 0.0, degrees]]))[0]
+
+
+@pytest.mark.parametrize("degrees", [90.0, 180.0, -120.0])
+def test_the_turn_of_a_moved_and_scaled_copy_is_found(degrees):
+    turned = TriangleMesh(3.0 * ANIMAL.vertices @ about_z(degrees).T + np.array((5.0, -2.0, 1.0)), ANIMAL.faces)
+    assert np.allclose(upright_turn(ANIMAL, turned), about_z(degrees), atol=1e-12)
+    assert np.allclose(upright_turn(turned, ANIMAL), about_z(-degrees), atol=1e-12)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 10.0])
+def test_shapes_that_face_nearly_the_same_way_need_no_turn(degrees):
+    assert upright_turn(ANIMAL, TriangleMesh(ANIMAL.vertices @ about_z(degrees).T, ANIMAL.faces)) is None
+
+
+def test_a_shape_that_looks_alike_from_all_sides_needs_no_turn():
+    assert upright_turn(ANIMAL, ball(1.0, points=400)) is None
