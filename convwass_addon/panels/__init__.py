@@ -21,7 +21,7 @@ from . import (
     soft_maps,
 )
 
-MODULES = (progress, morph, morph_guides, live, baked, one_mesh, densities, soft_maps, armatures, recolor, light)
+MODULES = (progress, morph, morph_guides, baked, one_mesh, live, densities, soft_maps, armatures, recolor, light)
 """In drawing order, from the top."""
 
 _register_classes, _unregister_classes = bpy.utils.register_classes_factory(

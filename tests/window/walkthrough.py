@@ -98,7 +98,7 @@ def _morph(window: Window) -> Iterator[float]:
     yield from _shot(window, "baking")
     yield from window.wait(lambda: _morphs() and not progress.running, 600, "the bake ends")
     bpy.context.scene.frame_set(13)
-    yield 1.0
+    yield from window.open_panel("CONVWASS_PT_baked_morph")
     yield from _shot(window, "baked", has_timeline=True)
     with window.override():
         bpy.ops.convwass.make_player()
