@@ -31,6 +31,8 @@ TEXTS: dict[str, str] = {
     "GUIDED": "Limbs swing: the shapes map onto each other (agreement {score:.0%})",
     "COMBINED": "Limbs swing and shapes are warped: the map between them is not sure (agreement {score:.0%})",
     "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
+    "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
+    "they do not, set guides",
     "SOLID": "Mass takes the nearest free place: the shapes have no limbs that could be torn off",
     "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
     "TOPOLOGY": "Mass takes the nearest free place: triangles of a shape change from frame to frame, which no motion "
@@ -66,7 +68,7 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "TURNED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
     "NO_MOTION": "WARNING",
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -159,7 +161,7 @@ def diagnose(
         *_notices(figures),
         *dropped,
     ]
-    return [*(notes or [Diagnostic("GOOD", {})]), *_motion(figures)]
+    return [*(notes or [Diagnostic("GOOD", {})]), *_motion(figures), *_turned(figures)]
 
 
 def diagnostic_figures(record: Mapping[str, object]) -> dict[str, str | float]:
@@ -307,6 +309,11 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     if kind is None or chosen.get("motion_score") is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []
     return [Diagnostic(kind, {"score": _number(chosen, "motion_score")})]
+
+
+def _turned(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
+    angle = max((_number(figure, "motion_turned") for figure in figures), default=0.0)
+    return [Diagnostic("TURNED", {"angle": angle})] if angle > 0.0 else []
 
 
 def _notices(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
