@@ -37,7 +37,7 @@ class Moment:
     Attributes
     ----------
     mesh : TriangleMesh
-        In scene units, around the origin.
+        In scene units, on the ground.
     weights : (3,)
         Of the shapes.
     """
@@ -60,8 +60,13 @@ def live_frames(meshes: Sequence[TriangleMesh], names: Sequence[str]) -> list[Mo
     moments = []
     for weights in way_around():
         live.point(weights)
-        moments.append(Moment(live.shown().mesh, weights))
+        moments.append(Moment(_on_the_ground(live.shown().mesh), weights))
     return moments
+
+
+def _on_the_ground(mesh: TriangleMesh) -> TriangleMesh:
+    """Move a mesh up or down until its lowest point has the height 0."""
+    return TriangleMesh(mesh.vertices - (0.0, 0.0, mesh.vertices[:, 2].min()), mesh.faces)
 
 
 def way_around() -> NDArray[np.float64]:

@@ -318,10 +318,11 @@ def test_animated_shapes_are_named_with_the_frame_that_is_taken():
     assert is_animated(bent)
 
 
-def test_the_object_menu_offers_bake_and_live_morph(registered_addon):
+def test_the_object_menu_offers_bakes_and_live_morph(registered_addon):
     layout = FakeLayout()
     layout.separator = lambda: None
     for draw in bpy.types.VIEW3D_MT_object.draw._draw_funcs:
         if draw.__module__ == "convwass_addon.panels.menus":
             draw(SimpleNamespace(layout=layout), bpy.context)
-    assert layout.drawn == [("operator", "convwass.bake_morph"), ("operator", "convwass.live_morph")]
+    commands = ("convwass.bake_morph", "convwass.live_morph", "convwass.bake_textures")
+    assert layout.drawn == [("operator", command) for command in commands]
