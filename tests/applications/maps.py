@@ -1,15 +1,30 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Meshes and exact maps between them, for tests of transfer along maps."""
+"""Meshes and exact maps between them, for tests of transfer along maps; and coarse maps, for tests of bakes."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import partial
+
 import numpy as np
+import pytest
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.applications.motions import choosing
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
+
+
+@contextmanager
+def coarse_maps(vertices: int = 300) -> Iterator[None]:
+    """Let guided motions of bakes map shapes on meshes of this many vertices, enough for shapes of few limbs."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=vertices))
+        yield
 
 
 def exact_map(places, giver):

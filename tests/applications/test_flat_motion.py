@@ -20,6 +20,7 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.coverage import coverage
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.applications.maps import coarse_maps
 from tests.flat_shapes import ellipse, rectangle
 
 # A hook without symmetry; its areas are known.
@@ -55,7 +56,8 @@ def hooks():
 @pytest.fixture(scope="module")
 def frames(hooks):
     settings = FlatSettings(resolution=128, motion="guided")
-    made = [step.payload for step in flat_morph(hooks, ["down", "up"], path_blends(2, 3), settings)]
+    with coarse_maps():
+        made = [step.payload for step in flat_morph(hooks, ["down", "up"], path_blends(2, 3), settings)]
     return [frame for frame in made if frame is not None]
 
 

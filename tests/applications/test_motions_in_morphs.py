@@ -12,7 +12,7 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.errors import InputError
-from tests.applications.maps import arm, shuffled
+from tests.applications.maps import arm, coarse_maps, shuffled
 from tests.shapes import ball, torus
 
 NAMES = ("down", "up")
@@ -32,7 +32,8 @@ def arms():
 def guided(arms, tmp_path_factory):
     cache = FrameCache(tmp_path_factory.mktemp("frames"))
     settings = MorphSettings(resolution=40)
-    return baked(arms, settings, previews=True, cache=cache), settings, cache
+    with coarse_maps():
+        return baked(arms, settings, previews=True, cache=cache), settings, cache
 
 
 def test_automatic_chooses_a_guided_motion_for_an_arm(guided, arms):
