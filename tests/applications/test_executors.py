@@ -28,8 +28,8 @@ from tests.clusters import local_cluster
 from tests.controls import CountingControl
 from tests.shapes import ball, box
 
-SHAPES = (ball(), box())
-QUICK = MorphSettings(motion="transport", resolution=32)
+SHAPES = (ball(points=300), box())
+QUICK = MorphSettings(motion="transport", resolution=20)
 BLENDS = path_blends(2, 48)
 RUNS = 13
 """Enough for work to be left when a worker is killed after the first of them."""

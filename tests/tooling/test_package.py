@@ -12,6 +12,8 @@ import tomllib
 import zipfile
 from pathlib import Path
 
+import pytest
+
 from tools import builder, package
 
 WHEELS = (
@@ -65,10 +67,29 @@ def shipped_files(project: Path) -> list[str]:
     return sorted(["LICENSE", "__init__.py", "blender_manifest.toml", *package_files - NOT_SHIPPED])
 
 
-def test_the_small_zip_contains_exactly_what_is_needed(project, tmp_path):
-    path = package.build_small(tmp_path / "work", tmp_path / "dist")
-    assert names_in(path) == shipped_files(project)
-    assert "wheels" not in manifest_in(path)
+@pytest.fixture(scope="module")
+def wheels(tmp_path_factory) -> Path:
+    """A folder of files that stand in for wheels."""
+    folder = tmp_path_factory.mktemp("wheels")
+    for name in WHEELS:
+        (folder / name).write_bytes(b"stands in for a wheel")
+    return folder
+
+
+def all_built(folder: Path, wheels: Path) -> list[Path]:
+    """Build the small zip and those of the platforms."""
+    return [package.build_small(folder / "work", folder), *package.build_platforms(folder / "work", wheels, folder)]
+
+
+@pytest.fixture(scope="module")
+def zips(wheels, tmp_path_factory) -> list[Path]:
+    """The small zip and those of the platforms, which no test changes."""
+    return all_built(tmp_path_factory.mktemp("first"), wheels)
+
+
+def test_the_small_zip_contains_exactly_what_is_needed(project, zips):
+    assert names_in(zips[0]) == shipped_files(project)
+    assert "wheels" not in manifest_in(zips[0])
 
 
 def test_blenders_own_command_builds_the_same_files(project, tmp_path):
@@ -78,18 +99,8 @@ def test_blenders_own_command_builds_the_same_files(project, tmp_path):
     assert sorted(names_in(path)) == shipped_files(project)
 
 
-def test_same_source_gives_the_same_bytes(tmp_path, monkeypatch):
+def test_same_source_gives_the_same_bytes(zips, wheels, tmp_path, monkeypatch):
     """At another time, in another folder, and independent of the permissions for new files."""
-    wheels = tmp_path / "wheels"
-    wheels.mkdir()
-    for name in WHEELS:
-        (wheels / name).write_bytes(b"stands in for a wheel")
-
-    def built(folder: Path) -> list[bytes]:
-        zips = [package.build_small(folder / "work", folder), *package.build_platforms(folder / "work", wheels, folder)]
-        return [path.read_bytes() for path in zips]
-
-    first = built(tmp_path / "first")
     other = tmp_path / "other source"
     shutil.copytree(package.PROJECT / "convwass_addon", other / "convwass_addon")
     for name in package.SHIPPED:
@@ -101,19 +112,16 @@ def test_same_source_gives_the_same_bytes(tmp_path, monkeypatch):
     monkeypatch.setenv("TZ", "Asia/Tokyo")
     mask = os.umask(0o077)
     try:
-        assert built(tmp_path / "ë elsewhere") == first
+        again = all_built(tmp_path / "ë elsewhere", wheels)
+        assert [path.read_bytes() for path in again] == [path.read_bytes() for path in zips]
     finally:
         os.umask(mask)
 
 
-def test_each_platform_gets_its_own_wheels_for_both_pythons(project, tmp_path):
-    wheels = tmp_path / "wheels"
-    wheels.mkdir()
-    for name in WHEELS:
-        (wheels / name).write_bytes(b"stands in for a wheel")
-    zips = package.build_platforms(tmp_path / "work", wheels, tmp_path / "dist")
-    assert len(zips) == len(package.PLATFORMS)
-    for path, platform, tag in zip(zips, sorted(package.PLATFORMS), ("manylinux", "macosx", "win"), strict=True):
+def test_each_platform_gets_its_own_wheels_for_both_pythons(project, zips):
+    own = zips[1:]
+    assert len(own) == len(package.PLATFORMS)
+    for path, platform, tag in zip(own, sorted(package.PLATFORMS), ("manylinux", "macosx", "win"), strict=True):
         bundled = [Path(name).name for name in names_in(path) if name.startswith("wheels/")]
         assert bundled == [name for name in WHEELS if tag in name or name.endswith("none-any.whl")]
         assert [name for name in names_in(path) if not name.startswith("wheels/")] == shipped_files(project)
