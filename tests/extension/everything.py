@@ -66,10 +66,13 @@ def _outputs(folder: Path) -> dict[str, set[str]]:
 def _baked(output: str, place: int, *others: bpy.types.Object, is_guided: bool = False, **options: object) -> set[str]:
     """Bake a morph from a ball to a box and to further shapes."""
     _select(_ball(f"{output} ball", (0, 4 * place, 0)), _box(f"{output} box", (3, 4 * place, 0)), *others)
+    return bpy.ops.convwass.bake_morph(**QUICK, **({} if is_guided else _transported()), **options)
+
+
+def _transported() -> dict[str, str]:
     # Earlier versions had no choice of motion.
     has_motions = "motion" in bpy.ops.convwass.bake_morph.get_rna_type().properties
-    motion = {"motion": "TRANSPORT"} if has_motions and not is_guided else {}
-    return bpy.ops.convwass.bake_morph(**QUICK, **motion, **options)
+    return {"motion": "TRANSPORT"} if has_motions else {}
 
 
 def _flat(_folder: Path) -> dict[str, set[str]]:
@@ -79,7 +82,10 @@ def _flat(_folder: Path) -> dict[str, set[str]]:
         texts.append(bpy.context.object)
         texts[-1].name = texts[-1].data.body = body
     _select(*texts)
-    return {"bake_morph flat": bpy.ops.convwass.bake_morph(frames=3, flat_resolution=128)}
+    # The list of inputs, which is not empty, goes before the selection.
+    return {
+        "bake_morph flat": bpy.ops.convwass.bake_morph(inputs="A, B", frames=3, flat_resolution=128, **_transported())
+    }
 
 
 def _densities(_folder: Path) -> dict[str, set[str]]:
@@ -200,9 +206,7 @@ def _materials(_folder: Path) -> dict[str, set[str]]:
         node = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
         for key, value in (("Roughness", roughness), ("Metallic", 1.0), ("Base Color", color)):
             node.inputs[key].default_value = value
-    answer = bpy.ops.convwass.blend_materials(
-        materials="Rough, Smooth", detail=12, blends=3, frame_start=1, frame_end=4
-    )
+    answer = bpy.ops.convwass.blend_materials(materials="Rough, Smooth", detail=8, blends=3, frame_start=1, frame_end=4)
     # Unused data-blocks are not saved.
     for place, material in enumerate(m for m in bpy.data.materials if m.name.startswith("Blend")):
         _box(f"Sample {place}", (-20, 4 * place, 0)).data.materials.append(material)

@@ -95,6 +95,9 @@ def _of_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> list[fl
         return [*numbers, float(len(grids)), *_rounded(np.ravel(evaluated.bound_box))]
     if obj.type not in ("MESH", "CURVE", "FONT"):
         return [*numbers, *_rounded(np.ravel(obj.matrix_world))]
+    if obj.type != "MESH" and obj.hide_viewport:
+        # Blender fills a hidden curve or not, depending on what it showed before.
+        return numbers
     mesh = evaluated.to_mesh()
     if mesh is not None:
         points = np.empty(3 * len(mesh.vertices), np.float32)

@@ -240,13 +240,21 @@ class _Shown:
 
 def _draw(panel: type) -> bool:
     """Draw a panel if it is shown; return whether it is."""
-    if hasattr(panel, "poll") and not panel.poll(bpy.context):
+    if not _is_shown(panel):
         return False
     shown = _Shown(panel, sys.modules["fake_layout"].FakeLayout())
     for name in ("draw_header_preset", "draw"):
         if hasattr(panel, name):
             getattr(panel, name)(shown, bpy.context)
     return True
+
+
+def _is_shown(panel: type) -> bool:
+    """Return whether Blender shows a panel, which it does not without the panel that contains it."""
+    if hasattr(panel, "poll") and not panel.poll(bpy.context):
+        return False
+    outer = getattr(panel, "bl_parent_id", "")
+    return not outer.startswith("CONVWASS_PT_") or _is_shown(getattr(bpy.types, outer))
 
 
 def _situations() -> Iterator[None]:
