@@ -150,7 +150,7 @@ def test_folders_that_cannot_be_used_are_refused(tmp_path):
 def written(folder, first=7):
     """Write two frames, but do not finish."""
     files = SkyFiles(folder, first, 2)
-    for made in payloads(sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings()), PlacedSky):
+    for made in payloads(sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings(rows=32)), PlacedSky):
         files.write(made)
     return files
 
@@ -196,7 +196,7 @@ def test_a_folder_that_cannot_be_created_is_reported_and_discarding_is_silent(tm
     (tmp_path / "gone").mkdir()
     files = SkyFiles(tmp_path / "gone" / "new", 1, 2)
     (tmp_path / "gone").rmdir()
-    _, second = payloads(sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings()), PlacedSky)
+    _, second = payloads(sky_steps([sky((1, 0, 1)), sky((0, 1, 1))], 2, SkySettings(rows=32)), PlacedSky)
     with pytest.raises(ConvwassError, match=r"sky.0002.exr could not be written"):
         files.write(second)
     files.discard()

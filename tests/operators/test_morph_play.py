@@ -37,7 +37,7 @@ def shown():
 @pytest.fixture
 def path(empty_scene):
     add_shapes(2)
-    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=32)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=20)
     return bpy.context.object.users_collection[0]
 
 
@@ -53,7 +53,7 @@ def test_without_openvdb_a_player_shows_the_nearest_blend(path, monkeypatch, cap
 @pytest.fixture
 def sheet(empty_scene):
     add_shapes(3)
-    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, resolution=32)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, resolution=20)
     return bpy.context.object.users_collection[0]
 
 
