@@ -10,6 +10,8 @@ import sys
 
 import numpy as np
 
+from convwass_addon.applications.morphs.moved_room import Room
+
 from .clock import Clock
 from .rival_measures import Passage
 from .rivals import METHODS, TIMES, Ends, has_sdf_grids
@@ -30,7 +32,7 @@ def passage(paths: list[str], cells: int, method: str, keep: str | None = None) 
         np.savez_compressed(keep, **arrays)
     # Limbs that swing may leave the grid of the two shapes.
     bounds = np.stack([mesh.bounds for mesh in (*frames, *ends.shapes)])
-    lattice = ends.lattice.holding(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0))
+    lattice = ends.lattice.holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))
     found = Passage.of(frames, ends.shapes, TIMES, lattice)
     return {
         "outside": found.outside,

@@ -18,11 +18,11 @@ from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
+from clay import clay, frame_object
 from numpy.typing import NDArray
 from PIL import Image, ImageDraw, ImageFont
 
 from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.bridge.studio import Studio
 from convwass_addon.geometry.mesh import TriangleMesh
 
@@ -82,7 +82,7 @@ def _kept_frames(path: Path) -> list[TriangleMesh]:
 def _rendered(rows: Sequence[Sequence[TriangleMesh]], samples: int, path: Path) -> Image.Image:
     """Render rows of frames at their own positions, not all on the ground."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
-    material = _material()
+    material = clay(_CLAY)
     points = np.concatenate([frame.vertices for frames in rows for frame in frames])
     floor, right, up = float(points[:, 2].min()), *_VIEW.axes[:2]
     (left, bottom), (across, upright) = _extent(points @ np.stack([right, up], axis=1))
@@ -95,7 +95,7 @@ def _rendered(rows: Sequence[Sequence[TriangleMesh]], samples: int, path: Path) 
             back = step * (len(rows) - 1 - row) / math.sin(_VIEW.elevation)
             for column, frame in enumerate(frames):
                 shift = _STEP * column * right + back * _VIEW.forward - [0.0, 0.0, floor]
-                studio.show(_object(frame, material), tuple(shift))
+                studio.show(frame_object(frame, material), tuple(shift))
                 shown.append(frame.vertices + shift)
         reach = studio.build(shown, _VIEW)
         corner = [left + (across - _STEP) / 2.0 - _GUTTER, bottom - floor * up[2] - _GAP / 2.0]
@@ -111,23 +111,6 @@ def _rendered(rows: Sequence[Sequence[TriangleMesh]], samples: int, path: Path) 
 def _extent(places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Return the low corner and the size of the box around points."""
     return places.min(axis=0), np.ptp(places, axis=0)
-
-
-def _object(mesh: TriangleMesh, material: bpy.types.Material) -> bpy.types.Object:
-    data = bpy.data.meshes.new("Frame")
-    write_mesh(data, mesh)
-    data.materials.append(material)
-    obj = bpy.data.objects.new("Frame", data)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
-
-
-def _material() -> bpy.types.Material:
-    material = bpy.data.materials.new("Clay")
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
-    shader.inputs["Base Color"].default_value = _CLAY
-    shader.inputs["Roughness"].default_value = 0.5
-    return material
 
 
 def _write_names(block: Image.Image, pair: tuple[str, str]) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.rival_measures import Passage, detour
+from benchmarks.side_by_side import passage as measured_passage
 from convwass_addon.applications.morphs.volumes import Lattice
 from tests.shapes import ball, joined
 
@@ -43,3 +44,12 @@ def test_a_path_through_an_end_is_no_detour():
     filled = np.zeros((2, 24, 24, 24))
     filled[0, 4:8, 8:16, 8:16] = filled[1, 14:18, 8:16, 8:16] = 1.0
     assert detour(filled[0], filled) == pytest.approx(1.0, abs=1e-3)
+
+
+def test_a_fade_of_a_horse_arrives_with_the_interpolated_volumes():
+    """The whole benchmark of one method, in a process of its own."""
+    found = measured_passage(("horse", "cow"), 24, "fade")
+    assert len(found["volumes"]) == 5
+    assert found["volumes"] == pytest.approx([1.0] * 5, abs=0.03)
+    assert found["arrival"] > 0.7
+    assert found["detour"] > 1.1
