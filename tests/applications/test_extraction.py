@@ -21,7 +21,7 @@ from convwass_addon.geometry.occupancy import occupancy
 from tests.shapes import ball, box, joined, piece_count, torus
 
 ASSETS = Path(__file__).parents[2] / "assets" / "shapes"
-PLAIN = MorphSettings(motion="transport", resolution=64, thin_parts=False, mend=False)
+PLAIN = MorphSettings(motion="transport", resolution=48, thin_parts=False, mend=False)
 
 
 def animals():
@@ -48,7 +48,7 @@ def test_tears_are_repaired():
     shapes = animals()
     torn = [piece_count(frame.mesh) for frame in frames_of(shapes, 8, PLAIN)]
     assert max(torn) > 2
-    for frame in frames_of(shapes, 8, MorphSettings(motion="transport", resolution=64)):
+    for frame in frames_of(shapes, 8, MorphSettings(motion="transport", resolution=48)):
         found = topology(frame.mesh)
         assert found.closed
         assert (piece_count(frame.mesh), found.euler) == (1, 2)
@@ -58,10 +58,10 @@ def test_tears_are_repaired():
 
 def test_a_blend_may_have_the_holes_of_one_shape():
     pair = joined(ball(0.5, (-0.8, 0, 0)), ball(0.5, (0.8, 0, 0)))
-    for frame in frames_of([pair, torus()], 4, MorphSettings(motion="transport", resolution=48)):
+    for frame in frames_of([pair, torus()], 4, MorphSettings(motion="transport", resolution=32)):
         assert frame.record["found"]["pieces"] <= 2
         assert frame.record["found"]["handles"] <= 1
-    first, *_ = frames_of([pair, torus()], 8, MorphSettings(motion="transport", resolution=48))
+    first, *_ = frames_of([pair, torus()], 8, MorphSettings(motion="transport", resolution=32))
     assert first.record["found"]["pieces"] == 2
 
 

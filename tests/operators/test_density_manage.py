@@ -173,7 +173,7 @@ def test_missing_frames_are_reported_and_missing_settings_get_defaults(obj):
 
 def test_images_can_be_stopped_and_those_that_are_there_stay(obj, monkeypatch, tmp_path):
     context = window_context()
-    pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=2048)
+    pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=1024)
     monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     until(pressed, context, lambda: any(tmp_path.iterdir()))

@@ -67,7 +67,7 @@ def context():
 def press(context):
     """Give a function that starts a bake of the selected shapes and returns the running operator."""
 
-    def start(frames, resolution=32):
+    def start(frames, resolution=24):
         settings = bpy.context.scene.convwass_morph
         settings.frames, settings.resolution, settings.motion = frames, resolution, "TRANSPORT"
         context.selected_objects = bpy.context.selected_objects
@@ -137,7 +137,7 @@ def test_stopping_keeps_finished_frames_and_no_previews(press, context, monkeypa
 def test_stopping_during_previews_keeps_and_reports_them(press, context, monkeypatch):
     two_shapes()
     held_back(monkeypatch, 0)
-    pressed = press(150)
+    pressed = press(80)
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
     collection = morph_collection()
@@ -150,7 +150,7 @@ def test_inputs_are_hidden_behind_previews_and_come_back(press, context, monkeyp
     shapes = two_shapes()
     chosen = [obj.select_get() for obj in shapes]
     held_back(monkeypatch, 0)
-    pressed = press(150)
+    pressed = press(80)
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     assert all(obj.hide_get() for obj in shapes)
     pressed.cancel(context)
@@ -161,7 +161,7 @@ def test_inputs_are_hidden_behind_previews_and_come_back(press, context, monkeyp
 def test_closing_the_window_leaves_nothing_behind(press, context):
     two_shapes()
     before = census()
-    pressed = press(150)
+    pressed = press(80)
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     pressed.cancel(context)
     assert census() == before
@@ -175,7 +175,7 @@ def test_disabling_the_add_on_leaves_nothing_of_a_bake(press, context, registere
     context.window_manager.event_timer_add = lambda seconds, window: manager.event_timer_add(
         seconds, window=bpy.context.window
     )
-    pressed = press(150)
+    pressed = press(80)
     until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
     assert manager.convwass_progress.running
     assert not bpy.ops.convwass.bake_morph.poll()
@@ -255,7 +255,7 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
         depsgraph = bpy.context.evaluated_depsgraph_get()
         shapes = bpy.context.selected_objects
         baking = job.MorphJob(
-            bpy.context.scene, depsgraph, shapes, blends, MorphSettings(motion="transport", resolution=32), {}, 1
+            bpy.context.scene, depsgraph, shapes, blends, MorphSettings(motion="transport", resolution=24), {}, 1
         )
         baking.steps(how=Computation(previews=True))
         assert asked["looked_at"] == expected
@@ -265,7 +265,7 @@ def test_without_a_window_there_are_no_previews(monkeypatch):
     two_shapes()
     previews = []
     monkeypatch.setattr(job.MorphJob, "write", noting(job.MorphJob.write, previews))
-    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=32) == {"FINISHED"}
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=24) == {"FINISHED"}
     assert previews
     assert not any(previews)
 
