@@ -35,7 +35,7 @@ from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, TUNED, pairs_named
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 7
-"""In a row, the two shapes among them."""
+"""Number of frames in a row, including the two shapes."""
 
 # Pixels: width of the picture, margins for names at the left and at the top, and gap between two pairs.
 _WIDTH, _GUTTER, _HEAD, _BETWEEN = 1500, 130, 30, 12

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Remove edges between two vertices of three quads each from a quad surface; such edges stay short.
 
-The four quads around such an edge fill a hexagon, which two quads fill as well, without the two vertices.
+The four quads around such an edge form a hexagon. Two quads without the two inner vertices replace them.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from .dual_surface import DualSurface
 
 # The three ways to cut a hexagon into two quads, given by their corners.
 _CUTS = np.array([[[i, i + 1, i + 2, i + 3], [i + 3, i + 4, i + 5, i]] for i in range(3)]) % 6
-# Other vertices keep at least three quads.
+# Quads that a vertex needs around it to lose one and still have three.
 _LEAST_QUADS = 4
 
 

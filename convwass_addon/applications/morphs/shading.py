@@ -61,8 +61,8 @@ class FrameNormals:
     ----------
     vectors : (n, 3) or (3m, 3) float32
         Unit normals of the vertices, or of the corners of the triangles.
-    Whether they belong to corners.
-        Which of both.
+    of_corners : bool
+        Whether the normals belong to corners of triangles rather than to vertices.
     """
 
     vectors: NDArray[np.float32]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A guided motion completed by a warp of what two shapes still differ by halfway."""
+"""A guided motion, and warps that remove the difference that remains between two shapes halfway."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 
 @dataclass(frozen=True)
 class CombinedMotion:
-    """A guided motion, and a warp between every two shapes as they are halfway; a :class:`.motion.Motion`.
+    """A guided motion, and a warp between the halfway states of every pair; a :class:`.motion.Motion`.
 
     With weights w, s = w_j / (w_i + w_j), the displacement d_ij(s) of shape i by the warp, and the rotations R_ij of
     its surface from halfway to its state in the blend, the vertices are displaced by the sum of (w_i + w_j) R_ij
@@ -68,7 +68,7 @@ class CombinedMotion:
     def with_coherence(self, coherence: float) -> CombinedMotion:
         """Return the same motion with another coherence, without recomputation.
 
-        The warps stay those between the shapes as they were halfway.
+        The warps between the halfway states do not change.
 
         Raises
         ------
