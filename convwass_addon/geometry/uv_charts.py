@@ -11,6 +11,10 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
+SEAM_DETOUR = 3.0
+"""A point lies beyond a seam if its distance in the texture from the center of a triangle exceeds this multiple of what
+its distance on the surface predicts."""
+
 
 @dataclass(frozen=True)
 class SharedEdges:

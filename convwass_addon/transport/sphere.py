@@ -22,7 +22,8 @@ _FEWEST_COLUMNS = 32
 # Above these limits, tables take gigabytes, and a round in the log domain takes minutes.
 _MOST_ROWS = 512
 _FAR_CELLS = 1 << 13
-# A term whose logarithm is below that of the sum by more than this does not change it: e^-45 is 3e-20, and float64 sums are accurate to 1e-16.
+# A term whose logarithm is below that of the sum by more than this does not change it:
+# e^-45 is 3e-20, and float64 sums are accurate to 1e-16.
 _DEPTH = 45.0
 
 

@@ -18,11 +18,8 @@ from scipy.spatial import cKDTree
 
 from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
-from ...geometry.uv_charts import chart_labels, uv_sizes
+from ...geometry.uv_charts import SEAM_DETOUR, chart_labels, uv_sizes
 
-# A corner is beyond a seam if its distance in the texture from the center of its triangle exceeds the one predicted
-# from its distance on the surface by this factor. `soft_maps.transfer_uvs` uses the same factor.
-_DETOUR = 3.0
 # Number of triangles of the shape tried for each corner beyond a seam.
 _CANDIDATES = 8
 # Distance by which the texture is extrapolated beyond the border of an island, relative to its width: 10 pixels at 2K.
@@ -146,7 +143,7 @@ class UvMap:
             Of the triangles.
         """
         together = (self.charts[triangles] == self.charts[homes][:, None]).all(axis=1)
-        reach = _DETOUR * np.maximum(self.sizes[homes], self.sizes[triangles[:, 0]])
+        reach = SEAM_DETOUR * np.maximum(self.sizes[homes], self.sizes[triangles[:, 0]])
         points = points.astype(np.float32, copy=False)
         for corner in (1, 2):
             way, step = points[:, corner] - points[:, 0], uvs[:, corner] - uvs[:, 0]
@@ -171,7 +168,7 @@ class UvMap:
         distances = np.linalg.norm(points - middles @ self.corners[homes], axis=2)
         if self.repeats:
             found = found - np.rint(found - middle_uvs)
-        reach = _DETOUR * np.maximum(self.sizes[homes][:, None], self.sizes[triangles]) * distances
+        reach = SEAM_DETOUR * np.maximum(self.sizes[homes][:, None], self.sizes[triangles]) * distances
         near = np.linalg.norm(found - middle_uvs, axis=2) <= reach
         same = self.charts[triangles] == self.charts[homes][:, None]
         row, corner = np.nonzero(~((near & same) | (triangles == homes[:, None])))

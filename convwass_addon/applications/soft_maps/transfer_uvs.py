@@ -19,14 +19,11 @@ from scipy.spatial import cKDTree
 from ...errors import InputError
 from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
 from ...geometry.mesh import TriangleMesh
-from ...geometry.uv_charts import SharedEdges, chart_labels, uv_sizes
+from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
 from ...sentence import Sentence
 from .surface_maps import PointMap
 from .transfer import check_giver
 
-# A point lies beyond a seam if its distance in the texture from the face's center exceeds this multiple of what its
-# distance on the surface predicts.
-_DETOUR = 3.0
 # Number of triangles near a corner, and of points on the line to it from its face's center, that are tried for it.
 _NEAR, _ON_THE_WAY = 32, 8
 # Corners of adjacent faces are merged if they differ by less than this fraction of their shared edge.
@@ -182,7 +179,7 @@ class _Sides:
     ) -> NDArray[np.bool_]:
         """Return whether points on triangles are on the same side of the seams as the homes."""
         size = np.maximum(self.sizes[asked.homes], self.sizes[faces])
-        reach = _DETOUR * size * np.linalg.norm(places - asked.middles, axis=1)
+        reach = SEAM_DETOUR * size * np.linalg.norm(places - asked.middles, axis=1)
         near = np.linalg.norm(uvs - asked.middle_uvs, axis=1) <= reach
         return (near & (self.charts[faces] == self.charts[asked.homes])) | (faces == asked.homes)
 
