@@ -23,8 +23,8 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     # Several processes share the machine; NumPy's BLAS reads this at import.
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
-# Tests also run on loaded machines: no test fails for being slow.
-hypothesis.settings.register_profile("convwass", deadline=None)
+# Tests also run on loaded machines: no test fails for being slow. `run.py fuzz` draws far more than forty examples.
+hypothesis.settings.register_profile("convwass", deadline=None, max_examples=40)
 hypothesis.settings.load_profile("convwass")
 
 

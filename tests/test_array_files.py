@@ -87,7 +87,7 @@ def test_numpy_opens_files_and_its_files_are_opened():
 GOOD = array_bytes(ARRAYS, HEADER)
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(st.data())
 def test_any_changed_byte_and_any_truncation_is_detected(data):
     content = bytearray(GOOD)
@@ -100,7 +100,7 @@ def test_any_changed_byte_and_any_truncation_is_detected(data):
         reader_of(bytes(content))
 
 
-@settings(max_examples=200)
+@settings(max_examples=80)
 @given(st.data())
 def test_files_without_a_seal_are_read_or_refused(data):
     content = bytearray(GOOD)

@@ -72,7 +72,7 @@ def test_an_empty_component_cannot_be_matched():
     assert "different pieces" in refusal(on(0.5, 0.5), on(1.0, 0.0), match=True)
 
 
-@settings(max_examples=30)
+@settings(max_examples=15)
 @given(st.floats(0.0, 1.0), st.floats(-9e-4, 9e-4))
 def test_rounding_differences_are_evened_out(share, difference):
     other = min(max(share + difference, 0.0), 1.0)

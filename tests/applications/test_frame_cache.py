@@ -211,7 +211,7 @@ def test_frames_survive_writing_and_reading(tmp_path, vertices, corners, record)
     assert os.listdir(tmp_path) == ["f"]
 
 
-@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=200)
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80)
 @given(data=st.data())
 def test_any_changed_byte_and_any_missing_end_is_noticed(tmp_path, data):
     content = written(tmp_path / "f")

@@ -90,7 +90,7 @@ def barycentric(x, z):
     return np.array([1 - top - (x - top / 2), x - top / 2, top])
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @pytest.mark.parametrize("kind", SHEETS)
 @given(x=st.floats(0, 1), z=st.floats(0, 1))
 def test_the_nearest_blend_is_seen(pads, kind, x, z):

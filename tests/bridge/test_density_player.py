@@ -85,7 +85,7 @@ def test_every_frame_has_its_values(obj, densities, frame):
     assert found.max() <= 1
 
 
-@settings(max_examples=30, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=12, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(
     gaps=st.lists(st.floats(0.01, 1), min_size=1, max_size=40),
     parts=st.lists(st.floats(0, 1), min_size=3, max_size=3),

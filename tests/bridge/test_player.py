@@ -145,7 +145,7 @@ def test_playback(collection, playback, value):
     assert seen() == [RISE * round(STEPS * expected(playback, value))]  # noqa: F821
 
 
-@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(value=st.floats(-50, 50, width=32), playback=st.sampled_from(list(PLAYBACKS)))
 def test_any_value_shows_one_of_the_nearest_blends(collection, value, playback):
     players = stand_ins(collection)

@@ -304,7 +304,7 @@ def test_numbers_that_lead_nowhere_are_refused(pair, place, value):
         unpacked(packed(stored))
 
 
-@settings(max_examples=60)
+@settings(max_examples=30)
 @given(st.randoms(use_true_random=False))
 def test_any_damage_is_noticed_or_harmless(small, noise: random.Random):
     """Bytes that are changed anywhere lead to an error that is caught, never to something else."""

@@ -37,7 +37,7 @@ from tests.flat_shapes import ellipse
 from tests.shapes import ball
 
 _BALL = ball(points=80)
-_SOLID = MorphSettings(motion="transport", resolution=20, blur=1.0)
+_SOLID = MorphSettings(motion="transport", resolution=16, blur=0.8)
 _FLAT = FlatSettings(resolution=32, blur=1.0, motion="transport")
 
 
@@ -122,8 +122,8 @@ def palette_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
 def sky_of(pixels: np.ndarray, control: Control = UNINTERRUPTED) -> None:
     """Blend a sky into another."""
     image = np.asarray(pixels, float)[..., :3]
-    image = np.resize(image, (64, 128, 3)) if image.size else image
-    good = np.random.default_rng(7).random((64, 128, 3))
+    image = np.resize(image, (32, 64, 3)) if image.size else image
+    good = np.random.default_rng(7).random((32, 64, 3))
     frame = Skies(image, good, SkySettings(rows=32)).frame(0.5)
     control.check()
     assert np.isfinite(frame.image).all() and (frame.image >= 0).all()

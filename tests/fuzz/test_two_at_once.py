@@ -50,7 +50,7 @@ def test_two_commands_may_write_one_file_and_share_a_cache(project, tmp_path):
         "--frames",
         "2",
     ]
-    command += ["--resolution", "32", "--cache", str(tmp_path / "cache"), "--out", str(target)]
+    command += ["--resolution", "20", "--cache", str(tmp_path / "cache"), "--out", str(target)]
     children = [
         subprocess.Popen(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for _ in range(2)
     ]

@@ -292,7 +292,7 @@ def test_bad_input_is_named(mus, weights, options, named):
         barycenter(mus, weights, GRID, **options)
 
 
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 @given(
     shape=st.lists(st.integers(4, 20), min_size=1, max_size=3),
     sigma=st.floats(0.6, 5.0),

@@ -131,7 +131,7 @@ def test_cells_that_no_mass_reaches_keep_their_values():
     np.testing.assert_allclose(transport_map(nothing, grid)[:20], 5.5)
 
 
-@settings(max_examples=40, deadline=None, derandomize=True)
+@settings(max_examples=20, deadline=None, derandomize=True)
 @given(
     shape=st.lists(st.integers(1, 12), min_size=1, max_size=3),
     sigma=st.floats(0.03, 30.0),

@@ -102,7 +102,7 @@ def test_problems_learn_independently():
     np.testing.assert_allclose(relaxation.factors, [*expected, 1.0], atol=1e-6)
 
 
-@settings(max_examples=60, deadline=None, derandomize=True)
+@settings(max_examples=30, deadline=None, derandomize=True)
 @given(st.lists(st.one_of(st.just(0.0), st.floats(1e-300, 1e20)), min_size=1, max_size=40))
 def test_any_errors_leave_factors_in_range(errors):
     """Including exact zeros, without a warning."""

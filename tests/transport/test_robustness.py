@@ -25,8 +25,8 @@ from convwass_addon.transport import (
 )
 from convwass_addon.transport.log_range import LOG_NOTHING
 
-MANY = settings(max_examples=25, deadline=None, derandomize=True)
-SOME = settings(MANY, max_examples=12)
+MANY = settings(max_examples=12, deadline=None, derandomize=True)
+SOME = settings(MANY, max_examples=6)
 LARGEST_SIZE = {1: 40, 2: 18, 3: 8}
 
 
@@ -226,7 +226,7 @@ def test_coordinates(problem, sharpness):
     assert np.isfinite([found.residual, found.marginal_error]).all()
 
 
-@settings(max_examples=15, deadline=None, derandomize=True)
+@settings(max_examples=8, deadline=None, derandomize=True)
 @given(problems())
 def test_nearest_barycenters(problem):
     found = answer(

@@ -100,7 +100,7 @@ def test_equal_shapes_are_returned_unchanged(reach):
     assert found.mass == pytest.approx(1.0, abs=1e-3)
 
 
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(
     seed=st.integers(0, 2**31 - 1),
     reach=st.floats(0.5, 1000.0),
