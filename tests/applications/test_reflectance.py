@@ -188,6 +188,14 @@ def test_bad_weights_are_refused(weights):
         blend_weights(weights, 2)
 
 
+def test_the_limit_of_alpha_is_the_one_in_its_message():
+    Ggx(2.0, 2.0)
+    with pytest.raises(InputError, match="2 at most"):
+        Ggx(2.01, 0.1)
+    with pytest.raises(InputError, match="between 0 and 1"):
+        Ggx.principled(1.01)
+
+
 @pytest.mark.parametrize(
     "make",
     [

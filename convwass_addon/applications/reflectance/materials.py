@@ -57,15 +57,15 @@ class Ggx:
     color: Color = WHITE
 
     def __post_init__(self) -> None:
-        """Refuse an invalid roughness.
+        """Refuse an invalid alpha or color.
 
         Raises
         ------
         InputError
-            It is not a positive number of at most two.
+            An alpha is not a positive number of at most two, or the color is invalid.
         """
         if not all(np.isfinite(alpha) and 0 < alpha <= 2 for alpha in (self.alpha_x, self.alpha_y)):
-            raise InputError("The roughness of a material must be a positive number, 1 at most.")
+            raise InputError("The alpha of a GGX material must be a positive number, 2 at most.")
         _check_color(self.color)
 
     @classmethod
@@ -78,7 +78,7 @@ class Ggx:
             Roughness or anisotropy outside 0 to 1.
         """
         if not 0 <= roughness <= 1:
-            raise InputError("The roughness of a material must be a positive number, 1 at most.")
+            raise InputError("The roughness of a material must lie between 0 and 1.")
         if not 0 <= anisotropic <= 1:
             raise InputError("The anisotropy of a material must lie between 0 and 1.")
         aspect = np.sqrt(1.0 - _ASPECT * anisotropic)
