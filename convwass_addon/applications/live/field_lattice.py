@@ -140,7 +140,7 @@ class FieldLattice:
     nodes : BlendNodes
         Positions of the blends.
     fields : sequence of LevelField
-        One per blend, all in the same box.
+        One per blend.
     """
 
     nodes: BlendNodes

@@ -36,7 +36,7 @@ _KEPT = 8
 
 
 class FieldSource(Protocol):
-    """Computes level fields of blends, all in the same box."""
+    """Computes level fields of blends on the common grid."""
 
     def field(self, weights: Sequence[float], control: Control = UNINTERRUPTED) -> LevelField:
         """Solve the blend with these weights, which sum to 1."""

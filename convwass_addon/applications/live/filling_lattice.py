@@ -18,7 +18,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from .level_fields import FieldBox, LevelField
+from .level_fields import LevelField
 from .weight_layouts import Node, WeightLayout
 
 LEVELS = (4, 8, 12)
@@ -113,11 +113,6 @@ class FillingLattice:
             fields = dict(self._fields)
         for node, field in fields.items():
             self.add(node, field, now)
-
-    def enlarge(self, box: FieldBox) -> None:
-        """Extend all fields to a larger box."""
-        with self._lock:
-            self._fields = {node: field.within(box) for node, field in self._fields.items()}
 
     def next_wanted(self, hand: Sequence[float]) -> Wanted | None:
         """Return the next node to fill: the one nearest to some weights, (k,), on the coarsest incomplete level."""

@@ -13,7 +13,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from .filling_lattice import FillingLattice, Mixture
-from .level_fields import FieldBox, LevelField
+from .level_fields import LevelField
 
 LEAST_REST = 1e-3
 """Below this share, what the layers do not cover of a blend is left out."""
@@ -36,12 +36,7 @@ class HandField:
 
 
 class LayeredFields:
-    """Layers of lattices over the field of a single blend, all in one box.
-
-    Parameters
-    ----------
-    box : FieldBox
-        Box of the fields; it grows with the layers.
+    """Layers of lattices over the field of a single blend.
 
     Attributes
     ----------
@@ -49,17 +44,11 @@ class LayeredFields:
         The field of the single blend.
     """
 
-    def __init__(self, box: FieldBox) -> None:
+    def __init__(self) -> None:
         self.hand: HandField | None = None
-        self._box = box
         self._lock = threading.Lock()
         # The newest first.
         self._layers: list[FillingLattice] = []
-
-    @property
-    def box(self) -> FieldBox:
-        """Box of the fields."""
-        return self._box
 
     @property
     def newest(self) -> FillingLattice | None:
@@ -84,17 +73,12 @@ class LayeredFields:
     def set_hand(self, weights: tuple[float, ...], field: LevelField) -> None:
         """Replace the field of the single blend."""
         with self._lock:
-            # The box may have grown since the field was begun.
-            self.hand = HandField(weights, field.within(self._box))
+            self.hand = HandField(weights, field)
 
-    def cover(self, layer: FillingLattice, box: FieldBox) -> None:
-        """Add a layer above the others, and bring all fields to its box, which contains the present one."""
+    def cover(self, layer: FillingLattice) -> None:
+        """Add a layer above the others."""
         with self._lock:
-            for older in self._layers:
-                older.enlarge(box)
-            if self.hand is not None:
-                self.hand = HandField(self.hand.weights, self.hand.field.within(box))
-            self._box, self._layers = box, [layer, *self._layers]
+            self._layers = [layer, *self._layers]
 
     def mixture(self, weights: Sequence[float], now: float) -> Mixture:
         """Return what a blend is mixed from at a time in seconds: each layer takes its share of what newer ones leave.

@@ -10,7 +10,7 @@ neighboring blends differ little, so the zero set of their mean is close to the 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -41,7 +41,7 @@ _CLEARANCE = 1e-4
 
 @dataclass(frozen=True)
 class FieldBox:
-    """The cells that hold all blends.
+    """A box of cells.
 
     Attributes
     ----------
@@ -70,6 +70,12 @@ class FieldBox:
         """Memory of one field in bytes."""
         return int(np.prod(self.shape)) * np.dtype(np.float16).itemsize
 
+    def overlap(self, other: FieldBox) -> tuple[slice, ...]:
+        """Return the slices of an array in this box that lie in another box, too."""
+        begin = np.clip(other.low - self.low, 0, self.shape).tolist()
+        end = np.clip(other.high - self.low, 0, self.shape).tolist()
+        return tuple(map(slice, begin, end))
+
     def union(self, other: FieldBox) -> FieldBox:
         """Return the smallest box that contains both."""
         return FieldBox.between(np.minimum(self.low, other.low), np.maximum(self.high, other.high))
@@ -79,10 +85,13 @@ class FieldBox:
 class LevelField:
     """The level field of one blend.
 
+    It is stored only where the density is positive: on average 40 % of the cells that all blends of three shapes
+    together need (docs/performance.md, "Live blends").
+
     Attributes
     ----------
     box : FieldBox
-        Box of the field; only fields in the same box are mixed.
+        The cells where values are stored, on the common grid; elsewhere the field is -1.
     values : (nx, ny, nz) float16
         density / level - 1, at most 4.
     volume : float
@@ -90,7 +99,7 @@ class LevelField:
     cells : float
         Number of cells inside, with those close to the surface counted in part.
     span : (2, 3) int64
-        In cells of the box, the first cell and the cell after the last that the surface of a mixture can reach.
+        In cells of the common grid, the first cell and the cell after the last that the surface of a mixture can reach.
     colors : ColorField or None
         Colors of the blend; None if it carries none.
     """
@@ -131,21 +140,16 @@ class LevelField:
         volume : float
             Volume enclosed by the surface, in cells.
         box : FieldBox
-            Box of the field; the density outside it is cut off.
+            The density outside this box is cut off.
 
         Raises
         ------
         InputError
             The density does not exceed the level anywhere.
         """
+        own = FieldBox.between(low, np.add(low, density.shape))
         values = np.full(box.shape, OUTSIDE, np.float16)
-        offset = np.asarray(low, np.int64) - box.low
-        begin = np.maximum(offset, 0)
-        end = np.minimum(offset + density.shape, box.shape)
-        if (end > begin).all():
-            source = tuple(slice(a - o, b - o) for a, b, o in zip(begin, end, offset, strict=True))
-            target = tuple(slice(a, b) for a, b in zip(begin, end, strict=True))
-            values[target] = np.minimum(density[source] / level - 1.0, _DEEPEST)
+        values[box.overlap(own)] = np.minimum(density[own.overlap(box)] / level - 1.0, _DEEPEST)
         return cls.of_values(values, volume, box)
 
     @classmethod
@@ -154,25 +158,23 @@ class LevelField:
         values = values.astype(np.float16, copy=False)
         if not (values > 0).any():
             raise InputError("A blend that fills no cell has no level field; use a finer resolution.")
-        span = np.stack(bounding_box(values > np.float16(_LEAST_LEVEL)))
-        return cls(box, values, float(volume), _cells_inside(values, 0.0), span)
-
-    def within(self, box: FieldBox) -> LevelField:
-        """Return the field in another box."""
-        values = np.full(box.shape, OUTSIDE, np.float16)
-        begin, end = np.maximum(self.box.low, box.low), np.minimum(self.box.high, box.high)
-        source = tuple(slice(a, b) for a, b in zip(begin - self.box.low, end - self.box.low, strict=True))
-        target = tuple(slice(a, b) for a, b in zip(begin - box.low, end - box.low, strict=True))
-        values[target] = self.values[source]
-        return replace(LevelField.of_values(values, self.volume, box), colors=self.colors)
+        span = np.stack(bounding_box(values > np.float16(_LEAST_LEVEL))) + box.low
+        own = FieldBox.between(*(np.stack(bounding_box(values > np.float16(OUTSIDE))) + box.low))
+        return cls(own, values[box.overlap(own)].copy(), float(volume), _cells_inside(values, 0.0), span)
 
     def difference(self, other: LevelField) -> float:
         """Return how much two blends differ, as a fraction of their mean mass, 0 to 2.
 
         Mass is the density of the field, 1 in solid parts: this is the L1 distance of two densities of mass 1.
         """
-        own, others = _densities(self.values), _densities(other.values)
+        box = self.box.union(other.box)
+        own, others = _densities(self._values_in(box)), _densities(other._values_in(box))
         return 2.0 * float(np.abs(own - others).sum(dtype=np.float64) / (own + others).sum(dtype=np.float64))
+
+    def _values_in(self, box: FieldBox) -> NDArray[np.float16]:
+        values = np.full(box.shape, OUTSIDE, np.float16)
+        values[box.overlap(self.box)] = self.values[self.box.overlap(box)]
+        return values
 
 
 @dataclass(frozen=True)
@@ -220,23 +222,21 @@ def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:
     Parameters
     ----------
     fields : sequence of LevelField
-        Fields in the same box.
+        At least one field.
     shares : sequence of float
         One per field, not negative, of sum 1.
     """
-    first = fields[0].box
-    low = np.maximum(np.min([field.span[0] for field in fields], axis=0) - 1, 0)
-    high = np.minimum(np.max([field.span[1] for field in fields], axis=0) + 1, first.shape)
-    box = tuple(slice(a, b) for a, b in zip(low, high, strict=True))
-    values = np.multiply(fields[0].values[box], np.float32(shares[0]), dtype=np.float32)
-    if len(fields) > 1:
-        part = np.empty_like(values)
-        for field, share in zip(fields[1:], shares[1:], strict=True):
-            np.multiply(field.values[box], np.float32(share), out=part, dtype=np.float32)
-            values += part
+    low = np.min([field.span[0] for field in fields], axis=0) - 1
+    high = np.max([field.span[1] for field in fields], axis=0) + 1
+    box = FieldBox.between(low, high)
+    values = np.full(box.shape, OUTSIDE, np.float32)
+    for field, share in zip(fields, shares, strict=True):
+        part = np.multiply(field.values[field.box.overlap(box)], np.float32(share), dtype=np.float32)
+        part -= np.float32(share * OUTSIDE)
+        values[box.overlap(field.box)] += part
     volume = float(np.dot(shares, [field.volume for field in fields]))
     wanted = volume * float(np.dot(shares, [field.cells / field.volume for field in fields]))
-    return MixedField(values, first.low + low, _enclosing_level(values, wanted), volume)
+    return MixedField(values, box.low, _enclosing_level(values, wanted), volume)
 
 
 def colors_at(

@@ -113,7 +113,8 @@ class LiveBlends:
         self._motions = motions or MotionMemory()
         self._settings = replace(settings, resolution=live.live_resolution, carry=bool(shapes.appearances))
         self._lattice = Lattice.around(shapes.meshes, self._settings.resolution, self._settings.sigma)
-        self._fields = LayeredFields(box_of_shapes(shapes.meshes, self._lattice))
+        self._box = box_of_shapes(shapes.meshes, self._lattice)
+        self._fields = LayeredFields()
         self._problem: MorphProblem | None = None
         self._finished: MorphProblem | None = None
         self._moving: MovingProblem | None = None
@@ -252,19 +253,18 @@ class LiveBlends:
         if self._settings.resolution > _FINE:
             coarse = replace(quick_settings(self._settings), resolution=_STAND_IN, blur=None)
             problem = yield from self._voxelized(coarse, control)
-            self._at_hand = StandInSource(problem, self._lattice, self._fields.box, self._colors)
+            self._at_hand = StandInSource(problem, self._lattice, self._box, self._colors)
             yield from self._solve_hand(control)
         self._problem = yield from self._voxelized(self._settings, control)
         if self._at_hand is None:
             quick = replace(self._problem.transport, settings=quick_settings(self._settings))
             problem = replace(self._problem, transport=quick)
-            self._at_hand = TransportSource(problem, self._fields.box, control, estimated_level_density, self._colors)
-        box = self._fields.box
-        self._nodes = TransportSource(self._problem, box, control, colors=self._colors)
-        levels = self._fitting(box)
+            self._at_hand = TransportSource(problem, self._box, control, estimated_level_density, self._colors)
+        self._nodes = TransportSource(self._problem, self._box, control, colors=self._colors)
+        levels = self._fitting(self._box)
         if not self._motion_is_known:
             levels = tuple(steps for steps in levels if steps in _WITHOUT_MOTION)
-        self._fields.cover(self._empty_lattice(levels, box), box)
+        self._fields.cover(self._empty_lattice(levels, self._box))
 
     def _empty_lattice(self, levels: Sequence[int], box: FieldBox) -> FillingLattice:
         far = FAR if self.layout.count == 2 else _FAR_ON_PADS
@@ -278,7 +278,7 @@ class LiveBlends:
         return (yield from within(work, 0.0, 0.0))
 
     def _most(self, box: FieldBox) -> int:
-        """Return how many fields there is memory for."""
+        """Return how many fields there is memory for, if each of them needs the whole box."""
         allowed, free = self._live.live_memory * 1e6, available_memory()
         if free is not None:
             allowed = min(allowed, _MEMORY_SHARE * free)
@@ -374,7 +374,7 @@ class LiveBlends:
             choice = MotionChoice("transport", "FAILED")
         self._motion_is_known = True
         if choice.motion is None:
-            self._fields.newest.extend(self._fitting(self._fields.box), self._clock())
+            self._fields.newest.extend(self._fitting(self._box), self._clock())
             return
         still = with_connectivity(replace(self._problem, motion=choice.record()), 1)
         names, matching = self._shapes.names, self._shapes.matching
@@ -388,11 +388,9 @@ class LiveBlends:
         return (yield from within(self._motions.chosen(request, control), _PLAIN_SHARE, _MOTION_SHARE))
 
     def _begin_motion(self, moving: MovingProblem) -> None:
-        """Lay a lattice of moved shapes over the one of plain transport, in a box that holds both."""
+        """Lay a lattice of moved shapes over the one of plain transport."""
         source = MovingSource(moving, self._colors)
-        box = self._fields.box.union(source.box)
-        source.box = box
-        self._fields.cover(self._empty_lattice(self._fitting(box), box), box)
+        self._fields.cover(self._empty_lattice(self._fitting(source.box), source.box))
         self._nodes, self._moving = source, moving
 
     def _attended(self, work: Work[Result], control: Control) -> Work[Result]:

@@ -15,13 +15,13 @@ CENTER = np.array([12.2, 15.7, 16.1])
 """Of all balls, in cells of the common grid."""
 
 
-def ball_field(radius: float, center: np.ndarray = CENTER) -> LevelField:
-    """Return the field of a ball of cells, as its blurred occupancy gives it."""
+def ball_field(radius: float, center: np.ndarray = CENTER, box: FieldBox = BOX) -> LevelField:
+    """Return the field of a ball of cells, as its blurred occupancy gives it, cut off by a box."""
     low = np.array([-1, 3, 1])
     cells = np.moveaxis(np.indices((27, 26, 29)), 0, -1) + low + 0.5
     density = ndtr((radius - np.linalg.norm(cells - center, axis=-1)) / 0.8)
     volume = 4.0 / 3.0 * np.pi * radius**3
-    return LevelField.of(density, low, surface_enclosing(density, volume).level, volume, BOX)
+    return LevelField.of(density, low, surface_enclosing(density, volume).level, volume, box)
 
 
 def radius_of(volume: float) -> float:

@@ -53,19 +53,37 @@ def test_balls_far_apart_in_the_lattice_keep_their_volume():
 
 
 def test_surfaces_are_closed_where_fields_are_cut_off_by_the_box():
-    field = ball_field(6.0)
     small = FieldBox.between(CENTER.astype(int), BOX.high)
-    mesh = mixed([field.within(small)], [1.0]).surface()
+    mesh = mixed([ball_field(6.0, box=small)], [1.0]).surface()
     _, counts = np.unique(np.sort(mesh.faces[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1), axis=0, return_counts=True)
     assert set(counts) == {2}
     assert mesh.volume > 0
 
 
-def test_fields_are_the_same_in_a_larger_box():
-    field = ball_field(6.0)
-    larger = field.within(BOX.union(FieldBox.between((-9, 0, 0), (10, 40, 33))))
-    assert larger.cells == pytest.approx(field.cells)
-    np.testing.assert_allclose(mixed([larger], [1.0]).surface().vertices, mixed([field], [1.0]).surface().vertices)
+def test_fields_are_stored_only_where_the_density_is_positive():
+    small = LevelField.of(np.pad(np.ones((4, 5, 6)), 3), (0, 4, 2), 0.5, 120.0, BOX)
+    np.testing.assert_array_equal(small.box.low, (3, 7, 5))
+    assert small.box.shape == (4, 5, 6) and small.nbytes == 2 * 120
+    larger = LevelField.of(
+        np.pad(np.ones((4, 5, 6)), 3), (0, 4, 2), 0.5, 120.0, BOX.union(FieldBox.between((-9, 0, 0), (10, 40, 33)))
+    )
+    assert larger.nbytes == small.nbytes and larger.cells == small.cells
+    np.testing.assert_array_equal(mixed([larger], [1.0]).surface().vertices, mixed([small], [1.0]).surface().vertices)
+
+
+def test_mixtures_of_fields_in_different_boxes_are_those_of_their_values():
+    cells = [ball_field(4.0, CENTER + shift) for shift in ([-2.0, 0.0, 1.0], [3.0, 1.0, -2.0], [0.0, -2.0, 0.0])]
+    shares = [0.5, 0.3, 0.2]
+    found = mixed(cells, shares)
+    points = np.moveaxis(np.indices(found.values.shape), 0, -1) + found.low
+    expected = np.zeros(found.values.shape)
+    for field, share in zip(cells, shares, strict=True):
+        inside = ((points >= field.box.low) & (points < field.box.high)).all(axis=-1)
+        own = np.full(found.values.shape, -1.0)
+        own[inside] = field.values[tuple((points[inside] - field.box.low).T)]
+        expected += share * own
+    # Values next to the level are moved away from it.
+    np.testing.assert_allclose(found.values, expected, atol=3e-4)
 
 
 def test_a_field_without_a_cell_inside_is_refused():

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -23,7 +25,7 @@ from convwass_addon.applications.live.weight_layouts import (
     path_weights,
     square_weights,
 )
-from tests.applications.live.fields import BOX, ball_field
+from tests.applications.live.fields import ball_field
 
 LAYOUTS = [PathLayout(2), TriangleLayout(), SquareLayout()]
 HANDS = {1: (0.34, 0.66), 2: (0.2, 0.45, 0.35), 3: square_weights(0.3, 0.6)}
@@ -68,7 +70,7 @@ def test_mixtures_have_the_weights_of_the_hand_and_do_not_jump(layout):
     while (wanted := lattice.next_wanted(hand)) is not None or seconds < 30.0:
         seconds, step = seconds + 0.05, step + 1
         if wanted is not None:
-            field = FIELD.within(BOX)
+            field = replace(FIELD)
             names[id(field)] = np.array(wanted.weights)
             lattice.add(wanted.node, field, seconds)
         # Back and forth across filled and empty places.
@@ -94,7 +96,7 @@ def test_a_finer_level_fades_in():
     assert lattice.mixture((0.5, 0.5), 0.0).rest == 1.0
     assert lattice.mixture((0.5, 0.5), 1.0).rest == pytest.approx(0.5)
     assert lattice.mixture((0.5, 0.5), 2.0).rest == 0.0
-    eighth = FIELD.within(BOX)
+    eighth = replace(FIELD)
     lattice.add((15,), eighth, 10.0)
     shares = []
     for now in (10.0, 11.0, 12.0):
