@@ -22,6 +22,9 @@ RAISED, LOWERED = 1.1, 0.85
 _RADII = (1.5, 2.25, 3.0, 4.5)
 # Wide changes move a lot from one frame to the next, so the first this many radii are tried alone before all of them.
 _NARROW = 2
+# Holes may be filled by a narrow change if their density is at least this fraction of the level. Between the rings of
+# scissors that become a snail, it is a quarter; with a half, the thick ring was cut (docs/performance.md).
+_DEEPEST = 0.1
 # The isosurface may separate cells at a saddle of their values if the saddle is at least this close to the level.
 _SLACK = 0.95
 # Number of places examined at once.
@@ -74,6 +77,10 @@ _SHAPES = np.stack([_shape(radius) for radius in _RADII])
 def remove_handles(density: NDArray[np.floating], level: float, excess: int, effort: Effort = GENTLE) -> int:
     """Move saddles near a level to its other side until enough handles are removed, the smallest changes first.
 
+    A handle can be cut, or its hole can be filled. Narrow changes come first, in the order of the number of cells that
+    they move to the other side: inside a ring as inside the contact of two rings, the density is about one, and only
+    the number of cells tells that the contact is thinner.
+
     Parameters
     ----------
     density : (nx, ny, nz)
@@ -90,6 +97,14 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int, eff
     int
         Number of handles removed; the number of components does not increase.
     """
+    cheap = _removed(density, level, excess, _SHAPES[:_NARROW], _cheapest_places(density, level, effort))
+    return cheap.count + _removed_by_density(density, level, excess - cheap.count, effort)
+
+
+def _removed_by_density(density: NDArray[np.floating], level: float, excess: int, effort: Effort) -> int:
+    """Remove handles at the places whose densities are nearest to the level, with wider and wider changes."""
+    if excess <= 0:
+        return 0
     own = _SHAPES[: effort.radii]
     places = _places(density, level, effort)
     narrow = _removed(density, level, excess, own[:_NARROW], places)
@@ -158,7 +173,7 @@ class _Places:
         order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:most]
         return cls(cells[order], wanted[order], is_raised[order])
 
-    def chosen(self, which: NDArray[np.bool_]) -> _Places:
+    def chosen(self, which: NDArray[np.bool_] | NDArray[np.int64]) -> _Places:
         """Return some of the places."""
         return _Places(self.cells[which], self.wanted[which], self.is_raised[which])
 
@@ -211,6 +226,18 @@ class _Search:
             gone += self.change(cells[later], wanted[later], most - gone).count
         return _Removed(gone, useful)
 
+    def flips(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.int64]:
+        """Return how many cells a change at each cell, (n, 3), moves to the other side of the level, (n,).
+
+        This is for the narrowest change that removes a handle; where none does, the number is -1.
+        """
+        before = self._windows(cells)
+        after = before[:, None] * self._factors(cells, wanted)
+        helps = self._gains(before, after) > 0
+        changed = after[np.arange(len(cells)), np.argmax(helps, axis=1)]
+        counts = np.count_nonzero((before > self._level) != (changed > self._level), axis=(1, 2, 3))
+        return np.where(helps.any(axis=1), counts, -1)
+
     def _applied(self, cell: NDArray[np.int64], wanted: NDArray[np.floating], radius: np.int64) -> bool:
         """Change the density at one cell, (1, 3), unless this splits a component or a hollow; return whether it did."""
         span = _span(cell[0])
@@ -262,6 +289,20 @@ def _flipped(
 def _span(cell: NDArray[np.int64]) -> tuple[slice, ...]:
     """Return the slices, in the padded density, of the cells that a change at a cell affects."""
     return tuple(slice(int(at), int(at) + 2 * _REACH + 1) for at in cell)
+
+
+def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort) -> _Places:
+    """Return the places where a narrow change removes a handle, those that move the fewest cells first."""
+    thin = [find(density, level * _SLACK, level / effort.false) for find in (bridges, bridges_by_faces)]
+    holes = [find(density, level * _DEEPEST, level / _SLACK) for find in (lids, lids_by_corners)]
+    found = [np.unique(np.concatenate(cells), axis=0) for cells in (thin, holes)]
+    places = _Places.of(*found, density, level, effort.places)
+    search = _Search(np.pad(density, _REACH), level, _SHAPES[:_NARROW])
+    batches = [slice(start, start + _AT_ONCE) for start in range(0, len(places.cells), _AT_ONCE)]
+    flips = [search.flips(places.cells[batch], places.wanted[batch]) for batch in batches]
+    moved = np.concatenate([np.empty(0, np.int64), *flips])
+    order = np.argsort(moved, kind="stable")
+    return places.chosen(order[moved[order] >= 0])
 
 
 def _places(density: NDArray[np.floating], level: float, effort: Effort) -> _Places:
