@@ -82,7 +82,7 @@ def main() -> None:
     parser.add_argument("--cells", type=int, default=100, help="along the longest side (%(default)s)")
     parser.add_argument("--only", choices=pictures, help="draw this picture alone")
     parser.add_argument(
-        "--kept", action="store_true", help="show what `run.py bench coherence` has baked, where it has"
+        "--kept", action="store_true", help="use the frames that `run.py bench coherence` has stored, if there are any"
     )
     parser.add_argument("--samples", type=int, default=12, help="light paths per pixel (%(default)s)")
     options = parser.parse_args()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Remove edges between two vertices of three quads each from a quad surface; such edges stay short.
+"""Remove the edges of a quad surface that connect two vertices of valence three; they are always short.
 
 The four quads around such an edge form a hexagon. Two quads without the two inner vertices replace them.
 """
@@ -21,7 +21,7 @@ _LEAST_QUADS = 4
 
 
 def without_short_edges(dual: DualSurface) -> DualSurface:
-    """Return a surface of the same topology with hardly any edges between two vertices of three quads."""
+    """Return a surface of the same topology with hardly any edges between two vertices of valence three."""
     count = len(dual.points)
     around = np.bincount(dual.quads.ravel(), minlength=count)
     around[dual.triangles] = 0

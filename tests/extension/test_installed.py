@@ -129,8 +129,8 @@ def test_every_operator_can_be_polled_and_most_can_be_called(seen):
 
 def test_every_panel_is_drawn(seen):
     assert len(seen["panels"]) >= 20
-    # Progress is shown only during work, and the other one for meshes with shape keys.
-    idle = ["CONVWASS_PT_image_progress", "CONVWASS_PT_one_mesh", "CONVWASS_PT_progress"]
+    # Progress is shown only during work, and the others for meshes with shape keys.
+    idle = ["CONVWASS_PT_image_progress", "CONVWASS_PT_one_mesh", "CONVWASS_PT_progress", "CONVWASS_PT_textures"]
     assert sorted(name for name, count in seen["panels"].items() if not count) == idle
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import ast
 import importlib
 import re
 
@@ -77,6 +78,18 @@ def test_docstrings_are_parsed():
         ("Parameters", (("a, b : int", "First, second."),)),
         ("Returns", (("float", "A number."),)),
     ]
+
+
+def test_attributes_of_records_have_names_and_types(project):
+    """Also of private classes, which have no page."""
+    wrong = []
+    for path in sorted((project / "convwass_addon").rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            text = ast.get_docstring(node) if isinstance(node, ast.ClassDef) else None
+            sections = parsed(text).sections if text else ()
+            heads = [head for section in sections if section.title == "Attributes" for head, _ in section.entries]
+            wrong += [(path.name, node.name, head) for head in heads if not re.fullmatch(r"[\w*, ]+( : .+)?", head)]
+    assert not wrong
 
 
 def test_text_becomes_markdown():

@@ -50,12 +50,12 @@ class StoredFrame:
         The surface, if there is one.
     record : dict
         The solver's figures.
-    One per part; empty for an unblended input.
-        One per part; none of an input that is shown as it is.
-    Origins of the surface's vertices.
-        Where the vertices of the surface come from.
-    Points that determine the velocities of the vertices, if the inputs move.
-        What their velocities are read from, where the inputs move.
+    potentials : tuple of PartPotentials
+        One per part; empty for an unblended input.
+    origins : (k, n, 3) float32 or None
+        Origins of the surface's vertices on the inputs.
+    tangents : (k, n, 3) float32 or None
+        Points that determine the velocities of the vertices, if the inputs move.
     triangles : (k, m) int32 or None
         The triangles of the inputs on which the triangles of the surface lie, if it carries detail.
     """

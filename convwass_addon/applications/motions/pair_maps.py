@@ -70,8 +70,8 @@ def pair_map(
     """Solve the map between two shapes with and without guides, and return the better one.
 
     Guides in a plane fit a mirror image just as well, and a wrong guide spoils a map that is right without it. If the
-    map is worse with guides, the guides that the map without guides misses are left out, if they are a minority.
-    Otherwise guides are left out one by one, starting where the confidence around them is lowest.
+    guides make the map worse, those that contradict the map without guides are left out, provided that they are a
+    minority. Otherwise guides are left out one by one, starting where the confidence around them is lowest.
 
     Parameters
     ----------
@@ -142,10 +142,10 @@ def _without_guides(
     settings: SoftMapSettings,
     control: Control,
 ) -> Work[PairMap]:
-    """Solve the map from coinciding points, and without any as long as the score is not beyond doubt.
+    """Solve the map from each set of coinciding points in turn, then without any, until a score is high enough.
 
-    Shapes may coincide at points that do not correspond. The points are tried again without those that the map without
-    any of them misses.
+    Shapes may also coincide at points that do not correspond. If no score is high enough, the sets are tried again,
+    each without the points that contradict the map found without any.
     """
     tried: list[PairMap] = []
 
