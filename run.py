@@ -40,7 +40,7 @@ PROJECT = Path(__file__).resolve().parent
 COMMANDS = {
     "demo": [["-m", "convwass_addon", "demo"]],
     # One process per test file, in parallel; "-n 0" after the command disables this.
-    "test": [["-m", "pytest", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile"]],
+    "test": [["-m", "pytest", "-n", "logical", "--maxprocesses", "4", "--dist", "loadfile", "--no-loadscope-reorder"]],
     "window": [["-m", "tests.window"]],
     "bench": [["-m", "benchmarks"]],
     "package": [["-m", "tools.package"]],
