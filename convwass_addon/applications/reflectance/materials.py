@@ -14,6 +14,8 @@ from ...errors import InputError
 
 # Below this roughness Blender's Principled BSDF is a mirror, which no cell of a table could resolve.
 _LEAST_ALPHA = 1e-3
+# Full roughness and anisotropy of the Principled BSDF are alphas of 3.2 and 0.32.
+_MOST_ALPHA = 4
 _MOST_EXPONENT = 1e6
 # Fraction of the aspect ratio that full anisotropy removes, as in the Principled BSDF.
 _ASPECT = 0.9
@@ -62,10 +64,10 @@ class Ggx:
         Raises
         ------
         InputError
-            An alpha is not a positive number of at most two, or the color is invalid.
+            An alpha is not positive or too large, or the color is invalid.
         """
-        if not all(np.isfinite(alpha) and 0 < alpha <= 2 for alpha in (self.alpha_x, self.alpha_y)):
-            raise InputError("The alpha of a GGX material must be a positive number, 2 at most.")
+        if not all(np.isfinite(alpha) and 0 < alpha <= _MOST_ALPHA for alpha in (self.alpha_x, self.alpha_y)):
+            raise InputError("The alpha of a GGX material must be a positive number, {most} at most.", most=_MOST_ALPHA)
         _check_color(self.color)
 
     @classmethod
