@@ -92,7 +92,7 @@ def has_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> bool:
 def recounted(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:
     """Return the names of objects whose number of vertices or faces differs from their map.
 
-    Fast enough for a panel. In Edit Mode, the numbers are those from before.
+    Fast enough for a panel. In Edit Mode, the numbers are those from before it was entered.
     """
     entry = _entry(source, target)
     counts = list(entry.get(_COUNTS, ())) if entry is not None else []
