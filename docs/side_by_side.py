@@ -35,8 +35,8 @@ PICTURE = Path(__file__).resolve().parent / "pictures" / "side_by_side.jpg"
 _VIEW = View(-math.pi / 2 + math.radians(24.0), math.radians(12.0))
 # Column spacing, gap between rows, and margins for the names, in scene units.
 _STEP, _GAP, _GUTTER, _HEAD = 2.12, 0.2, 1.75, 0.36
-_WIDTH, _MARGIN, _BETWEEN = 1440, 26, 30
-_QUALITY = 77
+_WIDTH, _MARGIN, _BETWEEN = 1100, 20, 23
+_QUALITY = 70
 _INK, _FAINT = (52, 52, 56), (120, 120, 126)
 _CLAY = (0.48, 0.12, 0.05, 1.0)
 
@@ -117,7 +117,7 @@ def _write_names(block: Image.Image, pair: tuple[str, str]) -> None:
     """Write the names of the shapes and of the methods, and the times."""
     draw = ImageDraw.Draw(block)
     scale = _WIDTH / (_GUTTER + len(TIMES) * _STEP)
-    large, small = ImageFont.load_default(25), ImageFont.load_default(21)
+    large, small = ImageFont.load_default(19), ImageFont.load_default(16)
     head = 0.5 * _HEAD * scale
     draw.text((_MARGIN, head), " to ".join(pair).replace("_", " "), _INK, large, anchor="lm")
     for column, t in enumerate(TIMES):

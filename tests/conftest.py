@@ -20,8 +20,8 @@ _USER_RESOURCES = tempfile.mkdtemp(prefix="convwass-tests-")
 os.environ["BLENDER_USER_RESOURCES"] = _USER_RESOURCES
 
 if "PYTEST_XDIST_WORKER" in os.environ:
-    # Several processes share the machine; NumPy's BLAS reads this at import.
-    os.environ["OPENBLAS_NUM_THREADS"] = "1"
+    # Several processes share the machine; NumPy's BLAS and OpenMP read these when they are loaded.
+    os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
 # Tests also run on loaded machines: no test fails for being slow. `run.py fuzz` draws far more than forty examples.
 hypothesis.settings.register_profile("convwass", deadline=None, max_examples=40)
