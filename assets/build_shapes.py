@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sculpt the sample shapes and write them to assets/shapes as binary PLY.
+"""Sculpt the sample shapes and write them to assets/shapes as binary PLY, one also with a texture.
 
     PYTHONPATH=. python assets/build_shapes.py [name ...]
 
@@ -21,6 +21,7 @@ import bpy
 import numpy as np
 
 from assets.sculpting import Clay, Solid, both_sides, ellipsoid, extruded, frustum, ribbon, spline, tube
+from assets.texturing import write_textured
 from benchmarks.bipeds import MAN, Posture, biped, degrees, straight
 from benchmarks.quadrupeds import DOG, REARING, STANDING, quadruped
 from benchmarks.sculptures import Sculpture
@@ -367,6 +368,9 @@ SHAPES = {
     "dog_rearing": PoseRecipe(quadruped(DOG, REARING, 12).sculpture),
 }
 
+TEXTURED = {"cow": "cow_spotted"}
+"""Shapes that are also written with a texture, and the names of these files."""
+
 
 def reduced(vertices: np.ndarray, triangles: np.ndarray, count: int) -> tuple[np.ndarray, np.ndarray]:
     """Reduce a surface to about `count` triangles by Blender's edge collapse."""
@@ -448,6 +452,8 @@ def main(names: list[str]) -> None:
             raise ValueError(f"{name} came out with genus {genus} in {parts} parts")
         path = FOLDER / f"{name}.ply"
         write_ply(path, vertices, triangles)
+        if name in TEXTURED:
+            write_textured(FOLDER / TEXTURED[name], vertices.astype(np.float32), triangles)
         print(
             f"{name:13} {len(vertices):5} vertices {len(triangles):5} triangles  genus {genus}  components {parts}"
             f"  {path.stat().st_size / 1000:5.1f} kB"
