@@ -97,7 +97,10 @@ def _apart(groups: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
 def _touching_themselves(
     quads: NDArray[np.int64], inner: NDArray[np.int64], hexagons: NDArray[np.int64], count: int
 ) -> NDArray[np.bool_]:
-    """Return which hexagons, (k, 6), have corners that outside quads connect other than by their own edges."""
+    """Return which hexagons, (k, 6), have two corners in an outside quad that do not form an edge of the hexagon.
+
+    Cut into two quads, such a hexagon could get a face or an edge that is already there.
+    """
     owner, place = np.full(count, -1), np.zeros(count, np.int64)
     owner[hexagons] = np.arange(len(hexagons))[:, None]
     place[hexagons] = np.arange(6)
