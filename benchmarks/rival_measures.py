@@ -34,7 +34,6 @@ class Passage:
         W2 from the first solid to the middle frame plus W2 from there to the second, over W2 from the first to the
         second, all as distributions of mass 1. It is 1 if all mass moves straight, and the square root of 2 if half of
         the first is replaced by half of the second.
-        first is replaced by half of the second.
     volumes : (n,) float64
         Volumes of the frames over the linearly interpolated volume of the two solids.
     pieces, handles : int

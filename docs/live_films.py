@@ -20,10 +20,11 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 
 MOMENTS = 60
-"""Pictures of one way around."""
+"""Number of pictures while the handle goes once around the pad."""
 
 _CELLS = 80
-# Weight of the third shapes while the handle is at an edge, and the share of the way that it rests at a corner.
+# Weight of the third shape while the handle is near the edge between the other two, and the fraction of the time
+# that the handle rests at corners.
 _INSIDE, _REST = 0.06, 0.35
 # Pixels of the pad, and its colors.
 _SIDE, _MARGIN = 110, 26

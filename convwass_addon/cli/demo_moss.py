@@ -58,7 +58,7 @@ def _play(obj: bpy.types.Object, frames: DensityFrames, groups: list[str]) -> No
     keys = [DensityKey(1, 0.0), DensityKey(5 * _SETTINGS.steps, 1.0)]
     stored = StoredDensity(inputs=groups, settings=_SETTINGS.as_dict(), records=frames.records)
     animate_density(obj, frames.covered, frames.times, _NAME, keys=keys, description=stored)
-    # The edges of the growth lie between the vertices, on a finer mesh.
+    # With a finer mesh, the edge of the moss can lie between the vertices of the original one.
     obj.modifiers.new("Finer", "SUBSURF").levels = 1
     obj.data.materials.clear()
     obj.data.materials.append(growth_material(_NAME, "MOSS"))

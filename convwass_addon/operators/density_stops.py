@@ -19,7 +19,7 @@ from .reporting import refuse
 
 @dataclass(frozen=True)
 class Stops:
-    """Groups along a path, or to blend or propagate from.
+    """Vertex groups, with a frame and a weight each: the points of a path, or the groups to blend.
 
     Attributes
     ----------

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Map two shapes and register them to each other, as they stand or after turning one to face like the other.
 
-Maps of bodies that stand head to tail are mistaken with confidence: registrations prefer the nearest surface.
+Maps of bodies that stand head to tail can be wrong in spite of a high score: registrations prefer the nearest surface.
 """
 
 from __future__ import annotations

@@ -34,7 +34,7 @@ class CarriedGroups:
     Parameters
     ----------
     ends : TransferEnds
-        Source and target of the transfer.
+        The objects to read from and to write to.
     rules : WeightRules
         Limits for weights of bones.
 

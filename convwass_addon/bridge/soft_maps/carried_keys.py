@@ -22,7 +22,7 @@ class CarriedKeys:
     Parameters
     ----------
     ends : TransferEnds
-        Source and target of the transfer.
+        The objects to read from and to write to.
 
     Raises
     ------

@@ -28,7 +28,7 @@ class CarriedColors:
     Parameters
     ----------
     ends : TransferEnds
-        Source and target of the transfer.
+        The objects to read from and to write to.
 
     Raises
     ------
@@ -78,7 +78,7 @@ class CarriedUvs:
     Parameters
     ----------
     ends : TransferEnds
-        Source and target of the transfer.
+        The objects to read from and to write to.
 
     Raises
     ------

@@ -22,12 +22,12 @@ from ...sentence import Sentence
 
 @dataclass(frozen=True)
 class TransferEnds:
-    """Source, target and contents of a transfer.
+    """Two objects and what is transferred from one to the other: to the target of their map, or back to its source.
 
     Attributes
     ----------
     giver, receiver : bpy.types.Object
-        Mesh objects; the same object twice for a map of a mesh to its mirror image.
+        Mesh objects to read from and to write to; the same object twice for a map of a mesh to its mirror image.
     points : PointMap
         A point on the giver for every vertex of the receiver.
     giver_mesh, receiver_mesh : TriangleMesh
