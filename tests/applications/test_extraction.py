@@ -74,7 +74,7 @@ def test_thin_legs_keep_their_volume():
 
     def below(mesh):
         """Volume of the lowest 0.5 of a mesh: slices of the legs, four of 0.01."""
-        cells = 96
+        cells = 80
         low, high = mesh.bounds
         spacing = float((high - low).max()) / (cells - 8)
         inside = occupancy((mesh.corners - (low + high) / 2) / spacing + cells / 2, (cells,) * 3)
@@ -83,7 +83,7 @@ def test_thin_legs_keep_their_volume():
         return float(inside[:, :, start:stop].sum()) * spacing**3 / ((stop - start) * spacing)
 
     shapes = [table(1.0), table(1.4)]
-    thin = MorphSettings(motion="transport", resolution=80)
+    thin = MorphSettings(motion="transport", resolution=64)
     for frame in frames_of(shapes, 2, thin):
         assert below(frame.mesh) == pytest.approx(0.04, rel=0.15)
     for frame in frames_of(shapes, 2, dataclasses.replace(thin, thin_parts=False)):

@@ -55,7 +55,7 @@ def hooks():
 
 @pytest.fixture(scope="module")
 def frames(hooks):
-    settings = FlatSettings(resolution=128, motion="guided")
+    settings = FlatSettings(resolution=96, motion="guided")
     with coarse_maps():
         made = [step.payload for step in flat_morph(hooks, ["down", "up"], path_blends(2, 3), settings)]
     return [frame for frame in made if frame is not None]

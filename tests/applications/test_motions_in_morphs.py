@@ -31,7 +31,7 @@ def arms():
 @pytest.fixture(scope="module")
 def guided(arms, tmp_path_factory):
     cache = FrameCache(tmp_path_factory.mktemp("frames"))
-    settings = MorphSettings(resolution=40)
+    settings = MorphSettings(resolution=32)
     with coarse_maps():
         return baked(arms, settings, previews=True, cache=cache), settings, cache
 

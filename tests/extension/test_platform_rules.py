@@ -54,10 +54,10 @@ def tree(name: str) -> ast.Module:
     return ast.parse((PACKAGE / name).read_text(encoding="utf-8"))
 
 
-def imported(name: str) -> set[str]:
-    """Return the external modules that a file imports."""
+def imported(nodes: list[ast.AST]) -> set[str]:
+    """Return the external modules that the nodes of a file import."""
     found = set()
-    for node in ast.walk(tree(name)):
+    for node in nodes:
         if isinstance(node, ast.Import):
             found |= {alias.name.partition(".")[0] for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and not node.level:
@@ -65,9 +65,8 @@ def imported(name: str) -> set[str]:
     return found
 
 
-def used(name: str) -> set[str]:
-    """Return the names that a file uses, including those with one dot."""
-    nodes = list(ast.walk(tree(name)))
+def used(nodes: list[ast.AST]) -> set[str]:
+    """Return the names in the nodes of a file, including those with one dot."""
     dotted = (node for node in nodes if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name))
     return {node.id for node in nodes if isinstance(node, ast.Name)} | {f"{n.value.id}.{n.attr}" for n in dotted}
 
@@ -79,7 +78,8 @@ def complaints(name: str) -> list[str]:
         "print": name == "console.py" or name.startswith("cli/"),
         **dict.fromkeys(("eval", "exec", "__import__", "os.system", "sys.path", "pickle"), False),
     }
-    asked = {what for what in used(name) & known.keys() if not known[what]} | imported(name) & (NETWORK | PROCESSES)
+    nodes = list(ast.walk(tree(name)))
+    asked = {what for what in used(nodes) & known.keys() if not known[what]} | imported(nodes) & (NETWORK | PROCESSES)
     return [f"{name}: {what}" for what in sorted(asked)]
 
 

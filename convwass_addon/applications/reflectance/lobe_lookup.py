@@ -112,9 +112,10 @@ def half_angle_table(table: LobeTable, height: int = HEIGHT, width: int = WIDTH)
     incoming = np.stack([cosine * x + sine * z, y, cosine * z - sine * x], axis=-1).reshape(-1, 3)
     half = np.stack([sine, np.zeros_like(sine), cosine], axis=-1).reshape(-1, 3)
     outgoing = 2.0 * (incoming * half).sum(axis=-1, keepdims=True) * half - incoming
-    values = reflectance_at(table, incoming, outgoing).reshape(height, width, _AZIMUTHS, 3)
-    above = ((incoming[:, 2] > 0) & (outgoing[:, 2] > 0)).reshape(height, width, _AZIMUTHS)
-    counts = above.sum(axis=2)
-    means = values.sum(axis=2) / np.maximum(counts, 1)[..., None]
+    above = (incoming[:, 2] > 0) & (outgoing[:, 2] > 0)
+    values = np.zeros((len(above), 3))
+    values[above] = reflectance_at(table, incoming[above], outgoing[above])
+    counts = above.reshape(height, width, _AZIMUTHS).sum(axis=2)
+    means = values.reshape(height, width, _AZIMUTHS, 3).sum(axis=2) / np.maximum(counts, 1)[..., None]
     last = np.maximum.accumulate(np.where(counts > 0, np.arange(width), 0), axis=1)
     return np.take_along_axis(means, last[..., None], axis=1).astype(np.float32)
