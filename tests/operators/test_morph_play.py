@@ -103,7 +103,7 @@ def test_by_arguments(path):
 def test_undo(path):
     bpy.ops.ed.undo_push(message="path")
     before = census()
-    bpy.ops.convwass.make_player()
+    bpy.ops.convwass.make_player(between="NEAREST")
     bpy.ops.ed.undo_push(message="player")
     bpy.ops.ed.undo()
     assert census() == before
@@ -137,7 +137,7 @@ def test_a_pad(sheet):
 def test_undo_of_a_pad(sheet):
     bpy.ops.ed.undo_push(message="sheet")
     before = census()
-    bpy.ops.convwass.make_blend_pad()
+    bpy.ops.convwass.make_blend_pad(between="NEAREST")
     bpy.ops.ed.undo_push(message="pad")
     bpy.ops.ed.undo()
     assert census() == before
@@ -146,7 +146,7 @@ def test_undo_of_a_pad(sheet):
 def test_each_refuses_the_work_of_the_other(path):
     with pytest.raises(RuntimeError, match="not a complete sheet"):
         bpy.ops.convwass.make_blend_pad()
-    bpy.ops.convwass.make_player()
+    bpy.ops.convwass.make_player(between="NEAREST")
     with pytest.raises(RuntimeError, match="already"):
         bpy.ops.convwass.make_player()
 
@@ -157,7 +157,7 @@ def test_a_sheet_has_no_player(sheet):
 
 
 def test_a_player_that_was_deleted_leaves_a_way_back(path):
-    bpy.ops.convwass.make_player()
+    bpy.ops.convwass.make_player(between="NEAREST")
     bpy.data.objects.remove(bpy.context.object)
     bpy.context.view_layer.objects.active = None
     layer = bpy.context.view_layer.layer_collection.children[path.name]

@@ -74,6 +74,9 @@ class FieldMixture:
     def __init__(self, tree: bpy.types.NodeTree, fields: StoredFields, terms: Sequence[Term]) -> None:
         self._tree, self._fields, self._grid, self.terms = tree, fields, fields.grid, list(terms)
         self._weights = [term.weight for term in terms]
+        # Every further node makes all later changes of the tree slower.
+        self._attributes: dict[tuple[str, str], bpy.types.NodeSocket] = {}
+        self._of_steps: dict[tuple[str, str, int], bpy.types.NodeSocket] = {}
         self._samples = object_info(tree, fields.samples).outputs["Geometry"]
         self._steps = object_info(tree, fields.steps).outputs["Geometry"]
         own = [self._field_of(term) for term in terms]
@@ -83,7 +86,12 @@ class FieldMixture:
 
     def of_step(self, kind: str, name: str, term: Term) -> bpy.types.NodeSocket:
         """Return a value of a blend from the table; `kind` is a data type of Sample Index."""
-        return self._at(self._steps, kind, self._attribute(kind, name), term.index)
+        key = (kind, name, term.index.as_pointer())
+        if key not in self._of_steps:
+            if (kind, name) not in self._attributes:
+                self._attributes[kind, name] = self._attribute(kind, name)
+            self._of_steps[key] = self._at(self._steps, kind, self._attributes[kind, name], term.index)
+        return self._of_steps[key]
 
     def surface(self) -> bpy.types.NodeSocket:
         """Return a quad mesh that encloses the mixed volume, relative to the center of the blends."""
