@@ -36,32 +36,6 @@ def test_two_processes_that_write_the_same_files_leave_complete_ones(project, tm
     assert not list(tmp_path.rglob(".convwass-*"))
 
 
-def test_two_commands_may_write_one_file_and_share_a_cache(project, tmp_path):
-    shapes = [project / "assets" / "shapes" / f"{name}.ply" for name in ("letter_a", "letter_b")]
-    target = tmp_path / "out.blend"
-    command = [
-        sys.executable,
-        "-m",
-        "convwass_addon",
-        "morph",
-        "--motion",
-        "transport",
-        *map(str, shapes),
-        "--frames",
-        "2",
-    ]
-    command += ["--resolution", "20", "--cache", str(tmp_path / "cache"), "--out", str(target)]
-    children = [
-        subprocess.Popen(command, cwd=project, stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for _ in range(2)
-    ]
-    said = [child.communicate()[0].decode() for child in children]
-    assert [child.returncode for child in children] == [0, 0], said
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["cache", "out.blend"]
-    bpy.ops.wm.open_mainfile(filepath=str(target))
-    (morph,) = (own for own in bpy.data.collections if own.name.startswith("Morph"))
-    assert len(morph.objects) >= 3
-
-
 def operators():
     return sorted({kind.bl_idname for kind in kinds_of(BackgroundOperator) if hasattr(kind, "bl_idname")})
 
