@@ -249,7 +249,7 @@ found = []
 for frame in map(float, sys.argv[2:]):
     bpy.context.scene.frame_set(int(frame), subframe=frame % 1)
     found.append(read(player)[0].tolist())
-print("FOUND" + json.dumps(found))
+print("FOUND" + json.dumps(found) + "FOUND")
 """
 )
 

@@ -290,8 +290,12 @@ def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
     holder = bpy.data.objects.new("Holder", mesh)
     positions = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.shape_keys.key_blocks[0].data.foreach_get("co", positions)
+    keys = Handle.of("shape_keys", mesh.shape_keys)
     holder.shape_key_clear()
     bpy.data.objects.remove(holder)
+    left = keys.find()
+    if left is not None:  # Blender 4.5
+        bpy.data.batch_remove([left])
     mesh.vertices.foreach_set("co", positions)
     if SLOTS in mesh.attributes:
         slots = np.empty(len(mesh.polygons), np.int32)
