@@ -33,6 +33,8 @@ TEXTS: dict[str, str] = {
     "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
+    "APART": "Mass takes the nearest free place: neither the map between the shapes (agreement {score:.0%}, detour "
+    "{detour:.1f}) nor a warp ({left:.0%} of the distance left) brings them together; guides may help",
     "SOLID": "Mass takes the nearest free place: the shapes have no limbs that could be torn off",
     "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
     "TOPOLOGY": "Mass takes the nearest free place: triangles of a shape change from frame to frame, which no motion "
@@ -68,7 +70,7 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "TURNED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "TURNED", "APART", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
     "NO_MOTION": "WARNING",
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -305,6 +307,8 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
         return []
     if chosen["motion_reason"] in ("SOLID", "MANY", "TOPOLOGY"):
         return [Diagnostic(str(chosen["motion_reason"]), {})]
+    if chosen["motion_reason"] == "APART":
+        return [Diagnostic("APART", {name: _number(chosen, f"motion_{name}") for name in ("score", "detour", "left")})]
     kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
     if kind is None or chosen.get("motion_score") is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []

@@ -22,6 +22,13 @@ from .warp_motion import WarpMotion, warp_motion
 # Guided motions are used alone if the worst map between two shapes has at least the first score, and are completed by a
 # warp from the second on. Chosen by eye on pairs of the benchmark.
 _TRUSTED, _DOUBTED = 0.88, 0.2
+# Uncertain maps must not move shapes farther than this many times the Wasserstein distance. It is 0.7 to 1.2 where the
+# completed motion looks good (chair to man, octopus to horse, star to cross), and 1.8 to 2.3 where bodies turn over and
+# tear on the way (horse to bird, dolphins to bird).
+_DETOUR = 1.4
+# Warps must not leave more than this fraction of the distance: they leave 0.15 from octopus to horse, and 0.38 and 0.56
+# from horse and dolphins to bird, whose frames are more torn than those of transport alone.
+_LEFT = 0.3
 # Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
 _FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
 # Fraction of the work for the guided motion, if a warp may follow.
@@ -38,7 +45,7 @@ class MotionChoice:
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
         "ASKED" (requested), "SOLID" (no shape has limbs), "FITS" (the shapes map onto each other), "UNLIKE" (they do
-        not), or "FAILED" (an error occurred).
+        not), "APART" (neither a map nor a warp brings them together), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -47,6 +54,10 @@ class MotionChoice:
         Message of the error, if one occurred.
     turned : float
         Largest angle in degrees by which a shape was turned about the vertical axis to be mapped to another.
+    detour : float or None
+        Largest detour of an uncertain map, see :func:`.map_detour.map_detour`.
+    left : float or None
+        Largest fraction of the distance between two shapes that a warp leaves, if it was tried alone.
     """
 
     kind: str
@@ -55,10 +66,13 @@ class MotionChoice:
     score: float | None = None
     failure: str = ""
     turned: float = 0.0
+    detour: float | None = None
+    left: float | None = None
 
     def record(self) -> dict[str, object]:
         """Return the description of the motion for the record of every frame, ready for JSON."""
         known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
+        known |= {"detour": self.detour, "left": self.left}
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
 
@@ -85,7 +99,10 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
 
 
 def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
-    """Return the guided motion if the shapes map onto each other, or else one that a warp completes or replaces."""
+    """Return the guided motion if the shapes map onto each other, or else one that a warp completes or replaces.
+
+    A warp completes the guided motion unless the map makes detours; a warp alone is used only if the shapes meet.
+    """
     guided, failure = None, ""
     try:
         guided = yield from within(_guided(request, control), 0.0, _GUIDED_SHARE)
@@ -98,7 +115,9 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     score = None if guided is None else _score(guided)
     if guided is not None and score >= _TRUSTED:
         return MotionChoice("guided", "FITS", guided, score, turned=_turned(guided))
-    doubted = guided is not None and score >= _DOUBTED
+    detour = None if guided is None else max(pair.detour for pair in guided.pairs.values())
+    # Where the user says what corresponds, it may be far away.
+    doubted = guided is not None and score >= _DOUBTED and (bool(request.guides) or detour <= _DETOUR)
     try:
         if doubted:
             work = combined_motion(guided, request.names, request.pairs, request.coherence, control)
@@ -110,9 +129,15 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     except _FAILURES as error:
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "FAILED", None, score, failure or str(error))
-    kind = "combined" if doubted else "warp"
-    turned = _turned(guided) if doubted else 0.0
-    return MotionChoice(kind, "FAILED" if guided is None else "UNLIKE", motion, score, failure, turned)
+    reason = "FAILED" if guided is None else "UNLIKE"
+    if doubted:
+        return MotionChoice("combined", reason, motion, score, turned=_turned(guided), detour=detour)
+    left = _left(motion)
+    if left > _LEFT:
+        yield Progress(1.0, Sentence("Transporting without a motion"))
+        reason = "FAILED" if guided is None else "APART"
+        return MotionChoice("transport", reason, None, score, failure, detour=detour, left=left)
+    return MotionChoice("warp", reason, motion, score, failure, detour=detour, left=left)
 
 
 def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:
@@ -132,3 +157,9 @@ def _score(guided: GuidedMotion) -> float:
 def _turned(guided: GuidedMotion) -> float:
     """Return the largest angle in degrees by which a shape was turned to be mapped."""
     return max(abs(pair.turn) for pair in guided.pairs.values())
+
+
+def _left(warp: WarpMotion) -> float:
+    """Return the largest fraction of the distance between two shapes that remains halfway."""
+    lengths = [(signals.length_left, signals.length_before) for signals in warp.signals.values()]
+    return max(left / before if before > 0 else 0.0 for left, before in lengths)

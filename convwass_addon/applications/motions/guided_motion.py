@@ -28,6 +28,7 @@ from ..workers import both_ways, one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
+from .map_detour import map_detour
 from .map_quality import MapQuality, map_quality
 from .mapped_pairs import MappedPair, mapped_pair, registering
 from .motion import MovedShape
@@ -54,6 +55,8 @@ class GuidedPair:
         confidence instead.
     score_without : float or None
         Score of the map without guides, if there are guides.
+    detour : float
+        Length of the map over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
         Angle in degrees by which one shape was turned about the vertical axis before they were registered.
     """
@@ -63,13 +66,15 @@ class GuidedPair:
     followed: int
     score: float
     score_without: float | None
+    detour: float = 1.0
     turn: float = 0.0
 
     def record(self) -> dict[str, object]:
         """Return the figures, ready for JSON."""
         guides = {"given": self.guides, "followed": self.followed, "score_without": self.score_without}
         turned = {"turned": round(self.turn)} if self.turn else {}
-        return {"score": self.score, **self.quality.as_dict(), **turned, **({"guides": guides} if self.guides else {})}
+        figures = {"score": self.score, **self.quality.as_dict(), "detour": round(self.detour, 3)}
+        return {**figures, **turned, **({"guides": guides} if self.guides else {})}
 
 
 @dataclass(frozen=True)
@@ -254,7 +259,10 @@ def guided_motion(
         quality = map_quality(one, other, there, back).or_worse(map_quality(other, one, back, there))
         found = best.map
         score = max(found.score, quality.confidence) if quality.is_beyond_doubt else found.score
-        known[pair] = GuidedPair(quality, found.guides, len(found.pairs), score, found.score_without, best.turn)
+        followed = len(found.pairs)
+        known[pair] = GuidedPair(
+            quality, found.guides, followed, score, found.score_without, _detour(one, other, best), best.turn
+        )
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 
@@ -271,6 +279,13 @@ def _deformed(
         there = split_deformation(one, other, best.laid.first, None, control)
         back = split_deformation(other, one, best.laid.second, there, control)
     return there, back, best
+
+
+def _detour(one: Carrier, other: Carrier, best: MappedPair) -> float:
+    """Return how much farther the map moves two shapes than needed, without the turn of the first one."""
+    turn = rotation_matrices(np.radians(best.turn) * np.array([[0.0, 0.0, 1.0]]))[0]
+    turned = TriangleMesh(one.mesh.vertices @ turn.T, one.mesh.faces)
+    return map_detour((turned, other.mesh), (best.laid.first.points, best.laid.second.points @ turn.T))
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:

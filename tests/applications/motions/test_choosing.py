@@ -17,8 +17,15 @@ BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
 SHAPES = (BARBELL, ball(2.0, points=40))
 
 
-def guided_with(score, turn=0.0):
-    return SimpleNamespace(pairs={(0, 1): SimpleNamespace(score=score, turn=turn)})
+def guided_with(score, turn=0.0, detour=1.0):
+    return SimpleNamespace(pairs={(0, 1): SimpleNamespace(score=score, turn=turn, detour=detour)})
+
+
+def warp_leaving(fraction):
+    return SimpleNamespace(signals={(0, 1): SimpleNamespace(length_before=8.0, length_left=8.0 * fraction)})
+
+
+MEETING_WARP = warp_leaving(0.1)
 
 
 def work_of(outcome):
@@ -35,7 +42,7 @@ def work_of(outcome):
 
 @pytest.fixture
 def motions(monkeypatch):
-    def given(guided, warp="the warp", combined="the combined motion"):
+    def given(guided, warp=MEETING_WARP, combined="the combined motion"):
         for name, outcome in (("guided_motion", guided), ("warp_motion", warp), ("combined_motion", combined)):
             monkeypatch.setattr(choosing, name, work_of(outcome))
 
@@ -62,7 +69,25 @@ def test_the_record_says_by_how_much_shapes_were_turned(motions):
 
 def test_automatic_warps_without_a_map(motions):
     motions(InputError("no map"))
-    assert choice().record() == {"kind": "warp", "reason": "FAILED", "failure": "no map"}
+    assert choice().record() == {"kind": "warp", "reason": "FAILED", "failure": "no map", "left": 0.1}
+
+
+def test_maps_that_make_detours_are_replaced_by_a_warp(motions):
+    """Unless guides say what corresponds, or the map is good: limbs may swing far."""
+    motions(guided_with(0.6, detour=1.8))
+    assert choice().record() == {"kind": "warp", "reason": "UNLIKE", "score": 0.6, "detour": 1.8, "left": 0.1}
+    assert choice(guides=[{0: 7, 1: 7}]).kind == "combined"
+    motions(guided_with(0.95, detour=1.8))
+    assert choice().kind == "guided"
+
+
+def test_shapes_that_a_warp_does_not_bring_together_are_transported(motions):
+    motions(guided_with(0.6, detour=1.8), warp=warp_leaving(0.5))
+    found = choice()
+    assert found.motion is None
+    assert found.record() == {"kind": "transport", "reason": "APART", "score": 0.6, "detour": 1.8, "left": 0.5}
+    motions(InputError("no map"), warp=warp_leaving(0.5))
+    assert choice().record() == {"kind": "transport", "reason": "FAILED", "failure": "no map", "left": 0.5}
 
 
 def test_automatic_falls_back_to_transport_after_errors(motions):

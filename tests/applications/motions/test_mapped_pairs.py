@@ -34,6 +34,8 @@ def test_a_shape_turned_to_another_side_turns_as_a_whole():
     motion = drained(guided_motion([shape, turned], ["one", "other"], [(0, 1)], ROUGH))
     assert abs(motion.pairs[0, 1].turn) == pytest.approx(degrees)
     assert abs(motion.record()["pairs"][0]["turned"]) == degrees
+    # The turn itself is no detour.
+    assert motion.pairs[0, 1].detour < 1.1
     size = np.sqrt(shape.area)
     for share in (0.25, 0.5, 0.75):
         moved = motion.moved((1.0 - share, share))[0].vertices
