@@ -14,6 +14,7 @@ from .coherence_guides import print_guides
 from .coherence_maps import print_maps
 from .coherence_pairs import ONE_BUILD, OTHER_BUILD, CoherencePair, half, pairs_named
 from .coherence_sheets import write_sheets
+from .coherence_turned import print_turned
 from .processes import PROJECT, measured
 
 FRAMES_FOLDER = PROJECT / "out" / "coherence"
@@ -82,6 +83,7 @@ def main(
         return
     if guides:
         print_guides(pairs, folder)
+        print_turned(pairs, folder)
         return
     ways = _offered(ways)
     if not as_json:

@@ -34,6 +34,7 @@ from .coherence_measures import (
     worst_angle,
 )
 from .coherence_pairs import Ends, pairs_named
+from .coherence_turned import turned
 from .end_frames import EndLoss
 from .left_to_transport import left_to_transport, recorded_motions
 from .rival_measures import Connectivity
@@ -137,6 +138,12 @@ def guiding(pair: str, meshes: str | None = None) -> dict[str, object]:
     return guided(chosen.ends())
 
 
+def turning(pair: str, meshes: str | None = None) -> dict[str, object]:
+    """Map one pair of people that face different ways with guides; see :func:`.coherence_turned.turned`."""
+    (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
+    return turned(chosen.ends())
+
+
 def held(bake: Bake, ends: Ends) -> dict[str, object]:
     """Measure the coherence of the frames."""
     along = Along.of(bake.meshes, bake.times)
@@ -196,7 +203,7 @@ def _brief(record: dict[str, object]) -> dict[str, object]:
     return {key: record[key] for key in ("weights", "found", "mended", "motion") if key in record}
 
 
-CASES = {"passage": passage, "mapping": mapping, "guiding": guiding}
+CASES = {"passage": passage, "mapping": mapping, "guiding": guiding, "turning": turning}
 
 if __name__ == "__main__":
     case, options = sys.argv[1:]
