@@ -95,6 +95,31 @@ class Quadruped:
 def quadruped(build: Build, pose: Pose, seed: int) -> Quadruped:
     """Sculpt an animal whose lowest foot stands on z = 0."""
     clay = Sculpture(seed)
+    body = headless(clay, build, pose)
+    root = body.shoulders + 0.35 * build.girth[-1] * toward(pose.trunk + 90.0)
+    return Quadruped(clay, body.hips, body.fore, body.hind, _add_neck(clay, build, root, pose))
+
+
+@dataclass(frozen=True)
+class Headless:
+    """Joints of an animal without neck and head.
+
+    Attributes
+    ----------
+    hips, shoulders : (3,) float64
+        Ends of the spine.
+    fore, hind : tuple of (3, 3) float64
+        Root, knee and foot of each leg, left before right.
+    """
+
+    hips: Point
+    shoulders: Point
+    fore: tuple[NDArray[np.float64], NDArray[np.float64]]
+    hind: tuple[NDArray[np.float64], NDArray[np.float64]]
+
+
+def headless(clay: Sculpture, build: Build, pose: Pose) -> Headless:
+    """Add the trunk, legs and tail of an animal whose lowest foot stands on z = 0."""
     hips = np.array([0.0, 0.0, _hip_height(build, pose)])
     along, over = toward(pose.trunk), toward(pose.trunk + 90.0)
     shares = np.linspace(0.0, 1.0, len(build.girth))
@@ -109,9 +134,8 @@ def quadruped(build: Build, pose: Pose, seed: int) -> Quadruped:
         _add_leg(clay, build, hips - 0.2 * build.girth[0] * over, pose.hind[i], build.hind, side, 1.0)
         for i, side in enumerate((1.0, -1.0))
     )
-    neck = _add_neck(clay, build, shoulders + 0.35 * build.girth[-1] * over, pose)
     _add_tail(clay, build, hips - 0.75 * build.girth[0] * along + 0.45 * build.girth[0] * over, pose)
-    return Quadruped(clay, hips, fore, hind, neck)
+    return Headless(hips, shoulders, fore, hind)
 
 
 def toward(angle: float) -> Point:
@@ -238,6 +262,8 @@ GOAT = Build(
 )
 
 STANDING = Pose()
+TROTTING = Pose(fore=((-62.0, -112.0), (-112.0, -106.0)), hind=((-92.0, -126.0), (-50.0, -88.0)))
+"""Diagonal legs ahead and behind."""
 REARING = Pose(
     trunk=58.0,
     neck=88.0,
