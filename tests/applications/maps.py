@@ -20,10 +20,10 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 
 @contextmanager
-def coarse_maps(vertices: int = 300) -> Iterator[None]:
-    """Let guided motions of bakes map shapes on meshes of this many vertices, enough for shapes of few limbs."""
+def coarse_maps() -> Iterator[None]:
+    """Let guided motions of bakes map and deform shapes on coarse meshes, which are enough for shapes of few limbs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=vertices))
+        patch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=300, carrier_vertices=400))
         yield
 
 
