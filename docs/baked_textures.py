@@ -13,7 +13,7 @@ from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
-from looks import dress, quilted, spotted, unwrap
+from looks import assign, quilted, spotted, unwrap
 from photographs import PROJECT, finer, sample_shape
 from PIL import Image
 
@@ -34,7 +34,7 @@ def main() -> None:
     horse, cow = sample_shape("horse"), finer(sample_shape("cow"), 1)
     for obj, material in ((horse, spotted()), (cow, quilted())):
         unwrap(obj)
-        dress(obj, material)
+        assign(obj, material)
     bpy.ops.convwass.bake_morph(inputs="horse,cow", output="SHAPE_KEYS", frames=24)
     obj = bpy.data.objects["horse Morph"]
     obj.animation_data.action = None

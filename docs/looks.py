@@ -53,9 +53,9 @@ def _row(looks: str, cells: int, folder: Path) -> Image.Image:
     """Bake five frames from one animal to the other, and render them; all rows share the solved blends."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     horse, cow = finer(sample_shape("horse"), 1), finer(sample_shape("cow"), 1)
-    dress(horse, spotted())
+    assign(horse, spotted())
     unwrap(cow)
-    dress(cow, quilted())
+    assign(cow, quilted())
     bpy.context.view_layer.update()
     settings, depsgraph = MorphSettings(cells), bpy.context.evaluated_depsgraph_get()
     job = MorphJob(bpy.context.scene, depsgraph, [horse, cow], path_blends(2, 4), settings, {"looks": looks}, 1)
@@ -68,7 +68,7 @@ def _row(looks: str, cells: int, folder: Path) -> Image.Image:
         return picture.convert("RGB").crop(shown)
 
 
-def dress(obj: bpy.types.Object, material: bpy.types.Material) -> None:
+def assign(obj: bpy.types.Object, material: bpy.types.Material) -> None:
     """Give a shape a single material and smooth shading."""
     obj.data.shade_smooth()
     obj.data.materials.clear()

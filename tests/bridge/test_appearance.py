@@ -257,7 +257,7 @@ def rendered_color(scene, tmp_path, obj):
 
 
 def test_frames_look_like_their_inputs_near_them(bare_scene, make_object, tmp_path):
-    """Neither color nor roughness jumps where the morph begins: the first frame wears a material of its own."""
+    """Neither color nor roughness jumps where the morph begins: the first frame has a material of its own."""
     one = add_shape(make_object, "One", ball(points=600), material("Mirror", (0.8, 0.2, 0.1, 1), 0.1))
     other = add_shape(make_object, "Other", ball(points=600), material("Chalk", (0.1, 0.3, 0.9, 1), 0.9))
     frames = frame_objects(bake(bare_scene, [one, other], steps=24))

@@ -99,8 +99,8 @@ def test_the_ends_play_on(bare_scene, movers, hat, player):
         np.testing.assert_allclose([low[2], high[2]], [frame - FIRST - 1, frame - FIRST + 2.5], atol=1e-4)
     if not player:
         shown = frame_objects(morph)[-1].evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-        worn = {shown.materials[polygon.material_index].name for polygon in shown.polygons}
-        assert worn == {"Convwass Morph"}
+        used = {shown.materials[polygon.material_index].name for polygon in shown.polygons}
+        assert used == {"Convwass Morph"}
     first = triangle_mesh(frame_objects(morph)[0], bpy.context.evaluated_depsgraph_get())
     assert first.volume == pytest.approx(4 / 3)
 

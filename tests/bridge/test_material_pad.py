@@ -35,7 +35,7 @@ def place_of(material):
     return tuple(node.inputs[axis].default_value for axis in "XY")
 
 
-def worn(material):
+def used(material):
     bpy.ops.mesh.primitive_plane_add()
     bpy.context.object.data.materials.append(material)
     return material
@@ -45,7 +45,7 @@ def worn(material):
 def test_corners_show_the_materials_themselves(count):
     pad = material_pad(bpy.context.scene, "Pad", NAMES[:count], 2)
     fits = [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4
-    material = worn(pad_fitted_material("M", fits, pad))
+    material = used(pad_fitted_material("M", fits, pad))
     for number, corner in enumerate(CORNERS[count]):
         put(pad, *corner)
         weights = pad_weights(count, *place_of(material))
@@ -55,7 +55,7 @@ def test_corners_show_the_materials_themselves(count):
 def test_the_place_in_a_triangle_has_the_weights_that_lie_in_it():
     """The weighted mean of the corners is the place itself."""
     pad = material_pad(bpy.context.scene, "Pad", NAMES[:3], 2)
-    material = worn(pad_fitted_material("M", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
+    material = used(pad_fitted_material("M", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
     for place in ((0.0, -0.2), (0.3, -0.6), (-0.2, 0.3)):
         put(pad, *place)
         weights = pad_weights(3, *place_of(material))
@@ -64,7 +64,7 @@ def test_the_place_in_a_triangle_has_the_weights_that_lie_in_it():
 
 def test_a_pad_may_be_moved_and_turned():
     pad = material_pad(bpy.context.scene, "Pad", NAMES, 2)
-    material = worn(pad_fitted_material("M", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
+    material = used(pad_fitted_material("M", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)] * 4, pad))
     pad.handle.parent.location, pad.handle.parent.rotation_euler = (5, 4, 3), (0.3, 0.2, 0.1)
     put(pad, 0.5, -0.5)
     np.testing.assert_allclose(place_of(material), (0.75, 0.25), atol=1e-5)
@@ -111,7 +111,7 @@ def test_the_shown_material_is_bilinear_between_blends(tmp_path):
     values = np.random.default_rng(1).random((3, 3, 3)).astype(np.float32)
     matte = np.random.default_rng(2).random((3, 3, 3))
     tables = [np.broadcast_to(value, (HEIGHT, WIDTH, 3)) for value in values.reshape(9, 3)]
-    material = worn(pad_lobe_material("M", tables, matte.reshape(9, 3).tolist(), None, pad))
+    material = used(pad_lobe_material("M", tables, matte.reshape(9, 3).tolist(), None, pad))
     put(pad, 0.5, -0.75)
     # 1.5 places across and a quarter up.
     own = values + matte / np.pi

@@ -12,14 +12,14 @@ from convwass_addon.bridge.morphs.materials import (
     input_color,
     morph_material,
     plain_copy,
-    wears_object_color,
+    shows_object_color,
 )
 
 RED = (0.8, 0.1, 0.2, 1.0)
 
 
 @pytest.fixture
-def wearer(make_object):
+def colored(make_object):
     """Give an object with a material that has nodes."""
     obj = make_object("A")
     material = bpy.data.materials.new("Paint")
@@ -35,21 +35,21 @@ def base_color(material):
     return next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED").inputs["Base Color"]
 
 
-def test_base_color(wearer):
-    base_color(wearer.active_material).default_value = RED
-    assert input_color(wearer) == pytest.approx(RED)
+def test_base_color(colored):
+    base_color(colored.active_material).default_value = RED
+    assert input_color(colored) == pytest.approx(RED)
 
 
-def test_textured_material_gives_its_viewport_color(wearer):
-    tree = wearer.active_material.node_tree
+def test_textured_material_gives_its_viewport_color(colored):
+    tree = colored.active_material.node_tree
     texture = tree.nodes.new("ShaderNodeTexNoise")
-    tree.links.new(texture.outputs["Color"], base_color(wearer.active_material))
-    assert input_color(wearer) == pytest.approx((0.0, 1.0, 0.0, 1.0))
+    tree.links.new(texture.outputs["Color"], base_color(colored.active_material))
+    assert input_color(colored) == pytest.approx((0.0, 1.0, 0.0, 1.0))
 
 
-def test_material_without_principled(wearer):
-    wearer.active_material.node_tree.nodes.clear()
-    assert input_color(wearer) == pytest.approx((0.0, 1.0, 0.0, 1.0))
+def test_material_without_principled(colored):
+    colored.active_material.node_tree.nodes.clear()
+    assert input_color(colored) == pytest.approx((0.0, 1.0, 0.0, 1.0))
 
 
 def test_object_without_material(make_object):
@@ -71,11 +71,11 @@ def test_morph_material_is_made_once():
     material = morph_material()
     assert material.name == MATERIAL_NAME
     assert morph_material() == material
-    assert wears_object_color(material)
+    assert shows_object_color(material)
 
 
 def test_plain_copy():
     copy = plain_copy(morph_material(), RED)
-    assert not wears_object_color(copy)
+    assert not shows_object_color(copy)
     assert tuple(base_color(copy).default_value) == pytest.approx(RED)
-    assert wears_object_color(morph_material())
+    assert shows_object_color(morph_material())

@@ -193,8 +193,8 @@ def test_materials_and_colors_are_kept(collection):
     for frame in (FIRST, FIRST + 2, FIRST + 2 * STEPS):
         bpy.context.scene.frame_set(frame)
         mesh = evaluated(player).data
-        worn = {mesh.materials[polygon.material_index] for polygon in mesh.polygons}
-        found[frame] = [material.name for material in worn], tuple(mesh.attributes[COLOR].data[0].color)
+        used = {mesh.materials[polygon.material_index] for polygon in mesh.polygons}
+        found[frame] = [material.name for material in used], tuple(mesh.attributes[COLOR].data[0].color)
     assert found[FIRST] == (["Convwass Morph Player"], (1, 0, 0, 1))
     assert found[FIRST + 2] == (["Convwass Morph Player"], (1, 0.5, 0.5, 1))
     assert found[FIRST + 2 * STEPS][0] == ["Own"]

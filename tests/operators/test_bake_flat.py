@@ -334,7 +334,7 @@ def test_one_drawing_has_a_keyframe_per_frame():
     points = np.array([point.position[:] for stroke in drawings(obj)[3].strokes for point in stroke.points])
     world = points @ np.array(obj.matrix_world)[:3, :3].T + np.array(obj.matrix_world.translation)
     np.testing.assert_allclose(world[:, 2], 4 / 3, atol=1e-5)
-    # The originals wear colors as materials, blends have their own.
+    # The originals have colors as materials, blends have their own.
     ends = [drawings(obj)[number].strokes[0] for number in (1, 4)]
     inks = [obj.data.materials[stroke.material_index].grease_pencil.fill_color[:] for stroke in ends]
     np.testing.assert_allclose(inks, [RED, BLUE])

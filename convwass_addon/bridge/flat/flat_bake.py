@@ -15,12 +15,12 @@ from mathutils import Matrix
 from ...applications.morphs.layouts import Blend
 from ...geometry.outlines import ring_area
 from ..handles import Handle, found
-from ..morphs.bake import SHEET_SPACING, MorphBake, check_first_frame, wear_material
+from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_first_frame
 from ..morphs.frozen_inputs import FrozenInput
 from ..objects import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
-from .flat_paint import dress_curve, paint_mesh, unused_materials
+from .flat_paint import assign_region_materials, paint_mesh, unused_materials
 from .flat_rings import blended_style
 from .planes import blended_plane
 
@@ -82,7 +82,7 @@ class FlatBake(MorphBake):
             obj = self._living(self._copies[frame.blend.source]).copy()
             obj.name = name
             if obj.type != "GREASEPENCIL":
-                wear_material(obj.data)
+                assign_default_material(obj.data)
             return obj
         weights = frame.blend.weights
         curve = bpy.data.curves.new(name, "CURVE")
@@ -92,7 +92,7 @@ class FlatBake(MorphBake):
         obj = bpy.data.objects.new(name, curve)
         colors = [region.color for region in frame.regions]
         # Material slots must exist before splines can use them.
-        self._dress(obj, colors)
+        self._assign_materials(obj, colors)
         write_curves(curve, frame.curves, style, frame.owners)
         if self._kind == "MESH":
             obj = _as_mesh_object(obj)
@@ -101,15 +101,15 @@ class FlatBake(MorphBake):
         obj.matrix_world = Matrix(blended_plane([flat.plane for flat in self._flats], weights).matrix)
         return obj
 
-    def _dress(self, obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
+    def _assign_materials(self, obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
         """Assign the colors of the regions, else the material shared by all inputs, else the material of all frames."""
         if len(colors) > 1:
-            dress_curve(obj, colors)
+            assign_region_materials(obj, colors)
             return
         material = self._material.find() if self._material is not None else None
         if material is not None:
             obj.data.materials.append(material)
-        wear_material(obj.data)
+        assign_default_material(obj.data)
 
     def _sheet_location(self, blend: Blend) -> np.ndarray:
         """Return the position of a frame on a sheet, (3,): columns along the plane's X, rows against its Y."""
@@ -203,8 +203,8 @@ def mean_color(flat: MovedFlat) -> tuple[float, ...]:
 
 def _shared_material(inputs: Sequence[bpy.types.Object]) -> Handle | None:
     """Return the material that all inputs share, if there is exactly one."""
-    worn = [{slot.material for slot in obj.material_slots if slot.material} for obj in inputs]
-    common = set.intersection(*worn)
-    if len(common) != 1 or any(len(own) != 1 for own in worn) or any(obj.type == "GREASEPENCIL" for obj in inputs):
+    used = [{slot.material for slot in obj.material_slots if slot.material} for obj in inputs]
+    common = set.intersection(*used)
+    if len(common) != 1 or any(len(own) != 1 for own in used) or any(obj.type == "GREASEPENCIL" for obj in inputs):
         return None
     return Handle.of("materials", common.pop())

@@ -18,7 +18,7 @@ REGION_KEY = "convwass_region_{}"
 _CURVE_NAME, _MESH_NAME = "Convwass Region {}", "Convwass Regions"
 
 
-def dress_curve(obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
+def assign_region_materials(obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
     """Assign one material per region to a curve object; the colors are stored as custom properties.
 
     Frames of different colors can therefore share materials.
@@ -38,7 +38,7 @@ def dress_curve(obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> Non
 
 
 def region_colors(obj: bpy.types.Object) -> list[tuple[float, ...]]:
-    """Return the colors that `dress_curve` stored on an object; empty for a single color."""
+    """Return the colors that `assign_region_materials` stored on an object; empty for a single color."""
     colors: list[tuple[float, ...]] = []
     while (color := obj.get(REGION_KEY.format(len(colors) + 1))) is not None:
         colors.append(tuple(color))

@@ -9,7 +9,7 @@ from dataclasses import replace
 import bpy
 
 from ...errors import InputError
-from ..morphs.bake import wear_material
+from ..morphs.bake import assign_default_material
 from ..morphs.stand_ins import stand_ins
 from ..morphs.stored import frame_objects, store, stored_morph
 from .flat_paint import paint_mesh, region_colors
@@ -77,7 +77,7 @@ def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
         colors = region_colors(obj)
         if colors:
             paint_mesh(mesh, colors)
-        wear_material(mesh)
+        assign_default_material(mesh)
         meshes.append(mesh)
     bpy.data.batch_remove(copies)
     return meshes

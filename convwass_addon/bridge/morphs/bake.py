@@ -248,7 +248,7 @@ class MorphBake:
         else:
             data = bpy.data.meshes.new(name)
             self._write(data, frame.mesh)
-        wear_material(data)
+        assign_default_material(data)
         return bpy.data.objects.new(name, data)
 
     def _write(self, data: bpy.types.Mesh, mesh: TriangleMesh) -> None:
@@ -381,7 +381,7 @@ def check_first_frame(first_frame: int) -> None:
         )
 
 
-def wear_material(data: bpy.types.ID) -> None:
+def assign_default_material(data: bpy.types.ID) -> None:
     """Assign the material shared by all frames to data without material."""
     if not any(data.materials):
         data.materials.clear()

@@ -36,7 +36,7 @@ from .frozen_inputs import FrozenInput
 from .look_mixing import FADE
 from .look_sources import write_looks
 from .mixed_materials import MixedMaterials
-from .whole_looks import dress_ends, prepared_looks
+from .whole_looks import assign_end_materials, prepared_looks
 
 
 @dataclass(frozen=True)
@@ -106,7 +106,7 @@ class Carrying:
             if write_own_appearance(mesh, index, len(frozen)):
                 mesh.materials.clear()
                 mesh.materials.append(material)
-        dress_ends(prepared, self._materials, inputs, frozen)
+        assign_end_materials(prepared, self._materials, inputs, frozen)
 
     def _owners(self, mesh: TriangleMesh) -> np.ndarray | None:
         """Return the polygon of every triangle if they are joined to quads."""

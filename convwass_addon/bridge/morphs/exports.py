@@ -27,7 +27,7 @@ from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
-from .materials import plain_copy, wears_color_attribute, wears_object_color
+from .materials import plain_copy, shows_color_attribute, shows_object_color
 from .stored import frame_objects, shown_frames
 
 # Exported bytes per vertex, corner and face with colors, normals, UV maps and velocities, and for the file header.
@@ -279,7 +279,7 @@ def _plain_materials(objects: list[bpy.types.Object]) -> Iterator[None]:
         slot
         for obj in objects
         for slot in obj.material_slots
-        if wears_object_color(slot.material) or wears_color_attribute(slot.material)
+        if shows_object_color(slot.material) or shows_color_attribute(slot.material)
     ]
     copies = [plain_copy(slot.material, tuple(slot.id_data.color)) for slot in slots]
     for slot, copy in zip(slots, copies, strict=True):

@@ -84,6 +84,11 @@ class FieldMixture:
         self._mixed = self._attribute("FLOAT", _MIXED)
         self.level = self._level()
 
+    @property
+    def spacing(self) -> float:
+        """Size of a cell in scene units."""
+        return self._grid.spacing
+
     def of_step(self, kind: str, name: str, term: Term) -> bpy.types.NodeSocket:
         """Return a value of a blend from the table; `kind` is a data type of Sample Index."""
         key = (kind, name, term.index.as_pointer())

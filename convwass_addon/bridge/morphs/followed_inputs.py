@@ -25,7 +25,7 @@ from ..sequence import MODIFIER, frame_group
 from ..shape_sources import ShapeSource
 from .animated_inputs import data_of
 from .frozen_inputs import FrozenInput
-from .materials import wears_object_color
+from .materials import shows_object_color
 
 FOLLOW = "FOLLOW"
 """Value of the setting `follow` with which every blend reads the inputs at its own frame."""
@@ -157,11 +157,11 @@ def keep_animated(obj: bpy.types.Object, own: FrozenInput, move: RigidMove | Non
         tree.links.new(geometry, place.inputs["Geometry"])
         geometry = place.outputs["Geometry"]
     material = obj.data.materials[0] if len(obj.data.materials) else None
-    if wears_object_color(material) and not any(part.material_slots for part in parts):
-        dress = tree.nodes.new("GeometryNodeSetMaterial")
-        dress.inputs["Material"].default_value = material
-        tree.links.new(geometry, dress.inputs["Geometry"])
-        geometry = dress.outputs["Geometry"]
+    if shows_object_color(material) and not any(part.material_slots for part in parts):
+        assign = tree.nodes.new("GeometryNodeSetMaterial")
+        assign.inputs["Material"].default_value = material
+        tree.links.new(geometry, assign.inputs["Geometry"])
+        geometry = assign.outputs["Geometry"]
     tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
     obj.modifiers.new(MODIFIER, "NODES").node_group = tree
 

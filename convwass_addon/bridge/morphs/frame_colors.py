@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..sequence import pick
-from .materials import wears_object_color
+from .materials import shows_object_color
 
 COLOR = "morph_color"
 """Point attribute: the color of the source frame object, scene linear RGBA."""
@@ -43,8 +43,8 @@ def colored(
         The geometry with the attribute `COLOR` and materials that show it; unchanged if no material reads the object's
         color.
     """
-    worn = [slot.material for obj in frames for slot in obj.material_slots]
-    materials = [material for material in dict.fromkeys(worn) if wears_object_color(material)]
+    used = [slot.material for obj in frames for slot in obj.material_slots]
+    materials = [material for material in dict.fromkeys(used) if shows_object_color(material)]
     if not materials:
         return geometry
     stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
@@ -79,8 +79,8 @@ def seen_materials(tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object])
     """Return all materials of the frame objects as shown by a node group, without duplicates."""
     nodes = (node for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
     copies = {node.inputs["Old"].default_value: node.inputs["New"].default_value for node in nodes}
-    worn = (slot.material for obj in frames for slot in obj.material_slots if slot.material)
-    return list(dict.fromkeys(copies.get(material, material) for material in worn))
+    used = (slot.material for obj in frames for slot in obj.material_slots if slot.material)
+    return list(dict.fromkeys(copies.get(material, material) for material in used))
 
 
 def _colored_material(material: bpy.types.Material) -> bpy.types.Material:

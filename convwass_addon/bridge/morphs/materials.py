@@ -65,12 +65,12 @@ def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, f
     return copy
 
 
-def wears_object_color(material: bpy.types.Material | None) -> bool:
+def shows_object_color(material: bpy.types.Material | None) -> bool:
     """Return whether a material reads its base color from the object."""
     return _color_source(material) == "OBJECT_INFO"
 
 
-def wears_color_attribute(material: bpy.types.Material | None) -> bool:
+def shows_color_attribute(material: bpy.types.Material | None) -> bool:
     """Return whether a material reads its base color from a color attribute, as the material of frames does."""
     return _color_source(material) == "VERTEX_COLOR"
 

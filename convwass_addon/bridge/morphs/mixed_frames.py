@@ -19,11 +19,12 @@ from ..node_math import feed, math_node, switch, total, vector_math_node, weight
 from ..sequence import pick
 from .enclosed_volume import with_volume
 from .field_nodes import FieldMixture, Term
-from .field_sampler import position_node, sample_index, set_position
+from .field_sampler import set_position
 from .frame_attributes import CUSTOM_NORMAL, LOOKS, SOURCE_WEIGHT, VELOCITY
+from .laid_mixture import LaidMixture
 from .moved_frames import HAS
 from .stored import WEIGHTS_KEY
-from .stored_fields import COLOR, ENCLOSED, OFFSET, Column, StoredFields
+from .stored_fields import COLOR, ENCLOSED, Column, StoredFields
 
 DETAIL = "Detail"
 """Input: whether the surface is projected onto the baked meshes."""
@@ -37,21 +38,11 @@ INTERPOLATE = "Interpolate"
 _SHAPE = "shape"
 # With a weight above this, a mixture counts as a single blend.
 _ALONE = 1.0 - 1e-3
-# Closest points are ignored if they are farther away than this, in cells, or if the cosine between their direction and
-# the normal is below the second number.
-_FAR, _ASIDE = 1.5, 0.5
-# Normals are mixed if the cosine of their angle exceeds this.
-_AGREES = 0.4
-# Largest correction of distances, in cells.
-_MOST_CORRECTED = 1.0
 # Vertices are moved by at most this many cells to enclose the mixed volume; where a mixture misses a thin part, the
 # rest must not swell visibly (docs/performance.md, "Moments of players").
 _MOST_INFLATED = 0.2
 _KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
 _OWN = ("position", CUSTOM_NORMAL, LOOKS)
-# UV maps are read at the center of a face and this share of the way from there to each corner, and continued: the face
-# then belongs to one side of all seams. Corners farther away in the texture than the limit are not continued.
-_NEAR_CENTER, _MOST_CONTINUED = 0.05, 0.1
 
 
 def carried_attributes(frames: Sequence[bpy.types.Object]) -> dict[str, str]:
@@ -156,7 +147,7 @@ class MixedFrames:
         pace : bpy.types.NodeSocket or None
             Factor for velocities; without it there are none.
         """
-        laid = _Laid(self, self.mixture.terms, self.targets)
+        laid = self._laid(self.mixture.terms, self.targets)
         surface = self.mixture.surface()
         on_meshes = self._smooth(set_position(self.tree, surface, offset=laid.correction()))
         if any(CUSTOM_NORMAL in obj.data.attributes for obj in self.frames):
@@ -192,7 +183,7 @@ class MixedFrames:
         names = carried_uv_maps(self.frames)
         if not any(LOOKS in obj.data.attributes for obj in self.frames):
             return geometry
-        laid = _Laid(self, [self._largest_blend()])
+        laid = self._laid([self._largest_blend()])
         for name in names:
             geometry = self.stored(geometry, name, "FLOAT2", laid.at_corners(name), "CORNER")
         mark = self.tree.nodes.new("ShaderNodeValue")
@@ -218,17 +209,23 @@ class MixedFrames:
         values = [self.mixture.of_step(kind, name, term) for term in self.mixture.terms]
         return weighted_vectors(self.tree, values, self.weights)
 
-    def dressed(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    def with_materials(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return a mesh with the material of the blends; if there are several, with that of the nearest face."""
         blends = [obj for obj in self.frames if not is_shape(obj)] or self.frames
-        worn = dict.fromkeys(slot.material for obj in blends for slot in obj.material_slots if slot.material)
-        if len(worn) < 2:
-            return self._wearing(geometry, next(iter(worn), None))
-        laid = _Laid(self, [self._largest_blend()])
+        used = dict.fromkeys(slot.material for obj in blends for slot in obj.material_slots if slot.material)
+        if len(used) < 2:
+            return self._with_material(geometry, next(iter(used), None))
+        laid = self._laid([self._largest_blend()])
         geometry, (face,) = laid.with_nearest(geometry, "FACE")
-        for material in worn:
-            geometry = self._wearing(geometry, material, laid.wears(material, face))
+        for material in used:
+            geometry = self._with_material(geometry, material, laid.has_material(material, face))
         return geometry
+
+    def _laid(self, terms: Sequence[Term], targets: Sequence[bpy.types.NodeSocket] | None = None) -> LaidMixture:
+        """Return the closest points on the meshes of some terms, by default the baked ones."""
+        if targets is None:
+            targets = [pick(self.tree, "GEOMETRY", term.index, self.meshes) for term in terms]
+        return LaidMixture(self.tree, self.mixture, terms, targets)
 
     def _largest_blend(self) -> Term:
         """Return the term with the largest weight among those that are not unchanged shapes."""
@@ -244,7 +241,7 @@ class MixedFrames:
             best = Term(index, math_node(tree, "MAXIMUM", weight, best.weight))
         return best
 
-    def _wearing(
+    def _with_material(
         self,
         geometry: bpy.types.NodeSocket,
         material: bpy.types.Material | None,
@@ -301,136 +298,3 @@ class MixedFrames:
         node = self.tree.nodes.new("GeometryNodeSetShadeSmooth")
         self.tree.links.new(geometry, node.inputs["Geometry"])
         return node.outputs["Geometry"]
-
-
-class _Laid:
-    """Closest points of a mixture on the baked meshes of some terms."""
-
-    def __init__(
-        self, mixed: MixedFrames, terms: Sequence[Term], targets: Sequence[bpy.types.NodeSocket] | None = None
-    ) -> None:
-        self._tree, self._mixed, self._terms = mixed.tree, mixed, terms
-        self._spacing = mixed.fields.grid.spacing
-        self._places: list[bpy.types.NodeSocket] = []
-        if targets is None:
-            targets = [pick(self._tree, "GEOMETRY", term.index, mixed.meshes) for term in terms]
-        self._targets = list(targets)
-        for term in terms:
-            offset = mixed.mixture.of_step("FLOAT_VECTOR", OFFSET, term)
-            self._places.append(vector_math_node(self._tree, "ADD", position_node(self._tree), offset))
-
-    def correction(self) -> bpy.types.NodeSocket:
-        """Return the vector that moves a vertex to the mixed distance from the meshes."""
-        tree, terms = self._tree, self._terms
-        normal = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
-        own = [self._missing(*each, normal) for each in zip(terms, self._places, self._targets, strict=True)]
-        length = math_node(tree, "MULTIPLY", weighted_sum(tree, own, self._mixed.weights), self._spacing)
-        return vector_math_node(tree, "SCALE", normal, length)
-
-    def normal(self) -> bpy.types.NodeSocket:
-        """Return the mixed normal of the meshes; where they face another way, that of the mixture."""
-        tree = self._tree
-        own = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
-        found, shares = [], []
-        for term, place, target in zip(self._terms, self._places, self._targets, strict=True):
-            node = tree.nodes.new("GeometryNodeSampleNearestSurface")
-            node.data_type = "FLOAT_VECTOR"
-            theirs = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
-            for key, source in (("Mesh", target), ("Value", theirs), ("Sample Position", place)):
-                tree.links.new(source, node.inputs[key])
-            agrees = math_node(
-                tree, "GREATER_THAN", vector_math_node(tree, "DOT_PRODUCT", node.outputs["Value"], own), _AGREES
-            )
-            found.append(node.outputs["Value"])
-            shares.append(math_node(tree, "MULTIPLY", agrees, term.weight))
-        rest = math_node(tree, "SUBTRACT", 1.0, total(tree, shares))
-        return vector_math_node(tree, "NORMALIZE", weighted_vectors(tree, [*found, own], [*shares, rest]))
-
-    def with_nearest(
-        self, geometry: bpy.types.NodeSocket, domain: str
-    ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeSocket]]:
-        """Return a geometry that stores the index of the nearest point or face of every mesh, and these indices."""
-        tree, found = self._tree, []
-        capture = tree.nodes.new("GeometryNodeCaptureAttribute")
-        capture.domain = domain
-        tree.links.new(geometry, capture.inputs["Geometry"])
-        for number, (place, target) in enumerate(zip(self._places, self._targets, strict=True)):
-            node = tree.nodes.new("GeometryNodeSampleNearest")
-            node.domain = domain
-            feed(tree, node.inputs, [target, place])
-            name = f"Nearest {number}"
-            capture.capture_items.new("INT", name)
-            tree.links.new(node.outputs["Index"], capture.inputs[name])
-            found.append(capture.outputs[name])
-        return capture.outputs["Geometry"], found
-
-    def wears(self, material: bpy.types.Material, face: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return whether a face of the first mesh, by index, has a material."""
-        selection = self._tree.nodes.new("GeometryNodeMaterialSelection")
-        selection.inputs["Material"].default_value = material
-        worn = selection.outputs["Selection"]
-        return sample_index(self._tree, self._targets[0], "BOOLEAN", worn, face, domain="FACE")
-
-    def at_points(self, kind: str, name: str, points: Sequence[bpy.types.NodeSocket]) -> list[bpy.types.NodeSocket]:
-        """Return an attribute of the nearest points."""
-        value = self._attribute(kind, name)
-        pairs = zip(self._targets, points, strict=True)
-        return [sample_index(self._tree, target, kind, value, point) for target, point in pairs]
-
-    def at_corners(self, name: str) -> bpy.types.NodeSocket:
-        """Return a UV map of the first mesh for the corners of faces, none of which reaches across a seam."""
-        tree, place = self._tree, self._places[0]
-        center = _of_face(tree, place)
-        way = vector_math_node(tree, "SCALE", vector_math_node(tree, "SUBTRACT", place, center), _NEAR_CENTER)
-        middle = _of_face(tree, self._on_surface(name, place))
-        beside = self._on_surface(name, vector_math_node(tree, "ADD", center, way))
-        step = vector_math_node(tree, "SCALE", vector_math_node(tree, "SUBTRACT", beside, middle), 1.0 / _NEAR_CENTER)
-        is_near = math_node(tree, "LESS_THAN", vector_math_node(tree, "LENGTH", step), _MOST_CONTINUED)
-        return vector_math_node(tree, "ADD", middle, vector_math_node(tree, "SCALE", step, is_near))
-
-    def _on_surface(self, name: str, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return an attribute at the closest points of the first mesh."""
-        node = self._tree.nodes.new("GeometryNodeSampleNearestSurface")
-        node.data_type = "FLOAT_VECTOR"
-        value = self._attribute("FLOAT_VECTOR", name)
-        for key, source in (("Mesh", self._targets[0]), ("Value", value), ("Sample Position", place)):
-            self._tree.links.new(source, node.inputs[key])
-        return node.outputs["Value"]
-
-    def _missing(
-        self,
-        term: Term,
-        place: bpy.types.NodeSocket,
-        target: bpy.types.NodeSocket,
-        normal: bpy.types.NodeSocket,
-    ) -> bpy.types.NodeSocket:
-        """Return by how many cells the distance to a mesh exceeds its field; 0 if unknown."""
-        tree = self._tree
-        node = tree.nodes.new("GeometryNodeProximity")
-        node.target_element = "FACES"
-        tree.links.new(target, node.inputs[0])
-        tree.links.new(place, node.inputs["Sample Position"])
-        apart = vector_math_node(tree, "SUBTRACT", node.outputs["Position"], place)
-        above = vector_math_node(tree, "DOT_PRODUCT", apart, normal)
-        near = math_node(tree, "LESS_THAN", node.outputs["Distance"], _FAR * self._spacing)
-        least = math_node(tree, "MULTIPLY", node.outputs["Distance"], _ASIDE)
-        straight = math_node(tree, "GREATER_THAN", math_node(tree, "ABSOLUTE", above), least)
-        known = math_node(tree, "MULTIPLY", near, straight)
-        field = self._mixed.mixture.sampled_term(term, position_node(tree))
-        missing = math_node(tree, "SUBTRACT", math_node(tree, "DIVIDE", above, self._spacing), field)
-        missing = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", missing, _MOST_CORRECTED), -_MOST_CORRECTED)
-        return math_node(tree, "MULTIPLY", missing, known)
-
-    def _attribute(self, kind: str, name: str) -> bpy.types.NodeSocket:
-        node = self._tree.nodes.new("GeometryNodeInputNamedAttribute")
-        node.data_type = kind
-        node.inputs["Name"].default_value = name
-        return next(socket for socket in node.outputs if socket.enabled)
-
-
-def _of_face(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    """Return a vector as it is for the face of a corner."""
-    node = tree.nodes.new("GeometryNodeFieldOnDomain")
-    node.data_type, node.domain = "FLOAT_VECTOR", "FACE"
-    feed(tree, node.inputs, [value])
-    return next(socket for socket in node.outputs if socket.enabled)

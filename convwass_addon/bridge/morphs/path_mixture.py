@@ -78,7 +78,7 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     rates = (math_node(tree, "MULTIPLY", pace, -1.0), pace)
     velocity = field_velocity(tree, mixture, rates, fields.grid.spacing, [OFFSET])
     shown = mixed.geometry(inputs[DETAIL], velocity, inputs[SPEED])
-    shown = set_position(tree, mixed.dressed(shown), offset=mixed.mixed_column("FLOAT_VECTOR", OFFSET))
+    shown = set_position(tree, mixed.with_materials(shown), offset=mixed.mixed_column("FLOAT_VECTOR", OFFSET))
     if is_moving:
         known = math_node(tree, "MAXIMUM", *(has_velocity(mixture, term) for term in terms))
         moves = math_node(tree, "MULTIPLY", mixture.of_step("FLOAT", LOSES_PARTS, terms[0]), known)

@@ -275,7 +275,7 @@ def _fill(
         node.node_tree = moment
         feed(tree, [node.inputs[name] for name in (VALUE, DETAIL, SPEED)], [value, inputs[DETAIL], inputs[SPEED]])
         shown = switch(tree, "GEOMETRY", inputs[INTERPOLATE], shown, node.outputs["Geometry"])
-    output(tree, _dressed(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
+    output(tree, _with_override(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
 
 
 def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> Work[bpy.types.NodeTree]:
@@ -291,7 +291,7 @@ def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]
     return moment
 
 
-def _dressed(
+def _with_override(
     tree: bpy.types.NodeTree,
     geometry: bpy.types.NodeSocket,
     override: bpy.types.NodeSocket,

@@ -30,9 +30,9 @@ def remove_bake(collection: bpy.types.Collection) -> None:
 def remove_frames(collection: bpy.types.Collection) -> None:
     """Remove the frames of a morph that is shown by something else now."""
     frames = frame_objects(collection)
-    worn = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
+    used = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
     remove_objects(frames)
-    bpy.data.batch_remove([material for material in worn if material.users == 0])
+    bpy.data.batch_remove([material for material in used if material.users == 0])
     drop_unused_groups()
 
 

@@ -92,7 +92,7 @@ def mixed_sheet(
     still = mixed.geometry(detail)
     moves = math_node(tree, "GREATER_THAN", vector_math_node(tree, "LENGTH", handle_velocity), 0.0)
     shown = switch(tree, "GEOMETRY", moves, still, mixed.stored(still, VELOCITY, "FLOAT_VECTOR", velocity))
-    shown = mixed.dressed(shown)
+    shown = mixed.with_materials(shown)
     for name in (OFFSET, _SHOWN):
         shown = set_position(tree, shown, offset=mixed.mixed_column("FLOAT_VECTOR", name))
     return SeenMixture(shown, mixed.color, mixed.is_shape)

@@ -66,13 +66,13 @@ def prepared_looks(
         groups.append(_groups(mesh, own, names))
         always = [GENERATED.format(number)] if how == PATCHES and number > 1 else []
         found.append(with_looks(own, mesh, source, names, always))
-        wrapped = [material for material in _worn(mesh, own) if is_wrapped(material)]
+        wrapped = [material for material in _used_materials(mesh, own) if is_wrapped(material)]
         kept = {material.name for material in wrapped}
         dropped.append([part for part in parts if part.material not in kept] + dropped_with_looks(wrapped))
     return PreparedLooks(found, WholeLooks(groups, how), dropped)
 
 
-def dress_ends(
+def assign_end_materials(
     prepared: PreparedLooks, materials: MixedMaterials, inputs: Sequence[FrozenInput], frozen: Sequence[bpy.types.Mesh]
 ) -> None:
     """Give copies of inputs the materials of frames where their own materials read positions in object space.
@@ -95,7 +95,7 @@ def dress_ends(
 def _groups(mesh: bpy.types.Mesh, appearance: Appearance, names: CarriedNames) -> list[Handle | None]:
     """Return a group for every slot of an input; slots with the same material share it."""
     made, groups = {}, LookGroups(names)
-    used = _worn(mesh, appearance)
+    used = _used_materials(mesh, appearance)
     for material in used:
         group = groups.of(material)
         if group is not None:
@@ -103,7 +103,7 @@ def _groups(mesh: bpy.types.Mesh, appearance: Appearance, names: CarriedNames) -
     return [made.get(material) for material in mesh.materials] or [None]
 
 
-def _worn(mesh: bpy.types.Mesh, appearance: Appearance) -> list[bpy.types.Material]:
+def _used_materials(mesh: bpy.types.Mesh, appearance: Appearance) -> list[bpy.types.Material]:
     """Return the materials that any face uses."""
     slots = [slot for slot in np.unique(appearance.materials) if len(mesh.materials)]
     return list(dict.fromkeys(mesh.materials[slot] for slot in slots if mesh.materials[slot] is not None))

@@ -25,7 +25,7 @@ from ..files import checked_target
 from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
-from ..morphs.materials import plain_copy, wears_object_color
+from ..morphs.materials import plain_copy, shows_object_color
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
@@ -106,7 +106,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         scene.frame_start, scene.frame_end = 0, len(frames) - 1
         scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
         mesh = obj.data.copy()
-        plain = _wear_plain(mesh, obj)
+        plain = _assign_plain_material(mesh, obj)
         copy = bpy.data.objects.new(obj.name, mesh)
         copy.matrix_world = obj.matrix_world
         scene.collection.objects.link(copy)
@@ -146,11 +146,11 @@ def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scen
     return rig
 
 
-def _wear_plain(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> list[bpy.types.Material]:
+def _assign_plain_material(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> list[bpy.types.Material]:
     """Replace materials that read the color of the object by copies with that color; return the copies."""
     made = []
     for place, material in enumerate(mesh.materials):
-        if wears_object_color(material):
+        if shows_object_color(material):
             made.append(plain_copy(material, tuple(obj.color)))
             mesh.materials[place] = made[-1]
     return made
@@ -211,7 +211,7 @@ def _write_textures(obj: bpy.types.Object, frames: range, target: Path) -> list[
     render = bpy.context.scene.render
     moving = sampled_vertices(obj, bpy.context.scene, frames)
     mesh = _without_keys(obj)
-    plain = _wear_plain(mesh, obj)
+    plain = _assign_plain_material(mesh, obj)
     try:
         return write_moving_mesh(mesh, moving, target, render.fps / render.fps_base)
     finally:

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from ...applications.one_mesh.key_paths import KeyPath
-from ..morphs.bake import wear_material
+from ..morphs.bake import assign_default_material
 from .records import RECORD_KEY, has_key_record, key_names, key_records, store_records
 
 POOR = "{name} poor"
@@ -45,7 +45,7 @@ def object_with_keys(
     modifiers : sequence of str
         Modifiers of `source` to keep, if the mesh is in the space of `source`; without any, it is in world space.
     """
-    wear_material(mesh)
+    assign_default_material(mesh)
     name = f"{source.name} Morph"
     obj = _copy_with_modifiers(source, mesh, modifiers) if modifiers else bpy.data.objects.new(name, mesh)
     obj.name, obj.color = name, source.color

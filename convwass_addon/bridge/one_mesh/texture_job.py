@@ -227,7 +227,7 @@ class TextureJob:
         sliders = [look.slider for look in self._looks]
         material = baked_material(f"{obj.name} Baked", constants | made, sliders, self._uv_map)
         material[BAKED] = True
-        _wear(obj.data, material, self._uv_map, self._uvs)
+        _assign_baked_material(obj.data, material, self._uv_map, self._uvs)
         images = [image for own in made.values() for image in own.images]
         return BakedTextures(images, material, [self._stored(image) for image in images if self._folder], self._uv_map)
 
@@ -304,7 +304,9 @@ def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
     return mesh
 
 
-def _wear(mesh: bpy.types.Mesh, material: bpy.types.Material, uv_map: str, uvs: NDArray[np.float32]) -> None:
+def _assign_baked_material(
+    mesh: bpy.types.Mesh, material: bpy.types.Material, uv_map: str, uvs: NDArray[np.float32]
+) -> None:
     """Give all faces of a mesh a baked material, with its UV map; the material of an earlier baking is replaced."""
     if uv_map not in mesh.uv_layers:
         mesh.uv_layers.new(name=uv_map, do_init=False)
@@ -314,7 +316,7 @@ def _wear(mesh: bpy.types.Mesh, material: bpy.types.Material, uv_map: str, uvs: 
         slots = np.empty(len(mesh.polygons), np.int32)
         mesh.polygons.foreach_get("material_index", slots)
         mesh.attributes.new(SLOTS, "INT", "FACE").data.foreach_set("value", slots)
-    place = next((own for own, worn in enumerate(mesh.materials) if worn is not None and BAKED in worn), None)
+    place = next((own for own, used in enumerate(mesh.materials) if used is not None and BAKED in used), None)
     if place is None:
         mesh.materials.append(material)
         place = len(mesh.materials) - 1

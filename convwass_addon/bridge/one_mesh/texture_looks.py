@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...errors import ConvwassError, InputError
 from ...geometry.closest_points import ClosestPointFinder
 from ..handles import Handle
-from ..morphs.bake import wear_material
+from ..morphs.bake import assign_default_material
 from ..objects import evaluated_object, triangle_mesh
 from .records import key_names, key_records
 
@@ -177,7 +177,7 @@ def end_look(
     for place, slot in enumerate(shape.material_slots[: len(mesh.materials)]):
         if slot.link == "OBJECT":
             mesh.materials[place] = slot.material
-    wear_material(mesh)
+    assign_default_material(mesh)
     reach = float(record.get("distance_95", 0.0)) * diagonal
     return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, tuple(shape.color)), reach)
 

@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Nodes that lay the surface of a mixture onto baked meshes and read their normals, attributes and UV maps there."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+
+from ..node_math import feed, math_node, total, vector_math_node, weighted_sum, weighted_vectors
+from .field_nodes import FieldMixture, Term
+from .field_sampler import position_node, sample_index
+from .stored_fields import OFFSET
+
+# Closest points are ignored if they are farther away than this, in cells, or if the cosine between their direction and
+# the normal is below the second number.
+_FAR, _ASIDE = 1.5, 0.5
+# Normals are mixed if the cosine of their angle exceeds this.
+_AGREES = 0.4
+# Largest correction of distances, in cells.
+_MOST_CORRECTED = 1.0
+# UV maps are read at the center of a face and this share of the way from there to each corner, and continued: the face
+# then belongs to one side of all seams. Corners farther away in the texture than the limit are not continued.
+_NEAR_CENTER, _MOST_CONTINUED = 0.05, 0.1
+
+
+class LaidMixture:
+    """Closest points of a mixture on the baked meshes of some terms.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Node group of the new nodes.
+    mixture : FieldMixture
+        The mixture.
+    terms : sequence of Term
+        Some of its terms.
+    targets : sequence of bpy.types.NodeSocket
+        The mesh of each term, about the center of its blend.
+    """
+
+    def __init__(
+        self,
+        tree: bpy.types.NodeTree,
+        mixture: FieldMixture,
+        terms: Sequence[Term],
+        targets: Sequence[bpy.types.NodeSocket],
+    ) -> None:
+        self._tree, self._mixture, self._terms, self._targets = tree, mixture, list(terms), list(targets)
+        self._spacing = mixture.spacing
+        offsets = [mixture.of_step("FLOAT_VECTOR", OFFSET, term) for term in terms]
+        self._places = [vector_math_node(tree, "ADD", position_node(tree), offset) for offset in offsets]
+
+    def correction(self) -> bpy.types.NodeSocket:
+        """Return the vector that moves a vertex to the mixed distance from the meshes."""
+        tree, terms = self._tree, self._terms
+        normal = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
+        own = [self._missing(*each, normal) for each in zip(terms, self._places, self._targets, strict=True)]
+        length = math_node(tree, "MULTIPLY", weighted_sum(tree, own, [term.weight for term in terms]), self._spacing)
+        return vector_math_node(tree, "SCALE", normal, length)
+
+    def normal(self) -> bpy.types.NodeSocket:
+        """Return the mixed normal of the meshes; where they face another way, that of the mixture."""
+        tree = self._tree
+        own = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
+        found, shares = [], []
+        for term, place, target in zip(self._terms, self._places, self._targets, strict=True):
+            node = tree.nodes.new("GeometryNodeSampleNearestSurface")
+            node.data_type = "FLOAT_VECTOR"
+            theirs = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
+            for key, source in (("Mesh", target), ("Value", theirs), ("Sample Position", place)):
+                tree.links.new(source, node.inputs[key])
+            agrees = math_node(
+                tree, "GREATER_THAN", vector_math_node(tree, "DOT_PRODUCT", node.outputs["Value"], own), _AGREES
+            )
+            found.append(node.outputs["Value"])
+            shares.append(math_node(tree, "MULTIPLY", agrees, term.weight))
+        rest = math_node(tree, "SUBTRACT", 1.0, total(tree, shares))
+        return vector_math_node(tree, "NORMALIZE", weighted_vectors(tree, [*found, own], [*shares, rest]))
+
+    def with_nearest(
+        self, geometry: bpy.types.NodeSocket, domain: str
+    ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeSocket]]:
+        """Return a geometry that stores the index of the nearest point or face of every mesh, and these indices."""
+        tree, found = self._tree, []
+        capture = tree.nodes.new("GeometryNodeCaptureAttribute")
+        capture.domain = domain
+        tree.links.new(geometry, capture.inputs["Geometry"])
+        for number, (place, target) in enumerate(zip(self._places, self._targets, strict=True)):
+            node = tree.nodes.new("GeometryNodeSampleNearest")
+            node.domain = domain
+            feed(tree, node.inputs, [target, place])
+            name = f"Nearest {number}"
+            capture.capture_items.new("INT", name)
+            tree.links.new(node.outputs["Index"], capture.inputs[name])
+            found.append(capture.outputs[name])
+        return capture.outputs["Geometry"], found
+
+    def has_material(self, material: bpy.types.Material, face: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Return whether a face of the first mesh, by index, has a material."""
+        selection = self._tree.nodes.new("GeometryNodeMaterialSelection")
+        selection.inputs["Material"].default_value = material
+        has = selection.outputs["Selection"]
+        return sample_index(self._tree, self._targets[0], "BOOLEAN", has, face, domain="FACE")
+
+    def at_points(self, kind: str, name: str, points: Sequence[bpy.types.NodeSocket]) -> list[bpy.types.NodeSocket]:
+        """Return an attribute of the nearest points."""
+        value = self._attribute(kind, name)
+        pairs = zip(self._targets, points, strict=True)
+        return [sample_index(self._tree, target, kind, value, point) for target, point in pairs]
+
+    def at_corners(self, name: str) -> bpy.types.NodeSocket:
+        """Return a UV map of the first mesh for the corners of faces, none of which reaches across a seam."""
+        tree, place = self._tree, self._places[0]
+        center = _of_face(tree, place)
+        way = vector_math_node(tree, "SCALE", vector_math_node(tree, "SUBTRACT", place, center), _NEAR_CENTER)
+        middle = _of_face(tree, self._on_surface(name, place))
+        beside = self._on_surface(name, vector_math_node(tree, "ADD", center, way))
+        step = vector_math_node(tree, "SCALE", vector_math_node(tree, "SUBTRACT", beside, middle), 1.0 / _NEAR_CENTER)
+        is_near = math_node(tree, "LESS_THAN", vector_math_node(tree, "LENGTH", step), _MOST_CONTINUED)
+        return vector_math_node(tree, "ADD", middle, vector_math_node(tree, "SCALE", step, is_near))
+
+    def _on_surface(self, name: str, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+        """Return an attribute at the closest points of the first mesh."""
+        node = self._tree.nodes.new("GeometryNodeSampleNearestSurface")
+        node.data_type = "FLOAT_VECTOR"
+        value = self._attribute("FLOAT_VECTOR", name)
+        for key, source in (("Mesh", self._targets[0]), ("Value", value), ("Sample Position", place)):
+            self._tree.links.new(source, node.inputs[key])
+        return node.outputs["Value"]
+
+    def _missing(
+        self,
+        term: Term,
+        place: bpy.types.NodeSocket,
+        target: bpy.types.NodeSocket,
+        normal: bpy.types.NodeSocket,
+    ) -> bpy.types.NodeSocket:
+        """Return by how many cells the distance to a mesh exceeds its field; 0 if unknown."""
+        tree = self._tree
+        node = tree.nodes.new("GeometryNodeProximity")
+        node.target_element = "FACES"
+        tree.links.new(target, node.inputs[0])
+        tree.links.new(place, node.inputs["Sample Position"])
+        apart = vector_math_node(tree, "SUBTRACT", node.outputs["Position"], place)
+        above = vector_math_node(tree, "DOT_PRODUCT", apart, normal)
+        near = math_node(tree, "LESS_THAN", node.outputs["Distance"], _FAR * self._spacing)
+        least = math_node(tree, "MULTIPLY", node.outputs["Distance"], _ASIDE)
+        straight = math_node(tree, "GREATER_THAN", math_node(tree, "ABSOLUTE", above), least)
+        known = math_node(tree, "MULTIPLY", near, straight)
+        field = self._mixture.sampled_term(term, position_node(tree))
+        missing = math_node(tree, "SUBTRACT", math_node(tree, "DIVIDE", above, self._spacing), field)
+        missing = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", missing, _MOST_CORRECTED), -_MOST_CORRECTED)
+        return math_node(tree, "MULTIPLY", missing, known)
+
+    def _attribute(self, kind: str, name: str) -> bpy.types.NodeSocket:
+        node = self._tree.nodes.new("GeometryNodeInputNamedAttribute")
+        node.data_type = kind
+        node.inputs["Name"].default_value = name
+        return next(socket for socket in node.outputs if socket.enabled)
+
+
+def _of_face(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return a vector as it is for the face of a corner."""
+    node = tree.nodes.new("GeometryNodeFieldOnDomain")
+    node.data_type, node.domain = "FLOAT_VECTOR", "FACE"
+    feed(tree, node.inputs, [value])
+    return next(socket for socket in node.outputs if socket.enabled)
