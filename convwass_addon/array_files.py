@@ -31,6 +31,8 @@ _HEADER = "header.json"
 _MOST_HEADER_BYTES = 1 << 22
 # Length of a SHA-256 in hexadecimal.
 _SEAL_BYTES = 64
+# Compression level of booleans and bytes.
+_BYTE_LEVEL = 6
 # Bytes that are hashed at a time.
 _CHUNK = 1 << 20
 # The earliest date of the format, so that equal arrays give equal files.
@@ -57,7 +59,7 @@ def array_bytes(arrays: Mapping[str, NDArray], header: Mapping[str, object] | No
     header : mapping, optional
         Must be serializable as JSON.
     level : int
-        Compression level of numbers, from 0 (none) to 9. Booleans are always compressed.
+        Compression level, from 0 (none) to 9. Booleans and bytes are always compressed.
     """
     file = io.BytesIO()
     with zipfile.ZipFile(file, "w") as archive:
@@ -67,9 +69,14 @@ def array_bytes(arrays: Mapping[str, NDArray], header: Mapping[str, object] | No
         for name, array in arrays.items():
             member = io.BytesIO()
             npy.write_array(member, np.asarray(array, order="C"), version=(1, 0), allow_pickle=False)
-            _write_member(archive, f"{name}.npy", member.getbuffer(), level or int(array.dtype.kind == "b"))
+            _write_member(archive, f"{name}.npy", member.getbuffer(), level or _level_of(array))
     sealed = file.getbuffer()[:-_SEAL_BYTES]
     return b"".join([sealed, hashlib.sha256(sealed).hexdigest().encode()])
+
+
+def _level_of(array: NDArray) -> int:
+    """Return the default compression level; other numbers are nearly random."""
+    return _BYTE_LEVEL if array.dtype.itemsize == 1 else 0
 
 
 def _write_member(archive: zipfile.ZipFile, name: str, content: bytes | memoryview, level: int) -> None:

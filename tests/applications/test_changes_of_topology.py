@@ -7,7 +7,6 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
-import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -20,6 +19,7 @@ from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, payloads
 from tests.shapes import ball, box, joined, torus
+from tests.stored_frames import assert_as_stored
 
 BLENDS = path_blends(2, 12)
 
@@ -89,8 +89,7 @@ def test_revised_frames_are_the_same_from_the_cache_and_other_processes(flickeri
     for found in (from_cache, elsewhere):
         assert [frame.blend for frame in found] == [frame.blend for frame in expected]
         for one, other in zip(found, expected, strict=True):
-            if one.mesh is not None:
-                np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
+            assert_as_stored(one, other)
 
 
 def test_a_part_of_a_bake_is_not_revised(flickering):

@@ -27,6 +27,7 @@ from convwass_addon.progress import Control
 from tests.clusters import local_cluster
 from tests.controls import CountingControl
 from tests.shapes import ball, box
+from tests.stored_frames import assert_as_stored
 
 SHAPES = (ball(points=300), box())
 QUICK = MorphSettings(motion="transport", resolution=20)
@@ -72,6 +73,13 @@ def assert_same(found, expected):
         if other.mesh is not None:
             np.testing.assert_array_equal(one.mesh.vertices, other.mesh.vertices)
             np.testing.assert_array_equal(one.mesh.faces, other.mesh.faces)
+
+
+def assert_same_from_files(found, expected):
+    assert [frame.blend for frame in found] == [frame.blend for frame in expected]
+    for one, other in zip(found, expected, strict=True):
+        assert one.record == other.record
+        assert_as_stored(one, other)
 
 
 def kill(processes):
@@ -190,7 +198,8 @@ def test_frames_from_a_cluster_go_into_the_cache(cluster, expected, tmp_path):
     with cluster_workers(cluster.scheduler_address) as executor:
         wanted = [step.payload for step in steps(executor=executor, cache=FrameCache(tmp_path), wanted=range(8))]
     assert_same(wanted, expected[:8])
-    assert_same([step.payload for step in steps(cache=FrameCache(tmp_path), wanted=range(8))], expected[:8])
+    again = [step.payload for step in steps(cache=FrameCache(tmp_path), wanted=range(8))]
+    assert_same_from_files(again, expected[:8])
 
 
 def test_errors_of_a_run_are_passed_on_unchanged(cluster):

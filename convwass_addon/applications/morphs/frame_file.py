@@ -7,6 +7,11 @@ figures, and the ``sharpness`` and ``sigma`` of the ``potentials`` of every part
 potentials. A surface has the arrays ``vertices`` (n, 3) and ``faces`` (m, 3); ``origins`` (k, n, 3), if they were
 requested; ``tangents`` (k, n, 3), if the inputs move; and ``triangles`` (k, m), if it carries detail. Part i has
 ``inside.i``, a mask of the cells with potentials, and ``columns.i``, the potentials.
+
+Positions are rounded far below the size of a cell, so that a frame takes a fifth of its size in memory
+(docs/performance.md, "Stored frames"). The arrays of a surface have the form of :mod:`.compact_arrays`, and the header
+has the ``rounding`` of every array of positions: its exponent and its lowest corners. Origins and tangents are relative
+to the rounded vertices. Positions that are too far apart for that are stored as they are, and have no rounding.
 """
 
 from __future__ import annotations
@@ -23,10 +28,15 @@ from ...array_files import ArrayReader, array_bytes
 from ...drafts import draft_of
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from .compact_arrays import Rounding, packed_integers, unpacked_integers
 from .part_potentials import PartPotentials
 
 # Far larger than any surface of the finest grid; larger files are not even read.
 _MOST_BYTES = 2 << 30
+# The longest side of a surface has at least this many steps of its vertices, origins and tangents. At 128 cells, a
+# coordinate of a vertex is off by at most 1/1024 of a cell, and of an origin by 1/256. Velocities are differences of
+# tangents divided by the number of frames, so that 1/32 of a cell does no harm.
+_VERTEX_STEPS, _ORIGIN_STEPS, _TANGENT_STEPS = 1 << 16, 1 << 14, 1 << 11
 # Figures of a record that other modules read, and their types.
 _TYPES: dict[str, tuple[type, ...]] = {
     "weights": (tuple,),
@@ -119,18 +129,50 @@ def read_frame(path: Path, key: str) -> StoredFrame:
 def _packed(key: str, frame: StoredFrame) -> bytes:
     solves = [{"sharpness": part.sharpness, "sigma": part.sigma} for part in frame.potentials]
     header = {"key": key, "potentials": solves, "record": frame.record}
-    arrays = {}
+    arrays: dict[str, NDArray] = {}
     if frame.mesh is not None:
-        arrays |= {"vertices": frame.mesh.vertices.astype("<f8"), "faces": frame.mesh.faces.astype("<i4")}
-    if frame.origins is not None:
-        arrays["origins"] = frame.origins.astype("<f4")
-    if frame.tangents is not None:
-        arrays["tangents"] = frame.tangents.astype("<f4")
-    if frame.triangles is not None:
-        arrays["triangles"] = frame.triangles.astype("<i4")
+        surface = _PackedSurface.of(frame)
+        arrays |= surface.arrays
+        header["rounding"] = surface.rounding
     for index, part in enumerate(frame.potentials):
         arrays |= {f"inside.{index}": part.inside, f"columns.{index}": part.columns.astype("<f4")}
     return array_bytes(arrays, header)
+
+
+@dataclass
+class _PackedSurface:
+    """The arrays of a surface, and the rounding of those that are rounded."""
+
+    arrays: dict[str, NDArray]
+    rounding: dict[str, object]
+
+    @classmethod
+    def of(cls, frame: StoredFrame) -> _PackedSurface:
+        """Pack the surface of a frame that has one."""
+        vertices = frame.mesh.vertices
+        packed = cls({}, {})
+        size = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
+        rounded = packed._add("vertices", vertices[None], size / _VERTEX_STEPS)
+        base = vertices[None] if rounded is None else rounded
+        packed.arrays["faces"] = packed_integers(frame.mesh.faces.reshape(1, -1))
+        if frame.origins is not None:
+            packed._add("origins", frame.origins - base, size / _ORIGIN_STEPS)
+        if frame.tangents is not None:
+            packed._add("tangents", frame.tangents - base, size / _TANGENT_STEPS)
+        if frame.triangles is not None:
+            packed.arrays["triangles"] = packed_integers(frame.triangles)
+        return packed
+
+    def _add(self, name: str, points: NDArray[np.float64], most: float) -> NDArray[np.float64] | None:
+        """Add k sets of points, (k, n, 3), in steps of at most `most`; return them rounded, or None."""
+        rounding = Rounding.of(points, most) if points.size else None
+        if rounding is None:
+            self.arrays[name] = points.astype("<f8")
+            return None
+        steps = rounding.rounded(points)
+        self.arrays[name] = packed_integers(steps)
+        self.rounding[name] = [rounding.exponent, rounding.lows.tolist()]
+        return rounding.positions(steps)
 
 
 def _unpacked(reader: ArrayReader, key: str) -> StoredFrame:
@@ -144,26 +186,43 @@ def _unpacked(reader: ArrayReader, key: str) -> StoredFrame:
 
 
 def _mesh(reader: ArrayReader) -> TriangleMesh:
-    points, faces = reader.take("vertices", ("<f8",), (2,)), reader.take("faces", ("<i4",), (2,))
-    if (points.shape[1], faces.shape[1]) != (3, 3):
+    points, corners = _points(reader, "vertices"), _integers(reader, "faces")
+    if len(points) != 1 or len(corners) != 1 or corners.size % 3:
         raise ValueError("its surface is not made of triangles in space")
-    return TriangleMesh.from_arrays(points, faces)
+    return TriangleMesh.from_arrays(points[0], corners.reshape(-1, 3))
+
+
+def _points(reader: ArrayReader, name: str) -> NDArray[np.float64]:
+    """Read sets of points, (k, n, 3)."""
+    roundings = reader.header.get("rounding", {})
+    if not isinstance(roundings, dict):
+        raise TypeError("its rounding is no table")
+    if name not in roundings:
+        return reader.take(name, ("<f8",), (3,))
+    exponent, lows = roundings[name]
+    return Rounding.read(exponent, lows).positions(_integers(reader, name))
+
+
+def _integers(reader: ArrayReader, name: str) -> NDArray[np.int64]:
+    return unpacked_integers(reader.take(name, ("|u1",), (3,)))
 
 
 def _of_vertices(reader: ArrayReader, name: str, mesh: TriangleMesh | None) -> NDArray[np.float32]:
-    found = reader.take(name, ("<f4",), (3,))
+    found = _points(reader, name)
     if mesh is None or found.shape[1:] != mesh.vertices.shape:
         raise ValueError(f"its {name} are not those of its vertices")
-    if not np.isfinite(found).all():
+    with np.errstate(over="ignore", invalid="ignore"):
+        placed = (found + mesh.vertices).astype(np.float32)
+    if not np.isfinite(placed).all():
         raise ValueError(f"its {name} are not numbers")
-    return found
+    return placed
 
 
 def _of_faces(reader: ArrayReader, mesh: TriangleMesh | None) -> NDArray[np.int32]:
-    found = reader.take("triangles", ("<i4",), (2,))
+    found = _integers(reader, "triangles")
     if mesh is None or found.shape[1] != len(mesh.faces):
         raise ValueError("its triangles are not those of its surface")
-    return found
+    return found.astype(np.int32)
 
 
 def _potentials(reader: ArrayReader) -> tuple[PartPotentials, ...]:
