@@ -20,6 +20,8 @@ _NORMALS = 0.2
 # benchmark's tuned pairs, which all face the same way, the best turn leaves .91 or more; between a horse and a cow
 # turned by 180 degrees .79, and after 90 degrees .30 to .83 for bodies that are longer than wide.
 _CLEARLY = 0.87
+# Corresponding points indicate a turn if it leaves at most this fraction of their root mean square distance.
+_LEFT_OF_POINTS = 0.5
 
 
 def upright_turn(source: TriangleMesh, target: TriangleMesh) -> NDArray[np.float64] | None:
@@ -40,6 +42,30 @@ def upright_turn(source: TriangleMesh, target: TriangleMesh) -> NDArray[np.float
     apart = distances_after(source, target, turns)
     best = int(apart.argmin())
     return turns[best] if apart[best] < _CLEARLY * apart[0] else None
+
+
+def upright_turn_of_points(points: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """Return the rotation about the z axis that brings points clearly closer to others.
+
+    Parameters
+    ----------
+    points, others : (k, 3) float64
+        Corresponding points about the centers of their shapes, in sizes of the surfaces.
+
+    Returns
+    -------
+    (3, 3) float64 or None
+        The multiple of 30 degrees nearest to the least-squares rotation. None if it leaves much of the distance, and
+        for less than two points: a single one could be anywhere.
+    """
+    if len(points) < 2:
+        return None
+    here, there = (own[:, 0] + 1j * own[:, 1] for own in (points, others))
+    step = 2.0 * np.pi / _TURNS
+    angle = step * np.round(np.angle(np.vdot(here, there)) / step)
+    turn = rotation_matrices(np.array([[0.0, 0.0, angle]]))[0]
+    before, after = np.linalg.norm(points - others), np.linalg.norm(points @ turn.T - others)
+    return turn if after < _LEFT_OF_POINTS * before else None
 
 
 def distances_after(source: TriangleMesh, target: TriangleMesh, turns: NDArray[np.float64]) -> NDArray[np.float64]:

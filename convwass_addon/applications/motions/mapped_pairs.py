@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.upright_turns import upright_turn
+from ...geometry.upright_turns import upright_turn, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
@@ -52,9 +52,9 @@ def mapped_pair(
 ) -> Work[MappedPair]:
     """Register two shapes to each other.
 
-    Shapes that seem to face different ways are registered as they stand, and with one of them turned about the
-    vertical axis. The result that follows more guides is returned, or the one with the better score: a bent limb may
-    seem to face another way.
+    Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
+    turned about the vertical axis. The result that follows more guides is returned, or the one with the better score:
+    a bent limb may seem to face another way.
 
     Parameters
     ----------
@@ -72,12 +72,26 @@ def mapped_pair(
     InputError
         The meshes cannot be mapped.
     """
-    turn = upright_turn(one.mesh, other.mesh)
+    marked = (_about_center(carrier, pairs[:, side]) for side, carrier in enumerate((one, other)))
+    turn = upright_turn_of_points(*marked)
+    if turn is None:
+        turn = upright_turn(one.mesh, other.mesh)
     if turn is None:
         return (yield from _registered(one, other, pairs, settings, control))
     standing = yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.5)
     turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.5, 1.0)
+    # Guides may have told the turn, so the map without guides is the one without a turn.
+    turned = replace(turned, map=replace(turned.map, score_without=standing.map.score_without))
     return max(standing, turned, key=lambda found: (len(found.map.pairs), found.map.score))
+
+
+def _about_center(carrier: Carrier, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return vertices of a shape relative to its center, (k, 3), in sizes of the surface."""
+    return (carrier.mesh.vertices[vertices] - _center(carrier)) / carrier.size
+
+
+def _center(carrier: Carrier) -> NDArray[np.float64]:
+    return carrier.mesh.vertex_areas @ carrier.mesh.vertices / carrier.mesh.area
 
 
 def registering(one: Carrier, other: Carrier) -> Sentence:
@@ -94,7 +108,7 @@ def _registered_turned(
     control: Control,
 ) -> Work[MappedPair]:
     """Register two shapes after turning the first one, (3, 3), about its center."""
-    center = one.mesh.vertex_areas @ one.mesh.vertices / one.mesh.area
+    center = _center(one)
     turned = one.posed((one.rest.vertices - center) @ turn.T + center)
     found = yield from _registered(turned, other, pairs, settings, control)
     second = replace(found.laid.second, points=(found.laid.second.points - center) @ turn + center)
