@@ -16,10 +16,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from convwass_addon.geometry.mesh import TriangleMesh
 
-from . import bipeds, creatures, hands, quadrupeds, things
+from . import bipeds, centaurs, creatures, hands, quadrupeds, things
 from .bipeds import CHILD, MAN, OGRE, Limb as Bones, Posture, biped, degrees, straight
 from .blends import ASSETS, read_meshes
-from .quadrupeds import DOG, GIRAFFE, GOAT, GRAZING, REARING, STANDING, quadruped
+from .quadrupeds import DOG, GIRAFFE, GOAT, GRAZING, REARING, STANDING, TROTTING, quadruped
 
 ONE_BUILD = "one build"
 OTHER_BUILD = "other build"
@@ -201,6 +201,14 @@ def _chair_to_man() -> Ends:
     return Ends(things.chair(27).mesh(), biped(MAN, Posture(), 28).sculpture.mesh())
 
 
+def _dog_to_centaur() -> Ends:
+    """Only the legs and the trunk correspond; the limb is a hind leg."""
+    dog, other = quadruped(DOG, STANDING, 41), centaurs.centaur(DOG, TROTTING, 42)
+    limb = LimbPath(*(np.vstack([body.hips, body.hind[0]]) for body in (dog, other.body)), root=1)
+    tips = np.array([[chain[-1] for chain in (*body.fore, *body.hind)] for body in (dog, other.body)])
+    return Ends(dog.sculpture.mesh(), other.sculpture.mesh(), limb, tips)
+
+
 def _table_to_dog() -> Ends:
     return Ends(things.table(29).mesh(), quadruped(DOG, STANDING, 30).sculpture.mesh())
 
@@ -249,6 +257,7 @@ TUNED = (
     CoherencePair("octopus to horse", OTHER_BUILD, _samples("octopus", "horse")),
     CoherencePair("horse to bird", OTHER_BUILD, _samples("horse", "bird")),
     CoherencePair("star to cross", OTHER_BUILD, _star_to_cross),
+    CoherencePair("dog to centaur", OTHER_BUILD, _dog_to_centaur),
     CoherencePair("ball to knot", OTHER_BUILD, _ball_to_knot),
 )
 """May be used for choosing parameters."""
