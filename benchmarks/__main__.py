@@ -128,7 +128,8 @@ def _add_flat(parser: argparse.ArgumentParser) -> None:
 
 def _add_looks(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=100, help="cells along the longest side (%(default)s)")
-    parser.set_defaults(run=lambda options: looks.main(options.cells))
+    parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot and blub")
+    parser.set_defaults(run=lambda options: looks.main(options.cells, options.meshes))
 
 
 def _add_quality(parser: argparse.ArgumentParser) -> None:

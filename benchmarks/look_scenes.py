@@ -73,6 +73,15 @@ def checkered_material(name: str, size: int = 2048) -> bpy.types.Material:
     return material
 
 
+def add_object_coordinates(material: bpy.types.Material) -> None:
+    """Let the strength of a glowing material depend on object coordinates, so that frames carry them."""
+    tree = own_tree(material)
+    place, noise = tree.nodes.new("ShaderNodeTexCoord"), tree.nodes.new("ShaderNodeTexNoise")
+    glow = next(node for node in tree.nodes if node.type == "EMISSION")
+    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    tree.links.new(noise.outputs[0], glow.inputs["Strength"])
+
+
 def three_materials() -> list[bpy.types.Material]:
     """Return a normal-mapped image, noise in object coordinates with bumps, and metal bricks without coordinates."""
     materials = [bpy.data.materials.new(name) for name in ("Mapped", "Noisy", "Bricks")]

@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import sys
 import time
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -17,6 +18,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.carrying import Carrying
 from convwass_addon.bridge.objects import triangle_mesh
@@ -24,6 +26,7 @@ from convwass_addon.geometry.uv_charts import uv_sizes
 
 from .look_scenes import (
     add_light,
+    add_object_coordinates,
     baked,
     checkered_material,
     empty_scene,
@@ -39,6 +42,8 @@ _VIEWS, _WIDTH, _PIXELS = 6, 0.1, 256
 _WINDOW = 33
 # A UV map is wrong where it is stretched or squeezed by more than this factor.
 _OFF = 2.0
+# The map between two shapes is even where it is stretched or squeezed by less than this factor.
+_EVEN = 1.5
 
 
 def checker(cells: int, motion: str) -> dict[str, object]:
@@ -54,6 +59,27 @@ def checker(cells: int, motion: str) -> dict[str, object]:
                 _fill(frame.data, f"source_weight_{other}", float(other == number))
             found[f"{name} contrast {weight:g}"] = _contrast(frame) / own
             found[f"{name} seams {weight:g}"] = _seams(frame.data, number)
+    return found
+
+
+def animals(folder: str, cells: int, motion: str) -> dict[str, object]:
+    """Bake spot and blub, and tell seams from places where the map between them is stretched or squeezed itself."""
+    empty_scene()
+    inputs = []
+    for name in ("spot", "blub"):
+        (obj,) = import_objects(Path(folder) / f"{name}_triangulated.obj", None)
+        material = checkered_material(name)
+        add_object_coordinates(material)
+        obj.data.materials.clear()
+        obj.data.materials.append(material)
+        inputs.append(obj)
+    bpy.context.view_layer.update()
+    frames = baked(inputs, path_blends(2, 4), cells, motion=motion)[1:-1]
+    found: dict[str, object] = {}
+    for number, name in enumerate(("spot", "blub"), start=1):
+        for frame, weight in zip(frames, (0.25, 0.5, 0.75), strict=True):
+            found[f"{name} all {weight:g}"] = _seams(frame.data, number)
+            found[f"{name} seams {weight:g}"] = _seams(frame.data, number, _EVEN)
     return found
 
 
@@ -116,8 +142,11 @@ def _contrast(obj: bpy.types.Object) -> float:
     return float(np.mean(contrasts))
 
 
-def _seams(mesh: bpy.types.Mesh, number: int) -> float:
-    """Return the share of the surface on which a UV map is stretched or squeezed relative to its surroundings."""
+def _seams(mesh: bpy.types.Mesh, number: int, even: float = np.inf) -> float:
+    """Return the share of the surface on which a UV map is stretched or squeezed relative to its surroundings.
+
+    Only triangles count whose origins on the shape are stretched or squeezed by less than `even`.
+    """
     mesh.calc_loop_triangles()
     loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("loops", loops)
@@ -132,9 +161,30 @@ def _seams(mesh: bpy.types.Mesh, number: int) -> float:
     corners = points.reshape(-1, 3)[faces].astype(np.float64)
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
     sizes = uv_sizes(corners, uvs.reshape(-1, 2)[loops].reshape(-1, 3, 2).astype(np.float64))
-    usual = _surrounding(sizes, faces)
-    off = (sizes > _OFF * usual) | (sizes < usual / _OFF)
+    off = _is_uneven(sizes, faces, _OFF)
+    if even < np.inf:
+        places = np.empty(3 * len(mesh.vertices), np.float32)
+        mesh.attributes[f"rest_position_{number}"].data.foreach_get("vector", places)
+        off &= ~_is_uneven(_stretches(corners, places.reshape(-1, 3)[faces].astype(np.float64)), faces, even)
     return float(areas[off].sum() / areas.sum())
+
+
+def _is_uneven(sizes: NDArray[np.float64], faces: NDArray[np.int64], factor: float) -> NDArray[np.bool_]:
+    """Return where the values of triangles differ from those around them by more than a factor."""
+    usual = _surrounding(sizes, faces)
+    return (sizes > factor * usual) | (sizes < usual / factor)
+
+
+def _stretches(corners: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the largest stretch from triangles to other triangles, (n, 3, 3) each: (n,)."""
+    first = others[:, 1] - others[:, 0]
+    second = others[:, 2] - others[:, 0]
+    length = np.maximum(np.linalg.norm(first, axis=1), 1e-12)
+    along = np.einsum("nd,nd->n", first, second) / length
+    across = np.linalg.norm(np.cross(first, second), axis=1) / length
+    nothing = np.zeros_like(length)
+    flat = np.stack([nothing, nothing, length, nothing, along, across], axis=1)
+    return uv_sizes(corners, flat.reshape(-1, 3, 2))
 
 
 def _surrounding(values: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -163,5 +213,5 @@ def _difference(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 if __name__ == "__main__":
-    CASES = {"checker": checker, "start": start, "seconds": seconds}
+    CASES = {"checker": checker, "animals": animals, "start": start, "seconds": seconds}
     print(json.dumps(CASES[sys.argv[1]](**json.loads(sys.argv[2]))))
