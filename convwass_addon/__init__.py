@@ -66,6 +66,7 @@ def _packages() -> tuple[ModuleType, ...]:
     # Imported here because they import bpy, which the rest of the package must not.
     from . import (
         cli,
+        manual,
         operators,
         panels,
         preferences,
@@ -81,5 +82,6 @@ def _packages() -> tuple[ModuleType, ...]:
         preferences,
         operators,
         panels,
+        manual,
         cli,
     )

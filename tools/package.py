@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Build the extension: a small zip for Blender versions that include SciPy, and one with wheels per platform.
 
-Everything happens in ``build/``; the tracked manifest is only read. The zip files are rewritten with sorted entries and
-a fixed date, so that the same source gives the same bytes.
+Everything happens in ``build/``; the tracked manifest is only read. The zip files contain the manual as HTML. They are
+rewritten with sorted entries and a fixed date, so that the same source gives the same bytes.
 """
 
 from __future__ import annotations
@@ -18,6 +18,7 @@ import zipfile
 from pathlib import Path
 
 from . import builder
+from .manual import write_manual
 
 PROJECT = Path(__file__).resolve().parents[1]
 
@@ -146,6 +147,7 @@ def _copy_shipped(stage: Path) -> None:
             shutil.copytree(source, stage / name, ignore=shutil.ignore_patterns("__pycache__"))
         else:
             shutil.copyfile(source, stage / name)
+    write_manual(stage / "convwass_addon" / "pages")
 
 
 def _build(stage: Path, built: Path, output: Path, *, split_platforms: bool) -> list[Path]:

@@ -16,6 +16,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from types import ModuleType
+from urllib.request import url2pathname
 
 if sys.argv[2]:
     sys.path.insert(0, sys.argv[2])
@@ -52,6 +53,13 @@ def refuse(event: str, arguments: tuple) -> None:
             if not os.fsdecode(path).partition(".cpython")[0].endswith("__init__") and "__pycache__" not in str(path):
                 _refused.append(f"{event} {path}")
             raise PermissionError(f"{path} is read-only")
+
+
+def manual_page(identifier: str) -> str:
+    """Return the page that *Online Manual* opens for an operator or setting, if the file exists."""
+    url = bpy.types.WM_OT_doc_view_manual._lookup_rna_url(identifier, verbose=False)
+    page = Path(url2pathname(url.removeprefix("file:")))
+    return page.name if page.is_file() else ""
 
 
 def install(zip_file: str) -> list[bool]:

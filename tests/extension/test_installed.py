@@ -31,6 +31,7 @@ def seen(profile, zip_file, work) -> dict:
         ("polls", []),
         ("languages", []),
         ("presets", []),
+        ("manual_page", ["bpy.ops.convwass.bake_morph"]),
         ("make", [str(work)]),
         ("large_products", []),
         ("figures", []),
@@ -134,7 +135,8 @@ def test_every_panel_is_drawn(seen):
     assert sorted(name for name, count in seen["panels"].items() if not count) == idle
 
 
-def test_presets_and_languages_are_included(seen):
+def test_presets_languages_and_manual_are_included(seen):
+    assert seen["manual_page"] == "morphs.html"
     assert set(seen["presets"]) == {"Draft", "Standard", "Fine"}
     assert seen["languages"] == ["de", "fr"]
 

@@ -72,6 +72,7 @@ MAY_IMPORT = {
     "presets": set(),
     "solver_presets": {"applications", "errors", "schema", "sentence"},
     "preferences": {"sentence", "solver_presets"},
+    "manual": set(),
     "translations": {"sentence"},
     "operators": {
         "drafts",
@@ -103,6 +104,7 @@ MAY_IMPORT = {
     "__main__": {"cli", "console", "errors", "progress", "sentence"},
     "__init__": {
         "cli",
+        "manual",
         "operators",
         "panels",
         "preferences",

@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 
 from tools import builder, package
+from tools.manual import PAGES
 
 WHEELS = (
     "cholespy-2.2.0-cp311-cp311-macosx_11_0_arm64.whl",
@@ -59,6 +60,11 @@ def manifest_in(path: Path) -> dict:
         return tomllib.loads(archive.read("blender_manifest.toml").decode())
 
 
+def without_manual(path: Path) -> list[str]:
+    """Return the names in a zip file without the pages of the manual and their pictures."""
+    return [name for name in names_in(path) if not name.startswith("convwass_addon/pages/")]
+
+
 def shipped_files(project: Path) -> list[str]:
     """Everything that the extension needs: two files for Blender, the license, its own modules and translations."""
     found = (path for kind in ("*.py", "*.po") for path in (project / "convwass_addon").rglob(kind))
@@ -88,7 +94,9 @@ def zips(wheels, tmp_path_factory) -> list[Path]:
 
 
 def test_the_small_zip_contains_exactly_what_is_needed(project, zips):
-    assert names_in(zips[0]) == shipped_files(project)
+    assert without_manual(zips[0]) == shipped_files(project)
+    pages = {Path(name).name for name in names_in(zips[0]) if name.endswith(".html")}
+    assert pages == {f"{name}.html" for name in PAGES}
     assert "wheels" not in manifest_in(zips[0])
 
 
@@ -124,7 +132,7 @@ def test_each_platform_gets_its_own_wheels_for_both_pythons(project, zips):
     for path, platform, tag in zip(own, sorted(package.PLATFORMS), ("manylinux", "macosx", "win"), strict=True):
         bundled = [Path(name).name for name in names_in(path) if name.startswith("wheels/")]
         assert bundled == [name for name in WHEELS if tag in name or name.endswith("none-any.whl")]
-        assert [name for name in names_in(path) if not name.startswith("wheels/")] == shipped_files(project)
+        assert [name for name in without_manual(path) if not name.startswith("wheels/")] == shipped_files(project)
         generated = manifest_in(path)["build"]["generated"]
         assert generated["platforms"] == [platform]
         assert sorted(Path(name).name for name in generated["wheels"]) == bundled
