@@ -13,7 +13,12 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from convwass_addon.applications.live.field_sources import StandInSource, TransportSource, box_of_shapes
+from convwass_addon.applications.live.field_sources import (
+    StandInSource,
+    TransportSource,
+    box_of_shapes,
+    estimated_field_bytes,
+)
 from convwass_addon.applications.live.filling_lattice import LEVELS, count_of_nodes
 from convwass_addon.applications.live.level_fields import mixed
 from convwass_addon.applications.live.live_blends import FADE, LiveBlends, quick_settings
@@ -210,8 +215,10 @@ def _settings(cells: int, steps: int, shapes: LiveShapes) -> LiveSettings:
     if not steps:
         return LiveSettings(live_resolution=cells)
     fine = Lattice.around(shapes.meshes, cells, MorphSettings(resolution=cells).sigma)
-    count = count_of_nodes(layout_of(len(shapes.names)), [own for own in LEVELS if own <= steps])
-    megabytes = box_of_shapes(shapes.meshes, fine).field_bytes * count / 1e6
+    layout = layout_of(len(shapes.names))
+    count = count_of_nodes(layout, [own for own in LEVELS if own <= steps])
+    blends = [layout.weights(node, LEVELS[0]) for node in layout.nodes(LEVELS[0])]
+    megabytes = estimated_field_bytes(shapes.meshes, fine, blends) * count / 1e6
     return LiveSettings(live_resolution=cells, live_memory=int(np.ceil(megabytes)))
 
 

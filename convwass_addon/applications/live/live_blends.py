@@ -35,10 +35,17 @@ from ..morphs.volumes import Lattice
 from ..motions.choosing import MotionChoice
 from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
-from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
+from .field_sources import (
+    FieldSource,
+    MovingSource,
+    StandInSource,
+    TransportSource,
+    box_of_shapes,
+    estimated_field_bytes,
+)
 from .filling_lattice import FAR, LEVELS, FillingLattice, Mixture, count_of_nodes, fitting_levels
 from .layered_fields import LEAST_REST, LayeredFields
-from .level_fields import FieldBox, colors_at, mixed
+from .level_fields import colors_at, mixed
 from .live_settings import LiveSettings
 from .live_shapes import LiveShape, LiveShapes
 from .shape_colors import ShapeColors
@@ -53,6 +60,8 @@ _FINE, _STAND_IN = 64, 48
 _LEAST_WEIGHT = 1.0 / 500.0
 # Share of the free memory that fields may take.
 _MEMORY_SHARE = 0.25
+# Memory of the colors of a field relative to that of its values (docs/performance.md, "Live blends").
+_COLOR_SHARE = 0.4
 # On pads 12 steps are true to 0.03 cells (docs/performance.md, "Live blends"); to refine them takes four times the
 # memory.
 _FAR_ON_PADS = np.inf
@@ -261,14 +270,14 @@ class LiveBlends:
             problem = replace(self._problem, transport=quick)
             self._at_hand = TransportSource(problem, self._box, control, estimated_level_density, self._colors)
         self._nodes = TransportSource(self._problem, self._box, control, colors=self._colors)
-        levels = self._fitting(self._box)
+        levels = self._fitting()
         if not self._motion_is_known:
             levels = tuple(steps for steps in levels if steps in _WITHOUT_MOTION)
-        self._fields.cover(self._empty_lattice(levels, self._box))
+        self._fields.cover(self._empty_lattice(levels))
 
-    def _empty_lattice(self, levels: Sequence[int], box: FieldBox) -> FillingLattice:
+    def _empty_lattice(self, levels: Sequence[int]) -> FillingLattice:
         far = FAR if self.layout.count == 2 else _FAR_ON_PADS
-        return FillingLattice(self.layout, levels, self._most(box), FADE, far)
+        return FillingLattice(self.layout, levels, self._most, FADE, far)
 
     def _voxelized(self, settings: MorphSettings, control: Control) -> Work[MorphProblem]:
         shapes = self._shapes
@@ -277,24 +286,34 @@ class LiveBlends:
         )
         return (yield from within(work, 0.0, 0.0))
 
-    def _most(self, box: FieldBox) -> int:
-        """Return how many fields there is memory for, if each of them needs the whole box."""
+    @property
+    def _field_bytes(self) -> float:
+        """Estimated memory of one field: the mean of the known ones, if any."""
+        if self.filled:
+            return self.bytes / self.filled
+        blends = [self.layout.weights(node, LEVELS[0]) for node in self.layout.nodes(LEVELS[0])]
+        values = estimated_field_bytes(self._shapes.meshes, self._lattice, blends)
+        return values * (1.0 + _COLOR_SHARE * bool(self._colors))
+
+    @property
+    def _most(self) -> int:
+        """How many fields there is memory for."""
         allowed, free = self._live.live_memory * 1e6, available_memory()
         if free is not None:
             allowed = min(allowed, _MEMORY_SHARE * free)
-        return int(allowed // box.field_bytes)
+        return int(allowed // self._field_bytes)
 
-    def _fitting(self, box: FieldBox) -> tuple[int, ...]:
+    def _fitting(self) -> tuple[int, ...]:
         """Return the levels of the lattice that there is memory for, and say so where these are not all."""
-        levels = fitting_levels(self.layout, self._most(box))
+        levels = fitting_levels(self.layout, self._most)
         if levels != LEVELS:
-            needed = count_of_nodes(self.layout, LEVELS) * box.field_bytes / 1e6
+            needed = count_of_nodes(self.layout, LEVELS) * self._field_bytes / 1e6
             notice = Sentence(
                 "A lattice of {finest} steps needs {needed:.0f} MB; there is memory for {levels} steps",
                 {"finest": LEVELS[-1], "needed": needed, "levels": levels[-1]},
             )
-            if notice not in self.notices:
-                self.notices.append(notice)
+            # The estimate becomes more accurate with the first blends.
+            self.notices[:] = [*(own for own in self.notices if own.template != notice.template), notice]
         return levels
 
     def _report(self, message: Sentence, fraction: float = 0.0) -> Progress[None]:
@@ -374,7 +393,7 @@ class LiveBlends:
             choice = MotionChoice("transport", "FAILED")
         self._motion_is_known = True
         if choice.motion is None:
-            self._fields.newest.extend(self._fitting(self._box), self._clock())
+            self._fields.newest.extend(self._fitting(), self._clock())
             return
         still = with_connectivity(replace(self._problem, motion=choice.record()), 1)
         names, matching = self._shapes.names, self._shapes.matching
@@ -390,7 +409,7 @@ class LiveBlends:
     def _begin_motion(self, moving: MovingProblem) -> None:
         """Lay a lattice of moved shapes over the one of plain transport."""
         source = MovingSource(moving, self._colors)
-        self._fields.cover(self._empty_lattice(self._fitting(source.box), source.box))
+        self._fields.cover(self._empty_lattice(self._fitting()))
         self._nodes, self._moving = source, moving
 
     def _attended(self, work: Work[Result], control: Control) -> Work[Result]:

@@ -28,7 +28,7 @@ _LIVE_MATERIAL = "Live Morph"
 
 
 def read_colors(sources: Sequence[ShapeSource], moves: Sequence[RigidMove] | None) -> tuple[Appearance, ...]:
-    """Return the colors of shapes, in the space of the blends; empty if they all have one and the same.
+    """Return the colors of shapes, in the space of the blends; empty if they all have the same color.
 
     Parameters
     ----------

@@ -7,16 +7,18 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.live.field_sources import MovingSource
+from convwass_addon.applications.live.field_sources import MovingSource, estimated_field_bytes
 from convwass_addon.applications.live.level_fields import mixed
 from convwass_addon.applications.live.live_blends import FADE, LiveBlends
 from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.live.live_shapes import LiveShapes
+from convwass_addon.applications.live.weight_layouts import path_weights
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
+from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.applications.motions.choosing import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import Cancelled, InputError
@@ -135,12 +137,19 @@ def test_a_coarser_substitute_has_the_same_position_and_size():
 
 
 def test_where_memory_is_short_the_lattice_is_coarser():
-    live = live_balls(Clock(), count=4, live_memory=8, live_resolution=32)
+    live = live_balls(Clock(), count=4, live_memory=5, live_resolution=32)
     work = live.work(Control())
     while not live.notices:
         next(work)
     work.close()
     assert live.notices[0].values["levels"] == 8
+
+
+def test_the_memory_of_fields_is_known_beforehand(filled):
+    meshes = [ball(radius, center, 400) for radius, center in zip(RADII, CENTERS, strict=True)]
+    lattice = Lattice.around(meshes, 32, MorphSettings(resolution=32).sigma)
+    estimate = estimated_field_bytes(meshes, lattice, [path_weights(place / 4, 2) for place in range(5)])
+    assert estimate * filled.filled == pytest.approx(filled.bytes, rel=0.15)
 
 
 def test_the_work_stops_when_cancelled():
