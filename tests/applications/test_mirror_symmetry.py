@@ -41,6 +41,19 @@ def test_the_plane_moves_along_and_noise_becomes_symmetric(vertices):
     assert abs(turn.apply([1.0, 0.0, 0.0]) @ plane.normal) == pytest.approx(1.0, abs=1e-4)
 
 
+def test_either_side_is_mirrored_onto_the_other(vertices):
+    symmetry = MirrorSymmetry.of(vertices, PLANE, "Ring")
+    moved = vertices + np.random.default_rng(3).normal(scale=0.01, size=vertices.shape)
+    plane = symmetry.plane(moved)
+    on_plane = symmetry.partners == np.arange(len(vertices))
+    side = np.sign((vertices - plane.point) @ plane.normal)
+    for found, kept in zip(symmetry.mirrored_sides(moved), (1.0, -1.0), strict=True):
+        np.testing.assert_allclose(plane.mirrored(found), found[symmetry.partners], atol=1e-12)
+        stays = (side == kept) & ~on_plane
+        assert stays.any()
+        np.testing.assert_array_equal(found[stays], moved[stays])
+
+
 def test_symmetric_points_stay_where_they_are(vertices):
     symmetry = MirrorSymmetry.of(vertices, PLANE, "Ring")
     np.testing.assert_allclose(symmetry.symmetrized(vertices), vertices, atol=1e-12)

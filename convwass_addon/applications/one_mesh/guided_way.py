@@ -106,8 +106,19 @@ class GuidedWay:
     ) -> list[NDArray[np.float64]]:
         """Make samples symmetric, and distribute the projection of the last one onto the surface evenly over all."""
         symmetric = [symmetry.symmetrized(points) for points in samples]
-        end = drawn_along_normals(TriangleMesh(symmetric[-1], self.mesh.faces), self.target, control)
+        drawn = drawn_along_normals(TriangleMesh(symmetric[-1], self.mesh.faces), self.target, control)
+        end = self._unfolded_symmetrically(symmetry.symmetrized(drawn), symmetry, control)
         added = end - symmetric[-1]
         times = np.linspace(0.0, 1.0, len(samples))
         moved = [symmetry.symmetrized(points + t * added) for t, points in zip(times, symmetric, strict=True)]
         return [samples[0], *moved[1:]]
+
+    def _unfolded_symmetrically(
+        self, points: NDArray[np.float64], symmetry: MirrorSymmetry, control: Control
+    ) -> NDArray[np.float64]:
+        """Remove folds of symmetric vertices on one side, and mirror that side onto the other."""
+        unfolded_points = unfolded(self.folds, points, control)
+        if unfolded_points is points:
+            return points
+        choices = (points, *symmetry.mirrored_sides(unfolded_points))
+        return min(choices, key=lambda own: int(self.folds.folded(own, control).sum()))

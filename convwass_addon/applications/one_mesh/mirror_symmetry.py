@@ -84,6 +84,25 @@ class MirrorSymmetry:
         moments = (one - center).T @ (other - center)
         return MirrorPlane(center, np.linalg.eigh(0.5 * (moments + moments.T))[1][:, 0])
 
+    def mirrored_sides(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return moved vertices, (n, 3), made symmetric by mirroring one side onto the other, for both sides.
+
+        Unlike means of both, they keep what was done to single vertices of that side. Vertices on the plane are
+        projected onto it.
+        """
+        plane = self.plane(points)
+        heights = (points - plane.point) @ plane.normal
+        mirrored = plane.mirrored(points)[self.partners]
+        on_plane = self.has_partner & (self.partners == np.arange(len(points)))
+        middle = points - heights[:, None] * plane.normal
+        # Of a pair on the same side, one vertex stays.
+        above = heights > heights[self.partners]
+        found = []
+        for kept in (above, ~above):
+            sided = np.where((kept | ~self.has_partner)[:, None], points, mirrored)
+            found.append(np.where(on_plane[:, None], middle, sided))
+        return found[0], found[1]
+
     def symmetrized(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return moved vertices, (n, 3), each at the mean of its place and the mirror image of its partner's."""
         mirrored = self.plane(points).mirrored(points)[self.partners]
