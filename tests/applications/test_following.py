@@ -8,11 +8,15 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.animation import Animation, ShapeAnimation
+from convwass_addon.applications.morphs.demands import Demand
+from convwass_addon.applications.morphs.following_problem import FollowingProblem
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.origins import velocities
+from convwass_addon.applications.morphs.part_labels import unparted
+from convwass_addon.applications.morphs.preparing import sketchable_problem
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import GuidedMotion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
@@ -22,9 +26,10 @@ from convwass_addon.applications.motions.shape_deformations import split_deforma
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.subdivision import with_short_edges
-from convwass_addon.progress import Control, drained
+from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.shapes import ball, box, torus
 
 FRAMES = 4
@@ -111,6 +116,30 @@ def test_a_blend_equals_that_of_static_shapes_in_the_same_poses():
     assert followed.mesh.volume == pytest.approx(still.mesh.volume, rel=0.02)
     distances = ClosestPointFinder(still.mesh.corners).find(followed.mesh.vertices).distances
     assert np.quantile(distances, 0.95) < 0.5 * cell
+
+
+def test_blends_by_transport_start_from_the_preceding_one_also_when_computed_again():
+    def first(time):
+        return turned(box((1, 1, 1)), 0.1 * time)
+
+    def second(time):
+        return turned(box((3.0, 0.4, 0.4)), 0.1 * time)
+
+    shapes, names = [first(0), second(0)], ["A", "B"]
+    still = drained(sketchable_problem(shapes, names, unparted(2), MorphSettings(32, motion="transport"), 1))
+    animation = animated(first, second, frames=8)
+    problem = FollowingProblem.around(still.with_connectivity(), None, animation, shapes, names, unparted(2))
+    run = path_blends(2, 8)[2:5]
+    frames = problem.frames(run)
+    alone = problem.frame(run[2], UNINTERRUPTED)
+    assert sum(frames[2].record["iterations"]) < sum(alone.record["iterations"])
+    one_piece = Connectivity(pieces=1, handles=0, bubbles=0)
+    (again,) = problem.frames_again(run, {run[2]: Demand(one_piece)})
+    np.testing.assert_array_equal(again.mesh.vertices, frames[2].mesh.vertices)
+    (near,) = problem.frames_again(run, {run[2]: Demand(one_piece, first(4), 0.15)})
+    assert near.record["held"] > 100
+    found = ClosestPointFinder(first(4).corners)
+    assert found.find(near.mesh.vertices).distances.max() < found.find(frames[2].mesh.vertices).distances.max()
 
 
 def test_triangles_may_change_from_frame_to_frame():

@@ -115,6 +115,11 @@ class BlendSolver:
         self._problem = problem
         self._parts = [_PartSolver(part, problem, control, from_nothing) for part in problem.parts]
 
+    def start_from(self, solved: SolvedBlend) -> None:
+        """Start the next blend from one of other poses of the same shapes, on a grid of the same size."""
+        for part, own, sigma in zip(self._parts, solved.parts, solved.sigmas, strict=True):
+            part.start_from(own, sigma)
+
     def branched(self) -> BlendSolver:
         """Return another solver whose next blend starts from the same blend."""
         other = copy(self)
@@ -148,6 +153,10 @@ class _PartSolver:
         # The sketch that the last solve continued from.
         self._begun: Barycenter | None = None
         self.sigma = problem.settings.sigma
+
+    def start_from(self, solved: Barycenter, sigma: float) -> None:
+        """Start the next solve from a barycenter with a blur of `sigma` cells."""
+        self._last, self._begun, self.sigma = solved, None, sigma
 
     def solve(self, blend: Blend, limit: Literal["max"] | float | None, sketch: PartSketch | None = None) -> Barycenter:
         """Solve with the blur of the settings; an automatic blur is widened as far as needed."""

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,19 +14,44 @@ from numpy.typing import NDArray
 from ...geometry.centroid import centroid
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
-from ...progress import Control
+from ...progress import UNINTERRUPTED, Control
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation
-from .blending import solve_blends
+from .blend_solver import BlendSolver, SolvedBlend
+from .blending import HandOver, solve_blends, surfaced_frame
+from .demands import Demand
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_room import Room
 from .moving_problem import MovingProblem
 from .part_labels import Matching
 from .parts import joined, voxelized_parts
+from .spare_threads import at_once
 
 # Margin in cells around the known poses, for those in between.
 _SLACK_CELLS = 1
+
+
+@dataclass(frozen=True)
+class PosedBlend:
+    """A blend of animated inputs at its time.
+
+    Attributes
+    ----------
+    blend : Blend
+        Its weights.
+    time : float
+        Its frame.
+    shapes : list of TriangleMesh
+        All inputs in their poses.
+    active : (a,) int64
+        Indices of the inputs of positive weight.
+    """
+
+    blend: Blend
+    time: float
+    shapes: list[TriangleMesh]
+    active: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -75,56 +101,101 @@ class FollowingProblem(MovingProblem):
         """Solve one blend; an input with a weight of one is shown unchanged."""
         if blend.source is not None:
             return solve_blends(self.still, [blend], control)[0]
+        if self.motion is None:
+            return self.frames([blend], control)[0]
+        return self._moved(blend, self._posed(blend), control)
+
+    def frames(
+        self, run: Sequence[Blend], control: Control = UNINTERRUPTED, hand_over: HandOver = at_once
+    ) -> list[MorphFrame]:
+        """Solve a run of blends; by transport, each starts from the preceding one."""
+        if self.motion is not None:
+            return super().frames(run, control, hand_over)
+        frames = [hand_over(frame) for _, frame in self._transported_run(run, {}, control)]
+        return [frame() for frame in frames]
+
+    def frames_again(
+        self, run: Sequence[Blend], asked: Mapping[Blend, Demand], control: Control = UNINTERRUPTED
+    ) -> list[MorphFrame]:
+        """Compute some blends of a run again, with a demand on each, from the same barycenters."""
+        if self.motion is not None:
+            return super().frames_again(run, asked, control)
+        last = max(place for place, blend in enumerate(run) if blend in asked)
+        frames = self._transported_run(run[: last + 1], asked, control)
+        return [frame() for blend, frame in frames if blend in asked]
+
+    def _posed(self, blend: Blend) -> PosedBlend:
         time = self.animation.time_of(blend.weights)
         shapes = [shape.at(time) for shape in self.animation.shapes]
-        made = self._transported if self.motion is None else self._moved
-        frame = made(blend, time, shapes, control)
-        if frame.origins is None or not self.animation.keeps_topology:
-            return frame
-        return replace(frame, tangents=self._tangents(frame, time))
+        return PosedBlend(blend, time, shapes, np.flatnonzero(blend.weights))
 
-    def _moved(self, blend: Blend, time: float, shapes: list[TriangleMesh], control: Control) -> MorphFrame:
+    def _moved(self, blend: Blend, posed: PosedBlend, control: Control) -> MorphFrame:
         """Solve a blend of inputs that move towards each other, starting from their current poses."""
-        motion = self.motion.at(shapes, np.flatnonzero(blend.weights).tolist(), control)
+        shapes = posed.shapes
+        motion = self.motion.at(shapes, posed.active.tolist(), control)
         growth = [_volume_ratio(shape, rest) for shape, rest in zip(shapes, self.rests, strict=True)]
         parts = tuple(replace(part, volumes=part.volumes * growth) for part in self.still.transport.parts)
         lattice = replace(self.lattice, centers=np.stack([centroid(shape) for shape in shapes]))
         still = replace(self.still, transport=replace(self.still.transport, parts=parts, lattice=lattice))
         problem = MovingProblem.of(still, motion, [blend], self.names, self.matching, control)
-        return problem.frame(blend, control)
+        return self._with_tangents(problem.frame(blend, control), posed)
 
-    def _transported(self, blend: Blend, time: float, shapes: list[TriangleMesh], control: Control) -> MorphFrame:
-        """Solve a blend of inputs by transport between their current poses."""
-        active = np.flatnonzero(blend.weights)
-        posed = [shapes[i] for i in active]
-        problem = self._problem_at(posed, active, control)
-        alone = Blend(tuple(blend.weights[i] for i in active))
-        solved = solve_blends(problem, [alone], control)[0]
-        frame = replace(solved, blend=blend, record={**solved.record, "weights": blend.weights})
-        if solved.origins is None:
+    def _transported_run(
+        self, run: Sequence[Blend], asked: Mapping[Blend, Demand], control: Control
+    ) -> Iterator[tuple[Blend, Callable[[], MorphFrame]]]:
+        """Solve blends by transport between current poses, each from the preceding one; yield what extracts frames."""
+        earlier = None
+        for blend in run:
+            if blend.source is not None:
+                yield blend, partial(self.frame, blend, control)
+                continue
+            posed = self._posed(blend)
+            problem = self._problem_at(posed, control)
+            alone = Blend(tuple(blend.weights[i] for i in posed.active))
+            solver = BlendSolver(problem.transport, control)
+            if earlier is not None and np.array_equal(earlier[0], posed.active):
+                solver.start_from(earlier[1])
+            solved = solver.solve(alone, problem.transport.blend_volumes(alone))
+            earlier = posed.active, solved
+            own = problem.demanding(asked[blend]) if blend in asked else problem
+            yield blend, partial(self._transported, own, solved, posed)
+
+    def _transported(self, problem: MorphProblem, solved: SolvedBlend, posed: PosedBlend) -> MorphFrame:
+        """Extract the frame of a blend that was solved between current poses."""
+        blend, active, shapes = posed.blend, posed.active, posed.shapes
+        own = surfaced_frame(problem, solved)
+        frame = replace(own, blend=blend, record={**own.record, "weights": blend.weights})
+        if own.origins is None:
             return frame
         origins = np.tile(frame.mesh.vertices.astype(np.float32), (len(shapes), 1, 1))
-        origins[active] = solved.origins
+        origins[active] = own.origins
         if not self.animation.keeps_topology:
             return replace(frame, origins=origins, triangles=None)
         tangents = origins.copy()
-        for place, index in enumerate(active):
-            there = ClosestPointFinder(posed[place].corners).find_about(solved.origins[place])
+        for index, origin in zip(active, own.origins, strict=True):
+            there = ClosestPointFinder(shapes[index].corners).find_about(origin)
             origins[index] = there.interpolated(self.rests[index].corners)
-        return replace(frame, origins=origins, tangents=tangents, triangles=_of_all(solved.triangles, active, shapes))
+        triangles = _of_all(own.triangles, active, shapes)
+        return self._with_tangents(replace(frame, origins=origins, tangents=tangents, triangles=triangles), posed)
 
-    def _problem_at(self, posed: Sequence[TriangleMesh], active: NDArray[np.int64], control: Control) -> MorphProblem:
-        """Return the problem of some inputs in their current poses."""
+    def _with_tangents(self, frame: MorphFrame, posed: PosedBlend) -> MorphFrame:
+        if frame.origins is None or not self.animation.keeps_topology:
+            return frame
+        return replace(frame, tangents=self._tangents(frame, posed.time))
+
+    def _problem_at(self, posed: PosedBlend, control: Control) -> MorphProblem:
+        """Return the problem of the inputs of one blend in their current poses."""
+        active, shapes = posed.active, [posed.shapes[i] for i in posed.active]
         settings = self.still.settings
-        lattice = replace(self.lattice, centers=np.stack([centroid(shape) for shape in posed]))
+        lattice = replace(self.lattice, centers=np.stack([centroid(shape) for shape in shapes]))
         faces = self.matching.faces
         matching = replace(self.matching, faces=tuple(faces[i] for i in active))
         volumes = [
             voxelized_parts(shape, self.names[i], place, lattice, settings.thickness, matching, control)
-            for place, (i, shape) in enumerate(zip(active, posed, strict=True))
+            for place, (i, shape) in enumerate(zip(active, shapes, strict=True))
         ]
-        problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, settings, posed)
-        problem = replace(problem, motion=self.still.motion).with_detail_of(posed)
+        problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, settings, shapes)
+        problem = replace(problem, motion=self.still.motion).with_detail_of(shapes)
         if not self.animation.keeps_topology:
             return problem.with_connectivity()
         return replace(problem, connectivity=tuple(self.still.connectivity[i] for i in active), meshes=())

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Protocol, TypeVar
@@ -164,6 +164,18 @@ class MovingProblem:
         tangents = moved_tangents(places, shapes, self.motion, blend.weights, mesh.vertices)
         triangles = None if surface.triangles is None else self._of_inputs(surface.triangles, shapes, active)
         return MorphFrame(blend, mesh, record, origins=origins, tangents=tangents, triangles=triangles)
+
+    def frames(
+        self, run: Sequence[Blend], control: Control = UNINTERRUPTED, hand_over: HandOver = at_once
+    ) -> list[MorphFrame]:
+        """Solve a run of blends; parameters as for :func:`.blending.solve_blends`."""
+        return solve_moving_blends(self, run, control, hand_over)
+
+    def frames_again(
+        self, run: Sequence[Blend], asked: Mapping[Blend, Demand], control: Control = UNINTERRUPTED
+    ) -> list[MorphFrame]:
+        """Compute some blends of a run again, with a demand on each, from the same barycenters."""
+        return [self.demanding(asked[blend]).frame(blend, control) for blend in run if blend in asked]
 
     def moved_blend(self, blend: Blend, control: Control) -> MovedBlend:
         """Move the inputs of one blend that have weight, and voxelize them."""

@@ -8,7 +8,6 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import Any, TypeVar
 
 from ...errors import InputError
@@ -19,7 +18,7 @@ from .blending import HandOver, Sketch, sketch_blends, solve_blends
 from .kept_blends import KeptBlends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
-from .moving_problem import MovingProblem, solve_moving_blends
+from .moving_problem import MovingProblem
 from .spare_threads import SpareThreads
 
 RUN_LENGTH = 4
@@ -246,7 +245,7 @@ def moving_runs_in_threads(
     problem: MovingProblem, runs: dict[int, Run], control: Control, workers: int
 ) -> Iterator[Pending]:
     """Solve runs of a morph with moving inputs in threads; see :func:`solved_in_threads`."""
-    with solved_in_threads(partial(solve_moving_blends, problem), problem.effort, runs, control, workers) as pending:
+    with solved_in_threads(problem.frames, problem.effort, runs, control, workers) as pending:
         yield pending
 
 
@@ -274,9 +273,8 @@ def runs_elsewhere(
 
 def solve_apart(problem: MorphProblem | MovingProblem, run: Run) -> list[MorphFrame]:
     """Solve a run in another process, with one BLAS thread."""
-    solve = solve_moving_blends if isinstance(problem, MovingProblem) else solve_blends
     with one_blas_thread():
-        return solve(problem, run)
+        return problem.frames(run) if isinstance(problem, MovingProblem) else solve_blends(problem, run)
 
 
 def as_solved(pending: Pending, control: Control) -> Iterator[SolvedRun]:

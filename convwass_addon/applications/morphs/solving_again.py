@@ -51,7 +51,7 @@ def solve_again(
         In the order of the run.
     """
     if isinstance(problem, MovingProblem):
-        return [problem.demanding(asked[blend]).frame(blend, control) for blend in run if blend in asked]
+        return problem.frames_again(run, asked, control)
     limited = [problem.demanding(asked[blend]) if blend in asked else None for blend in run]
     while limited and limited[-1] is None:
         limited.pop()
