@@ -69,7 +69,7 @@ def _print_row(cells: int, shapes: int, steps: int, before: dict[str, object], f
     distance = f"{found['distance']:.3f} {found['distance_worst']:.3f}"
     volume = f"{100 * found['volume']:.2f} {100 * found['volume_worst']:.2f}"
     print(
-        f"{cells:5} {shapes:6} {steps or '12+':>5} {first:>13} {solved:>17} {found['fill']:6.1f} {found['blends']:6} "
+        f"{cells:5} {shapes:6} {steps or '16+':>5} {first:>13} {solved:>17} {found['fill']:6.1f} {found['blends']:6} "
         f"{found['megabytes']:6.1f} {draw:>19} {distance:>12} {volume:>11}",
         flush=True,
     )

@@ -21,14 +21,17 @@ from numpy.typing import NDArray
 from .level_fields import LevelField
 from .weight_layouts import Node, WeightLayout
 
-LEVELS = (4, 8, 12)
-"""Steps from one shape to the next, from coarse to fine."""
+LEVELS = (4, 8, 16)
+"""Steps from one shape to the next, from coarse to fine; each level contains the nodes of the one before."""
 
-FINEST = 24
+FINEST = 32
 """Steps where neighbors of the last level still differ by more than `FAR`."""
 
 FAR = 0.25
 """How much neighbors may differ, as a share of their mass; beyond, mixtures show both."""
+
+# A missing share below this is due to rounding.
+_NOTHING = 1e-9
 
 
 @dataclass(frozen=True)
@@ -137,7 +140,10 @@ class FillingLattice:
                 if taken > 0.0:
                     for node, share in zip(units, stencil.shares, strict=True):
                         shares[node] = shares.get(node, 0.0) + taken * share
-                rest = max(rest - taken, 0.0)
+                rest -= taken
+                if rest < _NOTHING:
+                    rest = 0.0
+                    break
             return Mixture(tuple(self._fields[node] for node in shares), tuple(shares.values()), rest)
 
     def is_whole(self, steps: int) -> bool:
@@ -147,18 +153,6 @@ class FillingLattice:
     def has_taken_over(self, now: float) -> bool:
         """Return whether this lattice alone determines all blends by now."""
         return self._is_ready(self.levels[0], now)
-
-    def settle(self, now: float) -> None:
-        """Delete coarser levels when the last one has taken over everywhere."""
-        if len(self.levels) == 1 or self.levels[-1] != LEVELS[-1] or not self._is_ready(self.levels[-1], now):
-            return
-        with self._lock:
-            self.levels = self.levels[-1:]
-            kept = {one.node for one in self._nodes[self.levels[-1]]} | self._refined.keys()
-            # Nodes of other levels may have completed the finest one in some regions.
-            for node in [node for steps, node in self._since if steps == FINEST]:
-                kept |= {node, *self._layout.neighbors(node, FINEST)}
-            self._fields = {node: field for node, field in self._fields.items() if node in kept}
 
     @property
     def filled(self) -> int:

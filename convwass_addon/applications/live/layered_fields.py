@@ -111,10 +111,7 @@ class LayeredFields:
         return Mixture(tuple(fields), tuple(shares), rest)
 
     def settle(self, now: float) -> None:
-        """Drop layers and levels that newer ones have taken over from."""
+        """Drop layers that a newer one has taken over from."""
         with self._lock:
-            newest = self._layers[:1]
-            if len(self._layers) > 1 and newest[0].has_taken_over(now):
-                self._layers = newest
-        for layer in newest:
-            layer.settle(now)
+            if len(self._layers) > 1 and self._layers[0].has_taken_over(now):
+                self._layers = self._layers[:1]

@@ -62,8 +62,8 @@ _LEAST_WEIGHT = 1.0 / 500.0
 _MEMORY_SHARE = 0.25
 # Memory of the colors of a field relative to that of its values (docs/performance.md, "Live blends").
 _COLOR_SHARE = 0.4
-# On pads 12 steps are true to 0.03 cells (docs/performance.md, "Live blends"); to refine them takes four times the
-# memory.
+# On pads 16 steps are accurate to 0.035 cells (docs/performance.md, "Live blends"), and refining them takes up to four
+# times the memory.
 _FAR_ON_PADS = np.inf
 # Blends at the hand are solved to this tolerance, twice the usual one, until the lattice is there.
 _HAND_TOLERANCE = 2e-2
@@ -179,7 +179,7 @@ class LiveBlends:
         return self._fields.coverage(self._hand, self._clock())
 
     def settle(self) -> None:
-        """Forget what finer levels and newer lattices have taken over from."""
+        """Forget lattices that newer ones have taken over from."""
         self._fields.settle(self._clock())
 
     def shown(self) -> LiveShape | None:

@@ -59,7 +59,7 @@ def test_nodes_come_level_by_level_and_nearest_to_the_hand_first(layout):
     for begin, end in zip([0, *ends], ends, strict=False):
         distances = [np.abs(np.array(one.weights) - hand).sum() for one in order[begin:end]]
         assert distances == sorted(distances)
-    assert lattice.is_whole(12) and lattice.fraction == 1.0 and lattice.has_taken_over(0.0)
+    assert lattice.is_whole(LEVELS[-1]) and lattice.fraction == 1.0 and lattice.has_taken_over(0.0)
 
 
 @pytest.mark.parametrize("layout", LAYOUTS, ids=by_type)
@@ -92,12 +92,12 @@ def test_mixtures_have_the_weights_of_the_hand_and_do_not_jump(layout):
 def test_a_finer_level_fades_in():
     lattice = FillingLattice(PathLayout(2), LEVELS, 100, 2.0)
     for number in range(5):
-        lattice.add((6 * number,), FIELD, 0.0)
+        lattice.add((8 * number,), FIELD, 0.0)
     assert lattice.mixture((0.5, 0.5), 0.0).rest == 1.0
     assert lattice.mixture((0.5, 0.5), 1.0).rest == pytest.approx(0.5)
     assert lattice.mixture((0.5, 0.5), 2.0).rest == 0.0
     eighth = replace(FIELD)
-    lattice.add((15,), eighth, 10.0)
+    lattice.add((20,), eighth, 10.0)
     shares = []
     for now in (10.0, 11.0, 12.0):
         found = lattice.mixture(path_weights(9 / 16, 2), now)
@@ -108,15 +108,15 @@ def test_a_finer_level_fades_in():
 
 def test_neighbors_that_differ_too_much_are_refined():
     lattice = FillingLattice(PathLayout(2), LEVELS, 100, 0.0)
-    radius = {place: 6.0 if place < 12 else 8.0 for place in range(25)}
+    radius = {place: 6.0 if place < 16 else 8.0 for place in range(33)}
     asked = []
     while (wanted := lattice.next_wanted((0.5, 0.5))) is not None:
         asked.append(wanted)
         lattice.add(wanted.node, ball_field(radius[wanted.node[0]]), 0.0)
-    # Between 11 and 12 of 24 the ball grows at once; twelfths are even numbers, eighths multiples of three.
-    assert asked[-1] == Wanted((11,), pytest.approx((13 / FINEST, 11 / FINEST)))
+    # Between 15 and 16 of 32 the ball grows at once; sixteenths are even numbers.
+    assert asked[-1] == Wanted((15,), pytest.approx((17 / FINEST, 15 / FINEST)))
     assert count_of_nodes(PathLayout(2), LEVELS) == len(asked) - 1
-    assert lattice.mixture(path_weights(11 / 24, 2), 0.0).shares == pytest.approx([1.0])
+    assert lattice.mixture(path_weights(15 / 32, 2), 0.0).shares == pytest.approx([1.0])
     # If memory suffices only for these nodes, there are no finer ones.
     small = FillingLattice(PathLayout(2), LEVELS, count_of_nodes(PathLayout(2), LEVELS), 0.0)
     while (wanted := small.next_wanted((0.5, 0.5))) is not None:
@@ -126,19 +126,16 @@ def test_neighbors_that_differ_too_much_are_refined():
 
 def test_levels_that_exceed_the_memory_are_left_out():
     triangle = TriangleLayout()
-    assert fitting_levels(triangle, 1000) == (4, 8, 12)
+    assert fitting_levels(triangle, 1000) == LEVELS
     assert fitting_levels(triangle, 60) == (4, 8)
     assert fitting_levels(triangle, 0) == (4,)
 
 
-def test_coarser_levels_are_dropped_once_nothing_needs_them():
+def test_a_complete_lattice_mixes_no_more_than_the_nodes_around_a_blend():
     lattice = FillingLattice(TriangleLayout(), LEVELS, 1000, 1.0)
     while (wanted := lattice.next_wanted((0.2, 0.3, 0.5))) is not None:
         lattice.add(wanted.node, FIELD, 0.0)
-    lattice.settle(0.5)
-    assert lattice.filled == count_of_nodes(TriangleLayout(), LEVELS)
-    before = lattice.mixture((0.2, 0.3, 0.5), 1.0)
-    lattice.settle(1.0)
-    assert lattice.filled < count_of_nodes(TriangleLayout(), LEVELS)
-    assert lattice.next_wanted((0.2, 0.3, 0.5)) is None
-    assert lattice.mixture((0.2, 0.3, 0.5), 1.0).shares == before.shares
+    for weights in np.random.default_rng(3).dirichlet(np.ones(3), 20):
+        found = lattice.mixture(weights, 1.0)
+        assert len(found.fields) == 3 and found.rest == 0.0
+    assert len(lattice.mixture(weights, 0.5).fields) > 3
