@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,13 +21,10 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...progress import Control, Progress, Result, Work, within
 from ...sentence import Sentence
-from ..memory import available_memory
-from ..morphs.appearance import carried
 from ..morphs.bake_plan import pairs_of
-from ..morphs.blending import solve_blends
 from ..morphs.extraction import estimated_level_density
 from ..morphs.layouts import Blend
-from ..morphs.morph_problem import MorphFrame, MorphProblem
+from ..morphs.morph_problem import MorphProblem
 from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovingProblem
 from ..morphs.preparing import sketchable_problem, with_connectivity
@@ -35,15 +32,10 @@ from ..morphs.volumes import Lattice
 from ..motions.choosing import MotionChoice
 from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
-from .field_sources import (
-    FieldSource,
-    MovingSource,
-    StandInSource,
-    TransportSource,
-    box_of_shapes,
-    estimated_field_bytes,
-)
+from .field_memory import FieldMemory
+from .field_sources import FieldSource, MovingSource, StandInSource, TransportSource, box_of_shapes
 from .filling_lattice import FAR, LEVELS, FillingLattice, Mixture, count_of_nodes, fitting_levels
+from .full_blends import FullBlend, FullSolver
 from .layered_fields import LEAST_REST, LayeredFields
 from .level_fields import colors_at, mixed
 from .live_settings import LiveSettings
@@ -58,10 +50,6 @@ FADE = 0.4
 _FINE, _STAND_IN = 64, 48
 # Smaller weights are zero: a frame of a long bake has no smaller ones.
 _LEAST_WEIGHT = 1.0 / 500.0
-# Share of the free memory that fields may take.
-_MEMORY_SHARE = 0.25
-# Memory of the colors of a field relative to that of its values (docs/performance.md, "Live blends").
-_COLOR_SHARE = 0.4
 # On pads 16 steps are accurate to 0.035 cells (docs/performance.md, "Live blends"), and refining them takes up to four
 # times the memory.
 _FAR_ON_PADS = np.inf
@@ -71,19 +59,6 @@ _HAND_TOLERANCE = 2e-2
 _WITHOUT_MOTION = LEVELS[:2]
 # Shares of the progress: until the plain lattice is filled, and until the motion is found.
 _PLAIN_SHARE, _MOTION_SHARE = 0.3, 0.5
-
-
-@dataclass(frozen=True)
-class _SolvedRest:
-    """The blend that was solved in full where the hand rested."""
-
-    weights: tuple[float, ...]
-    mesh: TriangleMesh
-    colors: NDArray[np.float32] | None
-
-    def shown(self, center: NDArray[np.float64]) -> LiveShape:
-        """Return it about its center, (3,)."""
-        return LiveShape(self.mesh.moved(-center), center, is_solved=True, colors=self.colors)
 
 
 class LiveBlends:
@@ -118,14 +93,15 @@ class LiveBlends:
     ) -> None:
         self.layout = layout_of(len(shapes.meshes))
         self.notices: list[Sentence] = []
-        self._shapes, self._live, self._clock = shapes, live, clock
+        self._shapes, self._clock = shapes, clock
         self._motions = motions or MotionMemory()
         self._settings = replace(settings, resolution=live.live_resolution, carry=bool(shapes.appearances))
         self._lattice = Lattice.around(shapes.meshes, self._settings.resolution, self._settings.sigma)
         self._box = box_of_shapes(shapes.meshes, self._lattice)
+        self._memory = FieldMemory(shapes, self._lattice, self.layout, live.live_memory)
         self._fields = LayeredFields()
         self._problem: MorphProblem | None = None
-        self._finished: MorphProblem | None = None
+        self._full: FullSolver | None = None
         self._moving: MovingProblem | None = None
         self._colors: tuple[ShapeColors, ...] = ()
         self._nodes: FieldSource | None = None
@@ -134,7 +110,7 @@ class LiveBlends:
         self._motion_is_known = settings.motion == "transport" or settings.coherence == 0.0
         self._rests = self._solved_hand_last = False
         self._rest_control: Control | None = None
-        self._solved: _SolvedRest | None = None
+        self._solved: FullBlend | None = None
         self._last_shape: LiveShape | None = None
         self._last_made_of: tuple[object, ...] = ()
         self._fraction = 0.0
@@ -277,7 +253,7 @@ class LiveBlends:
 
     def _empty_lattice(self, levels: Sequence[int]) -> FillingLattice:
         far = FAR if self.layout.count == 2 else _FAR_ON_PADS
-        return FillingLattice(self.layout, levels, self._most, FADE, far)
+        return FillingLattice(self.layout, levels, self._memory.most(self._fields), FADE, far)
 
     def _voxelized(self, settings: MorphSettings, control: Control) -> Work[MorphProblem]:
         shapes = self._shapes
@@ -286,28 +262,11 @@ class LiveBlends:
         )
         return (yield from within(work, 0.0, 0.0))
 
-    @property
-    def _field_bytes(self) -> float:
-        """Estimated memory of one field: the mean of the known ones, if any."""
-        if self.filled:
-            return self.bytes / self.filled
-        blends = [self.layout.weights(node, LEVELS[0]) for node in self.layout.nodes(LEVELS[0])]
-        values = estimated_field_bytes(self._shapes.meshes, self._lattice, blends)
-        return values * (1.0 + _COLOR_SHARE * bool(self._colors))
-
-    @property
-    def _most(self) -> int:
-        """How many fields there is memory for."""
-        allowed, free = self._live.live_memory * 1e6, available_memory()
-        if free is not None:
-            allowed = min(allowed, _MEMORY_SHARE * free)
-        return int(allowed // self._field_bytes)
-
     def _fitting(self) -> tuple[int, ...]:
         """Return the levels of the lattice that there is memory for, and say so where these are not all."""
-        levels = fitting_levels(self.layout, self._most)
+        levels = fitting_levels(self.layout, self._memory.most(self._fields))
         if levels != LEVELS:
-            needed = count_of_nodes(self.layout, LEVELS) * self._field_bytes / 1e6
+            needed = count_of_nodes(self.layout, LEVELS) * self._memory.field_bytes(self._fields) / 1e6
             notice = Sentence(
                 "A lattice of {finest} steps needs {needed:.0f} MB; there is memory for {levels} steps",
                 {"finest": LEVELS[-1], "needed": needed, "levels": levels[-1]},
@@ -351,7 +310,9 @@ class LiveBlends:
         try:
             if blend.weights != self._hand:
                 return
-            solved = self._in_full(self._frame(blend, self._rest_control))
+            if self._full is None:
+                self._full = FullSolver(self._shapes, self._moving or self._problem)
+            solved = self._full.solve(blend, self._rest_control)
         except Cancelled:
             control.check()
             return
@@ -360,26 +321,6 @@ class LiveBlends:
         self._solved = solved
         self.version += 1
         yield self._report(Sentence("Solved"))
-
-    def _in_full(self, frame: MorphFrame) -> _SolvedRest:
-        """Return what is shown of a frame."""
-        blend, appearances = frame.blend, self._shapes.appearances
-        mesh = self._shapes.meshes[blend.source] if frame.mesh is None else frame.mesh
-        if not appearances:
-            return _SolvedRest(blend.weights, mesh, None)
-        if frame.mesh is None:
-            colors = appearances[blend.source].at(mesh.vertices).colors
-        else:
-            colors = carried(frame.origins, mesh.faces, appearances, blend.weights).color
-        return _SolvedRest(blend.weights, mesh, colors[:, :3])
-
-    def _frame(self, blend: Blend, control: Control) -> MorphFrame:
-        if self._moving is not None:
-            return self._moving.frame(blend, control)
-        if self._finished is None:
-            whole = with_connectivity(replace(self._problem, meshes=self._shapes.meshes), 1)
-            self._finished = whole.with_detail_of(self._shapes.meshes)
-        return solve_blends(self._finished, [blend], control)[0]
 
     def _find_motion(self, control: Control) -> Work[None]:
         """Find how the shapes move, and begin a lattice of moved shapes; or go on with this one."""
@@ -410,7 +351,7 @@ class LiveBlends:
         """Lay a lattice of moved shapes over the one of plain transport."""
         source = MovingSource(moving, self._colors)
         self._fields.cover(self._empty_lattice(self._fitting()))
-        self._nodes, self._moving = source, moving
+        self._nodes, self._moving, self._full = source, moving, None
 
     def _attended(self, work: Work[Result], control: Control) -> Work[Result]:
         """Do some work, and between two of its reports what the user is waiting for."""
