@@ -27,7 +27,7 @@ LEVELS = (4, 8, 16)
 FINEST = 32
 """Steps where neighbors of the last level still differ by more than `FAR`."""
 
-FAR = 0.25
+FAR = 0.2
 """How much neighbors may differ, as a share of their mass; beyond, mixtures show both."""
 
 # A missing share below this is due to rounding.
