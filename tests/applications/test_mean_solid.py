@@ -84,3 +84,9 @@ def test_the_volume_is_reached_where_solids_differ():
     found = mean(small, large, 0.5, volume=1.3 * plain)
     assert np.count_nonzero(found > 0.0) == pytest.approx(1.3 * plain, rel=0.02)
     assert (found[:, :, 36] > 0.0).sum() == (common[:, :, 36] > 0.0).sum()
+
+
+def test_where_solids_do_not_differ_the_whole_surface_is_offset():
+    found = mean(ball(10.0), ball(10.0), 0.5, volume=4.0 / 3.0 * np.pi * 13.0**3)
+    distances = np.linalg.norm(GRID - 22.0, axis=-1)[np.abs(found) < 0.5]
+    assert np.abs(distances - 13.0).max() < 0.6

@@ -28,6 +28,8 @@ _ROUNDING = 3.0
 _MOST_SHIFT = 0.9
 # Steps of the bisection for the volume.
 _STEPS = 9
+# A mean whose volume differs by more than this is offset, in at most so many steps of at most a cell.
+_MISSING, _OFFSETS = 0.01, 12
 # Distances are computed exactly where the mean solid's surface is this close and distances differ by more than this.
 _BAND, _APART = 3.0, 1.0
 # A part that reaches less far than this, in cells, has no front.
@@ -113,7 +115,7 @@ class _Mean:
         for _ in range(_STEPS):
             middle = (low + high) / 2.0
             low, high = (middle, high) if _volume(self._at(middle)) > volume else (low, middle)
-        return self._at((low + high) / 2.0)
+        return _offset(self._at((low + high) / 2.0), volume)
 
     def _at(self, shift: float) -> NDArray[np.float32]:
         """Subtract a shift from the weight of what only some solids have."""
@@ -128,6 +130,19 @@ def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating]) -> NDArra
     """Intersect a part with what its front has reached, with a rounded edge."""
     below, behind = np.maximum(_ROUNDING - depth, 0.0), np.maximum(_ROUNDING - front, 0.0)
     return np.minimum(_ROUNDING - np.hypot(below, behind), np.minimum(depth, front)).astype(np.float32)
+
+
+def _offset(depth: NDArray[np.float32], volume: float) -> NDArray[np.float32]:
+    """Offset the whole surface where the solids do not differ enough for their mean to have the volume."""
+    offset = 0.0
+    for _ in range(_OFFSETS):
+        moved = depth + np.float32(offset)
+        missing = volume - _volume(moved)
+        if abs(missing) <= _MISSING * volume:
+            break
+        area = np.count_nonzero(np.abs(moved) < 0.5)
+        offset += float(np.clip(missing / max(area, 1), -1.0, 1.0))
+    return depth + np.float32(offset) if offset else depth
 
 
 def _volume(depth: NDArray[np.floating]) -> float:

@@ -17,6 +17,7 @@ from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...progress import UNINTERRUPTED, Control
+from ..motions.growing_motion import GrowingMotion
 from ..motions.motion import Motion, MovedShape
 from .blend_solver import ALONE, BlendSolver
 from .blending import HandOver, solve_blends, surfaced_frame
@@ -114,7 +115,7 @@ class MovingProblem:
         still : MorphProblem
             The inputs at rest, with their connectivity.
         motion : Motion
-            The motion.
+            The motion; blends of inputs of different volume are scaled, see :class:`.growing_motion.GrowingMotion`.
         blends : sequence of Blend
             All blends of the morph, including those computed elsewhere.
         names, matching
@@ -122,12 +123,14 @@ class MovingProblem:
         control : Control
             Stops the work.
         """
+        volumes = sum(part.volumes for part in still.transport.parts)
+        growing = GrowingMotion(motion, volumes, still.lattice.centers)
 
         def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
-            return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)
+            return (shape.mesh.bounds for shape in growing.moved(weights) if shape is not None)
 
         room = room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control)
-        return cls(still, motion, still.lattice.holding(room), tuple(names), matching)
+        return cls(still, growing, still.lattice.holding(room), tuple(names), matching)
 
     def demanding(self, demand: Demand) -> MovingProblem:
         """Return the problem with a demand on its blends, which overrides the connectivity of the inputs."""
