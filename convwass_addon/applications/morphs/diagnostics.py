@@ -33,9 +33,9 @@ TEXTS: dict[str, str] = {
     "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
-    "APART": "Mass takes the nearest free place: neither the map between the shapes (agreement {score:.0%}, detour "
-    "{detour:.1f}) nor a warp ({left:.0%} of the distance left) brings them together; guides may help",
-    "SOLID": "Mass takes the nearest free place: the shapes have no limbs that could be torn off",
+    "APART": "Mass takes the nearest free place: there is no good map between the shapes (agreement {score:.0%}, "
+    "detour {detour:.1f}); guides may help",
+    "SOLID": "Mass takes the nearest free place: at least one of the shapes has no limbs",
     "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
     "TOPOLOGY": "Mass takes the nearest free place: triangles of a shape change from frame to frame, which no motion "
     "follows",
@@ -308,7 +308,7 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     if chosen["motion_reason"] in ("SOLID", "MANY", "TOPOLOGY"):
         return [Diagnostic(str(chosen["motion_reason"]), {})]
     if chosen["motion_reason"] == "APART":
-        return [Diagnostic("APART", {name: _number(chosen, f"motion_{name}") for name in ("score", "detour", "left")})]
+        return [Diagnostic("APART", {name: _number(chosen, f"motion_{name}") for name in ("score", "detour")})]
     kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
     if kind is None or chosen.get("motion_score") is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []

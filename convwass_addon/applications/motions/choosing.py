@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import Cancelled, ConvwassError
+from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .combined_motion import combined_motion
@@ -26,12 +27,9 @@ _TRUSTED, _DOUBTED = 0.88, 0.2
 # completed motion looks good (chair to man, octopus to horse, star to cross), and 1.8 to 2.3 where bodies turn over and
 # tear on the way (horse to bird, dolphins to bird).
 _DETOUR = 1.4
-# Warps must not leave more than this fraction of the distance: they leave 0.15 from octopus to horse, and 0.38 and 0.56
-# from horse and dolphins to bird, whose frames are more torn than those of transport alone.
-_LEFT = 0.3
 # Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
 _FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
-# Fraction of the work for the guided motion, if a warp may follow.
+# Fraction of the work for the guided motion, if a warp follows.
 _GUIDED_SHARE = 0.4
 
 
@@ -44,8 +42,9 @@ class MotionChoice:
     kind : str
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
-        "ASKED" (requested), "SOLID" (no shape has limbs), "FITS" (the shapes map onto each other), "UNLIKE" (they do
-        not), "APART" (neither a map nor a warp brings them together), or "FAILED" (an error occurred).
+        "ASKED" (requested), "SOLID" (a shape has no limbs, and the shapes do not map onto each other), "FITS" (the
+        shapes map onto each other), "UNLIKE" (they do not quite), "APART" (they do not), or "FAILED" (an error
+        occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -56,8 +55,6 @@ class MotionChoice:
         Largest angle in degrees by which a shape was turned about the vertical axis to be mapped to another.
     detour : float or None
         Largest detour of an uncertain map, see :func:`.map_detour.map_detour`.
-    left : float or None
-        Largest fraction of the distance between two shapes that a warp leaves, if it was tried alone.
     """
 
     kind: str
@@ -67,12 +64,11 @@ class MotionChoice:
     failure: str = ""
     turned: float = 0.0
     detour: float | None = None
-    left: float | None = None
 
     def record(self) -> dict[str, object]:
         """Return the description of the motion for the record of every frame, ready for JSON."""
         known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
-        known |= {"detour": self.detour, "left": self.left}
+        known |= {"detour": self.detour}
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
 
@@ -91,19 +87,18 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     if request.kind == "guided":
         guided = yield from _guided(request, control)
         return MotionChoice("guided", "ASKED", guided, _score(guided), turned=_turned(guided))
-    if not request.guides and all(
-        is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume) for shape in request.shapes
-    ):
-        return MotionChoice("transport", "SOLID")
     return (yield from _automatic(request, control))
 
 
 def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
-    """Return the guided motion if the shapes map onto each other, or else one that a warp completes or replaces.
+    """Return the guided motion if the shapes map onto each other, completed by a warp if they do so in part.
 
-    A warp completes the guided motion unless the map makes detours; a warp alone is used only if the shapes meet.
+    If they do not, or the map makes detours, they are transported. A warp alone crumples such shapes, and so does an
+    uncertain map of limbs onto a shape that has none, where transport lets the limbs merge with it.
     """
-    guided, failure = None, ""
+    compact = [not request.guides and _is_compact(shape) for shape in request.shapes]
+    if all(compact):
+        return MotionChoice("transport", "SOLID")
     try:
         guided = yield from within(_guided(request, control), 0.0, _GUIDED_SHARE)
     except Cancelled:
@@ -111,33 +106,31 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     except _FAILURES as error:
         if request.guides:
             raise
-        failure = str(error)
-    score = None if guided is None else _score(guided)
-    if guided is not None and score >= _TRUSTED:
+        yield Progress(1.0, Sentence("Transporting without a motion"))
+        return MotionChoice("transport", "FAILED", None, failure=str(error))
+    score = _score(guided)
+    if score >= _TRUSTED:
         return MotionChoice("guided", "FITS", guided, score, turned=_turned(guided))
-    detour = None if guided is None else max(pair.detour for pair in guided.pairs.values())
+    detour = max(pair.detour for pair in guided.pairs.values())
+    if all(compact[one] or compact[other] for one, other in request.pairs):
+        return MotionChoice("transport", "SOLID", None, score, detour=detour)
     # Where the user says what corresponds, it may be far away.
-    doubted = guided is not None and score >= _DOUBTED and (bool(request.guides) or detour <= _DETOUR)
+    if score < _DOUBTED or (detour > _DETOUR and not request.guides):
+        yield Progress(1.0, Sentence("Transporting without a motion"))
+        return MotionChoice("transport", "APART", None, score, detour=detour)
     try:
-        if doubted:
-            work = combined_motion(guided, request.names, request.pairs, request.coherence, control)
-        else:
-            work = _warp(request, control)
+        work = combined_motion(guided, request.names, request.pairs, request.coherence, control)
         motion = yield from within(work, _GUIDED_SHARE, 1.0)
     except Cancelled:
         raise
     except _FAILURES as error:
         yield Progress(1.0, Sentence("Transporting without a motion"))
-        return MotionChoice("transport", "FAILED", None, score, failure or str(error))
-    reason = "FAILED" if guided is None else "UNLIKE"
-    if doubted:
-        return MotionChoice("combined", reason, motion, score, turned=_turned(guided), detour=detour)
-    left = _left(motion)
-    if left > _LEFT:
-        yield Progress(1.0, Sentence("Transporting without a motion"))
-        reason = "FAILED" if guided is None else "APART"
-        return MotionChoice("transport", reason, None, score, failure, detour=detour, left=left)
-    return MotionChoice("warp", reason, motion, score, failure, detour=detour, left=left)
+        return MotionChoice("transport", "FAILED", None, score, str(error))
+    return MotionChoice("combined", "UNLIKE", motion, score, turned=_turned(guided), detour=detour)
+
+
+def _is_compact(shape: TriangleMesh) -> bool:
+    return is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume)
 
 
 def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:
@@ -157,9 +150,3 @@ def _score(guided: GuidedMotion) -> float:
 def _turned(guided: GuidedMotion) -> float:
     """Return the largest angle in degrees by which a shape was turned to be mapped."""
     return max(abs(pair.turn) for pair in guided.pairs.values())
-
-
-def _left(warp: WarpMotion) -> float:
-    """Return the largest fraction of the distance between two shapes that remains halfway."""
-    lengths = [(signals.length_left, signals.length_before) for signals in warp.signals.values()]
-    return max(left / before if before > 0 else 0.0 for left, before in lengths)
