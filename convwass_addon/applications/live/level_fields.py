@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from skimage.measure import marching_cubes
 
 from ...errors import InputError
 from ...geometry.isosurface import bounding_box
+from ...geometry.marching_cubes import marching_cubes
 from ...geometry.mesh import TriangleMesh
 from ...one_line import one_line
 from .color_fields import ColorField, mixed_colors
@@ -209,8 +209,7 @@ class MixedField:
         if np.any(missing):
             sample = np.pad(sample, missing, constant_values=np.float32(OUTSIDE))
         # Marching cubes places samples at integer coordinates; here they are at cell centers.
-        vertices, faces, _, _ = marching_cubes(sample, self.level, gradient_direction="ascent")
-        return TriangleMesh(vertices.astype(np.float64) + (self.low + low - 0.5), faces.astype(np.int64))
+        return marching_cubes(sample, self.level).moved(self.low + low - 0.5)
 
 
 def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:
