@@ -25,6 +25,7 @@ _WRITING = (
 )
 _MANAGING = (
     ("convwass.select_morph_inputs", "RESTRICT_SELECT_OFF"),
+    ("convwass.mark_morph_asset", "ASSET_MANAGER"),
     ("convwass.delete_morph", "TRASH"),
 )
 

@@ -1,0 +1,78 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Morphs in the Asset Browser: what is marked, the picture, and a player that is appended elsewhere."""
+
+from __future__ import annotations
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.morphs.asset_marking import mark_as_assets
+from convwass_addon.bridge.morphs.bake import MorphBake
+from convwass_addon.bridge.morphs.player import make_player, morph_value
+from convwass_addon.errors import InputError
+
+
+@pytest.fixture
+def collection(bare_scene, make_object, octahedron):
+    """Bake an octahedron that rises from 0 to 4."""
+    shapes = [make_object(name) for name in "AB"]
+    shapes[1].location.z = 4.0
+    for shape in shapes:
+        shape.color = (1.0, 0.0, 0.0, 1.0)
+    blends = path_blends(2, 4)
+    made = MorphBake.begin(bare_scene, shapes, blends, {"resolution": 32}, 1)
+    for blend in blends:
+        mesh = None if blend.source is not None else octahedron.moved((0.0, 0.0, float(blend.frame)))
+        made.add(MorphFrame(blend, mesh, {}))
+    return made.finish(hide_inputs=True)
+
+
+def height(player):
+    """The mean height of what a player shows."""
+    found = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    return float(np.mean([vertex.co.z for vertex in found.vertices]))
+
+
+def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
+    player = make_player(collection)
+    marked = mark_as_assets(collection)
+    assert marked[:2] == [player, player.modifiers[0].node_group]
+    for block in marked:
+        assert block.asset_data.description == "A > B"
+        assert [tag.name for tag in block.asset_data.tags] == ["morph"]
+        picture = np.array(block.preview.image_pixels_float).reshape(*block.preview.image_size, 4)
+        # The red shape on the white floor.
+        (red, green, _, _), floor = picture[128, 128], picture[8, 8]
+        assert red > green + 0.3
+        assert floor[:3].min() > 0.8
+    file = tmp_path / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(file), assets_only=True) as (offered, taken):
+        assert (len(offered.objects), len(offered.node_groups)) == (1, 1)
+        taken.objects = offered.objects[:]
+    (appended,) = taken.objects
+    bpy.context.scene.collection.objects.link(appended)
+    value = morph_value(appended)
+    seen = []
+    for moment in (0.25, 0.75):
+        value.set(moment)
+        appended.update_tag()
+        bpy.context.view_layer.update()
+        seen.append(height(appended))
+    assert seen == pytest.approx([1.0, 3.0], abs=1e-3)
+
+
+def test_without_a_player_the_collection_is_the_asset(collection):
+    assert mark_as_assets(collection) == [collection]
+    assert len(collection.asset_data.tags) == 1
+    assert collection.preview.is_image_custom
+
+
+def test_other_collections_are_refused(bare_scene):
+    with pytest.raises(InputError, match="is not a morph"):
+        mark_as_assets(bpy.data.collections.new("Other"))
