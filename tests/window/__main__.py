@@ -39,6 +39,7 @@ SCENARIOS = (
     "morphs",
     "live",
     "guides",
+    "assets",
     "disabling",
 )
 # Run only on request, because they test little.
