@@ -85,6 +85,8 @@ def _baked(window: Window, count: int) -> Iterator[float]:
 def _bakes(window: Window) -> Iterator[float]:
     settings = bpy.context.scene.convwass_morph
     settings.frames, settings.words, settings.flat_resolution = _FRAMES, "LETTERS", 256
+    # Maps of three letters take a minute, and several while the window is drawn by software.
+    settings.motion = "TRANSPORT"
     for word, colors in _WORDS.items():
         _color(bpy.data.objects[word], colors)
     yield from window.open_tab("Convwass")
