@@ -23,8 +23,8 @@ if "PYTEST_XDIST_WORKER" in os.environ:
     # Several processes share the machine; NumPy's BLAS and OpenMP read these when they are loaded.
     os.environ["OPENBLAS_NUM_THREADS"] = os.environ["OMP_NUM_THREADS"] = "1"
 
-# Tests also run on loaded machines: no test fails for being slow. `run.py fuzz` draws far more than 25 examples.
-hypothesis.settings.register_profile("convwass", deadline=None, max_examples=25)
+# Tests also run on loaded machines: no test fails for being slow. `run.py fuzz` draws far more than 15 examples.
+hypothesis.settings.register_profile("convwass", deadline=None, max_examples=15)
 hypothesis.settings.load_profile("convwass")
 
 
