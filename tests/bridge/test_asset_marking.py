@@ -13,6 +13,8 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.morphs.asset_marking import mark_as_assets
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.player import make_player, morph_value
+from convwass_addon.bridge.morphs.removal import remove_bake
+from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.errors import InputError
 
 
@@ -76,3 +78,23 @@ def test_without_a_player_the_collection_is_the_asset(collection):
 def test_other_collections_are_refused(bare_scene):
     with pytest.raises(InputError, match="is not a morph"):
         mark_as_assets(bpy.data.collections.new("Other"))
+
+
+def test_assets_of_the_user_keep_their_description(collection):
+    player = make_player(collection)
+    own = player.material_slots[0].material
+    own.asset_mark()
+    own.asset_data.description = "Gold"
+    assert own not in mark_as_assets(collection)
+    assert own.asset_data.description == "Gold"
+    assert not own.asset_data.tags
+
+
+@pytest.mark.parametrize("remove", [remove_stand_ins, remove_bake])
+def test_marked_blocks_are_removed_with_the_player(collection, remove):
+    player = make_player(collection)
+    names = {(block.id_type, block.name) for block in mark_as_assets(collection)}
+    assert {kind for kind, _ in names} == {"OBJECT", "NODETREE", "MATERIAL"}
+    assert player.asset_data is not None
+    remove(collection)
+    assert not names & {(block.id_type, block.name) for block in bpy.data.user_map()}

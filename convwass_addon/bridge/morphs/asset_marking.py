@@ -29,8 +29,8 @@ _TAG = "morph"
 def mark_as_assets(collection: bpy.types.Collection) -> list[bpy.types.ID]:
     """Mark what shows a morph as assets, or update the assets.
 
-    These are the player, its node group (for any moment, if it interpolates) and its materials; for a pad and for a
-    morph without a player, the collection.
+    These are the player, its node group (for any moment, if it interpolates) and its materials, except those that are
+    assets of the user; for a pad and for a morph without a player, the collection.
 
     Parameters
     ----------
@@ -72,8 +72,13 @@ def asset_blocks(collection: bpy.types.Collection) -> list[bpy.types.ID]:
     tree = player.modifiers[MODIFIER].node_group
     # An interpolating player has a group for any moment, which is marked from the start.
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree.asset_data is not None]
-    materials = [slot.material for slot in player.material_slots if slot.material is not None]
+    materials = [slot.material for slot in player.material_slots if slot.material and not _is_own_asset(slot.material)]
     return [player, *dict.fromkeys(groups or [tree]), *dict.fromkeys(materials)]
+
+
+def _is_own_asset(material: bpy.types.Material) -> bool:
+    """Return whether the user made an asset of a material, whose description and preview are kept."""
+    return material.asset_data is not None and _TAG not in material.asset_data.tags
 
 
 def _picture(collection: bpy.types.Collection) -> np.ndarray | None:

@@ -68,16 +68,12 @@ def remove_unused(collection: bpy.types.Collection) -> None:
     # Groups use other groups, objects and materials, so nested groups need several passes.
     for _ in range(3):
         groups = [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]
-        for group in groups:
-            # Being an asset counts as a user.
-            if group.asset_data is not None and group.users == 1:
-                group.asset_clear()
-        _remove_unused(groups)
+        _remove_unused_assets(groups)
     spare = [obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not obj.users]
     meshes = [obj.data for obj in spare if obj.data]
     bpy.data.batch_remove(spare)
     _remove_unused(meshes)
-    _remove_unused([block for block in bpy.data.materials if block.get(SHOWS_KEY) == collection])
+    _remove_unused_assets([block for block in bpy.data.materials if block.get(SHOWS_KEY) == collection])
 
 
 def set_shown(collection: bpy.types.Collection, shown: bool) -> None:
@@ -124,6 +120,15 @@ def _move(objects: Iterable[bpy.types.Object], source: bpy.types.Collection, tar
             source.objects.unlink(obj)
         if obj.name not in target.objects:
             target.objects.link(obj)
+
+
+def _remove_unused_assets(blocks: Iterable[bpy.types.ID]) -> None:
+    blocks = list(blocks)
+    for block in blocks:
+        # Being an asset counts as a user.
+        if block.asset_data is not None and block.users == 1:
+            block.asset_clear()
+    _remove_unused(blocks)
 
 
 def _remove_unused(blocks: Iterable[bpy.types.ID]) -> None:
