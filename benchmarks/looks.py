@@ -48,7 +48,7 @@ def main(cells: int, meshes: Path | None = None) -> None:
         print(f"{motion:12} {'t = .25':>10} {'.5':>8} {'.75':>8}")
         for name in ("sphere", "cube"):
             for figure in ("contrast", "seams"):
-                row = "".join(f"{found[f'{name} {figure} {weight:g}']:9.1%}" for weight in (0.25, 0.5, 0.75))
+                row = "".join(f"{found[f'{name} {figure} {weight:g}']:9.1%}" for weight in _TIMES)
                 print(f"{name + ' ' + figure:16}{row}", flush=True)
     if meshes is not None:
         print(_ANIMALS.format(cells=cells))

@@ -38,7 +38,7 @@ def upright_turn(source: TriangleMesh, target: TriangleMesh) -> NDArray[np.float
         A multiple of 30 degrees; None if no turn brings the shapes clearly closer to each other.
     """
     angles = 2.0 * np.pi * np.arange(_TURNS) / _TURNS
-    turns = rotation_matrices(angles[:, None] * np.array([0.0, 0.0, 1.0]))
+    turns = np.array([rotation_about_z(angle) for angle in angles])
     apart = distances_after(source, target, turns)
     best = int(apart.argmin())
     return turns[best] if apart[best] < _CLEARLY * apart[0] else None
@@ -63,9 +63,14 @@ def upright_turn_of_points(points: NDArray[np.float64], others: NDArray[np.float
     here, there = (own[:, 0] + 1j * own[:, 1] for own in (points, others))
     step = 2.0 * np.pi / _TURNS
     angle = step * np.round(np.angle(np.vdot(here, there)) / step)
-    turn = rotation_matrices(np.array([[0.0, 0.0, angle]]))[0]
+    turn = rotation_about_z(angle)
     before, after = np.linalg.norm(points - others), np.linalg.norm(points @ turn.T - others)
     return turn if after < _LEFT_OF_POINTS * before else None
+
+
+def rotation_about_z(angle: float) -> NDArray[np.float64]:
+    """Return the matrix of the rotation about the z axis by an angle in radians, (3, 3)."""
+    return rotation_matrices(np.array([[0.0, 0.0, angle]]))[0]
 
 
 def distances_after(source: TriangleMesh, target: TriangleMesh, turns: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -28,7 +28,7 @@ def growth(weights: ArrayLike, volumes: ArrayLike) -> float:
     Returns
     -------
     float
-        1 for equal volumes, else more: 1.02 at the middle between volumes of 1 and 2, 1.12 between 1 and 10.
+        1 for equal volumes, else more: 1.01 at the middle between volumes of 1 and 2, 1.12 between 1 and 10.
     """
     weights, volumes = np.asarray(weights, np.float64), np.asarray(volumes, np.float64)
     return float(np.cbrt(weights @ volumes) / (weights @ np.cbrt(volumes)))

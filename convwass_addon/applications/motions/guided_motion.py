@@ -22,6 +22,7 @@ from ...geometry.hinged_poses import hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mutual_alignment import Correspondence, mutual_poses
 from ...geometry.rotation_fields import rotation_matrices
+from ...geometry.upright_turns import rotation_about_z
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..workers import both_ways, one_blas_thread
@@ -283,7 +284,7 @@ def _deformed(
 
 def _detour(one: Carrier, other: Carrier, best: MappedPair) -> float:
     """Return how much farther the map moves two shapes than needed, without the turn of the first one."""
-    turn = rotation_matrices(np.radians(best.turn) * np.array([[0.0, 0.0, 1.0]]))[0]
+    turn = rotation_about_z(np.radians(best.turn))
     turned = TriangleMesh(one.mesh.vertices @ turn.T, one.mesh.faces)
     return map_detour((turned, other.mesh), (best.laid.first.points, best.laid.second.points @ turn.T))
 
