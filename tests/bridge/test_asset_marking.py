@@ -8,10 +8,11 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.morphs.asset_marking import mark_as_assets
 from convwass_addon.bridge.morphs.bake import MorphBake
+from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
 from convwass_addon.bridge.morphs.player import make_player, morph_value
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
@@ -67,6 +68,29 @@ def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
         bpy.context.view_layer.update()
         seen.append(height(appended))
     assert seen == pytest.approx([1.0, 3.0], abs=1e-3)
+
+
+def test_a_pad_comes_with_the_collection_and_works_in_another_file(bare_scene, make_object, octahedron, tmp_path):
+    shapes = [make_object(name) for name in "ABCD"]
+    blends = grid_blends(4, 3)
+    made = MorphBake.begin(bare_scene, shapes, blends, {"resolution": 32}, 1)
+    for place, blend in enumerate(blends):
+        made.add(MorphFrame(blend, None if blend.source is not None else octahedron.moved((0.0, 0.0, place)), {}))
+    collection = made.finish(hide_inputs=True)
+    pad = make_blend_pad(collection)
+    names = pad.handle.name, pad.result.name
+    corner = tuple(pad.pad.data.vertices[4].co)
+    assert mark_as_assets(collection) == [collection]
+    file = tmp_path / "library.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(file))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(file), assets_only=True) as (offered, taken):
+        taken.collections = offered.collections[:]
+    bpy.context.scene.collection.children.link(taken.collections[0])
+    handle, result = (bpy.data.objects[name] for name in names)
+    handle.location = corner
+    bpy.context.view_layer.update()
+    assert height(result) == pytest.approx(4.0, abs=1e-3)
 
 
 def test_without_a_player_the_collection_is_the_asset(collection):

@@ -80,3 +80,22 @@ def test_a_frame_is_cloth(frame):
     before = heights(frame)
     advance(8)
     assert heights(frame)[1] < before[1] - 0.05
+
+
+def test_others_collide_with_the_mesh_of_a_frame(frame):
+    # A ring with a hole of radius 0.3, which its convex hull would close.
+    bpy.ops.rigidbody.world_add()
+    bpy.ops.rigidbody.object_add(type="PASSIVE")
+    frame.rigid_body.collision_shape = "MESH"
+    wide, narrow = (falling_cube(size) for size in (1.2, 0.2))
+    advance(24)
+    low, high = heights(frame)
+    assert 0.5 * (low + high) < heights(wide)[0] < high + 0.05
+    assert heights(narrow)[1] < low
+
+
+def falling_cube(size):
+    """Add a rigid body above the middle of the frame, higher the larger it is."""
+    bpy.ops.mesh.primitive_cube_add(size=size, location=(0.0, 0.0, 5.8 + size))
+    bpy.ops.rigidbody.object_add(type="ACTIVE")
+    return bpy.context.object
