@@ -34,10 +34,10 @@ def collection(bare_scene, make_object, octahedron):
     return made.finish(hide_inputs=True)
 
 
-def height(player):
-    """The mean height of what a player shows."""
-    found = player.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    return float(np.mean([vertex.co.z for vertex in found.vertices]))
+def height(shown):
+    """The mean height in world space of what a player or a pad shows."""
+    seen = shown.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return float(np.mean([(seen.matrix_world @ vertex.co).z for vertex in seen.to_mesh().vertices]))
 
 
 def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
