@@ -1,24 +1,30 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A collection as a shape, and its morph in the Asset Browser."""
+"""A collection as a shape, and its morph in the Asset Browser, from which the mouse drags it into another file."""
 
 from __future__ import annotations
 
+import tempfile
 from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
+import numpy as np
 
 if TYPE_CHECKING:
     from inside import Window
 
 _FRAMES = 8
+# Step in pixels when searching for a preview, which is about 100 wide.
+_PREVIEW_STEP = 50
 
 
 def assets(window: Window) -> Iterator[float]:
     """Do everything in order; failures raise AssertionError."""
     yield from _bakes_a_collection(window)
     yield from _marks_the_player(window)
+    yield from _drags_it_into_another_file(window)
 
 
 def _bakes_a_collection(window: Window) -> Iterator[float]:
@@ -65,14 +71,68 @@ def _marks_the_player(window: Window) -> Iterator[float]:
         if block.asset_data is not None
     ]
     assert len(marked) >= 3, f"only {marked} are assets"
-    areas = bpy.context.window_manager.windows[0].screen.areas
-    lower = max((area for area in areas if area.type != "VIEW_3D"), key=lambda area: area.width)
-    lower.ui_type = "ASSETS"
-    yield 2.0
-    lower.spaces.active.params.asset_library_reference = "LOCAL"
-    yield 3.0
+    yield from _shows_assets(window, "LOCAL")
     yield from window.picture("91 asset browser")
     window.say(f"the Asset Browser shows {len(marked)} assets with pictures")
+
+
+def _shows_assets(window: Window, library: str) -> Iterator[float]:
+    """Let the lower half of the viewport show a library."""
+    with window.override():
+        bpy.ops.screen.area_split(direction="HORIZONTAL", factor=0.5)
+    yield 1.0
+    halves = [area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "VIEW_3D"]
+    min(halves, key=lambda area: area.y).ui_type = "ASSETS"
+    yield 2.0
+    _browser().spaces.active.params.asset_library_reference = library
+    yield 4.0
+
+
+def _drags_it_into_another_file(window: Window) -> Iterator[float]:
+    name = _player().name
+    with tempfile.TemporaryDirectory() as folder:
+        bpy.ops.wm.save_as_mainfile(filepath=str(Path(folder) / "library.blend"))
+        library = bpy.context.preferences.filepaths.asset_libraries.new(name="Morphs", directory=folder)
+        yield from window.empty_scene()
+        yield from _shows_assets(window, library.name)
+        x, y = yield from _preview_of(window, name)
+        yield from window.picture("92 library")
+        view = window.region("WINDOW")
+        height = bpy.context.window_manager.windows[0].height
+        to_x, to_y = view.x + 0.4 * view.width, height - view.y - 0.4 * view.height
+        yield from window.drag([(x, y), (x + 20, y - 20), (to_x - 30, to_y + 20), (to_x, to_y)])
+        yield from window.wait(lambda: _player() is not None and _player().users_scene, 30, "the player is dropped")
+    dropped, heights = _player(), []
+    for frame in (1, 1 + _FRAMES // 2, 1 + _FRAMES):
+        bpy.context.scene.frame_set(frame)
+        yield 0.5
+        seen = dropped.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+        heights.append(float(np.ptp([vertex.co.z for vertex in seen.vertices])))
+    assert np.ptp(heights) > 0.05 * min(heights), f"the dropped player stands still: {heights}"
+    bpy.context.scene.frame_set(1 + _FRAMES // 2)
+    yield from window.picture("93 dropped")
+    window.say("the mouse drags the player from the Asset Browser into another file, where it plays")
+
+
+def _preview_of(window: Window, name: str) -> Iterator[float]:
+    """Click previews until the object of that name is active, and return the place on the screen."""
+    area = _browser()
+    region = next(region for region in area.regions if region.type == "WINDOW")
+    screen = bpy.context.window_manager.windows[0]
+    for below in range(_PREVIEW_STEP, region.height, _PREVIEW_STEP):
+        for right in range(_PREVIEW_STEP, region.width, _PREVIEW_STEP):
+            place = region.x + right, screen.height - region.y - region.height + below
+            yield from window.click(*place)
+            with bpy.context.temp_override(window=screen, area=area, region=region):
+                asset = bpy.context.asset
+            # The node group has the same name.
+            if asset is not None and (asset.name, asset.id_type) == (name, "OBJECT"):
+                return place
+    raise AssertionError(f"the Asset Browser shows no {name}")
+
+
+def _browser() -> bpy.types.Area:
+    return next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.ui_type == "ASSETS")
 
 
 def _morph() -> bpy.types.Collection | None:

@@ -47,6 +47,7 @@ def _paints(window: Window) -> Iterator[float]:
         yield from window.drag([(x, y), (x + 4, y + 30), (x - 4, y + 60)])
     weights = [_painted(obj, index) for index in range(2)]
     assert all(weights), f"painting with the mouse left no weight: {weights}"
+    yield from window.open_panel("CONVWASS_PT_densities")
     yield from window.press("convwass.normalize_density")
     yield 1.0
     assert obj.convwass_density_findings.group == "Right", "normalizing found nothing out"
