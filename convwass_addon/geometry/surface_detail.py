@@ -46,6 +46,8 @@ _TRUSTED, _FARTHEST = 1.25, 2.5
 _SURFACE, _INSIDE = 0.9, 0.985
 # Points are relaxed where triangles on a shape are rotated beyond this cosine, in this many rounds.
 _TURNED, _RELAXATIONS = 0.3, 4
+# A triangle lower than this fraction of its longest side has no direction: its corners lie along a crease.
+_LOW = 0.1
 # Rounds in which trust is smoothed towards points without trust.
 _FADING = 2
 # Edges of narrow triangles are flipped, and then their vertices moved, if the surface moves by at most this many cells.
@@ -257,8 +259,9 @@ class _Carried:
         # Only triangles around moved vertices change.
         rows = np.arange(len(faces))
         for _ in range(_RELAXATIONS):
-            normals = triangle_normals(points.take(faces.take(rows, axis=0), axis=0))
-            turned = rows[np.einsum("md,md->m", normals, facing.take(rows, axis=0)) < _TURNED]
+            corners = points.take(faces.take(rows, axis=0), axis=0)
+            agreement = np.einsum("md,md->m", triangle_normals(corners), facing.take(rows, axis=0))
+            turned = rows[(agreement < _TURNED) & ~_are_low(corners)]
             if not len(turned):
                 break
             near = np.zeros(len(points), bool)
@@ -315,6 +318,13 @@ def _even_normals(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return vertex normals, averaged with those of the neighbors."""
     normals, means = vertex_normals(mesh.vertices, mesh.faces), EdgeMeans.of(mesh)
     return unit_vectors(normals + means.mean_points(normals))
+
+
+def _are_low(corners: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which triangles, (m, 3, 3), are much lower than their longest side."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    twice_areas = np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1)
+    return twice_areas <= _LOW * np.square(sides).sum(axis=2).max(axis=1)
 
 
 def _with_volume(mesh: TriangleMesh, normals: NDArray[np.float64], volume: float, cell: float) -> TriangleMesh:

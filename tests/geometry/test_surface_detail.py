@@ -12,6 +12,7 @@ import pytest
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.facing_points import FacingShape
+from convwass_addon.geometry.marching_cubes import marching_cubes
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals
 from convwass_addon.geometry.surface_detail import DetailSource, with_detail
@@ -146,3 +147,21 @@ def test_no_triangle_is_turned_over(smooth):
     found = alone(smooth, rough).mesh
     outward = np.einsum("md,md->m", triangle_normals(found.corners), found.corners.mean(axis=1))
     assert (outward > 0.0).all()
+
+
+def test_edges_stay_straight_where_rows_of_cells_pass_from_one_side_to_the_other():
+    """A box with rounded edges, turned by 5 degrees: some triangles have all corners on an edge of the sharp one."""
+    size, rounding, turn = np.array([20.0, 20.0, 30.0]), 2.0, np.radians(5.0)
+    mesh = box(size, angles=(0.0, 0.0, turn))
+    axes = np.array([[np.cos(turn), np.sin(turn), 0.0], [-np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    counts = np.array([15, 15, 19])
+    cells = np.moveaxis(np.indices(2 * counts + 1), 0, -1) - counts
+    beyond = np.abs(cells @ axes.T) - (0.5 * size - rounding)
+    depth = rounding - np.linalg.norm(np.maximum(beyond, 0.0), axis=-1) - np.minimum(beyond.max(axis=-1), 0.0)
+    surface = marching_cubes(depth.astype(np.float32), 0.0).moved(-counts)
+    found = alone(surface, mesh).mesh
+    along = np.linspace(-7.0, 7.0, 57)
+    for side in (-10.0, 10.0):
+        edge = np.stack([np.full(57, side), along, np.full(57, 15.0)], axis=1) @ axes
+        assert away(surface, edge).min() > 0.7
+        assert away(found, edge).max() < 0.15
