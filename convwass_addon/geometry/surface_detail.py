@@ -3,10 +3,10 @@
 """Add the detail of shapes to a surface between them that was extracted at a coarse resolution.
 
 For every shape i, each vertex v of the surface has a point y_i on the coarsely extracted surface of the shape, with
-sum_i w_i y_i = v. The detail lost by the coarse extraction is d_i = p_i - y_i, where p_i is the closest point of the
-shape itself with a similar normal. The detailed surface has the vertices v + sum_i w_i c_i d_i. The trust c_i is 1
-unless the shape is far away, faces away, or is inside its own solid there. With full trust these are sum_i w_i p_i: the
-surface becomes the shape as its weight goes to one.
+sum_i w_i y_i = v. The detail lost by the coarse extraction is d_i = p_i - y_i, where p_i is the point of the shape
+itself that is closest along the normal, and has a similar normal. The detailed surface has the vertices
+v + sum_i w_i c_i d_i. The trust c_i is 1 unless the shape is far away, faces away, or is inside its own solid there.
+With full trust these are sum_i w_i p_i: the surface becomes the shape as its weight goes to one.
 
 Edges are halved where a shape bends between their ends. Where an edge crosses a crease, its midpoint is moved to the
 crease (like the vertices in L. Kobbelt, M. Botsch, U. Schwanecke and H.-P. Seidel, "Feature sensitive surface
@@ -44,6 +44,8 @@ _TRUSTED, _FARTHEST = 1.25, 2.5
 # Points of a shape are on the surface of its solid up to the first filled fraction around them, and inside from the
 # second on.
 _SURFACE, _INSIDE = 0.9, 0.985
+# Points are searched again along the normal if its cosine to the normal of the triangle found is below this.
+_OBLIQUE = 0.92
 # Points are relaxed where triangles on a shape are rotated beyond this cosine, in this many rounds.
 _TURNED, _RELAXATIONS = 0.3, 4
 # A triangle lower than this fraction of its longest side has no direction: its corners lie along a crease.
@@ -175,10 +177,17 @@ class _Carried:
     @classmethod
     def found(cls, source: DetailSource, normals: NDArray[np.float64], control: Control) -> _Carried:
         """Find the points for the vertices of a surface with these normals, (n, 3)."""
-        places = source.shape.finder.find(source.starts, normals, control)
-        facing = triangle_normals(source.shape.mesh.corners)
-        points = places.interpolated(source.shape.mesh.corners)
-        return cls(source, facing, source.starts, source.certainty, places, points)
+        finder, corners, starts = source.shape.finder, source.shape.mesh.corners, source.starts
+        places, facing = finder.find(starts, normals, control), triangle_normals(corners)
+        points = places.interpolated(corners)
+        # Below a crease, the closest points of neighbors are far apart on either side of it, but along the normals, the
+        # crease itself is next.
+        oblique = np.flatnonzero(np.einsum("nd,nd->n", facing.take(places.triangles, axis=0), normals) < _OBLIQUE)
+        along, begin = normals[oblique], starts[oblique]
+        ahead = np.einsum("nd,nd->n", points[oblique] - begin, along)
+        found = finder.find(begin + ahead[:, None] * along, along, control)
+        points[oblique] = found.interpolated(corners)
+        return cls(source, facing, starts, source.certainty, places.replaced(oblique, found), points)
 
     @cached_property
     def normals(self) -> NDArray[np.float64]:

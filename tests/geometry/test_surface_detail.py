@@ -14,7 +14,7 @@ from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.facing_points import FacingShape
 from convwass_addon.geometry.marching_cubes import marching_cubes
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import triangle_normals
+from convwass_addon.geometry.normals import triangle_normals, vertex_normals
 from convwass_addon.geometry.surface_detail import DetailSource, with_detail
 from tests.shapes import ball, box
 
@@ -149,19 +149,40 @@ def test_no_triangle_is_turned_over(smooth):
     assert (outward > 0.0).all()
 
 
-def test_edges_stay_straight_where_rows_of_cells_pass_from_one_side_to_the_other():
-    """A box with rounded edges, turned by 5 degrees: some triangles have all corners on an edge of the sharp one."""
-    size, rounding, turn = np.array([20.0, 20.0, 30.0]), 2.0, np.radians(5.0)
-    mesh = box(size, angles=(0.0, 0.0, turn))
+ROUNDING = 2.0
+"""Radius of the edges of `rounded`, in cells."""
+
+
+@pytest.fixture(scope="module")
+def turned():
+    """A box that is turned by 5 degrees, its axes, and a reading of it with rounded edges."""
+    size, turn, counts = np.array([20.0, 20.0, 30.0]), np.radians(5.0), np.array([15, 15, 19])
     axes = np.array([[np.cos(turn), np.sin(turn), 0.0], [-np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
-    counts = np.array([15, 15, 19])
     cells = np.moveaxis(np.indices(2 * counts + 1), 0, -1) - counts
-    beyond = np.abs(cells @ axes.T) - (0.5 * size - rounding)
-    depth = rounding - np.linalg.norm(np.maximum(beyond, 0.0), axis=-1) - np.minimum(beyond.max(axis=-1), 0.0)
-    surface = marching_cubes(depth.astype(np.float32), 0.0).moved(-counts)
+    beyond = np.abs(cells @ axes.T) - (0.5 * size - ROUNDING)
+    depth = ROUNDING - np.linalg.norm(np.maximum(beyond, 0.0), axis=-1) - np.minimum(beyond.max(axis=-1), 0.0)
+    return box(size, angles=(0.0, 0.0, turn)), axes, marching_cubes(depth.astype(np.float32), 0.0).moved(-counts)
+
+
+def test_edges_stay_straight_where_rows_of_cells_pass_from_one_side_to_the_other(turned):
+    """Some triangles have all corners on an edge of the sharp box."""
+    mesh, axes, surface = turned
     found = alone(surface, mesh).mesh
     along = np.linspace(-7.0, 7.0, 57)
     for side in (-10.0, 10.0):
         edge = np.stack([np.full(57, side), along, np.full(57, 15.0)], axis=1) @ axes
         assert away(surface, edge).min() > 0.7
         assert away(found, edge).max() < 0.15
+
+
+def test_points_deep_below_an_edge_belong_to_the_edge(turned):
+    """The closest points of the box are on either side of the edge, a cell and more away from it."""
+    mesh, axes, surface = turned
+    normals = vertex_normals(surface.vertices, surface.faces)
+    starts = surface.vertices - 0.7 * normals
+    found = with_detail(surface, [source(mesh, 1.0, starts)], 1.0, 1.0, mesh.volume)
+    below = np.flatnonzero((normals @ axes.T @ [1.0, 1.0, 0.0] > 1.41) & (np.abs(surface.vertices[:, 2]) < 10.0))
+    assert len(below) > 10
+    to_edge = np.linalg.norm((found.places[0].interpolated(mesh.corners)[below] @ axes.T)[:, :2] - 10.0, axis=1)
+    assert np.linalg.norm((starts[below] @ axes.T)[:, :2] - 10.0, axis=1).min() > 1.4
+    assert to_edge.max() < 0.8
