@@ -17,6 +17,7 @@ from convwass_addon.bridge.morphs.player import make_player, morph_value
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.errors import InputError
+from tests.moving_balls import bake
 
 
 @pytest.fixture
@@ -40,6 +41,14 @@ def height(shown):
     return float(np.mean([(seen.matrix_world @ vertex.co).z for vertex in seen.to_mesh().vertices]))
 
 
+def left_for_another(folder):
+    """Save the file, open an empty one, and return the path of the saved one."""
+    file = str(folder / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=file)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    return file
+
+
 def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
     player = make_player(collection)
     marked = mark_as_assets(collection)
@@ -52,10 +61,8 @@ def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
         (red, green, _, _), floor = picture[128, 128], picture[8, 8]
         assert red > green + 0.3
         assert floor[:3].min() > 0.8
-    file = tmp_path / "library.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(file))
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    with bpy.data.libraries.load(str(file), assets_only=True) as (offered, taken):
+    library = left_for_another(tmp_path)
+    with bpy.data.libraries.load(library, assets_only=True) as (offered, taken):
         assert (len(offered.objects), len(offered.node_groups)) == (1, 1)
         taken.objects = offered.objects[:]
     (appended,) = taken.objects
@@ -71,20 +78,16 @@ def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
 
 
 def test_a_pad_comes_with_the_collection_and_works_in_another_file(bare_scene, make_object, octahedron, tmp_path):
-    shapes = [make_object(name) for name in "ABCD"]
-    blends = grid_blends(4, 3)
-    made = MorphBake.begin(bare_scene, shapes, blends, {"resolution": 32}, 1)
-    for place, blend in enumerate(blends):
-        made.add(MorphFrame(blend, None if blend.source is not None else octahedron.moved((0.0, 0.0, place)), {}))
-    collection = made.finish(hide_inputs=True)
+    def solved(weights):
+        return octahedron.moved((0.0, 0.0, 16.0 * weights[0]))
+
+    collection = bake(bare_scene, make_object, [octahedron] * 4, grid_blends(4, 3), solved)
     pad = make_blend_pad(collection)
     names = pad.handle.name, pad.result.name
     corner = tuple(pad.pad.data.vertices[4].co)
     assert mark_as_assets(collection) == [collection]
-    file = tmp_path / "library.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(file))
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    with bpy.data.libraries.load(str(file), assets_only=True) as (offered, taken):
+    library = left_for_another(tmp_path)
+    with bpy.data.libraries.load(library, assets_only=True) as (offered, taken):
         taken.collections = offered.collections[:]
     bpy.context.scene.collection.children.link(taken.collections[0])
     handle, result = (bpy.data.objects[name] for name in names)

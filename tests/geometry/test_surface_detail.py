@@ -16,6 +16,7 @@ from convwass_addon.geometry.marching_cubes import marching_cubes
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals, vertex_normals
 from convwass_addon.geometry.surface_detail import DetailSource, with_detail
+from convwass_addon.geometry.upright_turns import rotation_about_z
 from tests.shapes import ball, box
 
 RADIUS = 12.0
@@ -150,14 +151,14 @@ def test_no_triangle_is_turned_over(smooth):
 
 
 ROUNDING = 2.0
-"""Radius of the edges of `rounded`, in cells."""
+"""Radius of the rounded edges of a box's reading, in cells."""
 
 
 @pytest.fixture(scope="module")
 def turned():
     """A box that is turned by 5 degrees, its axes, and a reading of it with rounded edges."""
     size, turn, counts = np.array([20.0, 20.0, 30.0]), np.radians(5.0), np.array([15, 15, 19])
-    axes = np.array([[np.cos(turn), np.sin(turn), 0.0], [-np.sin(turn), np.cos(turn), 0.0], [0.0, 0.0, 1.0]])
+    axes = rotation_about_z(turn).T
     cells = np.moveaxis(np.indices(2 * counts + 1), 0, -1) - counts
     beyond = np.abs(cells @ axes.T) - (0.5 * size - ROUNDING)
     depth = ROUNDING - np.linalg.norm(np.maximum(beyond, 0.0), axis=-1) - np.minimum(beyond.max(axis=-1), 0.0)

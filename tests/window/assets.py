@@ -97,9 +97,7 @@ def _drags_it_into_another_file(window: Window) -> Iterator[float]:
         yield from _shows_assets(window, library.name)
         x, y = yield from _preview_of(window, name)
         yield from window.picture("92 library")
-        view = window.region("WINDOW")
-        height = bpy.context.window_manager.windows[0].height
-        to_x, to_y = view.x + 0.4 * view.width, height - view.y - 0.4 * view.height
+        to_x, to_y = window.on_screen((0.0, 0.0, 0.0))
         yield from window.drag([(x, y), (x + 20, y - 20), (to_x - 30, to_y + 20), (to_x, to_y)])
         yield from window.wait(lambda: _player() is not None and _player().users_scene, 30, "the player is dropped")
     dropped, heights = _player(), []
