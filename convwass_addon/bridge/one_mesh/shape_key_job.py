@@ -23,9 +23,9 @@ from ..morphs.animated_inputs import animation_notices
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
 from ..objects import hide, triangle_mesh
+from .key_basis import KeyBasis
 from .records import key_records
-from .remeshed_rest import remeshed_shape
-from .rest_mesh import armature_last, rest_mesh
+from .rest_mesh import armature_last
 from .shape_keys import animate_sliders, object_with_keys
 from .texture_looks import remember_shape
 
@@ -65,29 +65,25 @@ class ShapeKeyJob:
     ) -> None:
         self._names = [obj.name for obj in inputs]
         with armature_last(inputs[0]):
-            self._shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
-            if request.basis == "FIRST":
-                self._rest = rest_mesh(inputs[0], depsgraph)
-            else:
-                remeshed = remeshed_shape(inputs[0], depsgraph, request.basis, settings.resolution)
-                self._rest, self._shapes[0] = remeshed.rest, remeshed.shape
-            self._mesh = Handle.of("meshes", self._rest.mesh)
+            others = [triangle_mesh(obj, depsgraph) for obj in inputs[1:]]
+            self._basis = KeyBasis.of(inputs[0], depsgraph, request.basis, settings.resolution)
+            self._shapes = [self._basis.shape, *others]
             try:
                 self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
                 laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
-                symmetry = self._rest.symmetry(inputs[0]) if request.symmetric else None
+                symmetry = self._basis.rest.symmetry(inputs[0]) if request.symmetric else None
             except InputError:
                 self.discard()
                 raise
         self._shapes = laid.meshes
-        self._move = None if laid.moves is None else np.array(laid.moves[0].matrix, dtype=np.float64)
-        self._placements = _placements(laid)
+        self._move = None if laid.moves is None else laid.moves[0]
+        self._placements = placements(laid)
         self._settings = GuidedSettings(coherence=settings.coherence)
         self._demands = KeyDemands(request.key_error / 100.0, symmetry)
         self._frames, self._first = request.frames, first_frame
         self._scene = Handle.of("scenes", scene)
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
-        self.notices = [*animation_notices(inputs, scene.frame_current), *self._rest.notices]
+        self.notices = [*animation_notices(inputs, scene.frame_current), *self._basis.rest.notices]
         self.paths: list[KeyPath] = []
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
@@ -101,17 +97,7 @@ class ShapeKeyJob:
 
     def discard(self) -> None:
         """Remove the prepared copy."""
-        mesh = self._mesh.find()
-        if mesh is not None and not mesh.users:
-            bpy.data.meshes.remove(mesh)
-
-    def _key_coordinates(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return coordinates of keys, (k, n, 3), that lead to positions among the aligned shapes, (k, n, 3)."""
-        if self._move is not None:
-            # The mesh stays where it stands in the scene.
-            inverse = np.linalg.inv(self._move)
-            positions = positions @ inverse[:3, :3].T + inverse[:3, 3]
-        return self._rest.key_coordinates(positions)
+        self._basis.discard()
 
     def _remember(self, obj: bpy.types.Object, sliders: Sequence[str]) -> None:
         """Store the shapes that still exist on an object with sliders to them."""
@@ -133,13 +119,15 @@ class ShapeKeyJob:
         ConvwassError
             The first shape or the scene was deleted, or the copied mesh was removed by undo.
         """
-        source, mesh, scene = self._inputs[0].find(), self._mesh.find(), self._scene.find()
+        source, mesh, scene = self._inputs[0].find(), self._basis.mesh.find(), self._scene.find()
         if source is None or mesh is None or scene is None:
             raise ConvwassError(
                 "The first shape was deleted, or its creation undone, during the computation; start again."
             )
-        paths = [replace(path, positions=self._key_coordinates(path.positions)) for path in self.paths]
-        obj = object_with_keys(source, mesh, paths, scene, self._rest.modifiers)
+        paths = [
+            replace(path, positions=self._basis.key_coordinates(path.positions, self._move)) for path in self.paths
+        ]
+        obj = object_with_keys(source, mesh, paths, scene, self._basis.rest.modifiers)
         sliders = [record["name"] for record in key_records(obj)[-len(self.paths) :]]
         self._remember(obj, sliders)
         animate_sliders(obj, sliders, self._first, self._frames)
@@ -148,7 +136,7 @@ class ShapeKeyJob:
         return obj
 
 
-def _placements(laid: AlignedMeshes) -> list[NDArray[np.float64]]:
+def placements(laid: AlignedMeshes) -> list[NDArray[np.float64]]:
     """Return for every shape but the first the transform to where the first one reaches it in the scene, (4, 4)."""
     if laid.moves is None:
         return [np.eye(4) for _ in laid.meshes[1:]]
