@@ -250,6 +250,11 @@ def test_written_files_are_named(shapes, tmp_path, capfd):
         (["{in}/cube.obj", "{in}/ball.ply", "--at", "1", "--cache", "{in}/f", "--frames-range", "0"], 3, "one of them"),
         (["{in}/cube.obj", "{in}/ball.ply", "--weights", "1,1", "--output", "usd"], 3, "do not move"),
         (["{in}/cube.obj", "{in}/ball.ply", "--textures"], 3, "--output shape-keys"),
+        (
+            ["{in}/cube.obj", "{in}/ball.ply", "--output", "shape-keys", "--two-meshes", "--textures"],
+            3,
+            "leave out --textures",
+        ),
         (["{in}/cube.obj", "{in}/ball.ply", "--nonsense"], 2, "nonsense"),
         ([], 2, "SHAPE"),
     ],

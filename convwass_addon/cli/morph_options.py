@@ -37,7 +37,7 @@ examples:
 
 """
 
-WRITTEN = ("flat_output", "faces", "looks", "grays", "between", "basis", "key_error", "symmetric")
+WRITTEN = ("flat_output", "faces", "looks", "grays", "between", "basis", "key_error", "symmetric", "two_meshes")
 """The settings of a request that describe the output; the others describe the morph."""
 
 

@@ -18,6 +18,7 @@ from ..bridge.morphs.morph_guides import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.one_mesh.key_files import checked_key_target, export_shape_keys
 from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
+from ..bridge.one_mesh.swap_job import SwapJob
 from ..bridge.one_mesh.texture_job import BakedTextures, TextureJob
 from ..console import ProgressBar
 from ..errors import InputError
@@ -27,6 +28,8 @@ from .reports import note
 
 # Options that only apply to frames.
 _OF_FRAMES = ("render", "at", "frames_range", "cache", "scheduler")
+# Options that only apply to one mesh.
+_OF_ONE_MESH = ("export", "textures")
 
 
 def with_shape_keys(
@@ -51,17 +54,10 @@ def with_shape_keys(
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
     guides = guides_asked_for(options.guides, inputs, depsgraph)
     request = replace(request, guides=[guide.as_dict() for guide in guides])
+    if request.two_meshes:
+        return _with_two_meshes(inputs, options, request, settings, target)
     job = ShapeKeyJob(scene, depsgraph, inputs, request, settings, scene.frame_start)
-    try:
-        with ProgressBar("Making shape keys") as bar:
-            bar.result_of(job.steps())
-        obj = job.finish(hide_inputs=True)
-    except BaseException:
-        job.discard()
-        raise
-    for notice in job.notices:
-        note(notice)
-    play_whole(scene, *job.span)
+    obj = _finished(job)
     record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
     besides = []
     if options.textures:
@@ -70,6 +66,35 @@ def with_shape_keys(
         besides += baked.files
     besides += export_shape_keys(obj, exported) if exported else []
     return Answer.of_files(record, [save_blend(target), *besides])
+
+
+def _with_two_meshes(
+    inputs: list[bpy.types.Object], options: Namespace, request: MorphRequest, settings: MorphSettings, target: Path
+) -> Answer:
+    """Add shape keys to the meshes of two shapes, one of which replaces the other, and save them."""
+    given = [name for name in _OF_ONE_MESH if getattr(options, name)]
+    if given:
+        raise InputError("--two-meshes makes two objects; leave out --{option}.", option=given[0])
+    scene = bpy.context.scene
+    job = SwapJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, request, settings, scene.frame_start)
+    made = _finished(job)
+    record = {"objects": [obj.name for obj in made], "coherence": settings.coherence, **job.found.record()}
+    return Answer.of_files(record, [save_blend(target)])
+
+
+def _finished(job: ShapeKeyJob | SwapJob) -> bpy.types.Object | list[bpy.types.Object]:
+    """Run a job with a progress bar, and return what it made."""
+    try:
+        with ProgressBar("Making shape keys") as bar:
+            bar.result_of(job.steps())
+        made = job.finish(hide_inputs=True)
+    except BaseException:
+        job.discard()
+        raise
+    for notice in job.notices:
+        note(notice)
+    play_whole(bpy.context.scene, *job.span)
+    return made
 
 
 def _baked_textures(obj: bpy.types.Object, settings: TextureSettings) -> BakedTextures:

@@ -24,7 +24,7 @@ from ..translations import translated
 from .background import BackgroundOperator
 from .chosen_inputs import chosen_inputs
 from .morph_manage import is_free_to_bake
-from .morph_results import FrameResults, ShapeKeyResults
+from .morph_results import FrameResults, ShapeKeyResults, SwapResults
 
 if TYPE_CHECKING:
     from ..applications.morphs.computation import Computation
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ..bridge.flat.picture_job import PictureJob
     from ..bridge.morphs.job import MorphJob
     from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
+    from ..bridge.one_mesh.swap_job import SwapJob
 
 
 class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Operator):
@@ -117,13 +118,14 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     def _shape_keys(
         self, context: bpy.types.Context, objects: list[bpy.types.Object], guides: list[NamedGuide], first_frame: int
-    ) -> ShapeKeyJob:
+    ) -> ShapeKeyJob | SwapJob:
         from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
+        from ..bridge.one_mesh.swap_job import SwapJob
 
         refuse_one_mesh(objects)
         request = replace(self.request(), guides=[guide.as_dict() for guide in guides])
-        depsgraph = context.evaluated_depsgraph_get()
-        return ShapeKeyJob(context.scene, depsgraph, objects, request, self.solver_settings(), first_frame)
+        depsgraph, job = context.evaluated_depsgraph_get(), SwapJob if self.two_meshes else ShapeKeyJob
+        return job(context.scene, depsgraph, objects, request, self.solver_settings(), first_frame)
 
     def _guides(self, context: bpy.types.Context, names: list[str]) -> list[NamedGuide]:
         """Return the guides on the shapes; raises InputError if the argument names other objects."""
@@ -165,9 +167,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     def _title(self) -> str:
         return rpt_("Baking morph")
 
-    def _results(self) -> FrameResults | ShapeKeyResults:
+    def _results(self) -> FrameResults | ShapeKeyResults | SwapResults:
         from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
+        from ..bridge.one_mesh.swap_job import SwapJob
 
+        if isinstance(self._job, SwapJob):
+            return SwapResults(self, self._job)
         if isinstance(self._job, ShapeKeyJob):
             return ShapeKeyResults(self, self._job)
         return FrameResults(self, self._job, self._computing.cache)
@@ -175,10 +180,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     def _nothing_kept(self) -> str:
         return self._results().nothing_kept()
 
-    def _keep(self, context: bpy.types.Context, _job: MorphJob | FlatJob | PictureJob | ShapeKeyJob) -> bool:
+    def _keep(self, context: bpy.types.Context, _job: MorphJob | FlatJob | PictureJob | ShapeKeyJob | SwapJob) -> bool:
         return self._results().keep(context, self._own_scene(context))
 
-    def _finish(self, context: bpy.types.Context, _job: MorphJob | FlatJob | PictureJob | ShapeKeyJob) -> set[str]:
+    def _finish(
+        self, context: bpy.types.Context, _job: MorphJob | FlatJob | PictureJob | ShapeKeyJob | SwapJob
+    ) -> set[str]:
         self._results().finish(context, self._own_scene(context))
         return {"FINISHED"}
 

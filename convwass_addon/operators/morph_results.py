@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from ..bridge.flat.picture_job import PictureJob
     from ..bridge.morphs.job import MorphJob
     from ..bridge.one_mesh.shape_key_job import ShapeKeyJob
+    from ..bridge.one_mesh.swap_job import SwapJob
 
 # Total size of the meshes above which a warning is shown.
 _LARGE_MEGABYTES = 250.0
@@ -160,12 +161,12 @@ class ShapeKeyResults:
     ----------
     operator : bpy.types.Operator
         *Bake Morph*, which holds the options and shows the messages.
-    job : ShapeKeyJob
+    job : ShapeKeyJob or SwapJob
         Computed the keys.
     """
 
     operator: bpy.types.Operator
-    job: ShapeKeyJob
+    job: ShapeKeyJob | SwapJob
 
     def nothing_kept(self) -> str:
         """Return the message of a bake that was stopped."""
@@ -187,7 +188,30 @@ class ShapeKeyResults:
         tell(self.operator, text.format(obj.name, count, farthest), (), warnings)
 
 
-def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob, scene: bpy.types.Scene) -> None:
+@dataclass(frozen=True)
+class SwapResults(ShapeKeyResults):
+    """Two meshes with shape keys, one of which replaces the other.
+
+    Attributes
+    ----------
+    job : SwapJob
+        Computed the keys.
+    """
+
+    job: SwapJob
+
+    def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
+        """Put both meshes into the scene and report how well they fit each other."""
+        made = self.job.finish(self.operator.hide_inputs)
+        _fit_range(self.operator, self.job, scene)
+        select_only(context, made)
+        found = self.job.found
+        text = rpt_("{:s} replaces {:s} at {:.2f}; 98 % of both are within {:.2%} of the morph there")
+        warnings = [*self.job.notices, *(_poor_notice(path) for path in found.paths if len(path.poor))]
+        tell(self.operator, text.format(made[1].name, made[0].name, found.time, found.gap), (), warnings)
+
+
+def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob | SwapJob, scene: bpy.types.Scene) -> None:
     if operator.fit_range and job.span is not None:
         play_whole(scene, *job.span)
 

@@ -258,7 +258,10 @@ class CONVWASS_PT_morph_output(_Subpanel, bpy.types.Panel):
         if settings.output == "SHAPE_KEYS":
             layout.prop(settings, "basis")
             layout.prop(settings, "key_error")
-            layout.prop(settings, "symmetric")
+            layout.prop(settings, "two_meshes")
+            row = layout.row()
+            row.active = not settings.two_meshes
+            row.prop(settings, "symmetric")
         elif settings.output != "VOLUME":
             layout.prop(settings, "faces")
         pictures = settings.output == "OBJECTS" and settings.flat_output == "PICTURE"

@@ -75,8 +75,8 @@ class KeyPath:
         Times of the positions, increasing to 1; at 0 the mesh is undeformed.
     positions : (k, n, 3) float64
         Positions of the vertices, scene units.
-    score : float
-        Score of the map between the two shapes, 0 to 1.
+    score : float or None
+        Score of the map between the two shapes, 0 to 1; None if the mesh follows blends.
     deviation : float
         Largest distance of a vertex from the original path, as a fraction of the other shape's diagonal.
     distance, distance_95 : float
@@ -92,7 +92,7 @@ class KeyPath:
     name: str
     times: tuple[float, ...]
     positions: NDArray[np.float64]
-    score: float
+    score: float | None
     deviation: float
     distance: float
     distance_95: float

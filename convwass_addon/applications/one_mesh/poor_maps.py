@@ -30,8 +30,8 @@ def poor_map_error(
     if own is not None and other is not None and own != other:
         return InputError(
             "One mesh cannot take the form of both {first} (pieces: {pieces}, holes: {holes}, hollows: {hollows}) and "
-            "{second} (pieces: {pieces_2}, holes: {holes_2}, hollows: {hollows_2}). Choose another output, such as "
-            "Player: its mesh changes on the way.",
+            "{second} (pieces: {pieces_2}, holes: {holes_2}, hollows: {hollows_2}). Set Two Meshes, or choose "
+            "another output, such as Player.",
             first=names[0],
             second=names[1],
             pieces=own.pieces,
@@ -43,7 +43,7 @@ def poor_map_error(
         )
     return InputError(
         "{first} and {second} match too poorly ({score:.0%}) for one mesh to take both shapes. "
-        "Add guides: corresponding points of both.",
+        "Add guides: corresponding points of both, or set Two Meshes.",
         first=names[0],
         second=names[1],
         score=score,

@@ -256,6 +256,13 @@ class MorphRequest(Settings):
         "Keys are symmetric across the local X axis of the first mesh, which must be symmetric itself",
         help="shape keys: keys are symmetric across the local X axis of the first mesh",
     )
+    two_meshes: bool = setting(
+        False,
+        "Two Meshes",
+        "For two shapes of any kind: the mesh of each follows the morph, and one replaces the other where both look "
+        "alike",
+        help="shape keys: the meshes of two shapes of any kind follow the morph, and one replaces the other on the way",
+    )
     folder: str = setting(
         DEFAULT_FOLDER,
         "Folder",

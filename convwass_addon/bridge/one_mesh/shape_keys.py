@@ -69,7 +69,7 @@ def _kept_sliders(source: bpy.types.Object, obj: bpy.types.Object) -> list[dict[
     _own_drivers(obj.data.shape_keys, source, obj)
     records = key_records(source) if has_key_record(source) else []
     for name in (record["name"] for record in records):
-        _add_slider(obj, name)
+        add_slider(obj, name)
         obj[name] = source.get(name, 0.0)
     return records
 
@@ -83,7 +83,7 @@ def _free_name(obj: bpy.types.Object, path: KeyPath) -> str:
 
 def _add_path(obj: bpy.types.Object, path: KeyPath, slider: str) -> None:
     """Add the shape keys of a path, and the slider that drives them."""
-    _add_slider(obj, slider)
+    add_slider(obj, slider)
     names, expressions = key_names(slider, len(path.times)), key_expressions(path.times)
     for name, positions, expression in zip(names, path.positions, expressions, strict=True):
         key = obj.shape_key_add(name=name, from_mix=False)
@@ -148,19 +148,24 @@ def _mark(mesh: bpy.types.Mesh, name: str, vertices: np.ndarray) -> None:
         mesh.attributes.new(name, "BOOLEAN", "POINT").data.foreach_set("value", marked)
 
 
-def _add_slider(obj: bpy.types.Object, name: str) -> None:
+def add_slider(obj: bpy.types.Object, name: str) -> None:
+    """Add a custom property from 0 to 1 to an object."""
     obj[name] = 0.0
     obj.id_properties_ui(name).update(min=0.0, max=1.0, description="Progress towards this shape")
 
 
 def drive_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, slider: str, expression: str) -> None:
     """Drive a shape key by an expression of v, a slider of an object."""
-    driver = key.driver_add("value").driver
-    variable = driver.variables.new()
+    drive(key.driver_add("value"), obj, slider, expression)
+
+
+def drive(curve: bpy.types.FCurve, obj: bpy.types.Object, slider: str, expression: str) -> None:
+    """Set the driver of a property to an expression of v, a slider of an object."""
+    variable = curve.driver.variables.new()
     variable.name = "v"
     variable.targets[0].id = obj
     variable.targets[0].data_path = slider_path(slider)
-    driver.expression = expression
+    curve.driver.expression = expression
 
 
 def slider_path(name: str) -> str:

@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stretch a mesh that lies on a closed surface over slits that it leaves open.
+
+A mesh with a hole, on a surface without one, is open where the hole ends, and its walls lie inside the surface. The
+vertices next to the slit are drawn to the points of the surface that nothing covers, until both sides meet. Other
+vertices give way a little, and walls follow.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+
+from ..progress import UNINTERRUPTED, Control
+from .facing_points import FacingPointFinder
+from .factorization import factorize
+from .mesh import TriangleMesh
+from .normals import triangle_normals, vertex_normals
+
+_ROUNDS = 10
+# Distances beyond this, relative to the square root of the surface's area, have little weight.
+_REACH = 0.1
+# Vertices lie on the surface if they are closer than this, relative to its square root, and the cosine between normals
+# is above this.
+_CLOSE, _FACING = 0.03, 0.7
+# Weights of differences of displacements along edges, on the surface and at walls, and of staying in place on the
+# surface, relative to a weight of one for covering a point. The least weight holds walls that nothing else constrains.
+_SMOOTHNESS, _WALLS, _STAYING, _LEAST = 0.3, 0.1, 0.05, 1e-5
+
+
+def covering(mesh: TriangleMesh, surface: TriangleMesh, control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
+    """Return the vertices, (n, 3), of a mesh that covers a surface.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Lies on the surface, except for walls inside and slits between them.
+    surface : TriangleMesh
+        Closed, oriented outward.
+    control : Control
+        Stops the work.
+    """
+    finder, facing = FacingPointFinder(surface), triangle_normals(surface.corners)
+    wanted = vertex_normals(surface.vertices, surface.faces)
+    size, points = np.sqrt(surface.area), mesh.vertices
+    for number in range(_ROUNDS):
+        control.check()
+        normals = vertex_normals(points, mesh.faces)
+        below = finder.find(points, normals, control)
+        on_surface = below.interpolated(surface.corners)
+        is_there = np.einsum("nd,nd->n", facing[below.triangles], normals) > _FACING
+        is_there &= below.distances < _CLOSE * size
+        if number % 2:
+            points = np.where(is_there[:, None], on_surface, points)
+        points = points + _step(TriangleMesh(points, mesh.faces), is_there, surface.vertices, wanted, size)
+    return points
+
+
+def _step(
+    mesh: TriangleMesh,
+    is_there: NDArray[np.bool_],
+    points: NDArray[np.float64],
+    normals: NDArray[np.float64],
+    size: float,
+) -> NDArray[np.float64]:
+    """Return displacements, (n, 3), towards points of the surface with normals; some vertices rather stay."""
+    count = len(mesh.vertices)
+    found = FacingPointFinder(mesh).find(points, normals)
+    rows = np.repeat(np.arange(len(points)), 3)
+    places = (rows, mesh.faces[found.triangles].ravel())
+    shares = csr_array((found.shares.ravel(), places), shape=(len(points), count))
+    missing = points - shares @ mesh.vertices
+    # A finer surface has no more weight than a mesh that is as fine.
+    weights = min(count / len(points), 1.0) * np.exp(-np.square(found.distances / (_REACH * size)))
+    pulled = csr_array(shares.T @ diags_array(weights))
+    staying = diags_array(np.where(is_there, _STAYING, 0.0) + _LEAST)
+    system = csc_array(_SMOOTHNESS * _stiffness(mesh, is_there) + staying + pulled @ shares)
+    return factorize(system).solve(np.ascontiguousarray((pulled @ missing).T)).T
+
+
+def _stiffness(mesh: TriangleMesh, is_there: NDArray[np.bool_]) -> csc_array:
+    """Return the Laplacian, (n, n), of the edges, which are weak at walls."""
+    count, tails, heads = len(mesh.vertices), mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
+    strength = np.sqrt(np.where(is_there, 1.0, _WALLS))
+    apart = tails != heads
+    tails, heads = tails[apart], heads[apart]
+    edges = coo_array((strength[tails] * strength[heads], (tails, heads)), shape=(count, count)).tocsc()
+    edges = edges.maximum(edges.T)
+    return csc_array(diags_array(np.asarray(edges.sum(axis=0)).ravel()) - edges)
