@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.active import active_object
 from ..bridge.one_mesh.records import has_key_record, key_records
+from ..bridge.one_mesh.swapped_objects import shared_slider
 from ..errors import ConvwassError
 from ..operators.attached_parts import CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad
 from ..operators.morph_export import CONVWASS_OT_export_morph
@@ -36,10 +37,13 @@ class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
             draw_wrapped(layout, context, translated(error.sentence), "ERROR")
             return
         column = layout.column(align=True)
-        for record in records:
-            name = record["name"]
-            if name in obj:
-                column.prop(obj, f'["{bpy.utils.escape_identifier(name)}"]', text=name, translate=False, slider=True)
+        shared = shared_slider(obj)
+        # A slider that another object drives cannot be moved.
+        sliders = [(obj, record["name"]) for record in records] if shared is None else [shared]
+        for owner, name in sliders:
+            if name in owner:
+                path = f'["{bpy.utils.escape_identifier(name)}"]'
+                column.prop(owner, path, text=name, translate=False, slider=True)
         for record in records:
             if record.get("poor"):
                 text = iface_("{:s}: {:d} vertices are folded or do not arrive").format(record["name"], record["poor"])

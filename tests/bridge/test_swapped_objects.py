@@ -11,7 +11,7 @@ import pytest
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.one_mesh import swap_job
-from convwass_addon.bridge.one_mesh.swapped_objects import SWAP_KEY
+from convwass_addon.bridge.one_mesh.swapped_objects import SWAP_KEY, shared_slider
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 
@@ -71,7 +71,8 @@ def shown_at(frame):
 )
 def test_one_mesh_is_shown_at_a_time_and_both_move(shapes, monkeypatch, time, shown):
     first, second = bake(monkeypatch, time)
-    assert first[SWAP_KEY] == pytest.approx(time) and all(shape.hide_get() for shape in shapes)
+    assert first[SWAP_KEY]["at"] == pytest.approx(time) and all(shape.hide_get() for shape in shapes)
+    assert shared_slider(first) == shared_slider(second) == (first, "Ball")
     bpy.context.scene.animation_data_create()
     for curve in first.animation_data.action.layers[0].strips[0].channelbags[0].fcurves:
         for point in curve.keyframe_points:
@@ -90,6 +91,8 @@ def test_the_second_mesh_stands_where_the_first_one_becomes_it(shapes, monkeypat
     assert second.parent == first and shown_at(11)[1] == pytest.approx([4.0, 0.0, 0.0], abs=1e-4)
     first.location.x += 2.0
     assert shown_at(11)[1] == pytest.approx([6.0, 0.0, 0.0], abs=1e-4)
+    bpy.data.objects.remove(first)
+    assert shared_slider(second) is None and shared_slider(shapes[0]) is None
 
 
 @pytest.mark.parametrize(

@@ -9,7 +9,7 @@ import bpy
 from .shape_keys import add_slider, drive, slider_path
 
 SWAP_KEY = "convwass_swap"
-"""Custom property of the first object: the value of its slider at which the second one replaces it."""
+"""Custom property of both objects: the first one (`object`), the name of its slider, and its value `at` the swap."""
 
 
 def with_swap(
@@ -42,7 +42,16 @@ def with_swap(
     for obj, hidden in ((first, over), (second, under)):
         for place in ("hide_viewport", "hide_render"):
             drive(obj.driver_add(place), first, own, hidden)
-    first[SWAP_KEY] = time
+    for obj in (first, second):
+        obj[SWAP_KEY] = {"object": first, "slider": own, "at": time}
     if not (first.parent or second.parent or first.modifiers or second.modifiers):
         second.parent = first
     return own
+
+
+def shared_slider(obj: bpy.types.Object) -> tuple[bpy.types.Object, str] | None:
+    """Return the object with the slider that moves a pair of objects, and the slider's name; None for other objects."""
+    swap = obj.get(SWAP_KEY)
+    if swap is None or swap.get("object") is None or swap["slider"] not in swap["object"]:
+        return None
+    return swap["object"], swap["slider"]
