@@ -47,7 +47,7 @@ FADE = 0.4
 """Seconds within which a finer level of the lattice takes over."""
 
 # On finer lattices blends are solved on one of so many cells until the lattice is there.
-_FINE, _STAND_IN = 64, 48
+_FINE, _STAND_IN = 56, 48
 # Smaller weights are zero: a frame of a long bake has no smaller ones.
 _LEAST_WEIGHT = 1.0 / 500.0
 # On pads 16 steps are accurate to 0.03 cells (docs/performance.md, "Live blends"), and refining them takes up to four
@@ -221,11 +221,14 @@ class LiveBlends:
     def _urgent_task(self) -> Callable[[Control], Work[None]] | None:
         """Return what the user is waiting for."""
         hand, base, solved = self._hand, self._fields.oldest, self._fields.hand
+        if self._at_hand is None:
+            return None
         if base is None or base.mixture(hand, self._clock()).rest >= LEAST_REST:
             known = solved is not None and solved.weights == hand
             is_base_there = base is not None and base.is_whole(LEVELS[0])
             # Between two blends at the hand, one for the lattice: the hand may never stand still.
-            return None if known or is_base_there or self._solved_hand_last else self._solve_hand
+            waits = base is not None and self._solved_hand_last
+            return None if known or is_base_there or waits else self._solve_hand
         waits = self._rests and self._motion_is_known and self._fields.newest.is_whole(LEVELS[0])
         known = self._solved is not None and self._solved.weights == hand
         return self._solve_rest if waits and not known else None
@@ -240,7 +243,7 @@ class LiveBlends:
             problem = yield from self._voxelized(coarse, control)
             self._at_hand = StandInSource(problem, self._lattice, self._box, self._colors)
             yield from self._solve_hand(control)
-        self._problem = yield from self._voxelized(self._settings, control)
+        self._problem = yield from self._attended(self._voxelized(self._settings, control), control)
         if self._at_hand is None:
             quick = replace(self._problem.transport, settings=quick_settings(self._settings))
             problem = replace(self._problem, transport=quick)
@@ -354,14 +357,15 @@ class LiveBlends:
         self._nodes, self._moving, self._full = source, moving, None
 
     def _attended(self, work: Work[Result], control: Control) -> Work[Result]:
-        """Do some work, and between two of its reports what the user is waiting for."""
+        """Do some work, and between two of its reports one thing that the user is waiting for."""
         while True:
             try:
                 report = next(work)
             except StopIteration as done:
                 return done.value
             yield self._report(report.message, report.fraction)
-            while (task := self._urgent_task()) is not None:
+            task = self._urgent_task()
+            if task is not None:
                 yield from task(control)
 
 

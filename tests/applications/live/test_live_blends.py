@@ -124,6 +124,20 @@ def test_the_first_shape_is_there_before_the_lattice(filled):
     assert live.shown().mesh.volume == pytest.approx(filled.shown().mesh.volume, rel=0.01)
 
 
+def test_the_shape_follows_the_hand_while_the_finer_grid_is_voxelized():
+    live = live_balls(Clock(), live_resolution=64)
+    work, volumes = live.work(Control()), []
+    for share in (0.3, 0.7):
+        live.point((1.0 - share, share))
+        version = live.version
+        while live.version == version:
+            next(work)
+        volumes.append(live.shown().mesh.volume)
+    assert live.filled == 0
+    small, large = (ball(radius, points=400).volume for radius in RADII)
+    assert volumes == pytest.approx([0.7 * small + 0.3 * large, 0.3 * small + 0.7 * large], rel=0.02)
+
+
 def test_a_coarser_substitute_has_the_same_position_and_size():
     live = live_balls(Clock(), live_resolution=72)
     work = live.work(Control())
