@@ -128,8 +128,9 @@ def swapped_meshes(
     gap = max(own.most for own in gaps) / size
     if gap > _MOST:
         raise InputError(
-            "Between {first} and {second} the surface tears, so that their meshes do not meet: at best, they are "
-            "{gap:.1%} of their size away from the morph. Choose another output, such as Player.",
+            "Between {first} and {second} the surface tears, or their meshes are too coarse to follow it: at best, "
+            "they are {gap:.1%} of their size away from the morph. Set Basis to Even, or choose another output, such "
+            "as Player.",
             first=names[0],
             second=names[1],
             gap=gap,
