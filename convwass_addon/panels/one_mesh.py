@@ -8,8 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.active import active_object
-from ..bridge.one_mesh.records import has_key_record, key_records
-from ..bridge.one_mesh.swapped_objects import shared_slider
+from ..bridge.one_mesh.records import has_key_record, key_records, shared_slider
 from ..errors import ConvwassError
 from ..operators.attached_parts import CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad
 from ..operators.morph_export import CONVWASS_OT_export_morph

@@ -11,7 +11,7 @@ import pytest
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.one_mesh import swap_job
-from convwass_addon.bridge.one_mesh.swapped_objects import SWAP_KEY, shared_slider
+from convwass_addon.bridge.one_mesh.records import SWAP_KEY, shared_slider
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 

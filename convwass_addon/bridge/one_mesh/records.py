@@ -14,6 +14,9 @@ from ...errors import InputError
 RECORD_KEY = "convwass_shape_keys"
 """Custom property of the object: JSON of the records of all paths."""
 
+SWAP_KEY = "convwass_swap"
+"""Custom property of both objects: the first one (`object`), the name of its slider, and its value `at` the swap."""
+
 
 def has_key_record(obj: bpy.types.Object | None) -> bool:
     """Return whether an object has shape keys to other shapes."""
@@ -45,3 +48,11 @@ def key_names(name: str, count: int) -> list[str]:
 def store_records(obj: bpy.types.Object, records: Sequence[dict[str, object]]) -> None:
     """Store the records of the paths on the object."""
     obj[RECORD_KEY] = json.dumps(list(records))
+
+
+def shared_slider(obj: bpy.types.Object) -> tuple[bpy.types.Object, str] | None:
+    """Return the object with the slider that moves a pair of objects, and the slider's name; None for other objects."""
+    swap = obj.get(SWAP_KEY)
+    if swap is None or swap.get("object") is None or swap["slider"] not in swap["object"]:
+        return None
+    return swap["object"], swap["slider"]

@@ -6,10 +6,8 @@ from __future__ import annotations
 
 import bpy
 
+from .records import SWAP_KEY
 from .shape_keys import add_slider, drive, slider_path
-
-SWAP_KEY = "convwass_swap"
-"""Custom property of both objects: the first one (`object`), the name of its slider, and its value `at` the swap."""
 
 
 def with_swap(
@@ -47,11 +45,3 @@ def with_swap(
     if not (first.parent or second.parent or first.modifiers or second.modifiers):
         second.parent = first
     return own
-
-
-def shared_slider(obj: bpy.types.Object) -> tuple[bpy.types.Object, str] | None:
-    """Return the object with the slider that moves a pair of objects, and the slider's name; None for other objects."""
-    swap = obj.get(SWAP_KEY)
-    if swap is None or swap.get("object") is None or swap["slider"] not in swap["object"]:
-        return None
-    return swap["object"], swap["slider"]
