@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 
 import bpy
@@ -74,22 +75,40 @@ def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: rang
         A modifier changes the number of vertices over time.
     """
     own, points, normals = scene.frame_current, [], []
-    try:
-        for frame in frames:
-            scene.frame_set(frame)
-            evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-            mesh = evaluated.to_mesh()
-            matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-            points.append(_placed(_read(mesh.vertices, "co"), matrix))
-            normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
-            evaluated.to_mesh_clear()
-    finally:
-        scene.frame_set(own)
+    with _never_hidden(obj):
+        try:
+            for frame in frames:
+                scene.frame_set(frame)
+                evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+                mesh = evaluated.to_mesh()
+                matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+                points.append(_placed(_read(mesh.vertices, "co"), matrix))
+                normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
+                evaluated.to_mesh_clear()
+        finally:
+            scene.frame_set(own)
     if len({len(one) for one in points}) > 1:
         raise InputError(
             "The number of vertices of {name} changes over time; remove the modifier that changes it.", name=obj.name
         )
     return MovingVertices(np.stack(points), np.stack(normals), frames)
+
+
+@contextmanager
+def _never_hidden(obj: bpy.types.Object) -> Iterator[None]:
+    """Show an object in all frames, also where drivers hide it: Blender does not evaluate hidden objects."""
+    drivers = obj.animation_data.drivers if obj.animation_data else ()
+    muted = [curve for curve in drivers if curve.data_path == "hide_viewport" and not curve.mute]
+    hidden = obj.hide_viewport
+    for curve in muted:
+        curve.mute = True
+    obj.hide_viewport = False
+    try:
+        yield
+    finally:
+        obj.hide_viewport = hidden
+        for curve in muted:
+            curve.mute = False
 
 
 def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
