@@ -75,8 +75,9 @@ def _step(
     # A finer surface has no more weight than a mesh that is as fine.
     weights = min(count / len(points), 1.0) * np.exp(-np.square(found.distances / (_REACH * size)))
     pulled = csr_array(shares.T @ diags_array(weights))
-    staying = diags_array(np.where(is_there, _STAYING, 0.0) + _LEAST)
-    system = csc_array(_SMOOTHNESS * _stiffness(mesh, is_there) + staying + pulled @ shares)
+    # Instead of S^T W S, its sums of rows: an upper bound, so that no step is too large, and an M-matrix.
+    staying = np.where(is_there, _STAYING, 0.0) + _LEAST + pulled.sum(axis=1)
+    system = csc_array(_SMOOTHNESS * _stiffness(mesh, is_there) + diags_array(staying))
     return factorize(system).solve(np.ascontiguousarray((pulled @ missing).T)).T
 
 

@@ -7,6 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.geometry import factorization
+from convwass_addon.geometry.factorization import CholmodSimplicial, SuperLU
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.surface_covering import covering
 from convwass_addon.geometry.visible_gap import VisibleGap
@@ -20,8 +22,11 @@ def cut_off(mesh, height, side):
     return TriangleMesh(points, mesh.faces)
 
 
+@pytest.mark.parametrize("library", [CholmodSimplicial, SuperLU])
 @pytest.mark.parametrize("points", [800, 3000])
-def test_two_halves_close_the_slit_between_them(points):
+def test_two_halves_close_the_slit_between_them(points, library, monkeypatch):
+    """With the factorization of the small package, too."""
+    monkeypatch.setattr(factorization, "FACTORIZATIONS", {library.name: library})
     surface, mesh = ball(points=2000), ball(points=points)
     halves = joined(cut_off(mesh, 0.06, 1), cut_off(mesh, 0.06, -1))
     # The slit is 0.12 wide.

@@ -40,6 +40,7 @@ SCENARIOS = (
     "live",
     "guides",
     "assets",
+    "two_meshes",
     "disabling",
 )
 # Run only on request, because they test little.
