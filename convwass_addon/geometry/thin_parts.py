@@ -8,12 +8,14 @@ it entirely. Its volume then goes to the thick parts, because the surface enclos
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, find_objects, gaussian_filter, label
+from scipy.special import ndtr
 
 from ..errors import InputError
 from .near import capped_squares
@@ -31,6 +33,8 @@ _FLAT = 0.75
 # 0.75)^0.65 to about a tenth; a slightly larger exponent compensates for the volume that triangles cut off narrow rods
 # (tests/geometry/test_thin_parts.py checks the volumes).
 _POWER = 0.7
+# Typical densities beside a plane are computed up to this distance in cells, in steps of this length.
+_PROFILE, _PROFILE_STEP = 10.0, 1.0 / 16.0
 # Below this typical density there is no part, only scattered mass.
 _SCATTERED = 0.2
 
@@ -135,18 +139,31 @@ def locally_normalized(density: NDArray[np.floating], volume: float) -> NDArray[
     InputError
         No mass or no volume.
     """
-    solid = _in_solids(density, volume)
-    result = np.zeros(solid.shape, np.float32)
-    box = _box(solid > _NEGLIGIBLE, 0)
-    values = np.where(solid[box] > _NEGLIGIBLE, solid[box], np.float32(0.0))
-    around = gaussian_filter(values, _AROUND, truncate=_TRUNCATE, mode="constant")
-    typical = gaussian_filter(values * values, _AROUND, truncate=_TRUNCATE, mode="constant")
-    np.divide(typical, around, out=typical, where=values > 0.0)
-    # Most cells are empty or belong to thick parts.
-    thin = np.flatnonzero((values > 0.0) & (typical < _FLAT))
-    values.ravel()[thin] *= (_FLAT / np.maximum(typical.ravel()[thin], _SCATTERED)) ** np.float32(_POWER)
-    result[box] = values
-    return result
+    return _raised(_in_solids(density, volume), lambda values: _FLAT)
+
+
+def normalized_solid(blurred: NDArray[np.floating], blur: float) -> NDArray[np.float32]:
+    """Raise the thin parts of a blurred solid, and leave it as it is beside planes, at any distance from them.
+
+    :func:`locally_normalized` also raises densities outside a plane face, because typical densities are low there, too.
+
+    Parameters
+    ----------
+    blurred : (nx, ny, nz)
+        Fraction of every cell that the solid fills, blurred by a Gaussian; also (nx, ny).
+    blur : float
+        Standard deviation of the blur in cells.
+
+    Raises
+    ------
+    InputError
+        No mass.
+    """
+    if not blurred.any():
+        raise InputError("A density without mass, or no volume for it, has no parts.")
+    densities, typical = _beside_plane(blur)
+    least = np.minimum(typical, _FLAT)
+    return _raised(blurred.astype(np.float32, copy=False), lambda values: np.interp(values, densities, least))
 
 
 def lost_parts(density: NDArray[np.floating], shown: NDArray[np.bool_], reach: float) -> LostParts:
@@ -209,6 +226,38 @@ class _Parts:
     @classmethod
     def none(cls) -> _Parts:
         return cls((slice(0, 1),) * 3, np.zeros((1, 1, 1), np.int32))
+
+
+def _raised(
+    solid: NDArray[np.float32], thick: Callable[[NDArray[np.float32]], NDArray[np.float64] | float]
+) -> NDArray[np.float32]:
+    """Raise densities, in units of the solid's, where the typical density is below that of thick parts.
+
+    `thick` returns the least typical density of thick parts for some densities, at most `_FLAT`.
+    """
+    result = np.zeros(solid.shape, np.float32)
+    box = _box(solid > _NEGLIGIBLE, 0)
+    values = np.where(solid[box] > _NEGLIGIBLE, solid[box], np.float32(0.0))
+    around = gaussian_filter(values, _AROUND, truncate=_TRUNCATE, mode="constant")
+    typical = gaussian_filter(values * values, _AROUND, truncate=_TRUNCATE, mode="constant")
+    np.divide(typical, around, out=typical, where=values > 0.0)
+    # Most cells are empty or belong to thick parts.
+    thin = np.flatnonzero((values > 0.0) & (typical < _FLAT))
+    gain = thick(values.ravel()[thin]) / np.maximum(typical.ravel()[thin], _SCATTERED)
+    values.ravel()[thin] *= np.maximum(gain, 1.0).astype(np.float32) ** np.float32(_POWER)
+    result[box] = values
+    return result
+
+
+@cache
+def _beside_plane(blur: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return rising densities beside a plane face of a blurred solid, and the typical density around each of them."""
+    places = np.arange(-_PROFILE, _PROFILE, _PROFILE_STEP)
+    # A cell is uniform, which adds a twelfth to the variance.
+    density = ndtr(places / np.sqrt(blur**2 + 1.0 / 12.0))
+    width = _AROUND / _PROFILE_STEP
+    squares, around = (gaussian_filter(values, width, truncate=_TRUNCATE) for values in (density**2, density))
+    return density, squares / np.maximum(around, _NEGLIGIBLE)
 
 
 def _in_solids(density: NDArray[np.floating], volume: float) -> NDArray[np.float32]:

@@ -13,7 +13,7 @@ from scipy.special import ndtr
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.isosurface import surface_enclosing
 from convwass_addon.geometry.occupancy import occupancy
-from convwass_addon.geometry.thin_parts import locally_normalized, lost_parts
+from convwass_addon.geometry.thin_parts import locally_normalized, lost_parts, normalized_solid
 
 SHAPE = (72, 40, 40)
 ROD_RADIUS = 1.5
@@ -85,6 +85,29 @@ def test_a_flat_face_is_unchanged():
     middle = (slice(None), 15, 15)
     np.testing.assert_allclose(result[6:19, 6:-6, 6:-6], density[6:19, 6:-6, 6:-6], atol=1e-6)
     assert np.interp(-0.5, -result[middle], np.arange(40) + 0.5) == pytest.approx(20.2, abs=0.15)
+
+
+@pytest.mark.parametrize("normal", [(1, 0, 0), (2, 1, 0), (3, 2, 1)])
+@pytest.mark.parametrize("offset", [0.2, 0.3, 0.5])
+def test_a_blurred_solid_is_unchanged_at_all_distances_from_a_plane_face(normal, offset):
+    cells = np.stack(np.meshgrid(*[np.arange(30) - 14.5] * 3, indexing="ij"), axis=-1)
+    depth = offset - cells @ (np.array(normal) / np.linalg.norm(normal))
+    solid = np.clip(depth + 0.5, 0.0, 1.0)
+    blurred = gaussian_filter(solid, 0.7)
+    inner = (slice(8, -8),) * 3
+    np.testing.assert_allclose(normalized_solid(blurred, 0.7)[inner], blurred[inner], atol=0.01)
+    # Unlike the normalization of densities whose blur is not known.
+    assert np.abs(locally_normalized(blurred, float(solid.sum()))[inner] - blurred[inner]).max() > 0.01
+
+
+@pytest.mark.parametrize("radius", [1.0, 1.5, 2.0, 3.0])
+def test_rods_of_a_blurred_solid_keep_their_thickness(radius):
+    across = np.hypot(*np.meshgrid(np.arange(24) - 12.2, np.arange(24) - 11.7, indexing="ij"))
+    solid = np.repeat(np.clip(radius - across + 0.5, 0.0, 1.0)[..., None], 24, axis=2)
+    middle = normalized_solid(gaussian_filter(solid, 0.7), 0.7)[..., 12]
+    rim = np.abs(across - radius) < 0.25
+    # A tenth of the density is a fifth of a cell.
+    assert middle[rim].mean() == pytest.approx(0.5, abs=0.1)
 
 
 def test_a_constant_stays_constant():

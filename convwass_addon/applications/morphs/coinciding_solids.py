@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The mean of solids that nearly coincide: averaging signed distances keeps all shared detail.
 
-Next to a flat face, a solid blurred by sigma has the density Phi(d / sigma) at the signed distance d, so d = sigma
-Phi^-1(density), which is smooth to a hundredth of a cell if the densities are exact volume fractions. Further away, d
-is the distance of cells.
+Next to the surface, distances follow from the filled fractions of cells, exactly where faces are plane. Further away,
+they are distances of cells.
 
 Where only some solids have a part, such as a feather or the arc of a ring, it grows out of what they share, or retracts
 into it (:mod:`.mean_solid`). Transport would bring its mass from elsewhere, in pieces. Where a part lies beside its
@@ -20,16 +19,17 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
-from scipy.special import ndtr, ndtri
+from scipy.special import ndtr
 
-from ...geometry.thin_parts import locally_normalized
+from ...geometry.plane_depths import plane_depths
+from ...geometry.thin_parts import normalized_solid
 from .growing_parts import extended, growing_in_place
 from .mean_solid import mean_solid
 
 # Blur in cells from which distances are computed, and the largest known distance in units of the blur.
 _BLUR, _KNOWN = 0.7, 2.6
-# Distances up to this many cells are kept where exact ones are computed; further away, they magnify the errors of the
-# densities.
+# Distances from fractions are kept up to this many cells where those to the surface are computed; further away, they
+# magnify the errors of the fractions.
 _SURE = 1.0
 # Solids agree where their distances differ by at most this many cells. Beyond that, agreement falls off like a Gaussian
 # of the second width, and is smoothed over the third, so that no seam is visible.
@@ -134,10 +134,10 @@ def _depth(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:
     """Signed distance to the surface of a solid in cells, positive inside, clipped where it is unknown."""
     blurred = gaussian_filter(occupancy.astype(np.float32), _BLUR)
     # Thin parts, whose density never reaches one half, count as surfaces, too.
-    density = locally_normalized(blurred, float(occupancy.sum(dtype=np.float64)))
+    density = normalized_solid(blurred, _BLUR)
     least = float(ndtr(-_KNOWN))
     # Distances far from the surface are unknown, which concerns most cells.
     depth = np.where(density > 0.5, np.float32(_KNOWN * _BLUR), np.float32(-_KNOWN * _BLUR))
     near = np.flatnonzero((density > least) & (density < 1.0 - least))
-    depth.ravel()[near] = _BLUR * ndtri(density.ravel()[near])
+    depth.ravel()[near] = np.clip(plane_depths(density, near, _BLUR), -_KNOWN * _BLUR, _KNOWN * _BLUR)
     return depth
