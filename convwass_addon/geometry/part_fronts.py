@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, gaussian_filter, label
+from scipy.ndimage import binary_dilation, find_objects, gaussian_filter, label
 from skimage.graph import MCP_Geometric
 
 # Components of an intersection are large from this fraction of the largest one on.
@@ -22,9 +22,10 @@ _LAYER = 0.5
 _FAR = np.float32(1e3)
 # A part is slender where its solid fills less than the first fraction of the space around, and broad from the second
 # on; at a flat face, a half is filled. Around is within a Gaussian of so many cells, and at least of this fraction of
-# the longest side. Chosen by eye on a cup whose handle retracts while its wall grows, and on a ball to a knot.
+# the longest side, truncated at so many deviations. Chosen by eye on a cup whose handle retracts while its wall grows,
+# and on a ball to a knot.
 _SLENDER, _BROAD = 0.35, 0.5
-_AROUND, _ABOUT = 4.0, 1.0 / 16.0
+_AROUND, _ABOUT, _REACH = 4.0, 1.0 / 16.0, 2.0
 # Where it is not slender, a front is held back by this many cells.
 _HELD = 4.0
 
@@ -41,6 +42,46 @@ def shared_core(solids: Sequence[NDArray[np.bool_]]) -> NDArray[np.bool_] | None
     sizes = np.bincount(names.ravel())
     sizes[0] = 0
     return (sizes >= _LARGE * sizes.max())[names]
+
+
+@dataclass(frozen=True)
+class SeparatePart:
+    """Some of the parts of a solid, in a box of its grid.
+
+    Attributes
+    ----------
+    box : tuple of slice
+        Large enough for :class:`PartFronts`.
+    cells : (mx, my, mz) bool
+        The cells of the parts in the box.
+    """
+
+    box: tuple[slice, ...]
+    cells: NDArray[np.bool_]
+
+
+def separate_parts(cells: NDArray[np.bool_], far: NDArray[np.bool_]) -> list[SeparatePart]:
+    """Separate the parts of a solid, each in its own box, or all in the whole grid if that is smaller.
+
+    Parameters
+    ----------
+    cells : (nx, ny, nz) bool
+        All parts; also (nx, ny).
+    far : (nx, ny, nz) bool
+        Parts without such a cell are left out.
+    """
+    names, count = label(cells, np.ones((3,) * cells.ndim))
+    wanted = np.zeros(count + 1, bool)
+    wanted[names[far & cells]] = True
+    margin = int(np.ceil(_REACH * _around(cells.shape)))
+    boxes = {
+        name: tuple(slice(max(span.start - margin, 0), span.stop + margin) for span in box)
+        for name, box in enumerate(find_objects(names), start=1)
+        if wanted[name]
+    }
+    if sum(names[box].size for box in boxes.values()) > cells.size:
+        return [SeparatePart((slice(None),) * cells.ndim, wanted[names])]
+    return [SeparatePart(box, names[box] == name) for name, box in boxes.items()]
 
 
 @dataclass(frozen=True)
@@ -70,29 +111,29 @@ class PartFronts:
     loose: NDArray[np.bool_]
 
     @classmethod
-    def of(cls, depth: NDArray[np.floating], core: NDArray[np.bool_]) -> PartFronts:
-        """Measure the parts of a solid.
+    def of(cls, solid: NDArray[np.bool_], core: NDArray[np.bool_], part: SeparatePart) -> PartFronts:
+        """Measure some parts of a solid in their box.
 
         Parameters
         ----------
-        depth : (nx, ny, nz)
-            Signed distance to its surface in cells, positive inside; also (nx, ny).
+        solid : (nx, ny, nz) bool
+            Also (nx, ny).
         core : (nx, ny, nz) bool
             A subset of it.
+        part : SeparatePart
+            Some parts of what is in the solid and not in the core.
         """
-        measured = Along.of(depth, core)
-        known = np.isfinite(measured.distance) & ~core
-        around = gaussian_filter(
-            (depth > 0.0).astype(np.float32), max(_AROUND, _ABOUT * max(depth.shape)), truncate=2.0
-        )
+        around = gaussian_filter(solid[part.box].astype(np.float32), _around(solid.shape), truncate=_REACH)
+        measured = Along.of(part.cells, core[part.box])
+        known = np.isfinite(measured.distance) & part.cells
         slender = np.clip((_BROAD - around[known]) / (_BROAD - _SLENDER), 0.0, 1.0)
-        hold = np.zeros(depth.shape, np.float32)
+        hold = np.zeros(known.shape, np.float32)
         hold[known] = _HELD * (1.0 - slender)
         distance = np.where(known, measured.distance - np.float32(0.5), np.float32(0.0))
         share = _smooth(known.astype(np.float32))
         scale = np.float32(1.0) / np.maximum(share, np.float32(1e-3))
         along, far, held = (_smooth(values) * scale for values in (distance, measured.reach, hold))
-        return cls(along, far, share > 1e-3, held, (depth > 0.0) & ~known & ~core)
+        return cls(along, far, share > 1e-3, held, part.cells & ~known)
 
     def heights(self, weight: float, beyond: float = 0.0) -> NDArray[np.float32]:
         """Return by how many cells the front is beyond every cell; large far from all parts.
@@ -123,9 +164,8 @@ class Along:
     reach: NDArray[np.float32]
 
     @classmethod
-    def of(cls, depth: NDArray[np.floating], core: NDArray[np.bool_]) -> Along:
-        """Measure the cells of a solid that are not in the core; parameters as for :meth:`PartFronts.of`."""
-        part = (depth > 0.0) & ~core
+    def of(cls, part: NDArray[np.bool_], core: NDArray[np.bool_]) -> Along:
+        """Measure the cells of parts, (nx, ny, nz) or (nx, ny), beside a core."""
         distance = np.full(core.shape, np.inf, np.float32)
         distance[core] = 0.0
         rim = core & binary_dilation(part, np.ones((3,) * core.ndim))
@@ -149,6 +189,11 @@ def _layers(distances: NDArray[np.float32]) -> list[NDArray[np.int64]]:
     cells = np.flatnonzero(np.isfinite(distances) & (distances > 0.0))
     cells = cells[np.argsort(distances[cells], kind="stable")]
     return np.split(cells, np.flatnonzero(np.diff((distances[cells] / _LAYER).astype(np.int64))) + 1)
+
+
+def _around(shape: tuple[int, ...]) -> float:
+    """Return the width in cells within which a part counts as slender or broad."""
+    return max(_AROUND, _ABOUT * max(shape))
 
 
 def _smooth(values: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.part_fronts import Along, PartFronts, shared_core
+from convwass_addon.geometry.part_fronts import Along, PartFronts, separate_parts, shared_core
 
 SHAPE = (30, 12, 40)
 
@@ -24,12 +24,20 @@ BRANCH = filled(((9, 6, 14), (15, 7, 15)))
 ARCH = filled(((4, 6, 8), (5, 7, 20)), ((4, 6, 20), (25, 7, 21)), ((24, 6, 8), (25, 7, 20)))
 
 
-def depth(part):
-    return np.where(SLAB | part, 1.0, -1.0)
+def fronts(cells):
+    """The fronts of a part and their box."""
+    (part,) = separate_parts(cells, cells)
+    return PartFronts.of(SLAB | cells, SLAB, part), part.box
+
+
+def on_grid(values, box):
+    found = np.zeros(SHAPE, values.dtype)
+    found[box] = values
+    return found
 
 
 def test_distances_follow_a_part_and_its_reach_is_its_end():
-    along = Along.of(depth(POLE | BRANCH), SLAB)
+    along = Along.of(POLE | BRANCH, SLAB)
     distance, reach = along.distance, along.reach
     np.testing.assert_allclose(distance[8, 6, 8:33], np.arange(1, 26))
     assert (reach[8, 6, 8:33] == 25.0).all()
@@ -41,7 +49,7 @@ def test_distances_follow_a_part_and_its_reach_is_its_end():
 
 
 def test_an_arch_is_farthest_in_its_middle():
-    along = Along.of(depth(ARCH), SLAB)
+    along = Along.of(ARCH, SLAB)
     distance, reach = along.distance, along.reach
     top = distance[5:24, 6, 20]
     assert abs(int(np.argmax(top)) - 9) <= 1
@@ -51,21 +59,42 @@ def test_an_arch_is_farthest_in_its_middle():
 
 @pytest.mark.parametrize("weight", [0.25, 0.5, 0.75])
 def test_a_front_is_at_its_share_of_a_part(weight):
-    part = PartFronts.of(depth(POLE), SLAB)
-    along = part.heights(weight)[8, 6, 10:31]
+    part, box = fronts(POLE)
+    along = on_grid(part.heights(weight), box)[8, 6, 10:31]
     assert np.interp(0.0, -along, np.arange(10, 31) + 0.5 - 8.0) == pytest.approx(25.0 * weight, abs=0.6)
-    assert part.hold[8, 6, 13:20].max() < 0.1
+    assert on_grid(part.hold, box)[8, 6, 13:20].max() < 0.1
 
 
 def test_the_front_of_a_layer_is_held_back():
     layer = filled(((1, 1, 8), (29, 11, 15)))
-    assert PartFronts.of(depth(layer), SLAB).hold[15, 6, 10:13] == pytest.approx(4.0, abs=0.1)
+    part, box = fronts(layer)
+    assert on_grid(part.hold, box)[15, 6, 10:13] == pytest.approx(4.0, abs=0.1)
 
 
 def test_a_separate_part_is_loose():
     apart = filled(((20, 4, 20), (24, 8, 24)))
-    part = PartFronts.of(depth(apart), SLAB)
-    np.testing.assert_array_equal(part.loose, apart)
+    part, box = fronts(apart)
+    np.testing.assert_array_equal(on_grid(part.loose, box), apart)
+
+
+def test_parts_are_separated_if_that_is_less_work_than_the_whole_grid():
+    long = np.zeros((200, 60, 60), bool)
+    first, second, third = ((slice(at, at + 4), slice(28, 32), slice(28, 32)) for at in (40, 110, 170))
+    far = np.zeros_like(long)
+    for box in (first, second, third):
+        long[box] = True
+    for box in (first, third):
+        far[box] = True
+    parts = separate_parts(long, far)
+    assert [int(part.cells.sum()) for part in parts] == [64, 64]
+    for part, own in zip(parts, (first, third), strict=True):
+        found = np.zeros_like(long)
+        found[part.box] = part.cells
+        assert found[own].all()
+    crowded = np.zeros((40, 40, 40), bool)
+    crowded[5:35:3, 5:35:3, 20] = True
+    (whole,) = separate_parts(crowded, crowded)
+    np.testing.assert_array_equal(whole.cells, crowded)
 
 
 def test_the_core_is_the_largest_common_part():

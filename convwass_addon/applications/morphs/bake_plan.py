@@ -30,6 +30,7 @@ from .kept_blends import KeptBlends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
+from .moved_blends import MovedBlends
 from .moving_problem import MovingProblem
 from .part_labels import Matching
 from .preparing import VOXEL_SHARE, sketchable_problem, with_connectivity
@@ -52,6 +53,9 @@ _PREVIEW_SHARE, _MOTION_SHARE = 0.12, 0.3
 # Solved blends are kept in at most this many bytes, and in half of the free memory. 24 blends of a horse and a bird
 # take 56 MB at 100 cells.
 _MOST_KEPT = 1 << 29
+# Moved blends are kept with at most this many bytes of grids, and in a quarter of the free memory. 24 blends of a horse
+# and a cow take 230 MB at 100 cells.
+_MOST_KEPT_MOVED = 1 << 28
 
 
 @dataclass(frozen=True)
@@ -224,7 +228,10 @@ class BakePlan:
             yield from self._moved_previews(moving, control)
             fraction += _PREVIEW_SHARE
         if self.executor is None:
-            runs = moving_runs_in_threads(moving, self.runs, control, self._fitting(moving))
+            workers = self._fitting(moving)
+            needed = moving.lattice.memory(self.shapes, workers, self.matching.count)
+            moving = replace(moving, kept=MovedBlends(fitting_beside(needed, 4, _MOST_KEPT_MOVED)))
+            runs = moving_runs_in_threads(moving, self.runs, control, workers)
         else:
             runs = runs_elsewhere(moving, self.runs, self.executor)
         return BegunRuns(stack.enter_context(runs), fraction, moving)

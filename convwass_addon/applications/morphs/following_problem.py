@@ -138,7 +138,7 @@ class FollowingProblem(MovingProblem):
         lattice = replace(self.lattice, centers=np.stack([centroid(shape) for shape in shapes]))
         still = replace(self.still, transport=replace(self.still.transport, parts=parts, lattice=lattice))
         problem = MovingProblem.of(still, motion, [blend], self.names, self.matching, control)
-        return self._with_tangents(problem.frame(blend, control), posed)
+        return self._with_tangents(replace(problem, kept=self.kept).frame(blend, control), posed)
 
     def _transported_run(
         self, run: Sequence[Blend], asked: Mapping[Blend, Demand], control: Control

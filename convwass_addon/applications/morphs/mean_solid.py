@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.exact_depths import exact_depths
-from ...geometry.part_fronts import PartFronts, shared_core
+from ...geometry.part_fronts import PartFronts, separate_parts, shared_core
 
 # Radius in cells with which a part is rounded at its front.
 _ROUNDING = 3.0
@@ -32,8 +32,9 @@ _STEPS = 9
 _MISSING, _OFFSETS = 0.01, 12
 # Distances are computed exactly where the mean solid's surface is this close and distances differ by more than this.
 _BAND, _APART = 3.0, 1.0
-# A part that reaches less far than this, in cells, has no front.
-_SHORT = 3.0
+# Without a part that reaches this far out of the other solids, in cells, there are no fronts; no part has one that
+# reaches less far than the second number.
+_SHORT, _THIN = 3.0, 1.0
 
 
 def mean_solid(
@@ -78,18 +79,21 @@ class _Growth:
         """Return the bounds; None if the solids share nothing, or if no part is long."""
         if not ((depths.max(axis=0) > 0.0) & (depths.min(axis=0) < -_SHORT)).any():
             return None
-        core = shared_core(list(depths > 0.0))
+        solids, far = depths > 0.0, depths.min(axis=0) < -_THIN
+        core = shared_core(list(solids))
         if core is None:
             return None
         least, most = (np.full(core.shape, -np.inf, np.float32) for _ in range(2))
-        for depth, weight in zip(depths, weights, strict=True):
-            part = PartFronts.of(depth, core)
-            near = np.flatnonzero(part.near)
-            # A part is whole at a weight of 1, and thins at its tip before it retracts.
-            height, hold = part.heights(float(weight), _ROUNDING).ravel()[near], part.hold.ravel()[near]
-            front = np.where(part.loose.ravel()[near], np.float32(-1.0), height - hold)
-            least.ravel()[near] = np.maximum(least.ravel()[near], _rounded(depth.ravel()[near], front))
-            most.ravel()[near] = np.maximum(most.ravel()[near], height + 2.0 * hold)
+        for depth, solid, weight in zip(depths, solids, weights, strict=True):
+            for part in separate_parts(solid & ~core, far):
+                fronts = PartFronts.of(solid, core, part)
+                # A part is whole at a weight of 1, and thins at its tip before it retracts.
+                near = fronts.near
+                height, hold = fronts.heights(float(weight), _ROUNDING)[near], fronts.hold[near]
+                front = np.where(fronts.loose[near], np.float32(-1.0), height - hold)
+                own_least, own_most = least[part.box], most[part.box]
+                own_least[near] = np.maximum(own_least[near], _rounded(depth[part.box][near], front))
+                own_most[near] = np.maximum(own_most[near], height + 2.0 * hold)
         most[core | np.isinf(most)] = np.inf
         return cls(least, most)
 

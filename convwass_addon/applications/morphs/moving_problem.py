@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from typing import Protocol, TypeVar
 
@@ -27,6 +27,7 @@ from .detail import detailed_blend, reliability_of, starts_on_readings
 from .extraction import extract_coinciding
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
+from .moved_blends import MovedBlend, MovedBlends
 from .moved_origins import moved_origins, moved_tangents
 from .moved_room import Room, room_of_moved
 from .part_labels import Matching
@@ -39,39 +40,6 @@ Made = TypeVar("Made", covariant=True)
 
 # Number of blends at which the extent of moved shapes is measured for the common grid.
 _SAMPLED_BLENDS = 5
-
-
-@dataclass(frozen=True)
-class MovedBlend:
-    """One blend of inputs that have been moved towards each other.
-
-    Attributes
-    ----------
-    blend : Blend
-        The blend, without zero weights.
-    problem : MorphProblem
-        The moved inputs of positive weight.
-    shapes : list of MovedShape
-        The same inputs.
-    active : (a,) int64
-        Their indices among all inputs.
-    occupancies : list of (nx, ny, nz) float64
-        Fraction of every cell that each fills.
-    solids : CoincidingSolids
-        Their mean, where they coincide.
-    """
-
-    blend: Blend
-    problem: MorphProblem
-    shapes: list[MovedShape]
-    active: NDArray[np.int64]
-    occupancies: list[NDArray[np.float64]]
-    solids: CoincidingSolids
-
-    @property
-    def coincides(self) -> bool:
-        """Whether nothing is left to transport."""
-        return self.solids.coincide
 
 
 @dataclass(frozen=True)
@@ -90,6 +58,8 @@ class MovingProblem:
         Names of the inputs, for messages.
     matching : Matching
         The triangles that travel together.
+    kept : MovedBlends or None
+        Where moved blends are kept, to compute them again under a demand.
     """
 
     still: MorphProblem
@@ -97,6 +67,7 @@ class MovingProblem:
     lattice: Lattice
     names: tuple[str, ...]
     matching: Matching
+    kept: MovedBlends | None = field(default=None, kw_only=True)
 
     @classmethod
     def of(
@@ -181,17 +152,26 @@ class MovingProblem:
         return [self.demanding(asked[blend]).frame(blend, control) for blend in run if blend in asked]
 
     def moved_blend(self, blend: Blend, control: Control) -> MovedBlend:
-        """Move the inputs of one blend that have weight, and voxelize them."""
+        """Move the inputs of one blend that have weight, and voxelize them, unless that is kept."""
+        known = None if self.kept is None else self.kept.get(blend)
+        if known is not None:
+            return replace(known, problem=self._demanded(known.problem.transport, known.active))
         moved = self.motion.moved(blend.weights)
         control.check()
         active = np.flatnonzero(blend.weights)
         shapes = [moved[i] for i in active]
         alone = Blend(tuple(blend.weights[i] for i in active))
-        problem = self._problem_of(blend, shapes, active, control)
-        occupancies = [problem.transport.occupancy(i) for i in range(len(active))]
-        volume = float(problem.transport.blend_volumes(alone).sum())
-        solids = CoincidingSolids.of(occupancies, alone.weights, volume)
-        return MovedBlend(alone, problem, shapes, active, occupancies, solids)
+        transport = self._transport_of(blend, shapes, active, control)
+        occupancies = [transport.occupancy(i).astype(np.float32) for i in range(len(active))]
+        solids = CoincidingSolids.of(occupancies, alone.weights, float(transport.blend_volumes(alone).sum()))
+        found = MovedBlend(alone, self._demanded(transport, active), shapes, active, occupancies, solids)
+        if self.kept is not None:
+            self.kept.keep(blend, found)
+        return found
+
+    def _demanded(self, transport: TransportProblem, active: NDArray[np.int64]) -> MorphProblem:
+        """Return the problem of moved inputs under the demand of this problem; connectivity is that at rest."""
+        return MorphProblem(transport, tuple(self.still.connectivity[i] for i in active), demand=self.still.demand)
 
     def _of_inputs(
         self, triangles: Sequence[NDArray[np.int64]], shapes: Sequence[MovedShape], active: NDArray[np.int64]
@@ -222,7 +202,7 @@ class MovingProblem:
         problem: MorphProblem,
         solved: MorphFrame,
         shapes: Sequence[MovedShape],
-        occupancies: Sequence[NDArray[np.float64]],
+        occupancies: Sequence[NDArray[np.float32]],
         solids: CoincidingSolids,
         control: Control,
     ) -> _PlacedSurface:
@@ -241,10 +221,10 @@ class MovingProblem:
         normals = vertex_normals(mesh.vertices, mesh.faces)
         return _PlacedSurface(mesh, [own.finder.find(mesh.vertices, normals, control) for own in searched])
 
-    def _problem_of(
+    def _transport_of(
         self, blend: Blend, shapes: Sequence[MovedShape], active: NDArray[np.int64], control: Control
-    ) -> MorphProblem:
-        """Return the problem of the moved inputs of one blend; volumes and connectivity are those at rest."""
+    ) -> TransportProblem:
+        """Return the moved inputs of one blend as distributions; volumes are those at rest."""
         center = np.asarray(blend.weights) @ self.lattice.centers
         bounds = np.stack([shape.mesh.bounds for shape in shapes]) - center
         lattice = self.lattice.holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))
@@ -261,8 +241,7 @@ class MovingProblem:
         transport = TransportProblem.of(joined(matching, volumes), lattice, self.still.settings)
         known = {part.name: part.volumes[active] for part in self.still.transport.parts}
         parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in transport.parts)
-        connectivity = tuple(self.still.connectivity[i] for i in active)
-        return MorphProblem(replace(transport, parts=parts), connectivity, demand=self.still.demand)
+        return replace(transport, parts=parts)
 
 
 @dataclass(frozen=True)
