@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.applications.motions.motion import Motion
+from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.schema import setting_of
@@ -36,7 +37,7 @@ from .coherence_measures import (
 from .coherence_pairs import Ends, pairs_named
 from .coherence_turned import turned
 from .end_frames import EndLoss
-from .left_to_transport import left_to_transport, recorded_motions
+from .recorded_motions import recorded_motions
 from .rival_measures import Connectivity
 
 TRANSPORT = "transport"
@@ -121,7 +122,7 @@ def passage(
     motion = recorded[-1] if recorded else None
     figures = {**held(bake, ends), **clean(bake, motion), "records": [_brief(record) for record in bake.records]}
     if motion is not None:
-        figures["residual"] = left_to_transport(motion, [ends.first, ends.second])
+        figures["residual"] = remaining_share(motion, [ends.first, ends.second])
         figures["motion"] = motion.record()
     return figures
 

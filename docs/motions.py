@@ -71,7 +71,8 @@ def drawn_pictures() -> dict[str, list[Block]]:
         "motions": [Block.compared(pair) for pair in ("man raises arm", "dog rears", "chair to man")],
         "pairs_one_build": [Block.compared(pair.name) for pair in TUNED if pair.build == ONE_BUILD],
         "pairs_other": [
-            Block.compared(pair) for pair in ("chair to man", "octopus to horse", "star to cross", "dog to centaur")
+            Block.compared(pair)
+            for pair in ("chair to man", "octopus to horse", "horse to bird", "star to cross", "dog to centaur")
         ],
         "pairs_held_back": [
             Block.compared(pair)

@@ -29,6 +29,8 @@ TEXTS: dict[str, str] = {
     "WIDENED": "Blur was widened to {sigma:.1f} cells in {frames}, to reach from shape to shape",
     **NOTICES,
     "GUIDED": "Limbs swing: the shapes map onto each other (agreement {score:.0%})",
+    "PARTLY": "Limbs swing: the shapes map onto each other in part (agreement {score:.0%}), and parts that only one of "
+    "them has grow in place; guides may help",
     "COMBINED": "Limbs swing and shapes are warped: the map between them is not sure (agreement {score:.0%})",
     "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
@@ -70,7 +72,7 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "COMBINED", "WARPED", "TURNED", "APART", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
     "NO_MOTION": "WARNING",
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -309,6 +311,8 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
         return [Diagnostic(str(chosen["motion_reason"]), {})]
     if chosen["motion_reason"] == "APART":
         return [Diagnostic("APART", {name: _number(chosen, f"motion_{name}") for name in ("score", "detour")})]
+    if chosen["motion_reason"] == "PARTLY":
+        return [Diagnostic("PARTLY", {"score": _number(chosen, "motion_score")})]
     kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
     if kind is None or chosen.get("motion_score") is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []

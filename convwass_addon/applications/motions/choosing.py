@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from ...errors import Cancelled, ConvwassError
+from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -18,15 +19,25 @@ from .guided_settings import GuidedSettings
 from .limbs import is_nearly_convex
 from .motion import Motion
 from .motion_request import MotionRequest
-from .warp_motion import WarpMotion, warp_motion
+from .remaining_distance import remaining_share
+from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
 
-# Guided motions are used alone if the worst map between two shapes has at least the first score, and are completed by a
-# warp from the second on. Chosen by eye on pairs of the benchmark.
+# The shapes map onto each other if the worst map between two of them has at least the first score; below the second,
+# there is no good map. Chosen by eye on pairs of the benchmark.
 _TRUSTED, _DOUBTED = 0.88, 0.2
-# Uncertain maps must not move shapes farther than this many times the Wasserstein distance. It is 0.7 to 1.2 where the
-# completed motion looks good (chair to man, octopus to horse, star to cross), and 1.8 to 2.3 where bodies turn over and
-# tear on the way (horse to bird, dolphins to bird).
+# A warp completes a guided motion that leaves more than this share of the distance between two shapes.
+_MUCH_LEFT = 0.3
+# The warp is used if it leaves at most this share of the rest. It leaves an eighth to a quarter where the shapes have
+# the same parts, perhaps of other size (chair to man, octopus to horse). It leaves four fifths, and crumples, where
+# only one shape has a part (the front legs of a giraffe that was a flamingo). Such parts grow in place without it.
+_WELL_WARPED = 0.5
+# Nor is there a warp if the map moves shapes farther than this many times the Wasserstein distance: then it matches
+# other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
 _DETOUR = 1.4
+# Connected components with at least this share of the area count as bodies.
+_BODY = 0.1
+# Cells of the grid on which distances are compared.
+_CELLS = 32
 # Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
 _FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
 # Fraction of the work for the guided motion, if a warp follows.
@@ -43,8 +54,8 @@ class MotionChoice:
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
         "ASKED" (requested), "SOLID" (a shape has no limbs, and the shapes do not map onto each other), "FITS" (the
-        shapes map onto each other), "UNLIKE" (they do not quite), "APART" (they do not), or "FAILED" (an error
-        occurred).
+        shapes map onto each other), "PARTLY" (they do in part, and the rest grows in place), "UNLIKE" (they do in part,
+        and are warped towards each other), "APART" (they do not), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -55,6 +66,8 @@ class MotionChoice:
         Largest angle in degrees by which a shape was turned about the vertical axis to be mapped to another.
     detour : float or None
         Largest detour of an uncertain map, see :func:`.map_detour.map_detour`.
+    left : float or None
+        Largest share of the distance between two shapes that the guided motion leaves, if it was measured.
     """
 
     kind: str
@@ -64,11 +77,12 @@ class MotionChoice:
     failure: str = ""
     turned: float = 0.0
     detour: float | None = None
+    left: float | None = None
 
     def record(self) -> dict[str, object]:
         """Return the description of the motion for the record of every frame, ready for JSON."""
         known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
-        known |= {"detour": self.detour}
+        known |= {"detour": self.detour, "left": self.left}
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
 
@@ -91,10 +105,10 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
 
 
 def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
-    """Return the guided motion if the shapes map onto each other, completed by a warp if they do so in part.
+    """Return the guided motion if the shapes map onto each other, at least in part, perhaps completed by a warp.
 
-    If they do not, or the map makes detours, they are transported. A warp alone crumples such shapes, and so does an
-    uncertain map of limbs onto a shape that has none, where transport lets the limbs merge with it.
+    If they do not, they are transported: a warp alone crumples such shapes, and so does an uncertain map of limbs onto
+    a shape that has none, where transport lets the limbs merge with it.
     """
     compact = [not request.guides and _is_compact(shape) for shape in request.shapes]
     if all(compact):
@@ -114,23 +128,46 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     detour = max(pair.detour for pair in guided.pairs.values())
     if all(compact[one] or compact[other] for one, other in request.pairs):
         return MotionChoice("transport", "SOLID", None, score, detour=detour)
-    # Where the user says what corresponds, it may be far away.
-    if score < _DOUBTED or (detour > _DETOUR and not request.guides):
+    far = detour > _DETOUR
+    # Where bodies divide or join, something tears, and transport makes less of it.
+    divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
+    if score < _DOUBTED or (far and divides and not request.guides):
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "APART", None, score, detour=detour)
+    alone = MotionChoice("guided", "PARTLY", guided, score, turned=_turned(guided), detour=detour)
+    if far:
+        return alone
+    return (yield from within(_perhaps_warped(alone, guided, request, control), _GUIDED_SHARE, 1.0))
+
+
+def _perhaps_warped(
+    alone: MotionChoice, guided: GuidedMotion, request: MotionRequest, control: Control
+) -> Work[MotionChoice]:
+    """Return the guided motion with a warp if it leaves much that a warp removes; otherwise the guided motion."""
+    yield Progress(0.0, Sentence("Moving the shapes"))
+    full = guided.with_coherence(FULL_COHERENCE)
     try:
-        work = combined_motion(guided, request.names, request.pairs, request.coherence, control)
-        motion = yield from within(work, _GUIDED_SHARE, 1.0)
+        shares = [remaining_share(full, request.shapes, pair, _CELLS, control) for pair in request.pairs]
+        alone = replace(alone, left=max(shares))
+        if alone.left <= _MUCH_LEFT:
+            return alone
+        motion = yield from combined_motion(guided, request.names, request.pairs, request.coherence, control)
     except Cancelled:
         raise
     except _FAILURES as error:
-        yield Progress(1.0, Sentence("Transporting without a motion"))
-        return MotionChoice("transport", "FAILED", None, score, str(error))
-    return MotionChoice("combined", "UNLIKE", motion, score, turned=_turned(guided), detour=detour)
+        return replace(alone, failure=str(error))
+    if motion.left_by_warps > _WELL_WARPED:
+        return alone
+    return replace(alone, kind="combined", reason="UNLIKE", motion=motion)
 
 
 def _is_compact(shape: TriangleMesh) -> bool:
     return is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume)
+
+
+def _bodies(shape: TriangleMesh) -> int:
+    areas = np.bincount(vertex_components(shape), shape.vertex_areas)
+    return int(np.count_nonzero(areas >= _BODY * areas.sum()))
 
 
 def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:

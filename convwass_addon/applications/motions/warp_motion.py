@@ -32,10 +32,14 @@ _SIGMA = 1.5
 _LONGEST_EDGE = 0.7
 # Subdivision stops at this number of vertices; larger meshes are moved as they are.
 _MOST_VERTICES = 200_000
-# Coherence at which the motion is complete, and how closely its path then approaches the meeting positions.
-_FULL, _DETOUR = 0.5, 0.5
+# How closely the path approaches the meeting positions at the coherence at which the motion is complete.
+_DETOUR = 0.5
 # Fraction of the work that the registration takes.
 _REGISTERED = 0.9
+
+
+FULL_COHERENCE = 0.5
+"""Coherence at which shapes move all of the way."""
 
 
 @dataclass(frozen=True)
@@ -136,8 +140,8 @@ class WarpMotion:
 
     def cells(self, index: int, weights: Sequence[float]) -> NDArray[np.float64]:
         """Return the vertices of a shape in the blend with these weights, (n, 3) in cells."""
-        pace = min(self.coherence / _FULL, 1.0)
-        detour = _DETOUR + (1.0 - _DETOUR) * max(self.coherence - _FULL, 0.0) / (1.0 - _FULL)
+        pace = min(self.coherence / FULL_COHERENCE, 1.0)
+        detour = _DETOUR + (1.0 - _DETOUR) * max(self.coherence - FULL_COHERENCE, 0.0) / (1.0 - FULL_COHERENCE)
         return self.shapes[index].at(weights, index, pace, detour)
 
 
@@ -215,6 +219,8 @@ def _signals(
 ) -> WarpSignals:
     """Measure a pair of an otherwise finished motion."""
     i, j = pair
+    # At less coherence, shapes stop on the way, whatever the warp.
+    motion = motion.with_coherence(max(motion.coherence, FULL_COHERENCE))
     weights = [0.5 * (index in pair) for index in range(len(solids))]
     half_way = [_filled(motion.cells(index, weights)[motion.rests[index].mesh.faces], motion.lattice) for index in pair]
     gradients = [motion.shapes[i].gradients(j), motion.shapes[j].gradients(i)]

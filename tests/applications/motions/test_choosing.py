@@ -15,10 +15,13 @@ from tests.shapes import ball, box, joined, square
 
 BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
 SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
+WARPED = SimpleNamespace(left_by_warps=0.2)
+"""A motion whose warps leave a fifth of the distance."""
 
 
 def guided_with(score, turn=0.0, detour=1.0):
-    return SimpleNamespace(pairs={(0, 1): SimpleNamespace(score=score, turn=turn, detour=detour)})
+    pair = SimpleNamespace(score=score, turn=turn, detour=detour)
+    return SimpleNamespace(pairs={(0, 1): pair}, with_coherence=lambda coherence: ("guided", coherence))
 
 
 def work_of(outcome):
@@ -35,9 +38,10 @@ def work_of(outcome):
 
 @pytest.fixture
 def motions(monkeypatch):
-    def given(guided, warp="the warp", combined="the combined motion"):
+    def given(guided, warp="the warp", combined=WARPED, left=0.4):
         for name, outcome in (("guided_motion", guided), ("warp_motion", warp), ("combined_motion", combined)):
             monkeypatch.setattr(choosing, name, work_of(outcome))
+        monkeypatch.setattr(choosing, "remaining_share", lambda motion, *_arguments: {("guided", 0.5): left}[motion])
 
     return given
 
@@ -63,20 +67,40 @@ def test_the_record_says_by_how_much_shapes_were_turned(motions):
     assert choice().record()["turned"] == 90
 
 
-def test_shapes_whose_map_makes_detours_are_transported(motions):
-    """Unless guides say what corresponds, or the map is good: limbs may swing far."""
+def test_maps_that_make_detours_are_not_completed_by_a_warp(motions):
+    motions(guided_with(0.6, detour=1.8), combined=AssertionError("must not be asked for"))
+    assert choice().record() == {"kind": "guided", "reason": "PARTLY", "score": 0.6, "detour": 1.8}
+
+
+def test_shapes_that_divide_far_away_are_transported(motions):
+    """Unless guides say what corresponds."""
+    pair = (BARBELL, joined(BARBELL, BARBELL.moved((0.0, 0.0, 8.0))))
     motions(guided_with(0.6, detour=1.8))
-    assert choice().record() == {"kind": "transport", "reason": "APART", "score": 0.6, "detour": 1.8}
-    assert choice(guides=[{0: 7, 1: 7}]).kind == "combined"
-    motions(guided_with(0.95, detour=1.8))
-    assert choice().kind == "guided"
+    assert choice(shapes=pair).record() == {"kind": "transport", "reason": "APART", "score": 0.6, "detour": 1.8}
+    assert choice(shapes=pair, guides=[{0: 7, 1: 7}]).kind == "guided"
+    motions(guided_with(0.6), left=0.1)
+    assert choice(shapes=pair).kind == "guided"
 
 
-def test_automatic_falls_back_to_transport_after_errors(motions):
+@pytest.mark.parametrize(
+    ("left", "by_warps", "kind"), [(0.2, 0.2, "guided"), (0.4, 0.2, "combined"), (0.4, 0.8, "guided")]
+)
+def test_a_warp_completes_what_leaves_much_that_it_removes(motions, left, by_warps, kind):
+    motions(guided_with(0.6), combined=SimpleNamespace(left_by_warps=by_warps), left=left)
+    found = choice(coherence=0.1)
+    assert found.record() == {
+        "kind": kind,
+        "reason": "PARTLY" if kind == "guided" else "UNLIKE",
+        "score": 0.6,
+        "detour": 1.0,
+        "left": left,
+    }
+
+
+def test_automatic_does_without_what_fails(motions):
     motions(guided_with(0.6), combined=ResourceError("no memory"))
-    found = choice()
-    assert found.motion is None
-    assert found.record() == {"kind": "transport", "reason": "FAILED", "score": 0.6, "failure": "no memory"}
+    found = choice().record()
+    assert (found["kind"], found["reason"], found["failure"]) == ("guided", "PARTLY", "no memory")
     motions(InputError("no map"))
     assert choice().record() == {"kind": "transport", "reason": "FAILED", "failure": "no map"}
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much a motion leaves to transport, on pairs of balls with known distance."""
+"""How much a motion leaves of the distance between two shapes, on pairs of balls at known distances."""
 
 from __future__ import annotations
 
@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import pytest
 
-from benchmarks.left_to_transport import TIMES, left_to_transport
 from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.applications.motions.remaining_distance import TIMES, remaining_share
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball, joined
 
@@ -37,7 +37,7 @@ class Closing:
 
 
 @pytest.mark.parametrize("left", [1.0, 0.4])
-def test_the_remaining_fraction_of_the_distance_is_left_to_transport(left):
+def test_the_share_of_the_distance_that_a_motion_leaves(left):
     assert 0.5 in TIMES
-    found = left_to_transport(Closing(left), [two_balls(1.0), two_balls(2.0)])
+    found = remaining_share(Closing(left), [two_balls(1.0), two_balls(2.0)])
     assert found == pytest.approx(left, rel=0.05)

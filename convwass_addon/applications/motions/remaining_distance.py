@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How much of the distance between two shapes a motion leaves."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from ...geometry.centroid import centroid
+from ...geometry.mesh import TriangleMesh
+from ...geometry.thicken import solid_or_shell_occupancy
+from ...progress import UNINTERRUPTED, Control
+from ...transport import Grid, distance
+from .motion import Motion
+
+TIMES = (0.25, 0.5, 0.75)
+"""Where on the way from one shape to the other the distance is measured."""
+
+_MARGIN = 4.0
+_TOLERANCE, _MOST_ITERATIONS = 1e-2, 200
+
+
+def remaining_share(
+    motion: Motion,
+    shapes: Sequence[TriangleMesh],
+    pair: tuple[int, int] = (0, 1),
+    cells: int = 48,
+    control: Control = UNINTERRUPTED,
+) -> float:
+    """Return the largest W2 between two moved shapes over the W2 of the shapes themselves, centers of mass aligned.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion of all shapes.
+    shapes : sequence of TriangleMesh
+        The shapes at rest.
+    pair : (int, int)
+        The two shapes that are compared.
+    cells : int
+        Cells along the longest side of the grid on which solids of mass 1 are compared.
+    control : Control
+        Stops the work.
+    """
+    apart = _distance([shapes[index].moved(-centroid(shapes[index])) for index in pair], cells, control)
+    return max(_distance(_moved(motion, len(shapes), pair, t), cells, control) for t in TIMES) / apart
+
+
+def _moved(motion: Motion, count: int, pair: tuple[int, int], t: float) -> list[TriangleMesh]:
+    weights = np.zeros(count)
+    weights[list(pair)] = 1.0 - t, t
+    moved = motion.moved(weights)
+    return [moved[index].mesh for index in pair]
+
+
+def _distance(meshes: Sequence[TriangleMesh], cells: int, control: Control) -> float:
+    """Return W2 between two solids of mass 1, in the unit of the meshes."""
+    low = np.min([mesh.bounds[0] for mesh in meshes], axis=0)
+    high = np.max([mesh.bounds[1] for mesh in meshes], axis=0)
+    spacing = float((high - low).max()) / cells
+    shape = tuple(np.ceil((high - low) / spacing + 2.0 * _MARGIN).astype(int))
+    solids = [solid_or_shell_occupancy((mesh.corners - low) / spacing + _MARGIN, shape) for mesh in meshes]
+    grid = Grid(shape, sigma=1.0)
+    found = distance(*solids, grid, tolerance=_TOLERANCE, max_iterations=_MOST_ITERATIONS, control=control)
+    return found.length * spacing
