@@ -166,7 +166,10 @@ def _is_compact(shape: TriangleMesh) -> bool:
 
 
 def _bodies(shape: TriangleMesh) -> int:
-    areas = np.bincount(vertex_components(shape), shape.vertex_areas)
+    labels = vertex_components(shape)
+    # Vertices without faces belong to no component.
+    used = labels >= 0
+    areas = np.bincount(labels[used], shape.vertex_areas[used])
     return int(np.count_nonzero(areas >= _BODY * areas.sum()))
 
 

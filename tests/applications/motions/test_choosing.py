@@ -4,12 +4,14 @@
 
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import InputError, ResourceError
+from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball, box, joined, square
 
@@ -80,6 +82,12 @@ def test_shapes_that_divide_far_away_are_transported(motions):
     assert choice(shapes=pair, guides=[{0: 7, 1: 7}]).kind == "guided"
     motions(guided_with(0.6), left=0.1)
     assert choice(shapes=pair).kind == "guided"
+
+
+def test_vertices_without_faces_are_no_bodies(motions):
+    loose = TriangleMesh(np.concatenate([BARBELL.vertices, [[0.0, 0.0, 9.0]]]), BARBELL.faces)
+    motions(guided_with(0.6, detour=1.8))
+    assert choice(shapes=(BARBELL, loose)).kind == "guided"
 
 
 @pytest.mark.parametrize(
