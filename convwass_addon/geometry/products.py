@@ -15,6 +15,10 @@ from scipy.linalg import blas, cython_blas
 # C signature of dgemm and sgemm as exported by SciPy, with its own name for the floating-point type.
 _SIGNATURE = rb"void \(char \*, char \*, int \*, int \*, int \*, N, N, int \*, N, int \*, N, N, int \*\)"
 _NUMBER = rb"__pyx_t_\w+_[ds] \*"
+_BYTES = 8
+# Matrices with fewer rows are multiplied at once, others in blocks of so many columns. A product with a Gaussian whose
+# entries end at 45 cells takes 0.9 of the time with 225 rows, and 0.55 with 450.
+_LONG, _COLUMNS = 200, 96
 
 
 def product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -39,7 +43,8 @@ def product(left: NDArray[np.float64], right: NDArray[np.float64]) -> NDArray[np
 def contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:
     """Contract the last axis of an array with a matrix and move it to the front, so that the next axis becomes last.
 
-    BLAS writes the transposed order at no extra cost, and other threads can run meanwhile.
+    BLAS writes the transposed order at no extra cost, and other threads can run meanwhile. Of a large banded matrix,
+    most zeros are skipped.
 
     Parameters
     ----------
@@ -50,25 +55,49 @@ def contract(source: NDArray[np.float64], target: NDArray[np.float64], kernel: N
     kernel : (size, new size) float64
         In Fortran order.
     """
-    size, new_size = kernel.shape
+    size = len(kernel)
     lines = source.size // size
     if _dgemm is None:
         _through_wrapper(source, target, kernel)
-    else:
+        return
+    for rows, columns in _filled_blocks(kernel):
         # target^T = source^T kernel, all in BLAS's column-major order.
         _dgemm(
             b"T",
             b"N",
-            *(ctypes.byref(ctypes.c_int(number)) for number in (lines, new_size, size)),
+            *(ctypes.byref(ctypes.c_int(number)) for number in (lines, _count(columns), _count(rows))),
             ctypes.byref(ctypes.c_double(1.0)),
-            source.ctypes.data,
+            source.ctypes.data + _BYTES * rows.start,
             ctypes.byref(ctypes.c_int(size)),
-            kernel.ctypes.data,
+            kernel.ctypes.data + _BYTES * (columns.start * size + rows.start),
             ctypes.byref(ctypes.c_int(size)),
             ctypes.byref(ctypes.c_double(0.0)),
-            target.ctypes.data,
+            target.ctypes.data + _BYTES * columns.start * lines,
             ctypes.byref(ctypes.c_int(lines)),
         )
+
+
+def _filled_blocks(kernel: NDArray[np.float64]) -> list[tuple[slice, slice]]:
+    """Divide the columns of a matrix into blocks; return the rows between which each is not zero, and its columns.
+
+    A matrix that is small, or not banded, is a single block.
+    """
+    size, new_size = kernel.shape
+    whole = [(slice(0, size), slice(0, new_size))]
+    if size < _LONG:
+        return whole
+    found = []
+    for start in range(0, new_size, _COLUMNS):
+        columns = slice(start, min(start + _COLUMNS, new_size))
+        filled = np.flatnonzero(kernel[:, columns].any(axis=1))
+        # A product with a single row of zeros is zero.
+        rows = slice(int(filled[0]), int(filled[-1]) + 1) if len(filled) else slice(0, 1)
+        found.append((rows, columns))
+    return found if any(_count(rows) < size for rows, _ in found) else whole
+
+
+def _count(span: slice) -> int:
+    return span.stop - span.start
 
 
 def _through_wrapper(source: NDArray[np.float64], target: NDArray[np.float64], kernel: NDArray[np.float64]) -> None:

@@ -41,6 +41,17 @@ def test_contracts_the_last_axis_and_puts_it_first(own, lines, size, new_size, s
     np.testing.assert_array_equal(kernel, kept[1])
 
 
+@pytest.mark.parametrize("band", [0, 20, 70])
+def test_blocks_of_a_banded_matrix_are_contracted(own, band):
+    """Some of the last columns are empty."""
+    rng = np.random.default_rng(band)
+    rows, columns = np.indices((230, 310))
+    kernel = np.asfortranarray(np.where(np.abs(rows - columns) <= band, rng.normal(size=rows.shape), 0.0))
+    source, target = rng.normal(size=7 * 230), np.full(310 * 7, np.nan)
+    own.contract(source, target, kernel)
+    np.testing.assert_allclose(target.reshape(310, 7), (source.reshape(7, 230) @ kernel).T, atol=1e-12)
+
+
 @settings(max_examples=50, deadline=None)
 @given(count=st.integers(1, 40), size=st.integers(1, 30), new_size=st.integers(1, 30), seed=st.integers(0, 99))
 def test_multiplies_in_single_precision(own, count, size, new_size, seed):
