@@ -60,6 +60,45 @@ class ClosestPoints:
         return ClosestPoints(*(np.concatenate([own, vars(other)[name]]) for name, own in vars(self).items()))
 
 
+@dataclass(frozen=True)
+class TriangleSamples:
+    """Points distributed over triangles.
+
+    Attributes
+    ----------
+    points : (s, 3) float64
+        At least 20 000, evenly distributed unless some triangles are much smaller than others.
+    triangles : (s,) int64
+        The triangle of every point; each triangle has at least one.
+    radius : float
+        Every point of a triangle is at most this far from one of its samples.
+    """
+
+    points: NDArray[np.float64]
+    triangles: NDArray[np.int64]
+    radius: float
+
+    @classmethod
+    def of(cls, corners: NDArray[np.float64]) -> TriangleSamples:
+        """Divide every triangle, (m, 3, 3), into n^2 similar ones, n along each edge, and take their centers."""
+        a, b, c = np.moveaxis(corners, 1, 0)
+        centers = (a + b + c) / 3.0
+        squares = [np.einsum("md,md->m", corner - centers, corner - centers) for corner in (a, b, c)]
+        reach = np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
+        wanted = max(_SAMPLES, _SAMPLES_PER_TRIANGLE * len(corners))
+        spacing = np.sqrt(np.square(reach).sum() / wanted)
+        cuts = np.ones(len(corners), np.int64)
+        if spacing > 0:
+            cuts = np.clip(np.round(reach / spacing), 1, _MOST_CUTS).astype(np.int64)
+        points, owners = [], []
+        for count in np.unique(cuts):
+            own = np.flatnonzero(cuts == count)
+            shares = _cut_centers(int(count))
+            points.append(np.einsum("sc,mcd->msd", shares, corners[own]).reshape(-1, 3))
+            owners.append(np.repeat(own, len(shares)))
+        return cls(np.concatenate(points), np.concatenate(owners), float((reach / cuts).max()))
+
+
 class ClosestPointFinder:
     """Finds closest points on one surface.
 
@@ -84,8 +123,9 @@ class ClosestPointFinder:
             raise ValueError(f"corners must be (m, 3, 3), with at least one triangle, not {np.shape(corners)}")
         if not np.isfinite(self._corners).all():
             raise ValueError("corners must be finite numbers")
-        samples, self._owners, self._radius = _samples(self._corners)
-        self._tree = cKDTree(samples, leafsize=32)
+        samples = TriangleSamples.of(self._corners)
+        self._owners, self._radius = samples.triangles, samples.radius
+        self._tree = cKDTree(samples.points, leafsize=32)
 
     def find(self, points: ArrayLike, control: Control = UNINTERRUPTED) -> ClosestPoints:
         """Find the closest point of the surface for each of `points`, (n, 3), which must be finite.
@@ -201,29 +241,6 @@ def _prepared(points: ArrayLike) -> tuple[NDArray[np.float64], ClosestPoints]:
 
 def _chunks(count: int, size: int = _AT_ONCE) -> Iterator[slice]:
     return (slice(start, min(start + size, count)) for start in range(0, count, size))
-
-
-def _samples(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.int64], float]:
-    """Sample triangles: points (s, 3), their triangles (s,), and the radius within which every point has a sample.
-
-    A triangle is divided into n^2 similar ones, n along each edge, and sampled at their centers.
-    """
-    a, b, c = np.moveaxis(corners, 1, 0)
-    centers = (a + b + c) / 3.0
-    squares = [np.einsum("md,md->m", corner - centers, corner - centers) for corner in (a, b, c)]
-    reach = np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
-    wanted = max(_SAMPLES, _SAMPLES_PER_TRIANGLE * len(corners))
-    spacing = np.sqrt(np.square(reach).sum() / wanted)
-    cuts = np.ones(len(corners), np.int64)
-    if spacing > 0:
-        cuts = np.clip(np.round(reach / spacing), 1, _MOST_CUTS).astype(np.int64)
-    points, owners = [], []
-    for count in np.unique(cuts):
-        own = np.flatnonzero(cuts == count)
-        shares = _cut_centers(int(count))
-        points.append(np.einsum("sc,mcd->msd", shares, corners[own]).reshape(-1, 3))
-        owners.append(np.repeat(own, len(shares)))
-    return np.concatenate(points), np.concatenate(owners), float((reach / cuts).max())
 
 
 def _cut_centers(count: int) -> NDArray[np.float64]:

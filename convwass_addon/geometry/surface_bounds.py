@@ -38,18 +38,19 @@ class SurfaceBounds:
     def of(cls, corners: NDArray[np.float64], shape: tuple[int, int, int], reach: float) -> SurfaceBounds:
         """Measure the distances from a closed outward surface, (m, 3, 3) in cells, on a grid.
 
-        Parts outside the grid are ignored.
+        Parts outside the grid are ignored; a surface that encloses nothing inside the grid sets no limits.
         """
-        inside = occupancy(corners, shape) > 0.5
-        distances = np.full(shape, np.float32(max(shape)))
-        if inside.any():
-            # Between cells inside and outside, the surface is half a cell from either center.
-            outward = distance_transform_edt(~inside).astype(np.float32) - 0.5
-            low, high = bounding_box(inside)
-            box = tuple(slice(max(a - 1, 0), b + 1) for a, b in zip(low, high, strict=True))
-            inward = distance_transform_edt(np.pad(inside[box], 1))[1:-1, 1:-1, 1:-1].astype(np.float32) - 0.5
-            distances = outward
-            distances[box] = np.where(inside[box], -inward, outward[box])
+        # Flattened onto the boundary, parts outside enclose nothing.
+        inside = occupancy(np.clip(corners, 1.0, np.array(shape) - 1.0), shape) > 0.5
+        if not inside.any():
+            return cls(np.zeros(shape, np.float32), np.inf)
+        # Between cells inside and outside, the surface is half a cell from either center.
+        outward = distance_transform_edt(~inside).astype(np.float32) - 0.5
+        low, high = bounding_box(inside)
+        box = tuple(slice(max(a - 1, 0), b + 1) for a, b in zip(low, high, strict=True))
+        inward = distance_transform_edt(np.pad(inside[box], 1))[1:-1, 1:-1, 1:-1].astype(np.float32) - 0.5
+        distances = outward
+        distances[box] = np.where(inside[box], -inward, outward[box])
         return cls(gaussian_filter(distances, _SMOOTH), reach)
 
     def limited(

@@ -7,6 +7,7 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from itertools import pairwise
 
+import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
@@ -15,6 +16,8 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, payloads
@@ -34,15 +37,20 @@ def window():
     return joined(*across, *[box((0.3, 1.9, 0.3), (x, 0, 0)) for x in (-0.85, 0.85)])
 
 
-def made(shapes, resolution, **options):
+def made(shapes, resolution, motion="transport", **options):
     """All frames as they come; some come twice."""
-    settings = MorphSettings(motion="transport", resolution=resolution)
+    settings = MorphSettings(motion=motion, resolution=resolution)
     return list(payloads(morph(shapes, ["a", "b"], BLENDS, settings, **options), MorphFrame))
+
+
+def final(frames):
+    """The last frame of every blend."""
+    return list({frame.blend: frame for frame in frames}.values())
 
 
 def counts(frames, kind):
     """The final count of every blend."""
-    return [frame.record["found"][kind] for frame in {frame.blend: frame for frame in frames}.values()]
+    return [frame.record["found"][kind] for frame in final(frames)]
 
 
 def changes(values):
@@ -60,6 +68,34 @@ def test_the_hole_of_a_torus_closes_once_on_the_way_to_a_ball():
     handles = counts(frames, "handles")
     assert (handles[0], handles[-1], changes(handles)) == (1, 0, 1)
     assert counts(frames, "pieces") == [1] * len(BLENDS)
+
+
+def thickness(mesh):
+    """Height of a mesh on the z axis; zero with a hole there."""
+    near = mesh.vertices[np.hypot(*mesh.vertices[:, :2].T) < 0.12]
+    return float(np.ptp(near[:, 2])) if len(near) else 0.0
+
+
+class Unmapped(MotionMemory):
+    """A choice of transport without the search for a map."""
+
+    def chosen(self, request, control):
+        yield from ()
+        return MotionChoice("transport", "SOLID")
+
+
+def falls(frames):
+    """By how much the thickness falls from blend to blend."""
+    return -np.diff([1.8, *(thickness(frame.mesh) for frame in frames if frame.mesh is not None)])
+
+
+def test_a_hole_that_opens_at_once_is_dug_from_both_sides():
+    """In the barycenters, the middle of the ball is gone within a frame; by transport alone, it stays so."""
+    shapes = (ball(0.9), torus(1.0, 0.35))
+    frames = made(shapes, 32, motion="automatic", motions=Unmapped())
+    assert falls(frames[: len(BLENDS)]).max() > 1.5
+    assert falls(final(frames)).max() < 0.45
+    assert falls(final(made(shapes, 32))).max() > 1.5
 
 
 @pytest.fixture(scope="module")

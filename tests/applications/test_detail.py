@@ -88,7 +88,10 @@ def test_transport_carries_detail_if_requested():
     assert found[None].mesh.area < 0.965 * area < 0.98 * area < found[1.0].mesh.area < 1.01 * area
     origins = found[1.0].origins
     assert origins.shape == (2, *found[1.0].mesh.vertices.shape)
-    np.testing.assert_allclose(origins[0] * 23 / 24 + origins[1] / 24, found[1.0].mesh.vertices, atol=4e-3)
+    apart = np.linalg.norm(origins[0] * 23 / 24 + origins[1] / 24 - found[1.0].mesh.vertices, axis=1)
+    # Beside the corners of the box, a few vertices are moved so that no triangle turns over.
+    assert np.quantile(apart, 0.995) < 4e-3
+    assert apart.max() < 0.05
 
 
 def test_all_detail_comes_along_but_in_the_blends_of_the_paper():

@@ -7,15 +7,16 @@ import pytest
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.steady_topology import legs_of
-from convwass_addon.applications.morphs.surface_steps import SurfaceSteps, farthest
-from tests.shapes import ball, joined
+from convwass_addon.applications.morphs.surface_steps import MeasuredSurface, SurfaceSteps, farthest
+from tests.shapes import ball, box, joined
 
 BLENDS = path_blends(2, 12)
+SMALL = ball(0.3, (2, 0, 0))
 
 
-def chains_of(places, extra=()):
+def chains_of(places, extra=(), shapes=None):
     """Return the chains of balls at positions along x, with a second ball in some blends."""
-    steps = SurfaceSteps(legs_of(BLENDS))
+    steps = SurfaceSteps(legs_of(BLENDS), shapes)
     for index, (blend, x) in enumerate(zip(BLENDS, places, strict=True)):
         here = ball(1.0, (x, 0, 0))
         mesh = joined(here, ball(0.3, (x + 2.0, 0, 0))) if index in extra else here
@@ -23,10 +24,18 @@ def chains_of(places, extra=()):
     return steps.chains()
 
 
-def test_distances_of_balls():
-    assert farthest(ball(), ball(1.0, (0.5, 0, 0))) == pytest.approx(0.5, abs=0.05)
-    assert farthest(ball(), joined(ball(), ball(0.3, (2, 0, 0)))) == 0.0
-    assert farthest(joined(ball(), ball(0.3, (2, 0, 0))), ball()) == pytest.approx(1.3, abs=0.05)
+@pytest.mark.parametrize("measured", [MeasuredSurface.of_blend, MeasuredSurface.of_shape])
+def test_distances_of_balls(measured):
+    alone, moved, two = (measured(mesh) for mesh in (ball(), ball(1.0, (0.5, 0, 0)), joined(ball(), SMALL)))
+    assert farthest(alone, moved) == pytest.approx(0.5, abs=0.05)
+    assert farthest(alone, two) < 0.03
+    assert farthest(two, alone) == pytest.approx(1.3, abs=0.05)
+
+
+def test_shapes_of_few_triangles_are_measured_between_their_vertices():
+    """A ball in the middle of a cube's face is far from all corners of the cube."""
+    cube, pole = MeasuredSurface.of_shape(box()), ball(0.1, (0.0, 0.0, 0.5))
+    assert farthest(MeasuredSurface.of_blend(pole), cube) == pytest.approx(0.1, abs=0.02)
 
 
 def test_even_steps_are_unchanged():
@@ -47,3 +56,35 @@ def test_appearing_parts_grow_afterwards_and_vanishing_parts_shrink_before():
 def test_a_part_in_one_blend_grows_and_shrinks():
     grows, shrinks = chains_of([0.2 * i for i in range(13)], extra=[4])
     assert (grows.blends[0], shrinks.blends[0]) == (BLENDS[4], BLENDS[4])
+
+
+@pytest.mark.parametrize("end", [0, 12])
+def test_what_appears_beside_a_shape_grows_in_the_blends_next_to_it(end):
+    """A shape without the small ball that all blends have, or with one that none has: the blends close to it change."""
+    moved = ball(1.0, (0.2 * end, 0, 0))
+    with_small = joined(moved, ball(0.3, (0.2 * end + 2.0, 0, 0)))
+    inward = BLENDS[1:-1] if end == 0 else BLENDS[-2:0:-1]
+    for shape, extra in ((moved, range(13)), (with_small, ())):
+        (chain,) = chains_of([0.2 * i for i in range(13)], extra, {BLENDS[end]: shape})
+        assert (chain.beside, chain.blends) == (BLENDS[end], tuple(inward))
+        assert chain.near.volume == pytest.approx(shape.volume)
+        # In the eleven steps, the small ball moves by 1.3 and ten times 0.2.
+        assert chain.reach == pytest.approx(3.3 / 11, abs=0.03)
+
+
+def test_shapes_next_to_even_steps_change_nothing():
+    shapes = {BLENDS[0]: ball(), BLENDS[-1]: ball(1.0, (2.4, 0, 0))}
+    assert chains_of([0.2 * i for i in range(13)], (), shapes) == []
+
+
+def test_long_steps_are_found_if_the_leg_begins_with_longer_ones():
+    """The usual step is known only at the end of the leg."""
+    chains = chains_of([0.0, 0.1, 2.1, 4.1, 6.1, 8.1, 9.3, *(9.3 + 0.1 * i for i in range(1, 7))])
+    assert {chain.beside for chain in chains} >= {BLENDS[1], BLENDS[5]}
+
+
+def test_blends_beside_shapes_change_first():
+    """Blends cannot be limited by the shape any more once they are limited by a later blend."""
+    places = [0.0, 1.0, 3.5, *(3.5 + 0.1 * i for i in range(1, 11))]
+    chains = chains_of(places, (), {BLENDS[0]: ball()})
+    assert [chain.beside for chain in chains][:2] == [BLENDS[0], BLENDS[1]]

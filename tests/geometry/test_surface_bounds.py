@@ -50,3 +50,17 @@ def test_a_crack_that_opens_at_once_opens_from_outside():
 def test_a_box_of_a_density_is_limited_alike():
     bounds, box = SurfaceBounds.of(BALL.corners, SHAPE, 2.0), (slice(5, 35), slice(3, 38), slice(6, 36))
     np.testing.assert_array_equal(bounds.limited(solid(14.0)[box], 0.5, box), bounds.limited(solid(14.0), 0.5)[box])
+
+
+@pytest.mark.parametrize("corners", [BALL.corners + 1000.0, BALL.corners - 1000.0, BALL.corners[:1]])
+def test_a_surface_that_encloses_nothing_in_the_grid_sets_no_limits(corners):
+    """Such as a shape far away, or an open one."""
+    density = solid(14.0)
+    np.testing.assert_array_equal(SurfaceBounds.of(corners, SHAPE, 2.0).limited(density, 0.5), density)
+
+
+def test_parts_outside_the_grid_are_ignored():
+    far = BALL.corners - 1000.0
+    bounds = [SurfaceBounds.of(corners, SHAPE, 2.0) for corners in (BALL.corners, np.concatenate([BALL.corners, far]))]
+    inner = (slice(3, -3),) * 3
+    np.testing.assert_allclose(bounds[1].distances[inner], bounds[0].distances[inner], atol=1e-6)

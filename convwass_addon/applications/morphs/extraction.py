@@ -39,6 +39,8 @@ cell. The enclosed volume is chosen afterwards.
 _EXTRACTION_REACH = 4.0
 # Below this fraction of the maximum, a density counts as zero.
 _NEGLIGIBLE = 1e-7
+# Limits are applied at most so many times, until the level changes by less than this fraction.
+_LEVELS, _SAME_LEVEL = 3, 0.03
 # Mass that a blur moves out of a surface stays within this many of its standard deviations.
 _REACH = 3.0
 
@@ -210,12 +212,29 @@ def _mended(
     mending = mended_surface(prepared.density, volume, most, constraint.effort)
     if constraint.bounds is None:
         return Extraction(_sized(mending, settings), mending.record())
-    # Repairs may extend beyond the previous surface.
-    level = mending.surface.level
-    limited = constraint.bounds.limited(mending.density, level, prepared.box)
-    held = int(np.count_nonzero((limited > level) != (mending.density > level)))
-    if held:
-        mending = mended_surface(limited, volume, most, constraint.effort)
+    return _limited(prepared, mending, volume, most, settings, constraint)
+
+
+def _limited(
+    prepared: _Prepared,
+    free: Mending,
+    volume: float,
+    most: Connectivity,
+    settings: MorphSettings,
+    constraint: Constraint,
+) -> Extraction:
+    """Return a repaired surface that is limited by a constraint; repairs may extend beyond the limits."""
+    mending, level = free, free.surface.level
+    for _ in range(_LEVELS):
+        limited = constraint.bounds.limited(free.density, level, prepared.box)
+        held = int(np.count_nonzero((limited > level) != (free.density > level)))
+        if not held:
+            break
+        mending, before = mended_surface(limited, volume, most, constraint.effort), level
+        level = mending.surface.level
+        # What the limits change also changes the level, which moves the limited surface.
+        if abs(level - before) <= _SAME_LEVEL * before:
+            break
     return Extraction(_sized(mending, settings), {**mending.record(), "held": held, "held_share": held / volume})
 
 

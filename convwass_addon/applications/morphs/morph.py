@@ -131,7 +131,8 @@ def morph(
         motions=motions or MotionMemory(),
     )
     # If other parts of the morph are computed elsewhere, no decisions over all of it are possible here.
-    review = BakeReview(blends if wanted is None else ())
+    reviewed = blends if wanted is None else ()
+    review = BakeReview(reviewed, _unblended(reviewed, shapes, animation))
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())
         fraction, problem, kept = 0.0, None, None
@@ -148,6 +149,16 @@ def morph(
             yield Progress(share, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
         remaking = Remaking(plan, runs, store, problem, control, kept)
         yield from within(remaking.fitted(review), fraction + span, 1.0)
+
+
+def _unblended(
+    blends: Sequence[Blend], shapes: Sequence[TriangleMesh], animation: Animation | None
+) -> dict[Blend, TriangleMesh]:
+    """Return the meshes of blends that are a single input, as it is at their time."""
+    alone = {blend: blend.source for blend in blends if blend.source is not None}
+    if animation is None:
+        return {blend: shapes[index] for blend, index in alone.items()}
+    return {blend: animation.shapes[index].at(animation.time_of(blend.weights)) for blend, index in alone.items()}
 
 
 def in_order(

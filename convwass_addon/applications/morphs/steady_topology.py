@@ -40,6 +40,11 @@ class Leg:
     last: Blend
     between: tuple[Blend, ...]
 
+    @property
+    def whole(self) -> tuple[Blend, ...]:
+        """All blends in order, with the unblended shapes."""
+        return (self.first, *self.between, self.last)
+
 
 def legs_of(blends: Sequence[Blend]) -> list[Leg]:
     """Return the legs of a path, without those that have no blends between their shapes; a sheet has none."""

@@ -4,13 +4,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ...geometry.closest_points import TriangleSamples
 from ...geometry.mesh import TriangleMesh
+from ...geometry.orientation import orient_outward
 from .layouts import Blend
 from .morph_problem import MorphFrame
 from .steady_topology import Leg
@@ -18,14 +23,15 @@ from .steady_topology import Leg
 # A step longer than this multiple of the median is a jump; the steps of blends computed again are limited to the
 # second.
 _JUMP, _REACH = 1.8, 1.5
-# Steps shorter than this multiple of the vertex spacing are not jumps.
+# Steps shorter than this multiple of the spacing of points are not jumps.
 _LEAST = 1.5
-# Number of vertices of every surface at which distances are measured.
+# Legs with fewer blends have no usual step.
+_FEWEST = 3
+# Number of points of every surface at which distances are measured.
 _ASKED = 2500
-# Meshes are kept for this many of the longest steps. From this number of steps on, they are kept only if the step
-# exceeds the current median by this factor.
-_KEPT, _FIRST, _LONG = 16, 4, 1.2
-# Excess of the squared distance to the nearest vertex over that to the surface, as a fraction of the area per vertex.
+# Meshes are kept for this many of the longest steps.
+_KEPT = 16
+# Excess of the squared distance to the nearest point over that to the surface, as a fraction of the area per point.
 _BESIDE = 0.35
 
 
@@ -64,23 +70,58 @@ class _Lengths:
 
 
 @dataclass(frozen=True)
+class MeasuredSurface:
+    """A surface, with points on it between which distances are measured.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        The surface, oriented outward.
+    points : (n, 3) float64
+        Points all over the surface.
+    spacing : float
+        The approximate distance between neighboring points.
+    """
+
+    mesh: TriangleMesh
+    points: NDArray[np.float64]
+    spacing: float
+
+    @classmethod
+    def of_blend(cls, mesh: TriangleMesh) -> MeasuredSurface:
+        """Take the vertices of a blend, which lie evenly on its surface."""
+        return cls(mesh, mesh.vertices, float(np.sqrt(mesh.area / len(mesh.vertices))))
+
+    @classmethod
+    def of_shape(cls, mesh: TriangleMesh) -> MeasuredSurface:
+        """Take points on the triangles of a shape, which may be large."""
+        points = TriangleSamples.of(mesh.corners).points
+        return cls(orient_outward(mesh), points, float(np.sqrt(mesh.area / len(points))))
+
+    @cached_property
+    def tree(self) -> cKDTree:
+        """The search tree of the points; every surface is compared with the one before and the one after."""
+        return cKDTree(self.points)
+
+
+@dataclass(frozen=True)
 class _Step:
-    """The step from one blend to the next.
+    """A step between two frames.
 
     Attributes
     ----------
     place : int
-        Index of the second blend in its leg.
+        Index of the second frame in its leg; the first shape has the index 0.
     lengths : _Lengths
         Lengths of the step.
-    before, after : TriangleMesh
+    before, after : MeasuredSurface
         The two surfaces.
     """
 
     place: int
     lengths: _Lengths
-    before: TriangleMesh
-    after: TriangleMesh
+    before: MeasuredSurface
+    after: MeasuredSurface
 
 
 class SurfaceSteps:
@@ -90,52 +131,63 @@ class SurfaceSteps:
     ----------
     legs : sequence of Leg
         Legs of the bake.
+    shapes : mapping of Blend to TriangleMesh, optional
+        The unblended shapes at the ends of legs, in scene space. Without them, first and last steps are not measured.
     """
 
-    def __init__(self, legs: Sequence[Leg]) -> None:
-        self._legs = legs
-        self._places = {blend: (leg, i) for leg in legs for i, blend in enumerate(leg.between)}
-        self._lengths: dict[Leg, list[_Lengths]] = {leg: [] for leg in legs}
+    def __init__(self, legs: Sequence[Leg], shapes: Mapping[Blend, TriangleMesh] | None = None) -> None:
+        self._legs, self._shapes = legs, shapes or {}
+        self._places = {pair: (leg, place) for leg in legs for place, pair in enumerate(pairwise(leg.whole), start=1)}
+        self._lengths: dict[Leg, dict[int, _Lengths]] = {leg: {} for leg in legs}
         self._longest: dict[Leg, list[_Step]] = {leg: [] for leg in legs}
-        self._last: MorphFrame | None = None
+        self._last: tuple[Blend, MeasuredSurface] | None = None
 
     def add(self, frame: MorphFrame) -> None:
         """Measure the step from the previous frame to this one."""
-        leg, place = self._places.get(frame.blend, (None, 0))
-        last, self._last = self._last, frame
-        if leg is None or frame.mesh is None or last is None or self._places.get(last.blend) != (leg, place - 1):
+        last, after = self._last, self._surface(frame)
+        self._last = None if after is None else (frame.blend, after)
+        if last is None or after is None or (last[0], frame.blend) not in self._places:
             return
-        appears, vanishes = farthest(frame.mesh, last.mesh), farthest(last.mesh, frame.mesh)
-        step = _Step(place, _Lengths(appears, vanishes), last.mesh, frame.mesh)
-        self._lengths[leg].append(step.lengths)
-        least = _LONG * self._usual(leg) if len(self._lengths[leg]) > _FIRST else 0.0
-        longest = sorted([*self._longest[leg], step], key=lambda one: -one.lengths.longest)
-        self._longest[leg] = [one for one in longest[:_KEPT] if one.lengths.longest >= least]
+        (leg, place), before = self._places[last[0], frame.blend], last[1]
+        lengths = _Lengths(farthest(after, before), farthest(before, after))
+        if place in (1, len(leg.between) + 1):
+            # A shape cannot change, so the blends beside it change whether they have too much or too little.
+            lengths = _Lengths(lengths.longest, lengths.longest)
+        self._lengths[leg][place] = lengths
+        longest = [*self._longest[leg], _Step(place, lengths, before, after)]
+        self._longest[leg] = sorted(longest, key=lambda step: -step.lengths.longest)[:_KEPT]
 
-    def _usual(self, leg: Leg) -> float:
-        return float(np.median([step.longest for step in self._lengths[leg]]))
+    def _surface(self, frame: MorphFrame) -> MeasuredSurface | None:
+        if frame.mesh is not None:
+            return MeasuredSurface.of_blend(frame.mesh)
+        shape = self._shapes.get(frame.blend)
+        return None if shape is None or not len(shape.faces) else MeasuredSurface.of_shape(shape)
 
     def chains(self) -> list[Chain]:
-        """Return the blends to compute again: those after something appears, and before something vanishes."""
+        """Return the blends to compute again: those after something appears, and before something vanishes.
+
+        Those beside unblended shapes come first, then those of the longest steps. What appears or vanishes beside a
+        shape does so in the blends next to it.
+        """
         return [chain for leg in self._legs for chain in self._chains_of(leg)]
 
     def _chains_of(self, leg: Leg) -> list[Chain]:
-        if len(self._lengths[leg]) < max(len(leg.between) - 1, 2):
+        lengths, blends = self._lengths[leg], len(leg.between)
+        if blends < _FEWEST or any(place not in lengths for place in range(2, blends + 1)):
             return []
-        lengths = self._lengths[leg]
-        usual = self._usual(leg)
+        usual = float(np.median([lengths[place].longest for place in range(2, blends + 1)]))
         found = []
-        for step in sorted(self._longest[leg], key=lambda step: step.place):
-            place, least = step.place, max(_JUMP * usual, _LEAST * _spacing(step.after))
-            first, second = leg.between[place - 1 : place + 1]
-            if step.lengths.appears > least:
-                coming = [one.appears for one in lengths[place - 1 :]]
+        for step in sorted(self._longest[leg], key=lambda step: step.place not in (1, blends + 1)):
+            place, least = step.place, max(_JUMP * usual, _LEAST * max(step.before.spacing, step.after.spacing))
+            # The last step is followed by no blend, and the first one preceded by none.
+            if step.lengths.appears > least and place <= blends:
+                coming = [lengths[i].appears for i in range(place, blends + 1)]
                 reach = max(_REACH * usual, _even_step(coming))
-                found.append(Chain(first, step.before, reach, leg.between[place:]))
-            if step.lengths.vanishes > least:
-                gone = [one.vanishes for one in lengths[place - 1 :: -1]]
+                found.append(Chain(leg.whole[place - 1], step.before.mesh, reach, leg.whole[place:-1]))
+            if step.lengths.vanishes > least and place > 1:
+                gone = [lengths[i].vanishes for i in range(place, 1, -1)]
                 reach = max(_REACH * usual, _even_step(gone))
-                found.append(Chain(second, step.after, reach, leg.between[place - 1 :: -1]))
+                found.append(Chain(leg.whole[place], step.after.mesh, reach, leg.whole[place - 1 : 0 : -1]))
         return found
 
 
@@ -144,13 +196,8 @@ def _even_step(lengths: Sequence[float]) -> float:
     return float((np.cumsum(lengths) / np.arange(1, len(lengths) + 1)).min())
 
 
-def farthest(asked: TriangleMesh, other: TriangleMesh) -> float:
-    """Estimate the largest distance of a surface's points from another surface, using the vertices of both."""
-    points = asked.vertices[:: max(len(asked.vertices) // _ASKED, 1)]
-    found = cKDTree(other.vertices).query(points)[0].max()
-    return float(np.sqrt(max(found**2 - _BESIDE * _spacing(other) ** 2, 0.0)))
-
-
-def _spacing(mesh: TriangleMesh) -> float:
-    """Return the approximate distance between neighboring vertices."""
-    return float(np.sqrt(mesh.area / len(mesh.vertices)))
+def farthest(asked: MeasuredSurface, other: MeasuredSurface) -> float:
+    """Estimate the largest distance of a surface's points from another surface, using the points of both."""
+    points = asked.points[:: max(len(asked.points) // _ASKED, 1)]
+    found = other.tree.query(points)[0].max()
+    return float(np.sqrt(max(found**2 - _BESIDE * other.spacing**2, 0.0)))
