@@ -20,6 +20,7 @@ from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 
 from .coherence_cases import read_frames
 from .processes import measured
@@ -67,7 +68,7 @@ def sheet(rows: list[str], target: str) -> dict[str, object]:
             obj[WEIGHTS_KEY] = [1.0 - column / (len(row) - 1), column / (len(row) - 1)]
             obj[INDEX_KEY] = number * len(row) + column
             collection.objects.link(obj)
-    render_contact_sheet(collection, target, width=WIDTH)
+    drained(render_contact_sheet(collection, target, width=WIDTH))
     return {}
 
 
