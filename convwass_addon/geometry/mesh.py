@@ -73,7 +73,12 @@ class TriangleMesh:
     @cached_property
     def area(self) -> float:
         """Surface area."""
-        return 0.5 * float(self._doubled_areas().sum())
+        return float(self.face_areas.sum())
+
+    @property
+    def face_areas(self) -> NDArray[np.float64]:
+        """Areas of the triangles, (m,)."""
+        return 0.5 * self._doubled_areas()
 
     @cached_property
     def vertex_areas(self) -> NDArray[np.float64]:

@@ -22,14 +22,12 @@ from ...geometry.hinged_poses import hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mutual_alignment import Correspondence, mutual_poses
 from ...geometry.rotation_fields import rotation_matrices
-from ...geometry.upright_turns import rotation_about_z
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..workers import both_ways, one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
-from .map_detour import map_detour
 from .map_quality import MapQuality, map_quality
 from .mapped_pairs import MappedPair, mapped_pair, registering
 from .motion import MovedShape
@@ -52,14 +50,16 @@ class GuidedPair:
     guides, followed : int
         Number of guides, and of those that the map follows.
     score : float
-        Score of the map, 0 to 1. If the registered shapes coincide beyond doubt, or the map was not used, the
-        confidence instead.
+        Score of the map, 0 to 1; the confidence instead if the registered shapes coincide beyond doubt or the map was
+        not used, and if that is more, the confidence times the share of the surface that keeps left and right.
     score_without : float or None
         Score of the map without guides, if there are guides.
     detour : float
         Length of the map over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
         Angle in degrees by which one shape was turned about the vertical axis before they were registered.
+    symmetry : float or None
+        Share of the surface on which symmetric shapes keep left and right; see :class:`.mapped_pairs.MappedPair`.
     """
 
     quality: MapQuality
@@ -69,13 +69,15 @@ class GuidedPair:
     score_without: float | None
     detour: float = 1.0
     turn: float = 0.0
+    symmetry: float | None = None
 
     def record(self) -> dict[str, object]:
         """Return the figures, ready for JSON."""
         guides = {"given": self.guides, "followed": self.followed, "score_without": self.score_without}
         turned = {"turned": round(self.turn)} if self.turn else {}
+        sided = {} if self.symmetry is None else {"symmetry": round(self.symmetry, 3)}
         figures = {"score": self.score, **self.quality.as_dict(), "detour": round(self.detour, 3)}
-        return {**figures, **turned, **({"guides": guides} if self.guides else {})}
+        return {**figures, **turned, **sided, **({"guides": guides} if self.guides else {})}
 
 
 @dataclass(frozen=True)
@@ -259,10 +261,16 @@ def guided_motion(
         deformations[ordered], deformations[ordered[::-1]] = there, back
         quality = map_quality(one, other, there, back).or_worse(map_quality(other, one, back, there))
         found = best.map
-        score = max(found.score, quality.confidence) if quality.is_beyond_doubt else found.score
-        followed = len(found.pairs)
+        score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
         known[pair] = GuidedPair(
-            quality, found.guides, followed, score, found.score_without, _detour(one, other, best), best.turn
+            quality=quality,
+            guides=found.guides,
+            followed=len(found.pairs),
+            score=score,
+            score_without=found.score_without,
+            detour=best.detour,
+            turn=best.turn,
+            symmetry=best.symmetry,
         )
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
@@ -280,13 +288,6 @@ def _deformed(
         there = split_deformation(one, other, best.laid.first, None, control)
         back = split_deformation(other, one, best.laid.second, there, control)
     return there, back, best
-
-
-def _detour(one: Carrier, other: Carrier, best: MappedPair) -> float:
-    """Return how much farther the map moves two shapes than needed, without the turn of the first one."""
-    turn = rotation_about_z(np.radians(best.turn))
-    turned = TriangleMesh(one.mesh.vertices @ turn.T, one.mesh.faces)
-    return map_detour((turned, other.mesh), (best.laid.first.points, best.laid.second.points @ turn.T))
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:

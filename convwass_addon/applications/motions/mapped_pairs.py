@@ -3,6 +3,8 @@
 """Map two shapes and register them to each other, as they stand or after turning one to face like the other.
 
 Maps of bodies that stand head to tail can be wrong in spite of a high score: registrations prefer the nearest surface.
+Symmetric shapes are turned only into positions in which they have a common mirror plane, and if they have one as they
+stand, they are turned around where no map keeps left and right.
 """
 
 from __future__ import annotations
@@ -12,7 +14,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.upright_turns import upright_turn, upright_turn_of_points
+from ...geometry.mesh import TriangleMesh
+from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
@@ -21,11 +24,17 @@ from ..workers import one_blas_thread
 from .carriers import Carrier
 from .guided_settings import GuidedSettings
 from .laid_meshes import Laid
+from .map_detour import map_detour
+from .mirrored_sides import MirroredSides
 from .pair_maps import PairMap, pair_map
 from .pair_registration import LaidPair, grown_pair, laid_on_each_other
 
 # Fractions of the work after the grown registration, and after solving the map.
 _GROWN, _MAPPED = 0.22, 0.67
+# Symmetric shapes are turned around if their registrations keep left and right on less than the first share of the
+# surface, or move matter farther than the second number of times the Wasserstein distance, unless that makes their
+# distance more than the third number of times as large. With this score, they are not.
+_LOPSIDED, _DETOUR, _FARTHER, _SURE = 0.5, 1.4, 1.1, 0.88
 
 
 @dataclass(frozen=True)
@@ -38,13 +47,32 @@ class MappedPair:
         The registrations.
     map : PairMap
         The map between the shapes, with the score of the registrations if these were not started from it.
+    symmetry : float or None
+        Share of the surface on which the registrations keep left and right, from 0 to 1; None with guides, for shapes
+        without a common mirror plane, and where no map was needed.
+    detour : float
+        Length of the registrations over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
         Angle in degrees by which the first shape was turned about the vertical axis for the registration.
     """
 
     laid: LaidPair
     map: PairMap
+    symmetry: float | None
+    detour: float
     turn: float = 0.0
+
+    @property
+    def may_face_away(self) -> bool:
+        """Whether symmetric shapes seem to face different ways."""
+        if self.symmetry is None or self.score >= _SURE:
+            return False
+        return self.symmetry < _LOPSIDED or self.detour > _DETOUR
+
+    @property
+    def score(self) -> float:
+        """Score of the map, 0 to 1, or the confidence in the registrations as far as they keep left and right."""
+        return max(self.map.score, (self.symmetry or 0.0) * self.laid.confidence)
 
 
 def mapped_pair(
@@ -75,14 +103,32 @@ def mapped_pair(
     marked = (_about_center(carrier, pairs[:, side]) for side, carrier in enumerate((one, other)))
     turn = upright_turn_of_points(*marked)
     if turn is None:
-        turn = upright_turn(one.mesh, other.mesh)
-    if turn is None:
-        return (yield from _registered(one, other, pairs, settings, control))
+        turn = _symmetric_turn(one.mesh, other.mesh)
     standing = yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.5)
+    if turn is None and standing.may_face_away:
+        turn = _turn_around(one.mesh, other.mesh)
+    if turn is None:
+        return standing
     turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.5, 1.0)
     # Guides may have told the turn, so the map without guides is the one without a turn.
     turned = replace(turned, map=replace(turned.map, score_without=standing.map.score_without))
-    return max(standing, turned, key=lambda found: (len(found.map.pairs), found.map.score))
+    return max(standing, turned, key=lambda found: (len(found.map.pairs), found.score))
+
+
+def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
+    """Return the turn that brings a shape clearly closer to another, unless they lose a common mirror plane by it."""
+    turn = upright_turn(first, second)
+    if turn is None or MirroredSides.of(first, second) is None:
+        return turn
+    turned = TriangleMesh(first.vertices @ turn.T, first.faces)
+    return None if MirroredSides.of(turned, second) is None else turn
+
+
+def _turn_around(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
+    """Return half a turn; None if the first shape would be much farther from the second."""
+    half = rotation_about_z(np.pi)
+    standing, turned = distances_after(first, second, np.stack([np.eye(3), half]))
+    return half if turned <= _FARTHER * standing else None
 
 
 def _about_center(carrier: Carrier, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -113,7 +159,7 @@ def _registered_turned(
     found = yield from _registered(turned, other, pairs, settings, control)
     second = replace(found.laid.second, points=(found.laid.second.points - center) @ turn + center)
     angle = float(np.degrees(np.arctan2(turn[1, 0], turn[0, 0])))
-    return MappedPair(replace(found.laid, second=second), found.map, angle)
+    return replace(found, laid=replace(found.laid, second=second), turn=angle)
 
 
 def _registered(
@@ -125,19 +171,21 @@ def _registered(
     with one_blas_thread():
         grown = None if len(pairs) else grown_pair((one, other), control)
     yield Progress(_GROWN, message)
-    found, starts = PairMap.none(), None
+    found, starts, sides = PairMap.none(), None, None
     if grown is None or not grown.fits:
         map_settings = SoftMapSettings(vertices=settings.map_vertices)
-        found = yield from within(pair_map(one, other, pairs, map_settings, control), _GROWN, _MAPPED)
+        # Guides may contradict the sides.
+        sides = None if len(pairs) else MirroredSides.of(one.mesh, other.mesh)
+        found = yield from within(pair_map(one, other, pairs, map_settings, control, sides), _GROWN, _MAPPED)
         starts = (_start(one, other, found.found.forward), _start(other, one, found.found.backward))
     yield Progress(_MAPPED, message)
     with one_blas_thread():
-        laid = laid_on_each_other((one, other), starts, found.pairs, grown, control)
+        laid = laid_on_each_other((one, other), starts, found.pairs, grown, control, sides)
     if laid.is_grown:
-        shares = [carrier.mesh.vertex_areas / carrier.mesh.area for carrier in (one, other)]
-        trust = [float(share @ own.trust) for share, own in zip(shares, (laid.first, laid.second), strict=True)]
-        found = replace(found, score=min(trust))
-    return MappedPair(laid, found)
+        found = replace(found, score=laid.confidence)
+    points = laid.first.points, laid.second.points
+    symmetry = None if sides is None else sides.kept(points)
+    return MappedPair(laid, found, symmetry, map_detour((one.mesh, other.mesh), points))
 
 
 def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:

@@ -23,6 +23,7 @@ from ..workers import both_ways
 from .carriers import Carrier
 from .laid_meshes import Laid, Registered, home_distances, registered
 from .mesh_parts import mesh_edges
+from .mirrored_sides import MirroredSides
 
 # Stages of a registration: first close to the start, then as smooth as the surfaces permit. Tighter stages hardly
 # reduce distances and flip triangles. Chosen by eye; `python3 run.py bench coherence` measures the effect.
@@ -194,14 +195,36 @@ def _placed(own: Carrier, other: Carrier, found: Proposal) -> NDArray[np.float64
     return other.size / own.size * (mesh.vertices - centers[0]) @ turn.T + centers[1]
 
 
-def total_cost(drafts: tuple[Carrier, Carrier], found: list[Proposal]) -> float:
-    """Return the mean cost of both registrations, including their round-trip errors."""
+def total_cost(drafts: tuple[Carrier, Carrier], found: list[Proposal], sides: MirroredSides | None = None) -> float:
+    """Return the mean cost of both registrations, including their round-trip errors and, with sides, asymmetries."""
     total = 0.0
     for k in (0, 1):
         home = home_distances(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
+        costs = found[k].costs + np.minimum(home / _TRIP, 1.0)
+        if sides is not None:
+            costs = costs + np.minimum(sides.apart(k, found[k].points) / _TRIP, 1.0)
         areas = drafts[k].mesh.vertex_areas
-        total += float(areas @ (found[k].costs + np.minimum(home / _TRIP, 1.0)) / areas.sum())
+        total += float(areas @ costs / areas.sum())
     return total
+
+
+def symmetrized(
+    drafts: tuple[Carrier, Carrier],
+    found: list[Proposal],
+    sides: MirroredSides,
+    both: tuple[NDArray[np.int64], NDArray[np.int64]],
+    control: Control,
+) -> list[Proposal]:
+    """Improve registrations of symmetric shapes by taking, of every two mirrored places, what is better at one."""
+
+    def improved(k: int) -> Proposal:
+        points, costs = found[k].points, found[k].costs
+        elsewhere = sides.mirrored(k, costs)
+        start = np.where((elsewhere < costs)[:, None], sides.mirrored_map(k, points), points)
+        trust = np.exp(-np.square(np.minimum(costs, elsewhere)))
+        return proposed(drafts, k, Laid(start, trust), both[k], FROM_MAP, control)
+
+    return list(both_ways(improved))
 
 
 def agree(

@@ -21,7 +21,8 @@ from ..workers import both_ways
 from .carriers import Carrier, coarser
 from .grown_registration import grown_points
 from .laid_meshes import Laid, Registered, home_distances, registered
-from .pair_proposals import FROM_MAP, Proposal, agree, all_mended, judged, proposed, total_cost, trusted
+from .mirrored_sides import MirroredSides
+from .pair_proposals import FROM_MAP, Proposal, agree, all_mended, judged, proposed, symmetrized, total_cost, trusted
 
 # Number of vertices of the coarse meshes on which several starts are tried.
 _DRAFT_VERTICES = 1500
@@ -51,11 +52,14 @@ class LaidPair:
         Each shape on the other.
     is_grown : bool
         Whether the registration was grown from where the shapes coincide, instead of started from the map.
+    confidence : float
+        Mean confidence in the positions by area, 0 to 1; the lower one of both shapes.
     """
 
     first: Laid
     second: Laid
     is_grown: bool
+    confidence: float
 
 
 @dataclass(frozen=True)
@@ -99,6 +103,7 @@ def laid_on_each_other(
     pairs: NDArray[np.int64],
     grown: GrownPair | None,
     control: Control,
+    sides: MirroredSides | None = None,
 ) -> LaidPair:
     """Register two shapes to each other, keeping each as similar to itself as possible.
 
@@ -115,6 +120,8 @@ def laid_on_each_other(
         Another start, if there are no pairs.
     control : Control
         Stops the work.
+    sides : MirroredSides, optional
+        Left and right of the two shapes, which registrations started from the map should keep.
 
     Returns
     -------
@@ -138,7 +145,8 @@ def laid_on_each_other(
         rough = [
             Laid(start.points[own.seeds], start.trust[own.seeds]) for start, own in zip(starts, drafts, strict=True)
         ]
-        drafted, is_grown = _drafted(drafts, rough, ends, grown, control)
+        coarse = None if sides is None else sides.of_coarser((drafts[0].mesh, drafts[1].mesh))
+        drafted, is_grown = _drafted(drafts, rough, ends, grown, coarse, control)
     drafted = _tightened(drafts, drafted, ends, control)
 
     def finished(k: int) -> NDArray[np.float64]:
@@ -152,7 +160,8 @@ def laid_on_each_other(
     found = both_ways(finished)
     homes = [home_distances(shapes[k], shapes[1 - k], *found[:: 1 - 2 * k]) for k in (0, 1)]
     trusts = [np.exp(-0.5 * np.square(home / _MISSED)) for home in homes]
-    return LaidPair(Laid(found[0], trusts[0]), Laid(found[1], trusts[1]), is_grown)
+    means = [shape.mesh.vertex_areas @ trust / shape.mesh.area for shape, trust in zip(shapes, trusts, strict=True)]
+    return LaidPair(Laid(found[0], trusts[0]), Laid(found[1], trusts[1]), is_grown, float(min(means)))
 
 
 def _drafted(
@@ -160,6 +169,7 @@ def _drafted(
     starts: list[Laid],
     pairs: NDArray[np.int64],
     grown: GrownPair | None,
+    sides: MirroredSides | None,
     control: Control,
 ) -> tuple[list[Laid], bool]:
     """Register coarse meshes from the best of several starts; also return whether the grown one was chosen."""
@@ -172,7 +182,10 @@ def _drafted(
     tries = [best]
     if not (is_grown and all(agree(drafts, best, k) for k in (0, 1))):
         tries += all_mended(drafts, best, both, control)
-    kept = min(tries, key=lambda found: total_cost(drafts, found))
+    kept = min(tries, key=lambda found: total_cost(drafts, found, sides))
+    if sides is not None:
+        same = symmetrized(drafts, kept, sides, both, control)
+        kept = min(kept, same, key=lambda found: total_cost(drafts, found, sides))
     return [trusted(found) for found in kept], is_grown
 
 

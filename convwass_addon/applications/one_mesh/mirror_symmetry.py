@@ -11,29 +11,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
+from ...geometry.mirror_planes import MirrorPlane
 
 # Mirror images are looked for within this distance, as a fraction of the size, and so many vertices may have none.
 _NEAR, _MOST_SINGLE = 2e-3, 0.02
-
-
-@dataclass(frozen=True)
-class MirrorPlane:
-    """A plane.
-
-    Attributes
-    ----------
-    point : (3,) float64
-        Any point of it.
-    normal : (3,) float64
-        Of unit length.
-    """
-
-    point: NDArray[np.float64]
-    normal: NDArray[np.float64]
-
-    def mirrored(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the mirror images of points, (n, 3)."""
-        return points - 2.0 * ((points - self.point) @ self.normal)[:, None] * self.normal
 
 
 @dataclass(frozen=True)
@@ -91,7 +72,7 @@ class MirrorSymmetry:
         projected onto it.
         """
         plane = self.plane(points)
-        heights = (points - plane.point) @ plane.normal
+        heights = plane.heights(points)
         mirrored = plane.mirrored(points)[self.partners]
         on_plane = self.has_partner & (self.partners == np.arange(len(points)))
         middle = points - heights[:, None] * plane.normal

@@ -17,8 +17,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.one_mesh.mirror_symmetry import MirrorPlane, MirrorSymmetry
+from ...applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from ...errors import InputError
+from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..objects import evaluated_object, frozen_copy, triangle_mesh
 

@@ -12,10 +12,11 @@ import pytest
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
-from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorPlane, MirrorSymmetry
+from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.mirror_planes import MirrorPlane
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.applications.maps import arm, shuffled
 from tests.grids import figure
