@@ -21,11 +21,11 @@ _NORMALS = 0.2
 # A shape is nearly its own mirror image if the images are on average this close to it, in sizes of the surface.
 # Animals, furniture and people with hanging arms have 0.005 to 0.035 in their planes, and most have 0.07 to 0.15 in
 # others.
-_NEARLY = 0.04
+_NEARLY = 0.045
 # Of several such planes, only those count in which the images are at most this factor and this distance farther away
 # than in the best one: people are nearly symmetric from front to back, too. A shape that looks alike from all sides has
 # more than so many planes, which say nothing.
-_FACTOR, _SLACK, _MOST = 1.25, 1e-3, 8
+_FACTOR, _SLACK, _MOST = 1.1, 3e-3, 8
 
 
 @dataclass(frozen=True)

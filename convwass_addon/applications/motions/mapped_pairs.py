@@ -3,8 +3,8 @@
 """Map two shapes and register them to each other, as they stand or after turning one to face like the other.
 
 Maps of bodies that stand head to tail can be wrong in spite of a high score: registrations prefer the nearest surface.
-Symmetric shapes are turned only into positions in which they have a common mirror plane, and if they have one as they
-stand, they are turned around where no map keeps left and right.
+Symmetric shapes are turned only into positions in which they have a common mirror plane. If they have none as they
+stand, a quarter turn may give them one, and if they have one, they are turned around where the map does not keep sides.
 """
 
 from __future__ import annotations
@@ -34,7 +34,11 @@ _GROWN, _MAPPED = 0.22, 0.67
 # Symmetric shapes are turned around if their registrations keep left and right on less than the first share of the
 # surface, or move matter farther than the second number of times the Wasserstein distance, unless that makes their
 # distance more than the third number of times as large. With this score, they are not.
-_LOPSIDED, _DETOUR, _FARTHER, _SURE = 0.5, 1.4, 1.1, 0.88
+_LOPSIDED, _DETOUR, _FARTHER, _SURE = 0.5, 1.8, 1.1, 0.88
+# What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
+# becomes the tail, and with 0.49 after a quarter turn, symmetrically.
+_ASKEW = 0.75
+_HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 
 @dataclass(frozen=True)
@@ -63,16 +67,19 @@ class MappedPair:
     turn: float = 0.0
 
     @property
-    def may_face_away(self) -> bool:
-        """Whether symmetric shapes seem to face different ways."""
-        if self.symmetry is None or self.score >= _SURE:
-            return False
-        return self.symmetry < _LOPSIDED or self.detour > _DETOUR
+    def is_lopsided(self) -> bool:
+        """Whether symmetric shapes seem to face opposite ways."""
+        return self.symmetry is not None and (self.symmetry < _LOPSIDED or self.detour > _DETOUR)
 
     @property
     def score(self) -> float:
         """Score of the map, 0 to 1, or the confidence in the registrations as far as they keep left and right."""
         return max(self.map.score, (self.symmetry or 0.0) * self.laid.confidence)
+
+    @property
+    def merit(self) -> float:
+        """The score, or less without a common mirror plane, to compare the shapes with and without a turn."""
+        return _ASKEW * self.score if self.symmetry is None else self.score
 
 
 def mapped_pair(
@@ -105,14 +112,14 @@ def mapped_pair(
     if turn is None:
         turn = _symmetric_turn(one.mesh, other.mesh)
     standing = yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.5)
-    if turn is None and standing.may_face_away:
-        turn = _turn_around(one.mesh, other.mesh)
+    if turn is None and not len(pairs) and standing.score < _SURE:
+        turn = _facing_turn(one.mesh, other.mesh, standing)
     if turn is None:
         return standing
     turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.5, 1.0)
     # Guides may have told the turn, so the map without guides is the one without a turn.
     turned = replace(turned, map=replace(turned.map, score_without=standing.map.score_without))
-    return max(standing, turned, key=lambda found: (len(found.map.pairs), found.score))
+    return max(standing, turned, key=lambda found: (len(found.map.pairs), found.merit))
 
 
 def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
@@ -120,15 +127,26 @@ def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.flo
     turn = upright_turn(first, second)
     if turn is None or MirroredSides.of(first, second) is None:
         return turn
-    turned = TriangleMesh(first.vertices @ turn.T, first.faces)
-    return None if MirroredSides.of(turned, second) is None else turn
+    return None if MirroredSides.of(_turned(first, turn), second) is None else turn
 
 
-def _turn_around(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
-    """Return half a turn; None if the first shape would be much farther from the second."""
-    half = rotation_about_z(np.pi)
-    standing, turned = distances_after(first, second, np.stack([np.eye(3), half]))
-    return half if turned <= _FARTHER * standing else None
+def _facing_turn(first: TriangleMesh, second: TriangleMesh, standing: MappedPair) -> NDArray[np.float64] | None:
+    """Return half a turn or a quarter turn after which symmetric shapes may face the same way.
+
+    A quarter turn brings mirror planes together that are perpendicular. None if the shapes seem to face the same way as
+    they stand, are not symmetric, or would be much farther from each other after half a turn.
+    """
+    if standing.symmetry is not None:
+        if not standing.is_lopsided:
+            return None
+        apart = distances_after(first, second, np.stack([np.eye(3), _HALF]))
+        return _HALF if apart[1] <= _FARTHER * apart[0] else None
+    turns = [turn for turn in _QUARTERS if MirroredSides.of(_turned(first, turn), second) is not None]
+    return turns[int(distances_after(first, second, np.stack(turns)).argmin())] if turns else None
+
+
+def _turned(mesh: TriangleMesh, turn: NDArray[np.float64]) -> TriangleMesh:
+    return TriangleMesh(mesh.vertices @ turn.T, mesh.faces)
 
 
 def _about_center(carrier: Carrier, vertices: NDArray[np.int64]) -> NDArray[np.float64]:

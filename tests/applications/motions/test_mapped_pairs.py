@@ -5,11 +5,17 @@
 import numpy as np
 import pytest
 
+from convwass_addon.applications.motions import mapped_pairs
+from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.motions.laid_meshes import Laid
+from convwass_addon.applications.motions.mapped_pairs import MappedPair, mapped_pair
+from convwass_addon.applications.motions.pair_maps import PairMap
+from convwass_addon.applications.motions.pair_registration import LaidPair
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.rotation_fields import rotation_matrices
-from convwass_addon.progress import drained
+from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import shuffled
 from tests.grids import figure
 
@@ -42,3 +48,61 @@ def test_a_shape_turned_to_another_side_turns_as_a_whole():
         ideal = shape.vertices @ about_z(share * degrees).T
         apart = np.linalg.norm(moved - moved.mean(axis=0) - (ideal - ideal.mean(axis=0)), axis=1)
         assert apart.max() < 0.03 * size
+
+
+def registrations(monkeypatch, *found):
+    """Let registrations have the given scores, symmetries and detours, one after the other; return what was asked."""
+    asked, left = [], list(found)
+
+    def registered(one, *_others):
+        yield from ()
+        asked.append(one)
+        score, symmetry, detour = left.pop(0)
+        laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
+        pair = PairMap(None, np.empty((0, 2), np.int64), score, None, 0)
+        return MappedPair(LaidPair(laid, laid, False, 0.5), pair, symmetry, detour)
+
+    monkeypatch.setattr(mapped_pairs, "_registered", registered)
+    return asked
+
+
+@pytest.mark.parametrize(
+    ("standing", "turned", "tried", "angle"),
+    [
+        ((0.3, 0.2, 1.0), (0.4, 0.9, 1.0), 2, 180.0),
+        ((0.3, 0.9, 2.0), (0.2, 0.7, 1.5), 2, 0.0),
+        ((0.3, 0.9, 1.0), None, 1, 0.0),
+        ((0.9, 0.2, 2.0), None, 1, 0.0),
+    ],
+    ids=["sides are kept after the turn", "and before", "nothing is doubtful", "the score is high"],
+)
+def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, turned, tried, angle):
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    asked = registrations(monkeypatch, standing, turned)
+    monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert len(asked) == tried
+    assert abs(found.turn) == pytest.approx(angle)
+
+
+def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch):
+    shape = figure()[0]
+    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    monkeypatch.setattr(mapped_pairs, "upright_turn", lambda *_shapes: about_z(90.0))
+    asked = registrations(monkeypatch, (0.3, 0.9, 1.0))
+    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+    assert len(asked) == 1
+
+
+@pytest.mark.parametrize(("score", "angle"), [(0.46, 90.0), (0.44, 0.0)])
+def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, score, angle):
+    """The map without a common plane has to be better by a third."""
+    shape = figure()[0]
+    across = TriangleMesh(shape.vertices @ about_z(90.0).T, shape.faces)
+    carriers = [carrier_of(mesh, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (shape, across)]
+    monkeypatch.setattr(mapped_pairs, "upright_turn", lambda *_shapes: None)
+    asked = registrations(monkeypatch, (0.6, None, 1.0), (score, 0.5, 1.0))
+    assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == pytest.approx(
+        angle
+    )
+    assert len(asked) == 2
