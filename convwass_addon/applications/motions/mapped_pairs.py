@@ -78,8 +78,8 @@ class MappedPair:
 
     @property
     def merit(self) -> float:
-        """The score, or less without a common mirror plane, to compare the shapes with and without a turn."""
-        return _ASKEW * self.score if self.symmetry is None else self.score
+        """The score to compare shapes with and without a turn: less if low and without a common mirror plane."""
+        return _ASKEW * self.score if self.symmetry is None and self.score < _SURE else self.score
 
 
 def mapped_pair(

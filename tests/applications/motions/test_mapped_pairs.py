@@ -106,3 +106,11 @@ def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(mo
         angle
     )
     assert len(asked) == 2
+
+
+def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
+    """Such as that of one body in two poses, one of which seems to face another way."""
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    monkeypatch.setattr(mapped_pairs, "_symmetric_turn", lambda *_shapes: about_z(180.0))
+    registrations(monkeypatch, (0.9, None, 1.0), (0.8, 1.0, 1.0))
+    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
