@@ -48,10 +48,18 @@ class MirroredSides:
 
     def groups(self, k: int) -> dict[str, NDArray[np.float64]]:
         """Return how far to the left, to the right and up the vertices of shape k are, (n,) each, as group weights."""
-        vertices = self.meshes[k].vertices
-        beside, above = self.planes[k].heights(vertices), vertices[:, 2] - vertices[:, 2].min()
-        beside, above = (own / max(np.abs(own).max(), np.finfo(float).tiny) for own in (beside, above))
-        return {"left": np.maximum(beside, 0.0), "right": np.maximum(-beside, 0.0), "up": _UPRIGHT * above}
+        mesh = self.meshes[k]
+        beside, above = self.planes[k].heights(mesh.vertices), mesh.vertices[:, 2] - mesh.bounds[0, 2]
+        # Vertices without triangles may be anywhere.
+        used = np.unique(mesh.faces)
+        beside, above = (
+            np.clip(own / max(np.abs(own[used]).max(), np.finfo(float).tiny), -1.0, 1.0) for own in (beside, above)
+        )
+        return {
+            "left": np.maximum(beside, 0.0),
+            "right": np.maximum(-beside, 0.0),
+            "up": _UPRIGHT * np.maximum(above, 0.0),
+        }
 
     def of_coarser(self, meshes: tuple[TriangleMesh, TriangleMesh]) -> MirroredSides:
         """Return the sides of coarser meshes of the same shapes."""

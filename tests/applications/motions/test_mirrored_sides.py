@@ -11,6 +11,7 @@ from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.mirrored_sides import MirroredSides
 from convwass_addon.applications.motions.pair_proposals import judged, symmetrized, total_cost
+from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.grids import figure
@@ -37,6 +38,13 @@ def test_groups_tell_the_sides_and_the_height(sides):
     assert groups["left"].max() == pytest.approx(1.0, abs=0.02)
     assert groups["up"][FIGURE.vertices[:, 2].argmin()] == 0.0
     assert groups["up"].argmax() == FIGURE.vertices[:, 2].argmax()
+
+
+def test_vertices_without_triangles_do_not_change_the_groups(sides):
+    loose = TriangleMesh(np.concatenate([FIGURE.vertices, [[9.0, 9.0, 9.0], [-9.0, 0.0, -9.0]]]), FIGURE.faces)
+    for name, group in MirroredSides.of(loose, FIGURE).groups(0).items():
+        np.testing.assert_allclose(group[:-2], sides.groups(0)[name], atol=1e-12)
+        assert group.min() >= 0.0 and group.max() <= 1.0
 
 
 def test_maps_that_commute_with_the_reflections_keep_the_sides(sides):
