@@ -88,8 +88,8 @@ def mapped_pair(
     """Register two shapes to each other.
 
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
-    turned about the vertical axis. The result that follows more guides is returned, or the one with the better score:
-    a bent limb may seem to face another way.
+    turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
+    bent limb may seem to face another way.
 
     Parameters
     ----------
@@ -111,15 +111,16 @@ def mapped_pair(
     turn = upright_turn_of_points(*marked)
     if turn is None:
         turn = _symmetric_turn(one.mesh, other.mesh)
-    standing = yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.5)
-    if turn is None and not len(pairs) and standing.score < _SURE:
-        turn = _facing_turn(one.mesh, other.mesh, standing)
+    found = [(yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.5))]
+    turns = [turn]
     if turn is None:
-        return standing
-    turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.5, 1.0)
-    # Guides may have told the turn, so the map without guides is the one without a turn.
-    turned = replace(turned, map=replace(turned.map, score_without=standing.map.score_without))
-    return max(standing, turned, key=lambda found: (len(found.map.pairs), found.merit))
+        turns = [] if len(pairs) or found[0].score >= _SURE else _facing_turns(one.mesh, other.mesh, found[0])
+    for number, turn in enumerate(turns):
+        begin, end = (0.5 + 0.5 * share / len(turns) for share in (number, number + 1))
+        turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), begin, end)
+        # Guides may have told the turn, so the map without guides is the one without a turn.
+        found.append(replace(turned, map=replace(turned.map, score_without=found[0].map.score_without)))
+    return max(found, key=lambda one: (len(one.map.pairs), one.merit))
 
 
 def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
@@ -130,19 +131,18 @@ def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.flo
     return None if MirroredSides.of(_turned(first, turn), second) is None else turn
 
 
-def _facing_turn(first: TriangleMesh, second: TriangleMesh, standing: MappedPair) -> NDArray[np.float64] | None:
-    """Return half a turn or a quarter turn after which symmetric shapes may face the same way.
+def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPair) -> list[NDArray[np.float64]]:
+    """Return turns after which symmetric shapes may face the same way.
 
-    A quarter turn brings mirror planes together that are perpendicular. None if the shapes seem to face the same way as
-    they stand, are not symmetric, or would be much farther from each other after half a turn.
+    Quarter turns bring mirror planes together that are perpendicular. There are none if the shapes seem to face the
+    same way as they stand, are not symmetric, or would be much farther from each other after half a turn.
     """
-    if standing.symmetry is not None:
-        if not standing.is_lopsided:
-            return None
-        apart = distances_after(first, second, np.stack([np.eye(3), _HALF]))
-        return _HALF if apart[1] <= _FARTHER * apart[0] else None
-    turns = [turn for turn in _QUARTERS if MirroredSides.of(_turned(first, turn), second) is not None]
-    return turns[int(distances_after(first, second, np.stack(turns)).argmin())] if turns else None
+    if standing.symmetry is None:
+        return [turn for turn in _QUARTERS if MirroredSides.of(_turned(first, turn), second) is not None]
+    if not standing.is_lopsided:
+        return []
+    apart = distances_after(first, second, np.stack([np.eye(3), _HALF]))
+    return [_HALF] if apart[1] <= _FARTHER * apart[0] else []
 
 
 def _turned(mesh: TriangleMesh, turn: NDArray[np.float64]) -> TriangleMesh:

@@ -94,18 +94,20 @@ def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch)
     assert len(asked) == 1
 
 
-@pytest.mark.parametrize(("score", "angle"), [(0.46, 90.0), (0.44, 0.0)])
-def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, score, angle):
+@pytest.mark.parametrize(
+    ("left", "right", "angle"), [(0.46, 0.2, 90.0), (0.2, 0.46, -90.0), (0.47, 0.46, 90.0), (0.44, 0.44, 0.0)]
+)
+def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, left, right, angle):
     """The map without a common plane has to be better by a third."""
     shape = figure()[0]
     across = TriangleMesh(shape.vertices @ about_z(90.0).T, shape.faces)
     carriers = [carrier_of(mesh, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (shape, across)]
     monkeypatch.setattr(mapped_pairs, "upright_turn", lambda *_shapes: None)
-    asked = registrations(monkeypatch, (0.6, None, 1.0), (score, 0.5, 1.0))
+    asked = registrations(monkeypatch, (0.6, None, 1.0), (left, 0.5, 1.0), (right, 0.5, 1.0))
     assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == pytest.approx(
         angle
     )
-    assert len(asked) == 2
+    assert len(asked) == 3
 
 
 def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
