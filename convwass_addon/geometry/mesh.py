@@ -76,21 +76,22 @@ class TriangleMesh:
         return float(self.face_areas.sum())
 
     @property
-    def face_areas(self) -> NDArray[np.float64]:
-        """Areas of the triangles, (m,)."""
-        return 0.5 * self._doubled_areas()
+    def area_center(self) -> NDArray[np.float64]:
+        """Center of the surface, (3,)."""
+        return self.vertex_areas @ self.vertices / self.area
 
     @cached_property
     def vertex_areas(self) -> NDArray[np.float64]:
         """A third of the area of the triangles around every vertex, (n,)."""
-        return np.bincount(self.faces.ravel(), np.repeat(self._doubled_areas() / 6.0, 3), len(self.vertices))
+        return np.bincount(self.faces.ravel(), np.repeat(self.face_areas / 3.0, 3), len(self.vertices))
 
-    def _doubled_areas(self) -> NDArray[np.float64]:
-        """Twice the area of every triangle, (m,)."""
+    @property
+    def face_areas(self) -> NDArray[np.float64]:
+        """Areas of the triangles, (m,)."""
         # Coordinate by coordinate takes a third of the time of np.cross and np.linalg.norm.
         a, b, c = self._corners_by_coordinate(self.vertices)
         (ux, uy, uz), (vx, vy, vz) = b - a, c - a
-        return np.sqrt((uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2)
+        return 0.5 * np.sqrt((uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2)
 
     def _corners_by_coordinate(self, vertices: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         """First, second and third corners of the triangles, (3, m) each."""

@@ -65,16 +65,15 @@ def common_mirror_planes(first: TriangleMesh, second: TriangleMesh) -> tuple[Mir
     (MirrorPlane, MirrorPlane) or None
         With the same normal; None if there is no such direction, or if a shape looks alike from all sides.
     """
-    both = _symmetric_asymmetries(first), _symmetric_asymmetries(second)
-    worse = np.maximum(*both)
+    worse = np.maximum(_counted_asymmetries(first), _counted_asymmetries(second))
     best = int(worse.argmin())
     if not np.isfinite(worse[best]):
         return None
     normal = _normals()[best]
-    return MirrorPlane(_center(first), normal), MirrorPlane(_center(second), normal)
+    return MirrorPlane(first.area_center, normal), MirrorPlane(second.area_center, normal)
 
 
-def _symmetric_asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
+def _counted_asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the asymmetries in the planes in which a shape is nearly symmetric; infinite in others, (planes,)."""
     found = _asymmetries(mesh)
     counted = found <= min(_NEARLY, _FACTOR * found.min() + _SLACK)
@@ -84,7 +83,7 @@ def _symmetric_asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
 def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the mean distances of a shape from its mirror images, (planes,), in sizes of the surface."""
     samples, size = TriangleSamples.of(mesh.corners), np.sqrt(mesh.area)
-    points = (samples.points - _center(mesh)) / size
+    points = (samples.points - mesh.area_center) / size
     normals = triangle_normals(mesh.corners)[samples.triangles]
     tree = cKDTree(np.hstack([points, _NORMALS * normals]))
     # Small triangles have more samples than large ones of the same total area.
@@ -103,7 +102,3 @@ def _normals() -> NDArray[np.float64]:
     """Return the normals of the planes that are tried, (planes, 3)."""
     angles = np.pi * np.arange(_PLANES) / _PLANES
     return np.stack([np.cos(angles), np.sin(angles), np.zeros(_PLANES)], axis=1)
-
-
-def _center(mesh: TriangleMesh) -> NDArray[np.float64]:
-    return mesh.vertex_areas @ mesh.vertices / mesh.area

@@ -17,14 +17,14 @@ from .combined_motion import combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .limbs import is_nearly_convex
+from .mapped_pairs import TRUSTED
 from .motion import Motion
 from .motion_request import MotionRequest
 from .remaining_distance import remaining_share
 from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
 
-# The shapes map onto each other if the worst map between two of them has at least the first score; below the second,
-# there is no good map. Chosen by eye on pairs of the benchmark.
-_TRUSTED, _DOUBTED = 0.88, 0.2
+# If the worst map between two shapes has a lower score, there is no good map. Chosen by eye on pairs of the benchmark.
+_DOUBTED = 0.2
 # A warp completes a guided motion that leaves more than this share of the distance between two shapes.
 _MUCH_LEFT = 0.3
 # The warp is used if it leaves at most this share of the rest. It leaves an eighth to a quarter where the shapes have
@@ -123,7 +123,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "FAILED", None, failure=str(error))
     score = _score(guided)
-    if score >= _TRUSTED:
+    if score >= TRUSTED:
         return MotionChoice("guided", "FITS", guided, score, turned=_turned(guided))
     detour = max(pair.detour for pair in guided.pairs.values())
     if all(compact[one] or compact[other] for one, other in request.pairs):

@@ -56,7 +56,7 @@ class _Places:
 
 def _unit(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the vertices relative to the centroid of the surface, in sizes of the surface."""
-    middle = mesh.vertex_areas @ mesh.vertices / mesh.area
+    middle = mesh.area_center
     return (mesh.vertices - middle) / np.sqrt(mesh.area)
 
 

@@ -33,12 +33,15 @@ from .pair_registration import LaidPair, grown_pair, laid_on_each_other
 _GROWN, _MAPPED = 0.22, 0.67
 # Symmetric shapes are turned around if their registrations keep left and right on less than the first share of the
 # surface, or move matter farther than the second number of times the Wasserstein distance, unless that makes their
-# distance more than the third number of times as large. With this score, they are not.
-_LOPSIDED, _DETOUR, _FARTHER, _SURE = 0.5, 1.8, 1.1, 0.88
+# distance more than the third number of times as large.
+_LOPSIDED, _DETOUR, _FARTHER = 0.5, 1.8, 1.1
 # What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
 # becomes the tail, and with 0.49 after a quarter turn, symmetrically.
 _ASKEW = 0.75
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
+
+TRUSTED = 0.88
+"""With this score, shapes map onto each other beyond doubt; chosen by eye on pairs of the benchmark."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +82,7 @@ class MappedPair:
     @property
     def merit(self) -> float:
         """The score to compare shapes with and without a turn: less if low and without a common mirror plane."""
-        return _ASKEW * self.score if self.symmetry is None and self.score < _SURE else self.score
+        return _ASKEW * self.score if self.symmetry is None and self.score < TRUSTED else self.score
 
 
 def mapped_pair(
@@ -114,13 +117,13 @@ def mapped_pair(
     found = [(yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.5))]
     turns = [turn]
     if turn is None:
-        turns = [] if len(pairs) or found[0].score >= _SURE else _facing_turns(one.mesh, other.mesh, found[0])
+        turns = [] if len(pairs) or found[0].score >= TRUSTED else _facing_turns(one.mesh, other.mesh, found[0])
     for number, turn in enumerate(turns):
         begin, end = (0.5 + 0.5 * share / len(turns) for share in (number, number + 1))
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), begin, end)
         # Guides may have told the turn, so the map without guides is the one without a turn.
         found.append(replace(turned, map=replace(turned.map, score_without=found[0].map.score_without)))
-    return max(found, key=lambda one: (len(one.map.pairs), one.merit))
+    return max(found, key=lambda pair: (len(pair.map.pairs), pair.merit))
 
 
 def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
@@ -138,7 +141,8 @@ def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPai
     same way as they stand, are not symmetric, or would be much farther from each other after half a turn.
     """
     if standing.symmetry is None:
-        return [turn for turn in _QUARTERS if MirroredSides.of(_turned(first, turn), second) is not None]
+        # After either of them, the planes are the same.
+        return [] if MirroredSides.of(_turned(first, _QUARTERS[0]), second) is None else _QUARTERS
     if not standing.is_lopsided:
         return []
     apart = distances_after(first, second, np.stack([np.eye(3), _HALF]))
@@ -151,11 +155,7 @@ def _turned(mesh: TriangleMesh, turn: NDArray[np.float64]) -> TriangleMesh:
 
 def _about_center(carrier: Carrier, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return vertices of a shape relative to its center, (k, 3), in sizes of the surface."""
-    return (carrier.mesh.vertices[vertices] - _center(carrier)) / carrier.size
-
-
-def _center(carrier: Carrier) -> NDArray[np.float64]:
-    return carrier.mesh.vertex_areas @ carrier.mesh.vertices / carrier.mesh.area
+    return (carrier.mesh.vertices[vertices] - carrier.mesh.area_center) / carrier.size
 
 
 def registering(one: Carrier, other: Carrier) -> Sentence:
@@ -172,7 +172,7 @@ def _registered_turned(
     control: Control,
 ) -> Work[MappedPair]:
     """Register two shapes after turning the first one, (3, 3), about its center."""
-    center = _center(one)
+    center = one.mesh.area_center
     turned = one.posed((one.rest.vertices - center) @ turn.T + center)
     found = yield from _registered(turned, other, pairs, settings, control)
     second = replace(found.laid.second, points=(found.laid.second.points - center) @ turn + center)

@@ -10,11 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mirror_planes import MirrorPlane, common_mirror_planes
 
@@ -65,11 +66,18 @@ class MirroredSides:
         """Return the sides of coarser meshes of the same shapes."""
         return MirroredSides(meshes, self.planes)
 
+    @cached_property
+    def _images(self) -> list[ClosestPoints]:
+        """The mirror images of the vertices of both shapes, on the shapes."""
+        return [
+            ClosestPointFinder(mesh.corners).find_about(plane.mirrored(mesh.vertices))
+            for mesh, plane in zip(self.meshes, self.planes, strict=True)
+        ]
+
     def mirrored(self, k: int, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return values at the vertices of shape k, (n, ...), at the mirror images of the vertices instead."""
-        mesh = self.meshes[k]
-        images = ClosestPointFinder(mesh.corners).find_about(self.planes[k].mirrored(mesh.vertices))
-        return images.interpolated(values.reshape(len(values), -1)[mesh.faces]).reshape(values.shape)
+        corners = values.reshape(len(values), -1)[self.meshes[k].faces]
+        return self._images[k].interpolated(corners).reshape(values.shape)
 
     def mirrored_map(self, k: int, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return what a map of shape k, given by points for its vertices, (n, 3), is in the mirror."""

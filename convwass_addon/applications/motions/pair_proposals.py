@@ -191,7 +191,7 @@ def _placed(own: Carrier, other: Carrier, found: Proposal) -> NDArray[np.float64
     turn = nearest_rotations(np.einsum("n,ni,nj->ij", weights, there, here)[:, :, None]).rotations[:, :, 0]
     if np.trace(turn) > 1.0 + 2.0 * np.cos(_TURNED):
         turn = np.eye(3)
-    centers = [part.vertex_areas @ part.vertices / part.area for part in (mesh, other.mesh)]
+    centers = [part.area_center for part in (mesh, other.mesh)]
     return other.size / own.size * (mesh.vertices - centers[0]) @ turn.T + centers[1]
 
 

@@ -89,7 +89,7 @@ class Growth:
         """
         centers, spreads = [], []
         for mesh in (first, last):
-            center = mesh.vertex_areas @ mesh.vertices / mesh.area
+            center = mesh.area_center
             centers.append(center)
             spreads.append(mesh.vertex_areas @ np.square(mesh.vertices - center).sum(axis=1) / mesh.area)
         scale = float(np.sqrt(spreads[1] / spreads[0]))
