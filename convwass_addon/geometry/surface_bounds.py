@@ -8,15 +8,17 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt, gaussian_filter
+from scipy.ndimage import gaussian_filter
 
-from .isosurface import bounding_box
+from .near import capped_squares
 from .occupancy import occupancy
 
 # Deviation, in cells, of the Gaussian that smooths the distances, which are computed from whole cells.
 _SMOOTH = 1.0
 # Decrease of the bounding density per cell, and its largest value deep inside, both as fractions of the level.
 _SLOPE, _HIGHEST = 0.5, 1.5
+# Distances are measured so many cells beyond the reach: to where the bounding density is zero, and two deviations more.
+_BEYOND = 1.0 / _SLOPE + 2.0 * _SMOOTH
 
 
 @dataclass(frozen=True)
@@ -26,7 +28,8 @@ class SurfaceBounds:
     Attributes
     ----------
     distances : (nx, ny, nz) float32
-        Signed distances of the cells from the surface, in cells, negative inside.
+        Signed distances of the cells from the surface, in cells, negative inside; limited to a little more than
+        `reach`.
     reach : float
         Largest distance, in cells.
     """
@@ -45,13 +48,12 @@ class SurfaceBounds:
         if not inside.any():
             return cls(np.zeros(shape, np.float32), np.inf)
         # Between cells inside and outside, the surface is half a cell from either center.
-        outward = distance_transform_edt(~inside).astype(np.float32) - 0.5
-        low, high = bounding_box(inside)
-        box = tuple(slice(max(a - 1, 0), b + 1) for a, b in zip(low, high, strict=True))
-        inward = distance_transform_edt(np.pad(inside[box], 1))[1:-1, 1:-1, 1:-1].astype(np.float32) - 0.5
-        distances = outward
-        distances[box] = np.where(inside[box], -inward, outward[box])
-        return cls(gaussian_filter(distances, _SMOOTH), reach)
+        farthest = reach + _BEYOND
+        outward, inward = (
+            np.minimum(np.sqrt(capped_squares(cells, farthest), dtype=np.float32) - 0.5, farthest)
+            for cells in (inside, ~inside)
+        )
+        return cls(gaussian_filter(np.where(inside, -inward, outward), _SMOOTH), reach)
 
     def limited(
         self, density: NDArray[np.floating], level: float, box: tuple[slice, ...] | None = None

@@ -15,6 +15,7 @@ from .demands import Demand
 from .frame_cache import BakeCache
 from .kept_blends import KeptBlends
 from .layouts import Blend
+from .limited_chain import LimitedChain
 from .morph_problem import MorphFrame, MorphProblem
 from .moving_problem import MovingProblem
 from .runs import Run, as_solved
@@ -24,8 +25,6 @@ from .surface_steps import Chain, SurfaceSteps
 
 # Maximum number of times that the topology is decided and its blends are computed again.
 _ROUNDS = 3
-# A blend with no more cells than this limited by its neighbor is considered unchanged.
-_HELD = 2
 # Limits that concern more than this fraction of the volume spoil a blend: what they hold back is then taken from the
 # whole surface. On cracks of a ball that becomes a knot, they concern up to 4 %, on the hole of a cone that becomes a
 # torus up to 13 %. By transport as in the paper, nothing larger than a part that appears is held back.
@@ -97,44 +96,52 @@ class Remaking:
         if review.is_done():
             return
         chains = [chain for chain in review.steps.chains() if review.topology.knows(chain.blends)]
-        for done, chain in enumerate(chains):
-            yield from within(
-                self._evened(chain, review.topology), 0.5 * done / len(chains), 0.5 * (done + 1) / len(chains)
-            )
+        yield from within(self._evened(chains, review.topology), 0.0, 0.5)
         yield from within(self._steadied(review.topology), 0.5, 1.0)
         yield Progress(1.0, Sentence("Blends match their neighbors"))
 
-    def _evened(self, chain: Chain, topology: SteadyTopology) -> Work[None]:
-        """Limit the distances between successive blends of a chain, until one is within its limit anyway.
+    def _evened(self, chains: Sequence[Chain], topology: SteadyTopology) -> Work[None]:
+        """Limit the distances between successive blends of chains; where two meet, the first one has precedence."""
+        left, reached = list(chains), 0.0
+        while left:
+            together = _starting_apart(left)
+            end = max(1.0 - (len(left) - len(together)) / len(chains), reached)
+            limited = yield from within(self._limited(together, topology), reached, end)
+            reached, settled = end, set()
+            for one in limited:
+                # A chain that starts from a blend of an earlier one has to start again from its new surface.
+                if one.chain.beside in settled:
+                    continue
+                left.remove(one.chain)
+                one.stop_at(self._demands)
+                settled |= one.demands.keys()
+                yield from within(self._accepted(one, topology), reached, reached)
 
-        If none is, the jump would only move to the end of the chain, so all blends stay as they are. They also do if
-        the limits change much more than a part that appears.
-        """
-        near = self._surfaces.get(chain.beside, chain.near)
-        demands: dict[Blend, Demand] = {}
-        frames: list[MorphFrame] = []
-        for blend in chain.blends:
-            if blend in self._demands:
-                break
-            demand = Demand(topology.most(blend), near, chain.reach)
-            frame = (yield from self._made({blend: demand}))[blend]
-            held = frame.record.get("held")
-            if not isinstance(held, int) or held <= _HELD:
-                break
-            if frame.record["held_share"] > self._most_held:
-                return
-            demands[blend], near = demand, frame.mesh
-            frames.append(frame)
-            yield Progress(
-                len(frames) / len(chain.blends), Sentence("Surface of blend {blend}", {"blend": blend.frame})
-            )
-        else:
-            return
-        self._demands |= demands
-        for frame in frames:
+    def _limited(self, chains: Sequence[Chain], topology: SteadyTopology) -> Work[list[LimitedChain]]:
+        """Limit the blends of several chains side by side, each as if it were the only one."""
+        limited = [
+            LimitedChain(chain, self._surfaces.get(chain.beside, chain.near), self._most_held) for chain in chains
+        ]
+        while True:
+            going = [one for one in limited if not one.is_over and one.next not in self._demands]
+            if not going:
+                return limited
+            # Of chains that have come to the same blend, the first one computes it first.
+            turns = {one.next: one for one in reversed(going)}
+            asked = {blend: one.demand(topology) for blend, one in turns.items()}
+            found = yield from self._made(asked)
+            for blend, one in turns.items():
+                one.add(found[blend], asked[blend])
+                message = Sentence("Surface of blend {blend}", {"blend": blend.frame})
+                yield Progress(1.0 - len(going) / len(limited), message)
+
+    def _accepted(self, chain: LimitedChain, topology: SteadyTopology) -> Work[None]:
+        """Yield the blends of a chain."""
+        self._demands |= chain.demands
+        for frame in chain.frames:
             self._surfaces[frame.blend] = frame.mesh
             topology.add(frame)
-            yield Progress(1.0, Sentence("Surface of blend {blend}", {"blend": frame.blend.frame}), frame)
+            yield Progress(0.0, Sentence("Surface of blend {blend}", {"blend": frame.blend.frame}), frame)
 
     def _steadied(self, topology: SteadyTopology) -> Work[None]:
         """Reduce the number of pieces and handles of blends."""
@@ -182,3 +189,8 @@ class Remaking:
     def _affected(self, blends: Iterable[Blend]) -> dict[int, Run]:
         wanted = set(blends)
         return {index: run for index, run in enumerate(self._runs) if not wanted.isdisjoint(run)}
+
+
+def _starting_apart(chains: Sequence[Chain]) -> list[Chain]:
+    """Return the chains that do not start from the first blend of an earlier one."""
+    return [chain for i, chain in enumerate(chains) if all(chain.beside != other.blends[0] for other in chains[:i])]

@@ -35,7 +35,7 @@ _KEPT = 16
 _BESIDE = 0.35
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Chain:
     """Blends that should be computed again one after the other, each with a limited distance to the previous one.
 
