@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from assets.sculpting import ellipsoid, ribbon, tube
 
+from .limb_paths import turned
 from .sculptures import Sculpture
 
 Point = NDArray[np.float64]
@@ -67,6 +68,11 @@ class Direction:
         down = np.cos(self.out)
         return np.array([side * np.sin(self.out), -down * np.sin(self.forward), -down * np.cos(self.forward)])
 
+    def toward(self, other: Direction, t: float) -> Direction:
+        """Return the direction that is rotated evenly towards another, at t from 0 to 1."""
+        across, ahead, up = turned(self.vector(1.0), other.vector(1.0), t)
+        return Direction(float(np.arcsin(across)), float(np.arctan2(-ahead, -up)))
+
 
 def degrees(out: float = 0.0, forward: float = 0.0) -> Direction:
     """Return a direction from angles in degrees."""
@@ -79,6 +85,10 @@ class Limb:
 
     upper: Direction
     lower: Direction
+
+    def toward(self, other: Limb, t: float) -> Limb:
+        """Return the limb whose segments are rotated evenly towards those of another, at t from 0 to 1."""
+        return Limb(self.upper.toward(other.upper, t), self.lower.toward(other.lower, t))
 
 
 def straight(direction: Direction) -> Limb:
@@ -97,6 +107,15 @@ class Posture:
     arms: tuple[Limb, Limb] = (_HANGING, _HANGING)
     legs: tuple[Limb, Limb] = (_STANDING, _STANDING)
     toes: tuple[float, float] = (0.0, 0.0)
+
+    def toward(self, other: Posture, t: float) -> Posture:
+        """Return the posture at t from 0 to 1 on the way to another, in which limbs rotate evenly."""
+        limbs = (
+            tuple(one.toward(two, t) for one, two in zip(mine, theirs, strict=True))
+            for mine, theirs in ((self.arms, other.arms), (self.legs, other.legs))
+        )
+        toes = tuple((1.0 - t) * one + t * two for one, two in zip(self.toes, other.toes, strict=True))
+        return Posture(*limbs, toes)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -18,7 +18,7 @@ from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 
-from .coherence_pairs import LimbPath
+from .limb_paths import LimbPath, PosedLimb
 from .rival_measures import Connectivity
 
 REACH_SHARE = 0.95
@@ -33,6 +33,8 @@ _JUMP = 2.0
 _CONE, _OVERLONG = np.radians(13.0), 1.25
 # A limb may be ahead or behind by this much time and still count as having its full length.
 _LAGS = np.linspace(-0.15, 0.15, 7)
+# The length of a limb is known at so many evenly spaced poses between the shapes, if bodies can be sculpted in them.
+_POSES = 7
 # Vertices beyond this fraction of the reach form the limb's tip.
 _TIP_SHARE = 0.95
 
@@ -175,22 +177,36 @@ def limb_errors(meshes: Sequence[TriangleMesh], times: Sequence[float], limb: Li
     limb : LimbPath
         Its joints, in the space of the meshes.
     """
-    ends = [limb_tip(mesh, limb.at(t), limb.root) for mesh, t in ((meshes[0], 0.0), (meshes[-1], 1.0))]
-    factors = [
-        _length(tip, limb.at(t), limb.root) / _chord(limb.at(t), limb.root) for tip, t in zip(ends, (0, 1), strict=True)
+    ends = [PosedLimb(meshes[0], limb.at(0.0)), PosedLimb(meshes[-1], limb.at(1.0))]
+    factors = [_factor(end.mesh, end.joints, limb.root) for end in ends]
+    offsets = [
+        limb_tip(end.mesh, end.joints, limb.root) - _expected(end.joints, limb.root, f)
+        for end, f in zip(ends, factors, strict=True)
     ]
-    offsets = [tip - _expected(limb.at(t), limb.root, f) for tip, t, f in zip(ends, (0, 1), factors, strict=True)]
     diagonal = max(float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))) for mesh in (meshes[0], meshes[-1]))
-    lengths, tips = [], []
+    full, lengths, tips = _full_factors(limb, factors), [], []
     for mesh, t in zip(meshes, times, strict=True):
-        factor = (1.0 - t) * factors[0] + t * factors[1]
-        lengths.append(min(_length_error(mesh, limb, u, factor) for u in np.clip(t + _LAGS, 0.0, 1.0)))
+        reached = np.clip(t + _LAGS, 0.0, 1.0)
+        lengths.append(min(abs(_factor(mesh, limb.at(u), limb.root) / full(u) - 1.0) for u in reached))
         joints = limb.at(t)
         tip = limb_tip(mesh, joints, limb.root)
         aside = (1.0 - t) * np.linalg.norm(offsets[0]) + t * np.linalg.norm(offsets[1])
-        away = float(np.linalg.norm(tip - _expected(joints, limb.root, factor)))
+        away = float(np.linalg.norm(tip - _expected(joints, limb.root, full(t))))
         tips.append(max(away - aside, 0.0) / diagonal)
     return LimbErrors(float(max(lengths)), float(max(tips)))
+
+
+def _full_factors(limb: LimbPath, ends: Sequence[float]) -> Callable[[float], float]:
+    """Return the factor of the full length at any time; it is measured on bodies sculpted in poses in between.
+
+    Their triangles differ from those of the shapes, at which the factor is `ends`.
+    """
+    if limb.posed is None:
+        return lambda t: (1.0 - t) * ends[0] + t * ends[1]
+    times = np.linspace(0.0, 1.0, _POSES + 2)
+    known = np.array([_factor(posed.mesh, posed.joints, limb.root) for posed in map(limb.posed, times)])
+    known += (1.0 - times) * (ends[0] - known[0]) + times * (ends[1] - known[-1])
+    return lambda t: float(np.interp(t, times, known))
 
 
 def limb_tip(mesh: TriangleMesh, joints: NDArray[np.float64], root: int) -> NDArray[np.float64]:
@@ -210,19 +226,10 @@ def limb_tip(mesh: TriangleMesh, joints: NDArray[np.float64], root: int) -> NDAr
     return np.average(mesh.vertices[at_tip], axis=0, weights=np.maximum(mesh.vertex_areas[at_tip], 1e-300))
 
 
-def _length_error(mesh: TriangleMesh, limb: LimbPath, t: float, factor: float) -> float:
-    joints = limb.at(t)
-    return abs(
-        _length(limb_tip(mesh, joints, limb.root), joints, limb.root) / (factor * _chord(joints, limb.root)) - 1.0
-    )
-
-
-def _chord(joints: NDArray[np.float64], root: int) -> float:
-    return float(np.linalg.norm(joints[-1] - joints[root]))
-
-
-def _length(tip: NDArray[np.float64], joints: NDArray[np.float64], root: int) -> float:
-    return float(np.linalg.norm(tip - joints[root]))
+def _factor(mesh: TriangleMesh, joints: NDArray[np.float64], root: int) -> float:
+    """Return the length of a limb, over the distance of its joints."""
+    reached = np.linalg.norm(limb_tip(mesh, joints, root) - joints[root])
+    return float(reached / np.linalg.norm(joints[-1] - joints[root]))
 
 
 def _expected(joints: NDArray[np.float64], root: int, factor: float) -> NDArray[np.float64]:

@@ -12,52 +12,18 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
 from convwass_addon.geometry.mesh import TriangleMesh
 
 from . import bipeds, centaurs, creatures, hands, quadrupeds, things
 from .bipeds import CHILD, MAN, OGRE, Limb as Bones, Posture, biped, degrees, straight
 from .blends import ASSETS, read_meshes
+from .limb_paths import LimbPath, PosedLimb
 from .quadrupeds import DOG, GIRAFFE, GOAT, GRAZING, REARING, STANDING, TROTTING, quadruped
 
 ONE_BUILD = "one build"
 OTHER_BUILD = "other build"
-
-
-@dataclass(frozen=True)
-class LimbPath:
-    """Joints of a limb at both ends of a morph, in scene units.
-
-    Attributes
-    ----------
-    first, second : (n, 3) float64
-        From a joint that only translates to the limb's tip.
-    root : int
-        Index of the joint that the limb's length is measured from.
-    """
-
-    first: NDArray[np.float64]
-    second: NDArray[np.float64]
-    root: int = 0
-
-    def at(self, t: float) -> NDArray[np.float64]:
-        """Return the joints at t, (n, 3): segments rotate evenly about their joints, and lengths are interpolated."""
-        points = [(1.0 - t) * self.first[0] + t * self.second[0]]
-        for one, other in zip(np.diff(self.first, axis=0), np.diff(self.second, axis=0), strict=True):
-            points.append(points[-1] + turned(one, other, t))
-        return np.stack(points)
-
-
-def turned(first: ArrayLike, second: ArrayLike, t: float) -> NDArray[np.float64]:
-    """Rotate one vector evenly into another with interpolated length (spherical linear interpolation)."""
-    lengths = np.array([np.linalg.norm(first), np.linalg.norm(second)])
-    one, other = np.asarray(first) / lengths[0], np.asarray(second) / lengths[1]
-    angle = np.arctan2(np.linalg.norm(np.cross(one, other)), one @ other)
-    length = (1.0 - t) * lengths[0] + t * lengths[1]
-    if angle < 1e-9:
-        return length * one
-    return length / np.sin(angle) * (np.sin((1.0 - t) * angle) * one + np.sin(t * angle) * other)
 
 
 @dataclass(frozen=True)
@@ -114,19 +80,49 @@ _BACK_STRIDE = Posture(
 _TALL = replace(STANDING, neck=66.0, tail=(235.0, 262.0))
 
 
-def _people(one: bipeds.Biped, other: bipeds.Biped, *, arm_swings: bool = False) -> Ends:
+def _people(one: bipeds.Biped, other: bipeds.Biped) -> Ends:
     tips = np.array([[chain[-1] for chain in (*body.arms, *body.legs)] for body in (one, other)])
-    limb = LimbPath(one.arms[0], other.arms[0]) if arm_swings else None
-    return Ends(one.sculpture.mesh(), other.sculpture.mesh(), limb, tips)
+    return Ends(one.sculpture.mesh(), other.sculpture.mesh(), tips=tips)
 
 
-def _animals(one: quadrupeds.Quadruped, other: quadrupeds.Quadruped, limb: str | None = None) -> Ends:
+def _swings_arm(build: bipeds.Build, up: Bones, seeds: tuple[int, int]) -> Ends:
+    down, raised = Posture(), Posture(arms=(up, _ARM_DOWN))
+    one, other = (biped(build, posture, seed) for posture, seed in zip((down, raised), seeds, strict=True))
+
+    def posed(t: float) -> PosedLimb:
+        body = biped(build, down.toward(raised, t), seeds[0])
+        return PosedLimb(body.sculpture.mesh(), body.arms[0])
+
+    return replace(_people(one, other), limb=LimbPath(one.arms[0], other.arms[0], posed=posed))
+
+
+def _animals(one: quadrupeds.Quadruped, other: quadrupeds.Quadruped) -> Ends:
     tips = np.array([[chain[-1] for chain in (*body.fore, *body.hind, body.neck)] for body in (one, other)])
-    path = None
-    if limb is not None:
-        chains = [body.neck if limb == "neck" else body.fore[0] for body in (one, other)]
-        path = LimbPath(*(np.vstack([body.hips, own]) for body, own in zip((one, other), chains, strict=True)), root=1)
-    return Ends(one.sculpture.mesh(), other.sculpture.mesh(), path, tips)
+    return Ends(one.sculpture.mesh(), other.sculpture.mesh(), tips=tips)
+
+
+def _moves(
+    build: quadrupeds.Build,
+    poses: tuple[quadrupeds.Pose, quadrupeds.Pose],
+    seeds: tuple[int, int],
+    limb: Callable[[quadrupeds.Quadruped], NDArray[np.float64]],
+) -> Ends:
+    """Return an animal in two poses, with the limb that moves most."""
+    first, second = poses
+    one, other = (quadruped(build, pose, seed) for pose, seed in zip(poses, seeds, strict=True))
+
+    def joints(body: quadrupeds.Quadruped) -> NDArray[np.float64]:
+        return np.vstack([body.hips, limb(body)])
+
+    def posed(t: float) -> PosedLimb:
+        body = quadruped(build, first.toward(second, t), seeds[0])
+        return PosedLimb(body.sculpture.mesh(), joints(body))
+
+    return replace(_animals(one, other), limb=LimbPath(joints(one), joints(other), root=1, posed=posed))
+
+
+def _foreleg(body: quadrupeds.Quadruped) -> NDArray[np.float64]:
+    return body.fore[0]
 
 
 def _hands(one: hands.Hand, other: hands.Hand) -> Ends:
@@ -135,8 +131,7 @@ def _hands(one: hands.Hand, other: hands.Hand) -> Ends:
 
 
 def _man_raises_arm() -> Ends:
-    up = biped(MAN, Posture(arms=(_ARM_UP, _ARM_DOWN)), 2)
-    return _people(biped(MAN, Posture(), 1), up, arm_swings=True)
+    return _swings_arm(MAN, _ARM_UP, (1, 2))
 
 
 def _man_walks() -> Ends:
@@ -148,8 +143,7 @@ def _man_to_ogre() -> Ends:
 
 
 def _child_points() -> Ends:
-    ahead = biped(CHILD, Posture(arms=(_ARM_AHEAD, _ARM_DOWN)), 8)
-    return _people(biped(CHILD, Posture(), 7), ahead, arm_swings=True)
+    return _swings_arm(CHILD, _ARM_AHEAD, (7, 8))
 
 
 def _ogre_to_child() -> Ends:
@@ -157,15 +151,15 @@ def _ogre_to_child() -> Ends:
 
 
 def _dog_rears() -> Ends:
-    return _animals(quadruped(DOG, STANDING, 11), quadruped(DOG, REARING, 12), "foreleg")
+    return _moves(DOG, (STANDING, REARING), (11, 12), _foreleg)
 
 
 def _goat_rears() -> Ends:
-    return _animals(quadruped(GOAT, STANDING, 13), quadruped(GOAT, REARING, 14), "foreleg")
+    return _moves(GOAT, (STANDING, REARING), (13, 14), _foreleg)
 
 
 def _giraffe_grazes() -> Ends:
-    return _animals(quadruped(GIRAFFE, _TALL, 15), quadruped(GIRAFFE, GRAZING, 16), "neck")
+    return _moves(GIRAFFE, (_TALL, GRAZING), (15, 16), lambda body: body.neck)
 
 
 def _goat_to_giraffe() -> Ends:

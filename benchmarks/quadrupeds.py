@@ -7,7 +7,7 @@ Angles are in degrees in the plane of symmetry: 0 points forward (+X), 90 up.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from assets.sculpting import both_sides, ellipsoid, ribbon, tube
 from .sculptures import Sculpture
 
 Point = NDArray[np.float64]
+Angles = float | tuple["Angles", ...]
 _ACROSS = (0, 1, 0)
 
 
@@ -67,6 +68,16 @@ class Pose:
     fore: tuple[tuple[float, float], tuple[float, float]] = ((-95.0, -88.0), (-95.0, -88.0))
     hind: tuple[tuple[float, float], tuple[float, float]] = ((-72.0, -108.0), (-72.0, -108.0))
     tail: tuple[float, float] = (150.0, 110.0)
+
+    def toward(self, other: Pose, t: float) -> Pose:
+        """Return the pose at t from 0 to 1 on the way to another, in which all angles change evenly."""
+        return Pose(*(_mean(getattr(self, own.name), getattr(other, own.name), t) for own in fields(self)))
+
+
+def _mean(one: Angles, other: Angles, t: float) -> Angles:
+    if isinstance(one, tuple):
+        return tuple(_mean(own, its, t) for own, its in zip(one, other, strict=True))
+    return (1.0 - t) * one + t * other
 
 
 @dataclass(frozen=True)
