@@ -45,12 +45,12 @@ def test_even_steps_are_unchanged():
 def test_appearing_parts_grow_afterwards_and_vanishing_parts_shrink_before():
     (grows,) = chains_of([0.2 * i for i in range(13)], extra=range(4, 13))
     assert (grows.beside, grows.blends) == (BLENDS[3], tuple(BLENDS[4:12]))
-    assert len(grows.near.vertices) == len(ball().vertices)
+    assert len(grows.near.mesh.vertices) == len(ball().vertices)
     # In the eight remaining steps the small ball moves by 1.3 and seven times 0.2.
     assert grows.reach == pytest.approx(2.7 / 8, abs=0.03)
     (shrinks,) = chains_of([0.2 * i for i in range(13)], extra=range(9))
     assert (shrinks.beside, shrinks.blends) == (BLENDS[9], tuple(BLENDS[8:0:-1]))
-    assert len(shrinks.near.vertices) == len(ball().vertices)
+    assert len(shrinks.near.mesh.vertices) == len(ball().vertices)
 
 
 def test_a_part_in_one_blend_grows_and_shrinks():
@@ -67,7 +67,7 @@ def test_what_appears_beside_a_shape_grows_in_the_blends_next_to_it(end):
     for shape, extra in ((moved, range(13)), (with_small, ())):
         (chain,) = chains_of([0.2 * i for i in range(13)], extra, {BLENDS[end]: shape})
         assert (chain.beside, chain.blends) == (BLENDS[end], tuple(inward))
-        assert chain.near.volume == pytest.approx(shape.volume)
+        assert chain.near.mesh.volume == pytest.approx(shape.volume)
         # In the eleven steps, the small ball moves by 1.3 and ten times 0.2.
         assert chain.reach == pytest.approx(3.3 / 11, abs=0.03)
 
@@ -83,8 +83,12 @@ def test_long_steps_are_found_if_the_leg_begins_with_longer_ones():
     assert {chain.beside for chain in chains} >= {BLENDS[1], BLENDS[5]}
 
 
-def test_blends_beside_shapes_change_first():
-    """Blends cannot be limited by the shape any more once they are limited by a later blend."""
-    places = [0.0, 1.0, 3.5, *(3.5 + 0.1 * i for i in range(1, 11))]
+def test_of_chains_that_go_the_same_way_the_first_one_comes_first():
+    """Later ones start from a surface that the first one may change."""
+    places = [0.0, 1.0, 3.5, 5.0, *(5.0 + 0.1 * i for i in range(1, 10))]
     chains = chains_of(places, (), {BLENDS[0]: ball()})
-    assert [chain.beside for chain in chains][:2] == [BLENDS[0], BLENDS[1]]
+    onwards = [chain.beside for chain in chains if chain.blends[-1] == BLENDS[11]]
+    back = [chain.beside for chain in chains if chain.blends[-1] == BLENDS[1]]
+    assert onwards == BLENDS[:3]
+    assert back == [BLENDS[3], BLENDS[2]]
+    assert [chain.beside for chain in chains] == [BLENDS[0], BLENDS[3], BLENDS[1], BLENDS[2], BLENDS[2]]

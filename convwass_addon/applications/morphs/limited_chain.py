@@ -4,15 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Iterable, Mapping
 from dataclasses import dataclass, field
 
-from ...geometry.mesh import TriangleMesh
 from .demands import Demand
 from .layouts import Blend
 from .morph_problem import MorphFrame
 from .steady_topology import SteadyTopology
-from .surface_steps import Chain
+from .surface_steps import Chain, MeasuredSurface
 
 # A blend with no more cells than this limited by its neighbor is considered unchanged.
 _HELD = 2
@@ -22,51 +21,76 @@ _HELD = 2
 class LimitedChain:
     """A chain whose blends are limited, until one is within its limit anyway.
 
-    If none is, the jump would only move to the end of the chain, so all blends stay as they are. They also do if the
-    limits change much more than a part that appears.
+    If none is, the jump would only move to the end of the chain, so all blends stay as they are: the chain is given up.
+    It also is if the limits change much more than a part that appears.
 
     Attributes
     ----------
     chain : Chain
         The chain.
-    near : TriangleMesh
-        The surface that the next blend is limited by.
+    start : MeasuredSurface
+        The surface that the first blend is limited by.
     most_held : float
         The largest fraction of the volume that limits may concern.
     demands : dict
         The demands on the first blends of the chain.
     frames : list of MorphFrame
         These blends.
-    is_over : bool
-        Whether no further blend has to be limited.
+    unchanged : MorphFrame or None
+        The blend after them, which is within its limit, if it was computed.
+    is_given_up : bool
+        Whether all blends stay as they are.
     """
 
     chain: Chain
-    near: TriangleMesh
+    start: MeasuredSurface
     most_held: float
     demands: dict[Blend, Demand] = field(default_factory=dict)
     frames: list[MorphFrame] = field(default_factory=list)
-    is_over: bool = False
+    unchanged: MorphFrame | None = None
+    is_given_up: bool = False
 
     @property
-    def next(self) -> Blend:
-        """The next blend to limit, unless the chain is over."""
-        return self.chain.blends[len(self.frames)]
+    def is_over(self) -> bool:
+        """Whether no further blend has to be limited."""
+        return self.is_given_up or self.unchanged is not None
+
+    @property
+    def next(self) -> Blend | None:
+        """The blend after those that have been limited."""
+        return None if self.is_given_up else self.chain.blends[len(self.frames)]
+
+    @property
+    def blends(self) -> list[Blend]:
+        """The blend before the first one, those that have been limited, and the one after them."""
+        return [self.chain.beside, *(frame.blend for frame in self.frames), self.next]
+
+    def surfaces(self, known: Mapping[Blend, MeasuredSurface]) -> list[MeasuredSurface]:
+        """Return the surfaces of these blends; the last one is known if it was limited by another chain."""
+        last = known.get(self.next) or MeasuredSurface.of_blend(self.unchanged.mesh)
+        return [self.start, *(MeasuredSurface.of_blend(frame.mesh) for frame in self.frames), last]
+
+    def is_overtaken_by(self, others: Iterable[LimitedChain]) -> bool:
+        """Whether another chain has limited the blend that this one starts from."""
+        return any(self.chain.beside in other.demands for other in others)
 
     def demand(self, topology: SteadyTopology) -> Demand:
         """Return the demand on the next blend."""
-        return Demand(topology.most(self.next), self.near, self.chain.reach)
+        near = self.frames[-1].mesh if self.frames else self.start.mesh
+        return Demand(topology.most(self.next), near, self.chain.reach)
 
     def add(self, frame: MorphFrame, demand: Demand) -> None:
         """Add the next blend, computed with this demand."""
         held = frame.record.get("held")
         if not isinstance(held, int) or held <= _HELD:
-            self.is_over = True
+            self.unchanged = frame
             return
-        self.demands[frame.blend], self.near = demand, frame.mesh
+        self.demands[frame.blend] = demand
         self.frames.append(frame)
         if frame.record["held_share"] > self.most_held or len(self.frames) == len(self.chain.blends):
-            self._give_up()
+            self.is_given_up = True
+            self.demands.clear()
+            self.frames.clear()
 
     def stop_at(self, taken: Container[Blend]) -> None:
         """Drop all blends from the first one on that another chain has."""
@@ -74,8 +98,3 @@ class LimitedChain:
         for frame in self.frames[first:]:
             del self.demands[frame.blend]
         del self.frames[first:]
-
-    def _give_up(self) -> None:
-        self.demands.clear()
-        self.frames.clear()
-        self.is_over = True

@@ -21,7 +21,7 @@ from .moving_problem import MovingProblem
 from .runs import Run, as_solved
 from .solving_again import Asked
 from .steady_topology import SteadyTopology, legs_of
-from .surface_steps import Chain, SurfaceSteps
+from .surface_steps import Chain, MeasuredSurface, SurfaceSteps, longest_step
 
 # Maximum number of times that the topology is decided and its blends are computed again.
 _ROUNDS = 3
@@ -89,33 +89,38 @@ class Remaking:
         self._kept = kept
         self._most_held = _MOST_HELD_BY_TRANSPORT if plan.settings.motion == "transport" else _MOST_HELD
         self._demands: dict[Blend, Demand] = {}
-        self._surfaces: dict[Blend, TriangleMesh] = {}
+        self._surfaces: dict[Blend, MeasuredSurface] = {}
 
     def fitted(self, review: BakeReview) -> Work[None]:
         """Yield frames that replace earlier ones, as payloads."""
         if review.is_done():
             return
         chains = [chain for chain in review.steps.chains() if review.topology.knows(chain.blends)]
-        yield from within(self._evened(chains, review.topology), 0.0, 0.5)
+        yield from within(self._evened(chains, review), 0.0, 0.5)
         yield from within(self._steadied(review.topology), 0.5, 1.0)
         yield Progress(1.0, Sentence("Blends match their neighbors"))
 
-    def _evened(self, chains: Sequence[Chain], topology: SteadyTopology) -> Work[None]:
+    def _evened(self, chains: Sequence[Chain], review: BakeReview) -> Work[None]:
         """Limit the distances between successive blends of chains; where two meet, the first one has precedence."""
         left, reached = list(chains), 0.0
         while left:
             together = _starting_apart(left)
             end = max(1.0 - (len(left) - len(together)) / len(chains), reached)
-            limited = yield from within(self._limited(together, topology), reached, end)
+            limited = yield from within(self._limited(together, review.topology), reached, end)
             reached, settled = end, set()
             for one in limited:
                 # A chain that starts from a blend of an earlier one has to start again from its new surface.
-                if one.chain.beside in settled:
+                if one.chain.beside in settled or self._goes_on(one):
                     continue
                 left.remove(one.chain)
                 one.stop_at(self._demands)
-                settled |= one.demands.keys()
-                yield from within(self._accepted(one, topology), reached, reached)
+                # Where chains meet, what one of them holds back appears between them.
+                if one.frames and longest_step(one.surfaces(self._surfaces)) < review.steps.longest(one.blends):
+                    settled |= one.demands.keys()
+                    yield from within(self._accepted(one, review.topology), reached, reached)
+
+    def _goes_on(self, chain: LimitedChain) -> bool:
+        return not chain.is_over and chain.next not in self._demands
 
     def _limited(self, chains: Sequence[Chain], topology: SteadyTopology) -> Work[list[LimitedChain]]:
         """Limit the blends of several chains side by side, each as if it were the only one."""
@@ -123,7 +128,9 @@ class Remaking:
             LimitedChain(chain, self._surfaces.get(chain.beside, chain.near), self._most_held) for chain in chains
         ]
         while True:
-            going = [one for one in limited if not one.is_over and one.next not in self._demands]
+            going = [
+                one for i, one in enumerate(limited) if self._goes_on(one) and not one.is_overtaken_by(limited[:i])
+            ]
             if not going:
                 return limited
             # Of chains that have come to the same blend, the first one computes it first.
@@ -139,7 +146,7 @@ class Remaking:
         """Yield the blends of a chain."""
         self._demands |= chain.demands
         for frame in chain.frames:
-            self._surfaces[frame.blend] = frame.mesh
+            self._surfaces[frame.blend] = MeasuredSurface.of_blend(frame.mesh)
             topology.add(frame)
             yield Progress(0.0, Sentence("Surface of blend {blend}", {"blend": frame.blend.frame}), frame)
 

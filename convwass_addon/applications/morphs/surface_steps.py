@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from itertools import pairwise
+from itertools import pairwise, zip_longest
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +43,7 @@ class Chain:
     ----------
     beside : Blend
         The blend before the first one.
-    near : TriangleMesh
+    near : MeasuredSurface
         The surface of that blend, unless it is computed again, too.
     reach : float
         Maximum distance, in scene units.
@@ -52,7 +52,7 @@ class Chain:
     """
 
     beside: Blend
-    near: TriangleMesh
+    near: MeasuredSurface
     reach: float
     blends: tuple[Blend, ...]
 
@@ -163,11 +163,16 @@ class SurfaceSteps:
         shape = self._shapes.get(frame.blend)
         return None if shape is None or not len(shape.faces) else MeasuredSurface.of_shape(shape)
 
+    def longest(self, blends: Sequence[Blend]) -> float:
+        """Return the largest distance between successive surfaces of some neighboring blends, in either order."""
+        found = [self._places.get((one, other)) or self._places[other, one] for one, other in pairwise(blends)]
+        return max(self._lengths[leg][place].longest for leg, place in found)
+
     def chains(self) -> list[Chain]:
         """Return the blends to compute again: those after something appears, and before something vanishes.
 
-        Those beside unblended shapes come first, then those of the longest steps. What appears or vanishes beside a
-        shape does so in the blends next to it.
+        What appears or vanishes beside a shape does so in the blends next to it. Of chains that go the same way, the
+        one that starts first comes first, because it changes the surface that the next one starts from.
         """
         return [chain for leg in self._legs for chain in self._chains_of(leg)]
 
@@ -176,24 +181,30 @@ class SurfaceSteps:
         if blends < _FEWEST or any(place not in lengths for place in range(2, blends + 1)):
             return []
         usual = float(np.median([lengths[place].longest for place in range(2, blends + 1)]))
-        found = []
-        for step in sorted(self._longest[leg], key=lambda step: step.place not in (1, blends + 1)):
+        onwards, back = [], []
+        for step in sorted(self._longest[leg], key=lambda step: step.place):
             place, least = step.place, max(_JUMP * usual, _LEAST * max(step.before.spacing, step.after.spacing))
             # The last step is followed by no blend, and the first one preceded by none.
             if step.lengths.appears > least and place <= blends:
                 coming = [lengths[i].appears for i in range(place, blends + 1)]
                 reach = max(_REACH * usual, _even_step(coming))
-                found.append(Chain(leg.whole[place - 1], step.before.mesh, reach, leg.whole[place:-1]))
+                onwards.append(Chain(leg.whole[place - 1], step.before, reach, leg.whole[place:-1]))
             if step.lengths.vanishes > least and place > 1:
                 gone = [lengths[i].vanishes for i in range(place, 1, -1)]
                 reach = max(_REACH * usual, _even_step(gone))
-                found.append(Chain(leg.whole[place], step.after.mesh, reach, leg.whole[place - 1 : 0 : -1]))
-        return found
+                back.insert(0, Chain(leg.whole[place], step.after, reach, leg.whole[place - 1 : 0 : -1]))
+        # Taking turns, neither way has precedence where they meet.
+        return [chain for both in zip_longest(onwards, back) for chain in both if chain is not None]
 
 
 def _even_step(lengths: Sequence[float]) -> float:
     """Return the smallest equal step that covers the distance of some first lengths: the least running mean."""
     return float((np.cumsum(lengths) / np.arange(1, len(lengths) + 1)).min())
+
+
+def longest_step(surfaces: Sequence[MeasuredSurface]) -> float:
+    """Return the largest distance between successive surfaces."""
+    return max(max(farthest(one, other), farthest(other, one)) for one, other in pairwise(surfaces))
 
 
 def farthest(asked: MeasuredSurface, other: MeasuredSurface) -> float:

@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blends that are limited by their neighbors, on balls that move along a line: limits move their centers."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.applications.morphs.remaking import BakeReview, Remaking
+from convwass_addon.progress import UNINTERRUPTED
+from tests.shapes import ball
+
+BLENDS = path_blends(2, 24)
+ONE_PIECE = {"pieces": 1, "handles": 0, "bubbles": 0}
+
+
+def frame(blend, place, held=None):
+    record = {"found": ONE_PIECE, "most": ONE_PIECE} | (
+        {} if held is None else {"held": held, "held_share": 1e-3 * held}
+    )
+    return MorphFrame(blend, None if blend.source is not None else ball(1.0, (place, 0.0, 0.0)), record)
+
+
+class Balls(Remaking):
+    """Computes a blend again by moving its ball within reach of the demand's surface."""
+
+    def __init__(self, places, motion="guided"):
+        super().__init__(SimpleNamespace(settings=SimpleNamespace(motion=motion)), [], None, None, UNINTERRUPTED)
+        self.places, self.asked = dict(zip(BLENDS, places, strict=True)), []
+
+    def _made(self, asked):
+        yield from ()
+        self.asked.append([blend.frame for blend in asked])
+        found = {}
+        for blend, demand in asked.items():
+            center = demand.near.vertices.mean(axis=0)[0]
+            place = np.clip(self.places[blend], center - demand.reach, center + demand.reach)
+            found[blend] = frame(blend, place, 10 if place != self.places[blend] else 0)
+        return found
+
+
+def evened(places, motion="guided"):
+    """The places after blends have been limited, and the progress."""
+    review, balls = BakeReview(BLENDS, {}), Balls(places, motion)
+    for blend, place in zip(BLENDS, places, strict=True):
+        review.add(frame(blend, place))
+    reports = list(balls.fitted(review))
+    found = dict(balls.places)
+    for report in reports:
+        if report.payload is not None:
+            found[report.payload.blend] = report.payload.mesh.vertices.mean(axis=0)[0]
+    return np.array(list(found.values())), reports, balls
+
+
+def even(**extra):
+    """Places of even steps of 0.2, of which some are longer."""
+    return np.cumsum([0.0, *(0.2 + extra.get(f"at_{i}", 0.0) for i in range(1, 25))])
+
+
+def test_a_jump_is_spread_over_the_blends_behind_it():
+    places = even(at_9=0.3)
+    after, reports, _ = evened(places)
+    # Steps are limited to 1.5 times the usual one, as measured, so three blends make up for it.
+    np.testing.assert_allclose(np.diff(after)[8:11], 0.3, atol=0.02)
+    assert np.diff(after).max() < 0.31
+    np.testing.assert_array_equal(after[:9], places[:9])
+    np.testing.assert_array_equal(after[12:], places[12:])
+    fractions = [report.fraction for report in reports]
+    assert fractions == sorted(fractions)
+
+
+def test_even_blends_stay():
+    after, reports, balls = evened(even())
+    np.testing.assert_array_equal(after, even())
+    assert not reports and not balls.asked
+
+
+def test_a_chain_goes_on_through_blends_that_a_later_one_starts_from():
+    """Otherwise the second jump would be limited from where the first one has not been yet."""
+    places = even(at_9=0.3, at_11=0.3)
+    after, _, _ = evened(places)
+    assert np.diff(after).max() == pytest.approx(0.3, abs=0.02)
+    np.testing.assert_array_equal(after[16:], places[16:])
+
+
+def test_jumps_at_both_ends_are_limited_side_by_side():
+    after, _, balls = evened(even(at_3=0.3, at_20=0.3))
+    assert np.diff(after).max() == pytest.approx(0.3, abs=0.02)
+    assert {frozenset(asked) for asked in balls.asked} >= {frozenset((3, 19)), frozenset((4, 18))}
+
+
+def test_a_jump_near_the_end_stays_where_it_is():
+    """It would only move to the last blend."""
+    places = even(at_23=2.0)
+    after, _, _ = evened(places)
+    np.testing.assert_array_equal(after, places)
+
+
+def test_where_chains_meet_no_step_becomes_longer():
+    """One blend is far ahead: limited from one side, it would be farther from the other one."""
+    places = even()
+    places[12] += 0.4
+    after, _, _ = evened(places)
+    assert np.abs(np.diff(after)).max() < np.abs(np.diff(places)).max()
+
+
+def test_by_transport_only_small_parts_are_held_back():
+    after, _, _ = evened(even(at_9=0.3), "transport")
+    np.testing.assert_array_equal(after, even(at_9=0.3))
