@@ -85,6 +85,16 @@ def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, turn
     assert abs(found.turn) == pytest.approx(angle)
 
 
+@pytest.mark.parametrize(("other", "score"), [(0.6, 0.6), (0.05, 0.1)], ids=["it is better", "it is not"])
+def test_where_no_map_is_good_another_one_is_tried(monkeypatch, other, score):
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    asked = registrations(monkeypatch, (0.1, 0.1, 1.0), (0.08, 0.1, 1.0), (other, 0.1, 1.0))
+    monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert len(asked) == 3
+    assert found.score == score
+
+
 def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch):
     shape = figure()[0]
     carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
