@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Distance transform of a set of cells, up to a given distance."""
+"""Distance transforms of a set of cells, up to a given distance."""
 
 from __future__ import annotations
 
@@ -38,3 +38,21 @@ def capped_squares(inside: NDArray[np.bool_], reach: float) -> NDArray[np.intege
             np.minimum(squares[here], along[there], out=squares[here])
             np.minimum(squares[there], along[here], out=squares[there])
     return squares
+
+
+def capped_distances(inside: NDArray[np.bool_], reach: float) -> NDArray[np.float32]:
+    """Distance of every cell's center from the surface of a set of cells, which is half a cell from their centers.
+
+    Parameters
+    ----------
+    inside : (nx, ny, nz) bool
+        The cells.
+    reach : float
+        The largest distance between centers that counts, in cells.
+
+    Returns
+    -------
+    (nx, ny, nz) float32
+        In cells: zero inside, exact up to half a cell less than `reach`, and between that and `reach` farther away.
+    """
+    return np.clip(np.sqrt(capped_squares(inside, reach), dtype=np.float32) - np.float32(0.5), 0.0, reach)

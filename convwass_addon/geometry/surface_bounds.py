@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from .near import capped_squares
+from .near import capped_distances
 from .occupancy import occupancy
 
 # Deviation, in cells, of the Gaussian that smooths the distances, which are computed from whole cells.
@@ -47,12 +47,7 @@ class SurfaceBounds:
         inside = occupancy(np.clip(corners, 1.0, np.array(shape) - 1.0), shape) > 0.5
         if not inside.any():
             return cls(np.zeros(shape, np.float32), np.inf)
-        # Between cells inside and outside, the surface is half a cell from either center.
-        farthest = reach + _BEYOND
-        outward, inward = (
-            np.minimum(np.sqrt(capped_squares(cells, farthest), dtype=np.float32) - 0.5, farthest)
-            for cells in (inside, ~inside)
-        )
+        outward, inward = (capped_distances(cells, reach + _BEYOND) for cells in (inside, ~inside))
         return cls(gaussian_filter(np.where(inside, -inward, outward), _SMOOTH), reach)
 
     def limited(

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...geometry.grid_halving import doubled, halved
-from ...geometry.near import capped_squares
+from ...geometry.near import capped_distances
 
 # Grids are halved until they have no more cells along a side.
 _MOST_CELLS = 64
@@ -92,9 +92,8 @@ class _Coarse:
 
     def distances(self, cells: NDArray[np.bool_], reach: float) -> NDArray[np.float32]:
         """Return the distance of every cell from the nearest of some cells, both of the finer grid, up to `reach`."""
-        squares = capped_squares(self.means(cells.astype(np.float32)) > 0.0, reach / self.cell)
-        away = self.cell * (np.sqrt(squares, dtype=np.float32) - np.float32(0.5))
-        return self.interpolated(np.clip(away, 0.0, reach))
+        away = capped_distances(self.means(cells.astype(np.float32)) > 0.0, reach / self.cell)
+        return self.interpolated(self.cell * away)
 
     def interpolated(self, field: NDArray[np.floating]) -> NDArray[np.float32]:
         """Interpolate a field of the coarser grid on the finer one."""

@@ -17,6 +17,15 @@ from .surface_steps import Chain, MeasuredSurface
 _HELD = 2
 
 
+@dataclass(frozen=True)
+class LimitedBlend:
+    """A blend that was computed again, the demand on it, and its surface."""
+
+    frame: MorphFrame
+    demand: Demand
+    surface: MeasuredSurface
+
+
 @dataclass
 class LimitedChain:
     """A chain whose blends are limited, until one is within its limit anyway.
@@ -32,10 +41,8 @@ class LimitedChain:
         The surface that the first blend is limited by.
     most_held : float
         The largest fraction of the volume that limits may concern.
-    demands : dict
-        The demands on the first blends of the chain.
-    frames : list of MorphFrame
-        These blends.
+    limited : list of LimitedBlend
+        The first blends of the chain.
     unchanged : MorphFrame or None
         The blend after them, which is within its limit, if it was computed.
     is_given_up : bool
@@ -45,8 +52,7 @@ class LimitedChain:
     chain: Chain
     start: MeasuredSurface
     most_held: float
-    demands: dict[Blend, Demand] = field(default_factory=dict)
-    frames: list[MorphFrame] = field(default_factory=list)
+    limited: list[LimitedBlend] = field(default_factory=list)
     unchanged: MorphFrame | None = None
     is_given_up: bool = False
 
@@ -58,26 +64,31 @@ class LimitedChain:
     @property
     def next(self) -> Blend | None:
         """The blend after those that have been limited."""
-        return None if self.is_given_up else self.chain.blends[len(self.frames)]
+        return None if self.is_given_up else self.chain.blends[len(self.limited)]
+
+    @property
+    def changed(self) -> list[Blend]:
+        """The blends that have been limited."""
+        return [one.frame.blend for one in self.limited]
 
     @property
     def blends(self) -> list[Blend]:
         """The blend before the first one, those that have been limited, and the one after them."""
-        return [self.chain.beside, *(frame.blend for frame in self.frames), self.next]
+        return [self.chain.beside, *self.changed, self.next]
 
     def surfaces(self, known: Mapping[Blend, MeasuredSurface]) -> list[MeasuredSurface]:
         """Return the surfaces of these blends; the last one is known if it was limited by another chain."""
         last = known.get(self.next) or MeasuredSurface.of_blend(self.unchanged.mesh)
-        return [self.start, *(MeasuredSurface.of_blend(frame.mesh) for frame in self.frames), last]
+        return [self.start, *(one.surface for one in self.limited), last]
 
     def is_overtaken_by(self, others: Iterable[LimitedChain]) -> bool:
         """Whether another chain has limited the blend that this one starts from."""
-        return any(self.chain.beside in other.demands for other in others)
+        return any(self.chain.beside in other.changed for other in others)
 
     def demand(self, topology: SteadyTopology) -> Demand:
         """Return the demand on the next blend."""
-        near = self.frames[-1].mesh if self.frames else self.start.mesh
-        return Demand(topology.most(self.next), near, self.chain.reach)
+        near = self.limited[-1].surface if self.limited else self.start
+        return Demand(topology.most(self.next), near.mesh, self.chain.reach)
 
     def add(self, frame: MorphFrame, demand: Demand) -> None:
         """Add the next blend, computed with this demand."""
@@ -85,16 +96,12 @@ class LimitedChain:
         if not isinstance(held, int) or held <= _HELD:
             self.unchanged = frame
             return
-        self.demands[frame.blend] = demand
-        self.frames.append(frame)
-        if frame.record["held_share"] > self.most_held or len(self.frames) == len(self.chain.blends):
+        self.limited.append(LimitedBlend(frame, demand, MeasuredSurface.of_blend(frame.mesh)))
+        if frame.record["held_share"] > self.most_held or len(self.limited) == len(self.chain.blends):
             self.is_given_up = True
-            self.demands.clear()
-            self.frames.clear()
+            self.limited.clear()
 
     def stop_at(self, taken: Container[Blend]) -> None:
         """Drop all blends from the first one on that another chain has."""
-        first = next((i for i, frame in enumerate(self.frames) if frame.blend in taken), len(self.frames))
-        for frame in self.frames[first:]:
-            del self.demands[frame.blend]
-        del self.frames[first:]
+        first = next((i for i, blend in enumerate(self.changed) if blend in taken), len(self.limited))
+        del self.limited[first:]

@@ -115,8 +115,8 @@ class Remaking:
                 left.remove(one.chain)
                 one.stop_at(self._demands)
                 # Where chains meet, what one of them holds back appears between them.
-                if one.frames and longest_step(one.surfaces(self._surfaces)) < review.steps.longest(one.blends):
-                    settled |= one.demands.keys()
+                if one.limited and longest_step(one.surfaces(self._surfaces)) < review.steps.longest(one.blends):
+                    settled.update(one.changed)
                     yield from within(self._accepted(one, review.topology), reached, reached)
 
     def _goes_on(self, chain: LimitedChain) -> bool:
@@ -144,11 +144,11 @@ class Remaking:
 
     def _accepted(self, chain: LimitedChain, topology: SteadyTopology) -> Work[None]:
         """Yield the blends of a chain."""
-        self._demands |= chain.demands
-        for frame in chain.frames:
-            self._surfaces[frame.blend] = MeasuredSurface.of_blend(frame.mesh)
-            topology.add(frame)
-            yield Progress(0.0, Sentence("Surface of blend {blend}", {"blend": frame.blend.frame}), frame)
+        for one in chain.limited:
+            blend = one.frame.blend
+            self._demands[blend], self._surfaces[blend] = one.demand, one.surface
+            topology.add(one.frame)
+            yield Progress(0.0, Sentence("Surface of blend {blend}", {"blend": blend.frame}), one.frame)
 
     def _steadied(self, topology: SteadyTopology) -> Work[None]:
         """Reduce the number of pieces and handles of blends."""

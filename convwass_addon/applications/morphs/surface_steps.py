@@ -64,6 +64,10 @@ class _Lengths:
     appears: float
     vanishes: float
 
+    @classmethod
+    def between(cls, before: MeasuredSurface, after: MeasuredSurface) -> _Lengths:
+        return cls(farthest(after, before), farthest(before, after))
+
     @property
     def longest(self) -> float:
         return max(self.appears, self.vanishes)
@@ -149,7 +153,7 @@ class SurfaceSteps:
         if last is None or after is None or (last[0], frame.blend) not in self._places:
             return
         (leg, place), before = self._places[last[0], frame.blend], last[1]
-        lengths = _Lengths(farthest(after, before), farthest(before, after))
+        lengths = _Lengths.between(before, after)
         if place in (1, len(leg.between) + 1):
             # A shape cannot change, so the blends beside it change whether they have too much or too little.
             lengths = _Lengths(lengths.longest, lengths.longest)
@@ -204,7 +208,7 @@ def _even_step(lengths: Sequence[float]) -> float:
 
 def longest_step(surfaces: Sequence[MeasuredSurface]) -> float:
     """Return the largest distance between successive surfaces."""
-    return max(max(farthest(one, other), farthest(other, one)) for one, other in pairwise(surfaces))
+    return max(_Lengths.between(*both).longest for both in pairwise(surfaces))
 
 
 def farthest(asked: MeasuredSurface, other: MeasuredSurface) -> float:

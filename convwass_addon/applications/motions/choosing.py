@@ -17,14 +17,12 @@ from .combined_motion import combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .limbs import is_nearly_convex
-from .mapped_pairs import TRUSTED
+from .mapped_pairs import DOUBTED, TRUSTED
 from .motion import Motion
 from .motion_request import MotionRequest
 from .remaining_distance import remaining_share
 from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
 
-# If the worst map between two shapes has a lower score, there is no good map. Chosen by eye on pairs of the benchmark.
-_DOUBTED = 0.2
 # A warp completes a guided motion that leaves more than this share of the distance between two shapes.
 _MUCH_LEFT = 0.3
 # The warp is used if it leaves at most this share of the rest. It leaves an eighth to a quarter where the shapes have
@@ -131,7 +129,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     far = detour > _DETOUR
     # Where bodies divide or join, something tears, and transport makes less of it.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
-    if score < _DOUBTED or (far and divides and not request.guides):
+    if score < DOUBTED or (far and divides and not request.guides):
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "APART", None, score, detour=detour)
     alone = MotionChoice("guided", "PARTLY", guided, score, turned=_turned(guided), detour=detour)

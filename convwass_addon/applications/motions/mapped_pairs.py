@@ -38,13 +38,15 @@ _LOPSIDED, _DETOUR, _FARTHER = 0.5, 1.8, 1.1
 # What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
 # becomes the tail, and with 0.49 after a quarter turn, symmetrically.
 _ASKEW = 0.75
-# Where no map has this score, another one is solved with more vertices. Maps of shapes with little in common depend on
-# the vertices by chance: a monkey's head maps onto a cow with 0.06 or, with these, 0.60.
-_POOR, _MORE = 0.2, 1.25
+# Where there is no good map, another one is solved with this many times the vertices. Maps of shapes with little in
+# common depend on the vertices by chance: a monkey's head maps onto a cow with 0.06 or, with these, 0.60.
+_MORE = 1.25
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 TRUSTED = 0.88
 """With this score, shapes map onto each other beyond doubt; chosen by eye on pairs of the benchmark."""
+DOUBTED = 0.2
+"""With a lower score, there is no good map; chosen by eye, too."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +128,7 @@ def mapped_pair(
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), begin, end)
         # Guides may have told the turn, so the map without guides is the one without a turn.
         found.append(replace(turned, map=replace(turned.map, score_without=found[0].map.score_without)))
-    if not len(pairs) and max(pair.score for pair in found) < _POOR:
+    if not len(pairs) and max(pair.score for pair in found) < DOUBTED:
         finer = replace(settings, map_vertices=round(_MORE * settings.map_vertices))
         found.append((yield from within(_registered(one, other, pairs, finer, control), 0.8, 1.0)))
     return max(found, key=lambda pair: (len(pair.map.pairs), pair.merit))
