@@ -8,6 +8,7 @@ As-Rigid-As-Possible Mesh Animation", TVCG 21, 2015).
 
 from __future__ import annotations
 
+from copy import copy
 from dataclasses import dataclass
 
 import numpy as np
@@ -63,6 +64,12 @@ class ElasticSurface:
         self._factor = KeptFactor()
         # Preconditioner of an earlier system with springs.
         self._nearly: Factorization | None = None
+
+    def unsolved(self) -> ElasticSurface:
+        """Return the same surface without what earlier systems left, whose rounding depends on their order."""
+        other = copy(self)
+        other._factor, other._nearly = KeptFactor(), None
+        return other
 
     def _moment_matrix(self) -> csr_array:
         """Return the matrix, (3 n, n), that takes points to the moments of their edges about every vertex.

@@ -151,7 +151,7 @@ class Registration:
         self._confidence = np.ones(len(start)) if confidence is None else confidence.astype(np.float64)
         self.pulled = _LEAST_PULL + (1.0 - _LEAST_PULL) * self._confidence
         self.reach = np.inf
-        self._shape, self._samples = source.elastic, target.samples
+        self._shape, self._samples = source.elastic.unsolved(), target.samples
         self._facing = triangle_normals(target.mesh.corners)
         self._target_normals = vertex_normals(target.vertices, target.mesh.faces)
 

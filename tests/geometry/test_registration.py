@@ -142,3 +142,17 @@ def test_a_start_without_confidence_has_no_effect(arms):
     believed = advanced(Registration(source, target, pairs, start), stages)
     missed = [np.linalg.norm(found.points - target.vertices, axis=1)[wrong].mean() for found in (doubted, believed)]
     assert missed[0] < 0.1 * missed[1]
+
+
+@pytest.mark.parametrize("give", [None, 0.2])
+def test_registrations_do_not_depend_on_earlier_ones(arms, give):
+    mesh, ends = arms
+    target, pairs = UnitShape.of(TriangleMesh(bent(mesh.vertices, 1.0), mesh.faces)), np.stack([ends, ends], 1)
+
+    def found(source, closeness):
+        stage = Stage(closeness, 0.0, 0.08, 3, give)
+        return advanced(Registration(source, target, pairs, source.vertices), (stage,)).points
+
+    source = UnitShape.of(mesh)
+    found(source, 30.0)
+    np.testing.assert_array_equal(found(source, 10.0), found(UnitShape.of(mesh), 10.0))

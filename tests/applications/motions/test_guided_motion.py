@@ -128,9 +128,9 @@ def test_swapped_inputs_give_the_same_shapes(arms, ends, swing):
     assert (fractions[0], fractions[-1]) == (0.0, 1.0)
     assert len(reports) > 5
     there, again = swing.moved([0.7, 0.3]), back.moved([0.3, 0.7])
-    # Rounding differs, and where it decides which triangle is nearest, by up to 7e-4. The rods are 4 long.
-    np.testing.assert_allclose(again[1].vertices, there[0].vertices, atol=2e-3)
-    np.testing.assert_allclose(again[0].vertices, there[1].vertices, atol=2e-3)
+    # Rounding differs. The rods are 4 long.
+    np.testing.assert_allclose(again[1].vertices, there[0].vertices, atol=1e-4)
+    np.testing.assert_allclose(again[0].vertices, there[1].vertices, atol=1e-4)
 
 
 def test_dense_meshes_are_deformed_by_coarser_ones():
