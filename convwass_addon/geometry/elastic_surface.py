@@ -66,7 +66,7 @@ class ElasticSurface:
         self._nearly: Factorization | None = None
 
     def unsolved(self) -> ElasticSurface:
-        """Return the same surface without what earlier systems left, whose rounding depends on their order."""
+        """Return the same surface without preconditioners of earlier systems, on which rounding would depend."""
         other = copy(self)
         other._factor, other._nearly = KeptFactor(), None
         return other

@@ -18,6 +18,7 @@ from convwass_addon.geometry.rotation_fields import rotation_matrices
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import shuffled
 from tests.grids import figure
+from tests.shapes import ball
 
 ROUGH = GuidedSettings(map_vertices=150, carrier_vertices=600)
 
@@ -60,7 +61,7 @@ def registrations(monkeypatch, *found):
         score, symmetry, detour = left.pop(0)
         laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
         pair = PairMap(None, np.empty((0, 2), np.int64), score, None, 0)
-        return MappedPair(LaidPair(laid, laid, False, 0.5), pair, symmetry, detour)
+        return MappedPair(LaidPair(laid, laid, 0.5), pair, symmetry, detour)
 
     monkeypatch.setattr(mapped_pairs, "_registered", registered)
     return asked
@@ -93,6 +94,14 @@ def test_where_no_map_is_good_another_one_is_tried(monkeypatch, other, score):
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert len(asked) == 3
     assert found.score == score
+
+
+def test_shapes_without_limbs_need_no_other_map(monkeypatch):
+    body, round_one = (carrier_of(m, "shape", np.empty(0, np.int64), 600, UNINTERRUPTED) for m in (figure()[0], ball()))
+    for pair in ((body, round_one), (round_one, body)):
+        asked = registrations(monkeypatch, (0.1, None, 1.0))
+        assert drained(mapped_pair(*pair, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.1
+        assert len(asked) == 1
 
 
 def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch):

@@ -8,9 +8,14 @@ import numpy as np
 import pytest
 
 from benchmarks.coherence_pairs import pairs_named
+from convwass_addon.applications.motions import pair_registration
+from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.progress import drained
+from convwass_addon.applications.motions.laid_meshes import Laid
+from convwass_addon.applications.motions.pair_registration import LaidPair, laid_on_each_other
+from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.grids import figure
 
 
 @pytest.fixture(scope="module")
@@ -43,3 +48,22 @@ def test_skin_keeps_its_place_along_an_arm_that_is_raised(raised_arm, motion, sh
     for low in (0.45, 0.55, 0.65, 0.75, 0.85):
         ring = (before >= low) & (before < low + 0.1) & (away < 0.12)
         assert np.median(after[ring] - before[ring]) == pytest.approx(0.0, abs=0.07)
+
+
+@pytest.mark.parametrize(
+    ("firm", "spread", "expected"), [(0.97, None, 0.97), (0.6, 0.7, 0.7), (0.6, 0.61, 0.6), (0.6, 0.5, 0.6)]
+)
+def test_strain_is_spread_where_that_is_clearly_more_consistent(monkeypatch, firm, spread, expected):
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    start = Laid(carrier.rest.vertices, np.ones(len(carrier.rest.vertices)))
+    yields = []
+
+    def finished(*others):
+        stages = others[4]
+        yields.append(stages[-1].give)
+        return LaidPair(start, start, spread if stages[-1].give is None else firm)
+
+    monkeypatch.setattr(pair_registration, "_finished", finished)
+    found = laid_on_each_other((carrier, carrier), (start, start), np.empty((0, 2), np.int64), None, UNINTERRUPTED)
+    assert found.confidence == expected
+    assert yields == ([0.8] if spread is None else [0.8, None])
