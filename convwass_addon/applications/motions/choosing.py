@@ -16,7 +16,7 @@ from ...sentence import Sentence
 from .combined_motion import combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
-from .limbs import is_nearly_convex
+from .limbs import is_compact
 from .mapped_pairs import DOUBTED, TRUSTED
 from .motion import Motion
 from .motion_request import MotionRequest
@@ -108,7 +108,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     If they do not, they are transported: a warp alone crumples such shapes, and so does an uncertain map of limbs onto
     a shape that has none, where transport lets the limbs merge with it.
     """
-    compact = [not request.guides and _is_compact(shape) for shape in request.shapes]
+    compact = [not request.guides and is_compact(shape) for shape in request.shapes]
     if all(compact):
         return MotionChoice("transport", "SOLID")
     try:
@@ -157,10 +157,6 @@ def _perhaps_warped(
     if motion.left_by_warps > _WELL_WARPED:
         return alone
     return replace(alone, kind="combined", reason="UNLIKE", motion=motion)
-
-
-def _is_compact(shape: TriangleMesh) -> bool:
-    return is_nearly_convex(shape.vertices[np.unique(shape.faces)], shape.volume)
 
 
 def _bodies(shape: TriangleMesh) -> int:

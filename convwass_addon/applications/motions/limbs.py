@@ -8,6 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
+from ...geometry.mesh import TriangleMesh
+
 # Shapes that fill this fraction of their convex hulls have no limbs that transport could tear off; chosen by eye.
 _NEARLY_CONVEX = 0.85
 
@@ -33,3 +35,8 @@ def is_nearly_convex(points: NDArray[np.float64], content: float) -> bool:
         return False
     # For hulls in the plane, Qhull's `volume` is the area.
     return abs(content) >= _NEARLY_CONVEX * hull.volume
+
+
+def is_compact(mesh: TriangleMesh) -> bool:
+    """Return whether a shape has no limbs; its loose vertices do not count."""
+    return is_nearly_convex(mesh.vertices[np.unique(mesh.faces)], mesh.volume)

@@ -24,6 +24,7 @@ from ..workers import one_blas_thread
 from .carriers import Carrier
 from .guided_settings import GuidedSettings
 from .laid_meshes import Laid
+from .limbs import is_compact
 from .map_detour import map_detour
 from .mirrored_sides import MirroredSides
 from .pair_maps import PairMap, pair_map
@@ -38,7 +39,7 @@ _LOPSIDED, _DETOUR, _FARTHER = 0.5, 1.8, 1.1
 # What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
 # becomes the tail, and with 0.49 after a quarter turn, symmetrically.
 _ASKEW = 0.75
-# Where there is no good map, another one is solved with this many times the vertices. Maps of shapes with little in
+# Where limbs have no good map, another one is solved with this many times the vertices. Maps of shapes with little in
 # common depend on the vertices by chance: a monkey's head maps onto a cow with 0.06 or, with these, 0.60.
 _MORE = 1.25
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
@@ -97,7 +98,8 @@ def mapped_pair(
 
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
-    bent limb may seem to face another way. Where all scores are poor, the shapes are also registered from another map.
+    bent limb may seem to face another way. Where all scores are poor, shapes with limbs are also registered from
+    another map.
 
     Parameters
     ----------
@@ -128,7 +130,8 @@ def mapped_pair(
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), begin, end)
         # Guides may have told the turn, so the map without guides is the one without a turn.
         found.append(replace(turned, map=replace(turned.map, score_without=found[0].map.score_without)))
-    if not len(pairs) and max(pair.score for pair in found) < DOUBTED:
+    has_limbs = not (is_compact(one.mesh) or is_compact(other.mesh))
+    if has_limbs and not len(pairs) and max(pair.score for pair in found) < DOUBTED:
         finer = replace(settings, map_vertices=round(_MORE * settings.map_vertices))
         found.append((yield from within(_registered(one, other, pairs, finer, control), 0.8, 1.0)))
     return max(found, key=lambda pair: (len(pair.map.pairs), pair.merit))
