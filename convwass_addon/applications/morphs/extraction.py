@@ -209,10 +209,12 @@ def _mended(
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)
-    mending = mended_surface(prepared.density, volume, most, constraint.effort)
     if constraint.bounds is None:
+        mending = mended_surface(prepared.density, volume, most, constraint.effort)
         return Extraction(_sized(mending, settings), mending.record())
-    return _limited(prepared, mending, volume, most, settings, constraint)
+    # What the limits change is repaired once more, so that little effort is enough before.
+    free = mended_surface(prepared.density, volume, most)
+    return _limited(prepared, free, volume, most, settings, constraint)
 
 
 def _limited(
@@ -224,17 +226,17 @@ def _limited(
     constraint: Constraint,
 ) -> Extraction:
     """Return a repaired surface that is limited by a constraint; repairs may extend beyond the limits."""
-    mending, level = free, free.surface.level
+    level = free.surface.level
     for _ in range(_LEVELS):
         limited = constraint.bounds.limited(free.density, level, prepared.box)
         held = int(np.count_nonzero((limited > level) != (free.density > level)))
         if not held:
-            break
-        mending, before = mended_surface(limited, volume, most, constraint.effort), level
-        level = mending.surface.level
+            return Extraction(_sized(free, settings), {**free.record(), "held": 0, "held_share": 0.0})
         # What the limits change also changes the level, which moves the limited surface.
+        before, level = level, level_enclosing(limited, volume)
         if abs(level - before) <= _SAME_LEVEL * before:
             break
+    mending = mended_surface(limited, volume, most, constraint.effort)
     return Extraction(_sized(mending, settings), {**mending.record(), "held": held, "held_share": held / volume})
 
 
