@@ -13,7 +13,7 @@ from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
-from .combined_motion import combined_motion
+from .combined_motion import CombinedMotion, combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .limbs import is_compact
@@ -25,9 +25,10 @@ from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
 
 # A warp completes a guided motion that leaves more than this share of the distance between two shapes.
 _MUCH_LEFT = 0.3
-# The warp is used if it leaves at most this share of the rest. It leaves an eighth to a quarter where the shapes have
-# the same parts, perhaps of other size (chair to man, octopus to horse). It leaves four fifths, and crumples, where
-# only one shape has a part (the front legs of a giraffe that was a flamingo). Such parts grow in place without it.
+# The warp is used if at most this share of that is left all along the way. From an A to a B, two fifths are. From an
+# octopus to a horse, a quarter of the way, more is left than before, although the warp joins them halfway. Four fifths
+# are left, and crumpled, where only one shape has a part (the front legs of a giraffe that was a flamingo). Such parts
+# grow in place without a warp.
 _WELL_WARPED = 0.5
 # Nor is there a warp if the map moves shapes farther than this many times the Wasserstein distance: then it matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
@@ -65,7 +66,7 @@ class MotionChoice:
     detour : float or None
         Largest detour of an uncertain map, see :func:`.map_detour.map_detour`.
     left : float or None
-        Largest share of the distance between two shapes that the guided motion leaves, if it was measured.
+        Largest share of the distance between two shapes that the motion leaves, if it was measured.
     """
 
     kind: str
@@ -143,20 +144,25 @@ def _perhaps_warped(
 ) -> Work[MotionChoice]:
     """Return the guided motion with a warp if it leaves much that a warp removes; otherwise the guided motion."""
     yield Progress(0.0, Sentence("Moving the shapes"))
-    full = guided.with_coherence(FULL_COHERENCE)
     try:
-        shares = [remaining_share(full, request.shapes, pair, _CELLS, control) for pair in request.pairs]
-        alone = replace(alone, left=max(shares))
+        alone = replace(alone, left=_left(guided, request, control))
         if alone.left <= _MUCH_LEFT:
             return alone
         motion = yield from combined_motion(guided, request.names, request.pairs, request.coherence, control)
+        left = _left(motion, request, control)
     except Cancelled:
         raise
     except _FAILURES as error:
         return replace(alone, failure=str(error))
-    if motion.left_by_warps > _WELL_WARPED:
+    if left > _WELL_WARPED * alone.left:
         return alone
-    return replace(alone, kind="combined", reason="UNLIKE", motion=motion)
+    return replace(alone, kind="combined", reason="UNLIKE", motion=motion, left=left)
+
+
+def _left(motion: GuidedMotion | CombinedMotion, request: MotionRequest, control: Control) -> float:
+    """Return the largest share of the distance between two shapes that a motion leaves at full coherence."""
+    full = motion.with_coherence(FULL_COHERENCE)
+    return max(remaining_share(full, request.shapes, pair, _CELLS, control) for pair in request.pairs)
 
 
 def _bodies(shape: TriangleMesh) -> int:

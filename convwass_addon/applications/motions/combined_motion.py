@@ -60,12 +60,6 @@ class CombinedMotion:
             for index, shape in enumerate(shapes)
         ]
 
-    @property
-    def left_by_warps(self) -> float:
-        """The largest share of the distance between two shapes halfway that a warp leaves."""
-        signals = [own for warp in self.warps.values() for own in warp.signals.values()]
-        return max(own.length_left / own.length_before for own in signals)
-
     def record(self) -> dict[str, object]:
         """Return the figures of both motions, ready for JSON."""
         warps = [pair for warp in self.warps.values() for pair in warp.record()["pairs"]]

@@ -17,8 +17,7 @@ from tests.shapes import ball, box, joined, square
 
 BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
 SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
-WARPED = SimpleNamespace(left_by_warps=0.2)
-"""A motion whose warps leave a fifth of the distance."""
+WARPED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coherence))
 
 
 def guided_with(score, turn=0.0, detour=1.0):
@@ -40,10 +39,11 @@ def work_of(outcome):
 
 @pytest.fixture
 def motions(monkeypatch):
-    def given(guided, warp="the warp", combined=WARPED, left=0.4):
+    def given(guided, warp="the warp", combined=WARPED, left=0.4, by_warps=0.1):
         for name, outcome in (("guided_motion", guided), ("warp_motion", warp), ("combined_motion", combined)):
             monkeypatch.setattr(choosing, name, work_of(outcome))
-        monkeypatch.setattr(choosing, "remaining_share", lambda motion, *_arguments: {("guided", 0.5): left}[motion])
+        shares = {("guided", 0.5): left, ("combined", 0.5): by_warps}
+        monkeypatch.setattr(choosing, "remaining_share", lambda motion, *_arguments: shares[motion])
 
     return given
 
@@ -91,17 +91,17 @@ def test_vertices_without_faces_are_no_bodies(motions):
 
 
 @pytest.mark.parametrize(
-    ("left", "by_warps", "kind"), [(0.2, 0.2, "guided"), (0.4, 0.2, "combined"), (0.4, 0.8, "guided")]
+    ("left", "by_warps", "kind"), [(0.2, 0.0, "guided"), (0.4, 0.2, "combined"), (0.4, 0.3, "guided")]
 )
 def test_a_warp_completes_what_leaves_much_that_it_removes(motions, left, by_warps, kind):
-    motions(guided_with(0.6), combined=SimpleNamespace(left_by_warps=by_warps), left=left)
+    motions(guided_with(0.6), left=left, by_warps=by_warps)
     found = choice(coherence=0.1)
     assert found.record() == {
         "kind": kind,
         "reason": "PARTLY" if kind == "guided" else "UNLIKE",
         "score": 0.6,
         "detour": 1.0,
-        "left": left,
+        "left": left if kind == "guided" else by_warps,
     }
 
 
