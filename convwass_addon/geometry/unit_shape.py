@@ -54,7 +54,7 @@ class UnitShape:
 
     @cached_property
     def elastic(self) -> ElasticSurface:
-        """Its edges and their elastic energy, with the factorizations of the systems solved so far."""
+        """Its edges and their elastic energy, with what all registrations of it share."""
         return ElasticSurface(self.vertices, self.laplacian)
 
     @cached_property
