@@ -130,8 +130,8 @@ def mapped_pair(
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), begin, end)
         # Guides may have told the turn, so the map without guides is the one without a turn.
         found.append(replace(turned, map=replace(turned.map, score_without=found[0].map.score_without)))
-    has_limbs = not (is_compact(one.mesh) or is_compact(other.mesh))
-    if has_limbs and not len(pairs) and max(pair.score for pair in found) < DOUBTED:
+    is_doubtful = not len(pairs) and max(pair.score for pair in found) < DOUBTED
+    if is_doubtful and not (is_compact(one.mesh) or is_compact(other.mesh)):
         finer = replace(settings, map_vertices=round(_MORE * settings.map_vertices))
         found.append((yield from within(_registered(one, other, pairs, finer, control), 0.8, 1.0)))
     return max(found, key=lambda pair: (len(pair.map.pairs), pair.merit))

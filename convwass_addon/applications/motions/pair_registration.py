@@ -156,31 +156,32 @@ def laid_on_each_other(
         drafted, is_grown = _drafted(drafts, rough, ends, grown, coarse, control)
     drafted = _tightened(drafts, drafted, ends, control)
 
-    found = _finished(shapes, drafts, drafted, both, _FINISHING, control)
+    fine = _carried(drafts[0], drafted[0]), _carried(drafts[1], drafted[1])
+    found = _finished(shapes, fine, both, _FINISHING, control)
     if found.confidence < _CONFIDENT:
-        spread = _finished(shapes, drafts, drafted, both, _SPREADING, control)
+        spread = _finished(shapes, fine, both, _SPREADING, control)
         if 1.0 - spread.confidence < _CLEARLY * (1.0 - found.confidence):
             found = spread
     return replace(found, is_grown=is_grown)
 
 
+def _carried(draft: Carrier, laid: Laid) -> Laid:
+    """Return the registration of a coarse mesh at the vertices of the mesh that it represents."""
+    gradients = deformation_gradients(draft.mesh.vertices, laid.points, draft.mesh.faces)
+    return Laid(draft.carried(laid.points, gradients), laid.trust if draft.blend is None else draft.blend @ laid.trust)
+
+
 def _finished(
     shapes: tuple[Carrier, Carrier],
-    drafts: tuple[Carrier, Carrier],
-    drafted: list[Laid],
+    starts: tuple[Laid, Laid],
     both: tuple[NDArray[np.int64], NDArray[np.int64]],
     stages: tuple[Stage, ...],
     control: Control,
 ) -> LaidPair:
-    """Register all vertices from registrations of coarse meshes."""
+    """Register all vertices of two shapes from starts, and measure the round-trip errors."""
 
     def finished(k: int) -> NDArray[np.float64]:
-        draft, own = drafts[k], drafted[k]
-        gradients = deformation_gradients(draft.mesh.vertices, own.points, draft.mesh.faces)
-        begin = Laid(
-            draft.carried(own.points, gradients), own.trust if draft.blend is None else draft.blend @ own.trust
-        )
-        return registered(shapes[k], shapes[1 - k], begin, both[k], stages, control).drawn(control)
+        return registered(shapes[k], shapes[1 - k], starts[k], both[k], stages, control).drawn(control)
 
     found = both_ways(finished)
     homes = [home_distances(shapes[k], shapes[1 - k], *found[:: 1 - 2 * k]) for k in (0, 1)]

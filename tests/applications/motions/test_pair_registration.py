@@ -58,8 +58,7 @@ def test_strain_is_spread_where_that_is_clearly_more_consistent(monkeypatch, fir
     start = Laid(carrier.rest.vertices, np.ones(len(carrier.rest.vertices)))
     yields = []
 
-    def finished(*others):
-        stages = others[4]
+    def finished(_shapes, _starts, _pairs, stages, _control):
         yields.append(stages[-1].give)
         return LaidPair(start, start, spread if stages[-1].give is None else firm)
 
