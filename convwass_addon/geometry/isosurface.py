@@ -231,10 +231,10 @@ def _excess(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
 
 
 def bounding_box(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the first cell along each axis, (3,), and the one after the last, (3,), of the True cells."""
+    """Return the first cell along each of d axes, (d,), and the one after the last, (d,), of the True cells."""
     spans = []
-    for axis in range(3):
-        along = np.flatnonzero(inside.any(axis=tuple(a for a in range(3) if a != axis)))
+    for axis in range(inside.ndim):
+        along = np.flatnonzero(inside.any(axis=tuple(a for a in range(inside.ndim) if a != axis)))
         spans.append((along[0], along[-1] + 1))
     low, high = np.array(spans).T
     return low, high

@@ -39,6 +39,20 @@ def mean(one, other, share, volume=None):
     return mean_solid(depths, (1.0 - share, share), 1.0, volume)
 
 
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+def test_a_long_rod_grows_evenly_on_a_fine_grid(share):
+    """Fronts are measured on a coarser grid if there are many cells along a side."""
+    x, y, z = (np.arange(size) + 0.5 for size in (30, 30, 200))
+    across = np.hypot(x[:, None] - 15.0, y - 15.0)[..., None]
+    slab = np.minimum(20.0 - z, z - 2.0) * np.ones_like(across)
+    tall = np.maximum(slab, np.minimum(6.0 - across, np.minimum(190.0 - z, z - 2.0)))
+    found = mean(slab, tall, share)
+    top = np.flatnonzero(found[15, 15] > 0.0)[-1] + 1.0
+    assert top == pytest.approx(20.0 + 170.0 * share, abs=3.0)
+    assert pieces(found) == 1
+    assert (found[:, :, 40] > 0.0).sum() == pytest.approx(np.pi * 36.0, rel=0.1)
+
+
 def pieces(depth):
     return label(depth > 0.0)[1]
 

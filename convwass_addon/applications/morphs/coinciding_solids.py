@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
+from ...geometry.isosurface import bounding_box
 from ...geometry.plane_depths import plane_depths
 from ...geometry.thin_parts import normalized_solid
 from .growing_parts import extended, growing_in_place
@@ -34,6 +35,8 @@ _SURE = 1.0
 # Solids agree where their distances differ by at most this many cells. Beyond that, agreement falls off like a Gaussian
 # of the second width, and is smoothed over the third, so that no seam is visible.
 _APART, _FALL, _SMOOTH = 1.2, 0.3, 1.5
+# The smoothing is truncated at so many of its standard deviations.
+_TRUNCATE = 4.0
 # A point of the surface belongs to no agreeing part if its agreement is below this.
 _AGREED = 0.5
 # Where solids disagree on less than the first fraction of the surface, the mean is used there, too; from the second
@@ -78,15 +81,7 @@ class CoincidingSolids:
             Volume of the mean in cells; see :func:`.mean_solid.mean_solid`.
         """
         depths = np.stack([_depth(occupancy) for occupancy in occupancies])
-        spread = np.ptp(depths, axis=0)
-        # Far from all surfaces, all solids agree.
-        near = np.abs(np.tensordot(np.asarray(weights, np.float32), depths, 1)) < _KNOWN * _BLUR
-        apart = gaussian_filter(np.where(near, spread, np.float32(0)), _SMOOTH)
-        about = gaussian_filter(near.astype(np.float32), _SMOOTH)
-        typical = np.maximum(np.where(near, spread, 0), apart / np.maximum(about, np.float32(1e-3)))
-        agreement = np.ones_like(typical)
-        differing = np.flatnonzero(typical > _APART)
-        agreement.ravel()[differing] = np.exp(-np.square((typical.ravel()[differing] - _APART) / _FALL))
+        agreement = _agreement(depths, weights)
         if (agreement < 1.0).any():
             np.maximum(agreement, growing_in_place([_blurred(own) for own in depths]), out=agreement)
         depths = np.stack([extended(depth, 0.99 * _KNOWN * _BLUR) for depth in depths])
@@ -120,6 +115,28 @@ class CoincidingSolids:
         """
         own, agreement = self.density[box], self.agreement[box]
         return agreement * own + (np.float32(1) - agreement) * density.astype(np.float32)
+
+
+def _agreement(depths: NDArray[np.float32], weights: Sequence[float]) -> NDArray[np.float32]:
+    """Return where distances next to the mean surface differ little, 1, or much, falling to 0."""
+    agreement = np.ones(depths.shape[1:], np.float32)
+    # Far from all surfaces, all solids agree.
+    near = np.abs(np.tensordot(np.asarray(weights, np.float32), depths, 1)) < _KNOWN * _BLUR
+    spread = np.where(near, np.ptp(depths, axis=0), np.float32(0))
+    apart = spread > _APART
+    if not apart.any():
+        return agreement
+    # Means of the spread exceed it only as far from these cells as the smoothing reaches.
+    low, high = bounding_box(apart)
+    reach = int(_TRUNCATE * _SMOOTH + 0.5)
+    outer = tuple(slice(max(a - 2 * reach, 0), b + 2 * reach) for a, b in zip(low, high, strict=True))
+    smooth, about = (
+        gaussian_filter(values[outer].astype(np.float32), _SMOOTH, truncate=_TRUNCATE) for values in (spread, near)
+    )
+    typical = np.maximum(spread[outer], smooth / np.maximum(about, np.float32(1e-3)))
+    differing = typical > _APART
+    agreement[outer][differing] = np.exp(-np.square((typical[differing] - _APART) / _FALL))
+    return agreement
 
 
 def _blurred(depth: NDArray[np.float32]) -> NDArray[np.float32]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...geometry.grid_halving import doubled, halved
+from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.near import capped_distances
 
 # Grids are halved until they have no more cells along a side.
@@ -42,8 +42,7 @@ def growing_in_place(filled: Sequence[NDArray[np.floating]]) -> NDArray[np.float
     (nx, ny, nz) float32
         1 around such parts, falling to 0 where parts have moved.
     """
-    shape = filled[0].shape
-    grid = _Coarse(shape)
+    grid = CoarserGrid(filled[0].shape, _MOST_CELLS)
     sigma = _AROUND / grid.cell
     differing, *smooth = (
         gaussian_filter(grid.means(own), sigma, truncate=_REACH) for own in (np.ptp(filled, axis=0), *filled)
@@ -68,35 +67,14 @@ def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
     (nx, ny, nz) float32
         Clipped at a quarter of the longest side. New distances are up to a cell of the coarser grid too short.
     """
-    grid = _Coarse(depth.shape)
+    grid = CoarserGrid(depth.shape, _MOST_CELLS)
     inside = depth > 0.0
     reach = _FAR * max(depth.shape)
-    outward, inward = (grid.distances(part, reach) for part in (inside, ~inside))
+    outward, inward = (_distances(grid, part, reach) for part in (inside, ~inside))
     far = np.where(inside, inward, outward)
     return np.where(np.abs(depth) < known, depth, np.copysign(np.maximum(far, np.abs(depth)), depth))
 
 
-class _Coarse:
-    """A coarser grid."""
-
-    def __init__(self, shape: tuple[int, ...]) -> None:
-        self._shape = shape
-        self._halvings = max(int(np.ceil(np.log2(max(shape) / _MOST_CELLS))), 0)
-        self.cell = 2**self._halvings
-
-    def means(self, field: NDArray[np.floating]) -> NDArray[np.floating]:
-        """Return the means of a field over the coarser cells."""
-        for _ in range(self._halvings):
-            field = halved(field, len(self._shape))
-        return field
-
-    def distances(self, cells: NDArray[np.bool_], reach: float) -> NDArray[np.float32]:
-        """Return the distance of every cell from the nearest of some cells, both of the finer grid, up to `reach`."""
-        away = capped_distances(self.means(cells.astype(np.float32)) > 0.0, reach / self.cell)
-        return self.interpolated(self.cell * away)
-
-    def interpolated(self, field: NDArray[np.floating]) -> NDArray[np.float32]:
-        """Interpolate a field of the coarser grid on the finer one."""
-        for halving in reversed(range(self._halvings)):
-            field = doubled(field, [-(-size // 2**halving) for size in self._shape])
-        return field.astype(np.float32)
+def _distances(grid: CoarserGrid, cells: NDArray[np.bool_], reach: float) -> NDArray[np.float32]:
+    """Return the distance of every cell from the nearest of some cells, both of the finer grid, up to `reach`."""
+    return grid.interpolated(grid.cell * capped_distances(grid.holding(cells), reach / grid.cell))

@@ -14,11 +14,12 @@ that only some of the solids have were a little earlier or later.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.exact_depths import exact_depths
 from ...geometry.part_fronts import PartFronts, separate_parts, shared_core
 
@@ -35,6 +36,8 @@ _BAND, _APART = 3.0, 1.0
 # Without a part that reaches this far out of the other solids, in cells, there are no fronts; no part has one that
 # reaches less far than the second number.
 _SHORT, _THIN = 3.0, 1.0
+# Fronts are measured on a coarser grid if the longest side has more cells.
+_MOST_CELLS = 144
 
 
 def mean_solid(
@@ -60,11 +63,16 @@ def mean_solid(
     cells = np.flatnonzero((np.abs(rough) < _BAND) & (mean.spread > _APART))
     if not len(cells):
         return rough
-    exact = depths.copy()
-    for own, depth in zip(exact, depths, strict=True):
-        far = cells[np.abs(depth.ravel()[cells]) >= known]
-        own.ravel()[far] = exact_depths(depth, far)
-    return _Mean.of(exact, weights, growth).enclosing(volume)
+    exact = np.stack([_exact(depth, cells, known) for depth in depths])
+    return mean.corrected(cells, exact, weights).enclosing(volume)
+
+
+def _exact(depth: NDArray[np.float32], cells: NDArray[np.int64], known: float) -> NDArray[np.float32]:
+    """Return the distances of some cells, computed exactly where they exceed the known ones."""
+    found = depth.ravel()[cells]
+    far = np.abs(found) >= known
+    found[far] = exact_depths(depth, cells[far])
+    return found
 
 
 @dataclass(frozen=True)
@@ -77,25 +85,49 @@ class _Growth:
     @classmethod
     def of(cls, depths: NDArray[np.float32], weights: NDArray[np.float32]) -> _Growth | None:
         """Return the bounds; None if the solids share nothing, or if no part is long."""
-        if not ((depths.max(axis=0) > 0.0) & (depths.min(axis=0) < -_SHORT)).any():
+        lowest = depths.min(axis=0)
+        if not ((depths.max(axis=0) > 0.0) & (lowest < -_SHORT)).any():
             return None
-        solids, far = depths > 0.0, depths.min(axis=0) < -_THIN
-        core = shared_core(list(solids))
+        grid = CoarserGrid(lowest.shape, _MOST_CELLS)
+        solids = [grid.holding(depth > 0.0) for depth in depths]
+        core, far = shared_core(solids), grid.holding(lowest < -_THIN)
         if core is None:
             return None
-        least, most = (np.full(core.shape, -np.inf, np.float32) for _ in range(2))
+        least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
         for depth, solid, weight in zip(depths, solids, weights, strict=True):
-            for part in separate_parts(solid & ~core, far):
-                fronts = PartFronts.of(solid, core, part)
-                # A part is whole at a weight of 1, and thins at its tip before it retracts.
-                near = fronts.near
-                height, hold = fronts.heights(float(weight), _ROUNDING)[near], fronts.hold[near]
-                front = np.where(fronts.loose[near], np.float32(-1.0), height - hold)
-                own_least, own_most = least[part.box], most[part.box]
-                own_least[near] = np.maximum(own_least[near], _rounded(depth[part.box][near], front))
-                own_most[near] = np.maximum(own_most[near], height + 2.0 * hold)
-        most[core | np.isinf(most)] = np.inf
+            front, end = _fronts(solid, core, far, float(weight), grid.cell)
+            near = np.isfinite(front)
+            within = grid.within(near)
+            reached, ending = (grid.interpolated(np.where(near, own, np.float32(0)))[within] for own in (front, end))
+            least[within] = np.maximum(least[within], _rounded(depth[within], reached))
+            most[within] = np.maximum(most[within], ending)
+        most[(grid.interpolated(core.astype(np.float32)) > 0.5) | np.isinf(most)] = np.inf
         return cls(least, most)
+
+    def at(self, cells: NDArray[np.int64]) -> _Growth:
+        """Return the bounds at some cells."""
+        return _Growth(self.least.ravel()[cells], self.most.ravel()[cells])
+
+
+def _fronts(
+    solid: NDArray[np.bool_], core: NDArray[np.bool_], far: NDArray[np.bool_], weight: float, cell: int
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """Return by how much the fronts of a solid's parts, and where they end, are beyond every cell.
+
+    Both are in cells of the finer grid, and minus infinity far from all parts. Parts that are not connected to the core
+    have no front.
+    """
+    front, end = (np.full(core.shape, -np.inf, np.float32) for _ in range(2))
+    for part in separate_parts(solid & ~core, far):
+        fronts = PartFronts.of(solid, core, part)
+        # A part is whole at a weight of 1, and thins at its tip before it retracts.
+        near = fronts.near
+        height, hold = cell * fronts.heights(weight, _ROUNDING / cell)[near], fronts.hold[near]
+        reached = np.where(fronts.loose[near], np.float32(-1.0), height - hold)
+        own_front, own_end = front[part.box], end[part.box]
+        own_front[near] = np.maximum(own_front[near], reached)
+        own_end[near] = np.maximum(own_end[near], height + 2.0 * hold)
+    return front, end
 
 
 @dataclass(frozen=True)
@@ -111,15 +143,30 @@ class _Mean:
     def of(cls, depths: NDArray[np.float32], weights: NDArray[np.float32], growth: _Growth | None) -> _Mean:
         return cls(np.tensordot(weights, depths, 1), np.ptp(depths, axis=0), growth, _MOST_SHIFT * float(weights.min()))
 
+    def corrected(self, cells: NDArray[np.int64], depths: NDArray[np.float32], weights: NDArray[np.float32]) -> _Mean:
+        """Return the mean with other distances of the solids at some cells, (k, n)."""
+        mean, spread = self.mean.copy(), self.spread.copy()
+        mean.ravel()[cells], spread.ravel()[cells] = weights @ depths, np.ptp(depths, axis=0)
+        return replace(self, mean=mean, spread=spread)
+
     def enclosing(self, volume: float | None) -> NDArray[np.float32]:
         """Return the signed distance of the mean whose volume is the given one, as far as shifts reach."""
         if volume is None:
             return self._at(0.0)
+        largest, smallest = self._at(-self.most), self._at(self.most)
+        # All other cells are full, or empty, at every shift.
+        partial = self._cells(np.flatnonzero((largest > -0.5) & (smallest < 0.5)))
+        full = np.count_nonzero(smallest >= 0.5)
         low, high = -self.most, self.most
         for _ in range(_STEPS):
             middle = (low + high) / 2.0
-            low, high = (middle, high) if _volume(self._at(middle)) > volume else (low, middle)
+            low, high = (middle, high) if full + _volume(partial._at(middle)) > volume else (low, middle)
         return _offset(self._at((low + high) / 2.0), volume)
+
+    def _cells(self, cells: NDArray[np.int64]) -> _Mean:
+        """Return the mean at some cells."""
+        growth = None if self.growth is None else self.growth.at(cells)
+        return replace(self, mean=self.mean.ravel()[cells], spread=self.spread.ravel()[cells], growth=growth)
 
     def _at(self, shift: float) -> NDArray[np.float32]:
         """Subtract a shift from the weight of what only some solids have."""

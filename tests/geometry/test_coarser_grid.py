@@ -1,0 +1,40 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.coarser_grid import CoarserGrid
+
+
+@pytest.mark.parametrize(("most", "cell"), [(40, 1), (39, 2), (20, 2), (13, 4)])
+def test_a_grid_is_halved_until_it_has_few_enough_cells(most, cell):
+    grid = CoarserGrid((40, 12, 9), most)
+    assert grid.cell == cell
+    assert grid.means(np.ones((40, 12, 9), np.float32)).shape == tuple(-(-size // cell) for size in (40, 12, 9))
+
+
+def test_linear_fields_are_interpolated_exactly():
+    grid = CoarserGrid((32, 16), 8)
+    field = np.add.outer(np.arange(32.0), 2.0 * np.arange(16.0))
+    found = grid.interpolated(grid.means(field))
+    np.testing.assert_allclose(found[4:-4, 4:-4], field[4:-4, 4:-4], atol=1e-5)
+
+
+def test_a_cell_is_held_by_the_coarser_cell_around_it():
+    cells = np.zeros((32, 16), bool)
+    cells[13, 6] = True
+    np.testing.assert_array_equal(np.argwhere(CoarserGrid(cells.shape, 8).holding(cells)), [[3, 1]])
+    assert CoarserGrid(cells.shape, 32).holding(cells) is cells
+
+
+def test_values_within_cells_depend_on_no_others():
+    grid = CoarserGrid((32, 32), 8)
+    known = np.zeros((8, 8), bool)
+    known[2:6, 2:6] = True
+    within = grid.within(known)
+    assert within[12:20, 12:20].all()
+    one, other = (grid.interpolated(np.where(known, 1.0, outside)) for outside in (0.0, 1e3))
+    np.testing.assert_allclose(one[within], 1.0, rtol=0.01)
+    np.testing.assert_allclose(one[within & (other < 1.1)], 1.0, rtol=1e-3)
