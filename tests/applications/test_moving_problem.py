@@ -14,9 +14,11 @@ from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
-from tests.shapes import box
+from tests.shapes import ball, box
 
 ANGLE = np.pi / 2
+MIDDLE = Blend((0.5, 0.5))
+RADII = (1.0, np.cbrt(3.0))
 NAMES = ("lying", "standing")
 
 
@@ -83,7 +85,7 @@ def test_the_first_blend_has_the_edges_of_the_box(problem):
 
 
 def test_origins_lie_on_the_inputs_and_belong_together(problem):
-    frame = problem.frame(Blend((0.5, 0.5)), Control())
+    frame = problem.frame(MIDDLE, Control())
     for shape, own in zip(SHAPES, frame.origins, strict=True):
         assert ClosestPointFinder(shape.corners).find(own).distances.max() < 1e-5
     back = turned(TriangleMesh(frame.origins[1].astype(float), frame.mesh.faces), -ANGLE).vertices
@@ -93,7 +95,7 @@ def test_origins_lie_on_the_inputs_and_belong_together(problem):
 
 def test_velocity_is_that_of_the_turn(problem):
     """With weights that change at the rate r, a point at p moves with r ANGLE z x p."""
-    frame = problem.frame(Blend((0.5, 0.5)), Control())
+    frame = problem.frame(MIDDLE, Control())
     rate = 0.1
     velocity = -rate * frame.tangents[0].astype(float) + rate * frame.tangents[1]
     x, y, _ = frame.mesh.vertices.T
@@ -118,15 +120,39 @@ def test_the_grid_holds_the_swinging_rod(problem):
     moving = MovingProblem.of(still, HalfCircle(), path_blends(2, 4), NAMES, unparted(2), Control())
     assert moving.lattice.spacing == still.lattice.spacing
     assert moving.lattice.shape[1] > still.lattice.shape[1] + 20
-    frame = moving.frame(Blend((0.5, 0.5)), Control())
+    frame = moving.frame(MIDDLE, Control())
     assert frame.mesh.volume == pytest.approx(ROD.volume, rel=5e-3)
     assert frame.mesh.bounds[1, 1] == pytest.approx(2.0, abs=still.lattice.spacing)
     # A blend between the sampled ones gets the cells that it needs.
     moving = MovingProblem.of(still, HalfCircle(), [Blend((0.95, 0.05))], NAMES, unparted(2), Control())
     assert moving.lattice.shape[1] < frame.record["cells"][1]
-    again = moving.frame(Blend((0.5, 0.5)), Control())
+    again = moving.frame(MIDDLE, Control())
     np.testing.assert_allclose(again.mesh.bounds, frame.mesh.bounds, atol=0.02 * still.lattice.spacing)
 
 
 def test_an_input_is_shown_unchanged(problem):
     assert problem.frame(Blend((1.0, 0.0)), Control()).mesh is None
+
+
+def test_inputs_of_different_size_fill_their_cells():
+    """Two similar balls, of which one has three times the volume, coincide at every moment."""
+    balls = tuple(ball(radius) for radius in RADII)
+
+    @dataclass(frozen=True)
+    class Scaling(Turning):
+        def moved(self, weights):
+            radius = np.dot(weights, RADII)
+            return [MovedShape(own, own.vertices * (radius / size)) for own, size in zip(balls, RADII, strict=True)]
+
+    still = drained(prepared_problem(balls, NAMES, unparted(2), MorphSettings(resolution=48), 1))
+    problem = MovingProblem.of(still, Scaling(), path_blends(2, 4), NAMES, unparted(2), Control())
+    moved = problem.moved_blend(MIDDLE, Control())
+    assert moved.coincides
+    assert [own.max() for own in moved.occupancies] == pytest.approx([1.0, 1.0])
+    volume = 0.5 * sum(abs(own.volume) for own in balls)
+    assert moved.volume * still.lattice.spacing**3 == pytest.approx(volume, rel=1e-3)
+    # Both surfaces are where the ball of the mean volume has its surface.
+    axis = moved.solids.depths[:, :, moved.solids.depths.shape[2] // 2, moved.solids.depths.shape[3] // 2]
+    assert np.abs(axis[0] - axis[1]).max() < 0.05
+    inside = (axis[0] > 0.0).sum() * still.lattice.spacing
+    assert inside == pytest.approx(2.0 * np.cbrt(0.75 * volume / np.pi), abs=1.5 * still.lattice.spacing)

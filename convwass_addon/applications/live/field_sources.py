@@ -191,12 +191,13 @@ class MovingSource:
         return np.rint((lattice.origin - still.origin) / still.spacing).astype(np.int64)
 
     def _density(self, moved: MovedBlend, control: Control) -> LevelDensity:
-        volumes = moved.problem.transport.blend_volumes(moved.blend)
         if moved.coincides:
-            volume = float(volumes.sum())
-            surface = surface_enclosing(moved.solids.density, volume)
-            return LevelDensity(moved.solids.density, np.zeros(3, np.int64), surface.level, volume)
-        merged = BlendSolver(moved.problem.transport, control, ALONE).solve(moved.blend, volumes).merged()
+            surface = surface_enclosing(moved.solids.density, moved.volume)
+            return LevelDensity(moved.solids.density, np.zeros(3, np.int64), surface.level, moved.volume)
+        transport = moved.problem.transport
+        merged = (
+            BlendSolver(transport, control, ALONE).solve(moved.blend, transport.blend_volumes(moved.blend)).merged()
+        )
         return level_density(merged.density, merged.volume, self._problem.still.settings, moved.solids)
 
 

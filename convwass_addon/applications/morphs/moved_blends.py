@@ -25,7 +25,7 @@ class MovedBlend:
     blend : Blend
         The blend, without zero weights.
     problem : MorphProblem
-        The moved inputs of positive weight.
+        The moved inputs of positive weight; without parts if they coincide, so that there is nothing to transport.
     shapes : list of MovedShape
         The same inputs.
     active : (a,) int64
@@ -34,6 +34,8 @@ class MovedBlend:
         Fraction of every cell that each fills.
     solids : CoincidingSolids
         Their mean, where they coincide.
+    volume : float
+        Volume of the blend in cells: the weighted mean of the inputs' volumes at rest.
     """
 
     blend: Blend
@@ -42,6 +44,7 @@ class MovedBlend:
     active: NDArray[np.int64]
     occupancies: list[NDArray[np.float32]]
     solids: CoincidingSolids
+    volume: float
 
     @property
     def coincides(self) -> bool:

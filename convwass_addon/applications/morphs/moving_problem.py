@@ -31,7 +31,7 @@ from .moved_blends import MovedBlend, MovedBlends
 from .moved_origins import moved_origins, moved_tangents
 from .moved_room import Room, room_of_moved
 from .part_labels import Matching
-from .parts import joined, voxelized_parts
+from .parts import SplitShapes, joined, voxelized_parts
 from .spare_threads import at_once
 from .transport_problem import TransportProblem
 from .volumes import Lattice
@@ -124,7 +124,7 @@ class MovingProblem:
         problem, alone, solids = moved.problem, moved.blend, moved.solids
         shapes, active, occupancies = moved.shapes, moved.active, moved.occupancies
         if moved.coincides:
-            solved = self._coinciding(problem, alone, solids)
+            solved = self._coinciding(moved)
         else:
             solver = BlendSolver(problem.transport, control, ALONE)
             solved = surfaced_frame(problem, solver.solve(alone, problem.transport.blend_volumes(alone)), solids)
@@ -161,10 +161,15 @@ class MovingProblem:
         active = np.flatnonzero(blend.weights)
         shapes = [moved[i] for i in active]
         alone = Blend(tuple(blend.weights[i] for i in active))
-        transport = self._transport_of(blend, shapes, active, control)
-        occupancies = [transport.occupancy(i).astype(np.float32) for i in range(len(active))]
-        solids = CoincidingSolids.of(occupancies, alone.weights, float(transport.blend_volumes(alone).sum()))
-        found = MovedBlend(alone, self._demanded(transport, active), shapes, active, occupancies, solids)
+        lattice = self._lattice_around(shapes, np.asarray(blend.weights))
+        split = self._split(shapes, active, lattice, control)
+        occupancies = [sum(own[1:], start=own[0]) for own in zip(*split.densities, strict=True)]
+        volume = float((split.volumes @ alone.weights).sum())
+        solids = CoincidingSolids.of(occupancies, alone.weights, volume)
+        transport = TransportProblem((), lattice, self.still.settings)
+        if not solids.coincide:
+            transport = TransportProblem.of(split, lattice, self.still.settings)
+        found = MovedBlend(alone, self._demanded(transport, active), shapes, active, occupancies, solids, volume)
         if self.kept is not None:
             self.kept.keep(blend, found)
         return found
@@ -182,9 +187,9 @@ class MovingProblem:
             found[index] = own if shape.parents is None else shape.parents[own]
         return found
 
-    def _coinciding(self, problem: MorphProblem, blend: Blend, solids: CoincidingSolids) -> MorphFrame:
+    def _coinciding(self, moved: MovedBlend) -> MorphFrame:
         """Return the frame of shapes that coincide, without transport."""
-        volume = float(problem.transport.blend_volumes(blend).sum())
+        problem, blend, solids, volume = moved.problem, moved.blend, moved.solids, moved.volume
         constraint = problem.constraint(blend.weights)
         extracted = extract_coinciding(solids, volume, problem.connectivity, problem.settings, constraint)
         mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
@@ -221,27 +226,30 @@ class MovingProblem:
         normals = vertex_normals(mesh.vertices, mesh.faces)
         return _PlacedSurface(mesh, [own.finder.find(mesh.vertices, normals, control) for own in searched])
 
-    def _transport_of(
-        self, blend: Blend, shapes: Sequence[MovedShape], active: NDArray[np.int64], control: Control
-    ) -> TransportProblem:
-        """Return the moved inputs of one blend as distributions; volumes are those at rest."""
-        center = np.asarray(blend.weights) @ self.lattice.centers
+    def _lattice_around(self, shapes: Sequence[MovedShape], weights: NDArray[np.float64]) -> Lattice:
+        """Return the cells that the moved inputs of one blend need; all of them have the same center."""
+        center = weights @ self.lattice.centers
         bounds = np.stack([shape.mesh.bounds for shape in shapes]) - center
         lattice = self.lattice.holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))
-        lattice = replace(lattice, centers=np.tile(center, (len(active), 1)))
+        return replace(lattice, centers=np.tile(center, (len(shapes), 1)))
+
+    def _split(
+        self, shapes: Sequence[MovedShape], active: NDArray[np.int64], lattice: Lattice, control: Control
+    ) -> SplitShapes:
+        """Voxelize the parts of the moved inputs of one blend; their volumes are those at rest."""
         matching = replace(
             self.matching,
             faces=tuple(_of_parents(self.matching.faces[i], shape) for i, shape in zip(active, shapes, strict=True)),
         )
-        volumes = []
-        for place, (index, shape) in enumerate(zip(active, shapes, strict=True)):
-            name = self.names[index]
-            thickness = self.still.settings.thickness
-            volumes.append(voxelized_parts(shape.mesh, name, place, lattice, thickness, matching, control))
-        transport = TransportProblem.of(joined(matching, volumes), lattice, self.still.settings)
+        thickness = self.still.settings.thickness
+        filled = [
+            voxelized_parts(shape.mesh, self.names[index], place, lattice, thickness, matching, control)
+            for place, (index, shape) in enumerate(zip(active, shapes, strict=True))
+        ]
+        split = joined(matching, filled)
         known = {part.name: part.volumes[active] for part in self.still.transport.parts}
-        parts = tuple(replace(part, volumes=known.get(part.name, part.volumes)) for part in transport.parts)
-        return replace(transport, parts=parts)
+        volumes = [known.get(name, own) for name, own in zip(split.names, split.volumes, strict=True)]
+        return replace(split, volumes=np.stack(volumes))
 
 
 @dataclass(frozen=True)
