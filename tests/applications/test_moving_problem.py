@@ -156,3 +156,18 @@ def test_inputs_of_different_size_fill_their_cells():
     assert np.abs(axis[0] - axis[1]).max() < 0.05
     inside = (axis[0] > 0.0).sum() * still.lattice.spacing
     assert inside == pytest.approx(2.0 * np.cbrt(0.75 * volume / np.pi), abs=1.5 * still.lattice.spacing)
+
+
+def test_a_blend_has_only_the_cells_that_it_needs():
+    """A rod that turns within a plane needs few cells beside that plane."""
+    settings = MorphSettings(resolution=48)
+    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
+    apart = np.array([8.0, 0.0, 16.0])
+    large = replace(still.lattice, shape=(64, 56, 48), origin=still.lattice.origin - apart * still.lattice.spacing)
+    problem = replace(MovingProblem.of(still, Turning(), [MIDDLE], NAMES, unparted(2), Control()), lattice=large)
+    moved = problem.moved_blend(MIDDLE, Control()).problem.lattice
+    # The longest side stays: lengths that are relative to it are the same in all blends.
+    assert moved.shape[0] == 64
+    assert moved.shape[2] <= 24
+    first = (moved.origin - large.origin) / large.spacing
+    np.testing.assert_allclose(first, np.round(first / 8.0) * 8.0, atol=1e-9)

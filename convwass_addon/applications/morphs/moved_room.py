@@ -55,6 +55,20 @@ class Room:
         cells = (np.ceil((end + below) / multiple - 1e-9) * multiple).astype(int)
         return replace(lattice, shape=tuple(int(n) for n in cells), origin=lattice.origin - below * lattice.spacing)
 
+    def only_in_lattice(self, lattice: AnyLattice, multiple: int) -> AnyLattice:
+        """Return a lattice with the same cells, and no more of them than needed except along the longest side.
+
+        That side is only enlarged, because some lengths are relative to it and should be the same in all blends.
+        """
+        margin = _MARGIN + self.slack
+        first = np.floor((self.low - lattice.origin) / lattice.spacing - margin)
+        end = np.ceil((self.high - lattice.origin) / lattice.spacing + margin)
+        longest = int(np.argmax(lattice.shape))
+        first[longest], end[longest] = min(first[longest], 0), max(end[longest], lattice.shape[longest])
+        first, end = np.floor(first / multiple) * multiple, np.ceil(end / multiple) * multiple
+        cells = tuple(int(n) for n in end - first)
+        return replace(lattice, shape=cells, origin=lattice.origin + first * lattice.spacing)
+
 
 def room_of_moved(
     bounds: Callable[[Sequence[float]], Iterable[NDArray[np.float64]]],

@@ -53,7 +53,8 @@ class MovingProblem:
     motion : Motion
         The inputs' positions in every blend.
     lattice : Lattice
-        The grid of `still`, enlarged for the moved inputs at a sample of blends; blends that need more enlarge it.
+        The grid of `still`, enlarged for the moved inputs at a sample of blends. Every blend takes the cells that it
+        needs.
     names : tuple of str
         Names of the inputs, for messages.
     matching : Matching
@@ -230,7 +231,7 @@ class MovingProblem:
         """Return the cells that the moved inputs of one blend need; all of them have the same center."""
         center = weights @ self.lattice.centers
         bounds = np.stack([shape.mesh.bounds for shape in shapes]) - center
-        lattice = self.lattice.holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))
+        lattice = self.lattice.only_holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))
         return replace(lattice, centers=np.tile(center, (len(shapes), 1)))
 
     def _split(

@@ -102,6 +102,10 @@ class Lattice:
         """Return a lattice with the same cells and enough further ones for moved shapes."""
         return self if room is None else room.in_lattice(self, _MULTIPLE)
 
+    def only_holding(self, room: Room) -> Lattice:
+        """Return the cells that moved shapes need; see :meth:`.Room.only_in_lattice`."""
+        return room.only_in_lattice(self, _MULTIPLE)
+
     def shell_cells(self, thickness: float) -> float:
         """Convert the thickness of a sheet from scene units to cells, at least two.
 
