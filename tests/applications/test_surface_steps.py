@@ -8,6 +8,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.steady_topology import legs_of
 from convwass_addon.applications.morphs.surface_steps import MeasuredSurface, SurfaceSteps, farthest
+from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball, box, joined
 
 BLENDS = path_blends(2, 12)
@@ -36,6 +37,16 @@ def test_shapes_of_few_triangles_are_measured_between_their_vertices():
     """A ball in the middle of a cube's face is far from all corners of the cube."""
     cube, pole = MeasuredSurface.of_shape(box()), ball(0.1, (0.0, 0.0, 0.5))
     assert farthest(MeasuredSurface.of_blend(pole), cube) == pytest.approx(0.1, abs=0.02)
+
+
+@pytest.mark.parametrize("tip", [0, 777, 7777])
+def test_a_single_vertex_that_sticks_out_is_found(tip):
+    before = ball(points=8000)
+    vertices = before.vertices.copy()
+    vertices[tip] *= 1.2
+    after = TriangleMesh(vertices, before.faces)
+    measured = farthest(MeasuredSurface.of_blend(after), MeasuredSurface.of_blend(before))
+    assert measured == pytest.approx(0.2, abs=0.01)
 
 
 def test_even_steps_are_unchanged():

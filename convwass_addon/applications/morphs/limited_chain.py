@@ -14,7 +14,7 @@ from .steady_topology import SteadyTopology
 from .surface_steps import Chain, MeasuredSurface
 
 # A blend with no more cells than this limited by its neighbor is considered unchanged.
-_HELD = 2
+_HELD = 0
 
 
 @dataclass(frozen=True)

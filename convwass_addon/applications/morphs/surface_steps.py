@@ -27,8 +27,8 @@ _JUMP, _REACH = 1.8, 1.5
 _LEAST = 1.5
 # Legs with fewer blends have no usual step.
 _FEWEST = 3
-# Number of points of every surface at which distances are measured.
-_ASKED = 2500
+# Maximum number of points of every surface at which distances are measured. With a few thousand, tips of ears are missed.
+_ASKED = 20_000
 # Meshes are kept for this many of the longest steps.
 _KEPT = 16
 # Excess of the squared distance to the nearest point over that to the surface, as a fraction of the area per point.
