@@ -80,11 +80,14 @@ class CoincidingSolids:
         volume : float, optional
             Volume of the mean in cells; see :func:`.mean_solid.mean_solid`.
         """
-        depths = np.stack([_depth(occupancy) for occupancy in occupancies])
+        depths = np.empty((len(occupancies), *occupancies[0].shape), np.float32)
+        for own, occupancy in zip(depths, occupancies, strict=True):
+            own[...] = _depth(occupancy)
         agreement = _agreement(depths, weights)
         if (agreement < 1.0).any():
             np.maximum(agreement, growing_in_place([_blurred(own) for own in depths]), out=agreement)
-        depths = np.stack([extended(depth, 0.99 * _KNOWN * _BLUR) for depth in depths])
+        for own in depths:
+            own[...] = extended(own, 0.99 * _KNOWN * _BLUR)
         density = _blurred(mean_solid(depths, weights, _SURE, volume))
         solids = cls(density, agreement, depths)
         spared = np.clip((_LARGE_REST - solids.disagreement) / (_LARGE_REST - _SMALL_REST), 0.0, 1.0)

@@ -69,12 +69,8 @@ def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
     """
     grid = CoarserGrid(depth.shape, _MOST_CELLS)
     inside = depth > 0.0
-    reach = _FAR * max(depth.shape)
-    outward, inward = (_distances(grid, part, reach) for part in (inside, ~inside))
-    far = np.where(inside, inward, outward)
-    return np.where(np.abs(depth) < known, depth, np.copysign(np.maximum(far, np.abs(depth)), depth))
-
-
-def _distances(grid: CoarserGrid, cells: NDArray[np.bool_], reach: float) -> NDArray[np.float32]:
-    """Return the distance of every cell from the nearest of some cells, both of the finer grid, up to `reach`."""
-    return grid.interpolated(grid.cell * capped_distances(grid.holding(cells), reach / grid.cell))
+    reach = _FAR * max(depth.shape) / grid.cell
+    outward, inward = (capped_distances(grid.holding(part), reach) for part in (inside, ~inside))
+    far = grid.interpolated(grid.cell * (inward - outward))
+    near = np.abs(depth) < known
+    return np.where(near, depth, np.where(inside, np.maximum(far, depth), np.minimum(far, depth)))

@@ -57,14 +57,25 @@ def mean_solid(
         Volume of the mean in cells, reached as far as the solids differ.
     """
     weights = np.asarray(weights, np.float32)
-    growth = _Growth.of(depths, weights)
-    mean = _Mean.of(depths, weights, growth)
-    rough = mean.enclosing(volume)
-    cells = np.flatnonzero((np.abs(rough) < _BAND) & (mean.spread > _APART))
-    if not len(cells):
-        return rough
-    exact = np.stack([_exact(depth, cells, known) for depth in depths])
-    return mean.corrected(cells, exact, weights).enclosing(volume)
+    whole = _Mean.of(depths, weights, _Growth.of(depths, weights))
+    # All other cells are far from the surface, at every shift.
+    inmost = whole.at(whole.most)
+    near = np.flatnonzero((inmost < _BAND) & (whole.at(-whole.most) > -_BAND))
+    full = np.count_nonzero(inmost >= _BAND)
+    mean = whole.cells(near)
+    shift = mean.shift(volume, full)
+    rough = np.flatnonzero((np.abs(mean.at(shift)) < _BAND) & (mean.spread > _APART))
+    if len(rough):
+        exact = np.stack([_exact(depth, near[rough], known) for depth in depths])
+        mean = mean.corrected(rough, exact, weights)
+        shift = mean.shift(volume, full)
+    found = mean.at(shift)
+    if volume is None or abs(volume - full - _volume(found)) <= _MISSING * volume:
+        inmost.ravel()[near] = found
+        return inmost
+    result = whole.at(shift)
+    result.ravel()[near] = found
+    return _offset(result, volume)
 
 
 def _exact(depth: NDArray[np.float32], cells: NDArray[np.int64], known: float) -> NDArray[np.float32]:
@@ -149,32 +160,29 @@ class _Mean:
         mean.ravel()[cells], spread.ravel()[cells] = weights @ depths, np.ptp(depths, axis=0)
         return replace(self, mean=mean, spread=spread)
 
-    def enclosing(self, volume: float | None) -> NDArray[np.float32]:
-        """Return the signed distance of the mean whose volume is the given one, as far as shifts reach."""
-        if volume is None:
-            return self._at(0.0)
-        largest, smallest = self._at(-self.most), self._at(self.most)
-        # All other cells are full, or empty, at every shift.
-        partial = self._cells(np.flatnonzero((largest > -0.5) & (smallest < 0.5)))
-        full = np.count_nonzero(smallest >= 0.5)
-        low, high = -self.most, self.most
-        for _ in range(_STEPS):
-            middle = (low + high) / 2.0
-            low, high = (middle, high) if full + _volume(partial._at(middle)) > volume else (low, middle)
-        return _offset(self._at((low + high) / 2.0), volume)
-
-    def _cells(self, cells: NDArray[np.int64]) -> _Mean:
+    def cells(self, cells: NDArray[np.int64]) -> _Mean:
         """Return the mean at some cells."""
         growth = None if self.growth is None else self.growth.at(cells)
         return replace(self, mean=self.mean.ravel()[cells], spread=self.spread.ravel()[cells], growth=growth)
 
-    def _at(self, shift: float) -> NDArray[np.float32]:
+    def at(self, shift: float) -> NDArray[np.float32]:
         """Subtract a shift from the weight of what only some solids have."""
         mean = self.mean - np.float32(shift) * self.spread
         if self.growth is None:
             return mean
         # Slender parts end at their fronts, so that nothing hangs free beyond them.
-        return np.maximum(np.minimum(mean, self.growth.most), self.growth.least)
+        np.minimum(mean, self.growth.most, out=mean)
+        return np.maximum(mean, self.growth.least, out=mean)
+
+    def shift(self, volume: float | None, full: int) -> float:
+        """Return the shift at which these cells and some full ones have a volume, as far as shifts reach."""
+        if volume is None:
+            return 0.0
+        low, high = -self.most, self.most
+        for _ in range(_STEPS):
+            middle = (low + high) / 2.0
+            low, high = (middle, high) if full + _volume(self.at(middle)) > volume else (low, middle)
+        return (low + high) / 2.0
 
 
 def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating]) -> NDArray[np.float32]:
