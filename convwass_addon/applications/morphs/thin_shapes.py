@@ -6,9 +6,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import distance_transform_edt
 
 from ...geometry.isosurface import bounding_box
+from ...geometry.near import capped_squares
 from ...geometry.thin_parts import LostPart, lost_parts
 from .diagnostics import KEPT_CELLS, LEAST_SHARE
 
@@ -42,13 +42,12 @@ def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
     low, high = bounding_box(occupancy > 0.0) if occupancy.any() else (np.zeros(3, int), np.array(occupancy.shape))
     filled = np.asarray(occupancy[tuple(map(slice, low, high))], dtype=np.float64)
     inside = np.pad(filled > 0.5, 1)
-    depth = distance_transform_edt(inside)
     # Depth of the axis of a rod that is just thick enough.
     deepest = (KEPT_CELLS + 1.0) / 2.0
-    core = depth > deepest
+    core = capped_squares(~inside, deepest) > deepest**2
     if not core.any():
         return _thin_all_over(filled)
-    thick = inside & (distance_transform_edt(~core) <= deepest + 0.5)
+    thick = inside & (capped_squares(core, deepest + 0.5) <= (deepest + 0.5) ** 2)
     lost = lost_parts(filled, thick[1:-1, 1:-1, 1:-1], _REACH)
     thin = [part for part in lost.parts if _is_too_thin(part)]
     parts = [{"thickness": part.thickness, "length": part.length} for part in thin]
