@@ -88,8 +88,17 @@ def _exact(depth: NDArray[np.float32], cells: NDArray[np.int64], known: float) -
 
 @dataclass(frozen=True)
 class _Growth:
-    """What the fronts of slender parts include and exclude, as bounds on the signed distance: at least, at most."""
+    """What the fronts of slender parts include and exclude: bounds on the signed distance of some cells.
 
+    Attributes
+    ----------
+    cells : (n,) int64
+        Rising indices of cells in the flattened grid.
+    least, most : (n,) float32
+        Bounds of their distances.
+    """
+
+    cells: NDArray[np.int64]
     least: NDArray[np.float32]
     most: NDArray[np.float32]
 
@@ -100,11 +109,12 @@ class _Growth:
         if not ((depths.max(axis=0) > 0.0) & (lowest < -_SHORT)).any():
             return None
         grid = CoarserGrid(lowest.shape, _MOST_CELLS)
-        solids = [grid.holding(depth > 0.0) for depth in depths]
-        core, far = shared_core(solids), grid.holding(lowest < -_THIN)
+        solids, far = [grid.holding(depth > 0.0) for depth in depths], grid.holding(lowest < -_THIN)
+        core = shared_core(solids)
         if core is None:
             return None
         least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
+        del lowest
         for depth, solid, weight in zip(depths, solids, weights, strict=True):
             front, end = _fronts(solid, core, far, float(weight), grid.cell)
             near = np.isfinite(front)
@@ -112,12 +122,20 @@ class _Growth:
             reached, ending = (grid.interpolated(np.where(near, own, np.float32(0)))[within] for own in (front, end))
             least[within] = np.maximum(least[within], _rounded(depth[within], reached))
             most[within] = np.maximum(most[within], ending)
-        most[(grid.interpolated(core.astype(np.float32)) > 0.5) | np.isinf(most)] = np.inf
-        return cls(least, most)
+        most[grid.interpolated(core.astype(np.float32)) > 0.5] = np.inf
+        cells = np.flatnonzero(np.isfinite(least))
+        return cls(cells, least.ravel()[cells], most.ravel()[cells])
 
-    def at(self, cells: NDArray[np.int64]) -> _Growth:
-        """Return the bounds at some cells."""
-        return _Growth(self.least.ravel()[cells], self.most.ravel()[cells])
+    def among(self, cells: NDArray[np.int64]) -> _Growth:
+        """Return the bounds of those cells that are among some, (m,), rising, with their indices there."""
+        places = np.searchsorted(cells, self.cells)
+        found = np.flatnonzero(np.append(cells, -1)[places] == self.cells)
+        return _Growth(places[found], self.least[found], self.most[found])
+
+    def bound(self, depth: NDArray[np.float32]) -> None:
+        """Apply the bounds to distances in place, (nx, ny, nz) or (m,), C-contiguous."""
+        flat = depth.reshape(-1)
+        flat[self.cells] = np.maximum(np.minimum(flat[self.cells], self.most), self.least)
 
 
 def _fronts(
@@ -162,17 +180,16 @@ class _Mean:
 
     def cells(self, cells: NDArray[np.int64]) -> _Mean:
         """Return the mean at some cells."""
-        growth = None if self.growth is None else self.growth.at(cells)
+        growth = None if self.growth is None else self.growth.among(cells)
         return replace(self, mean=self.mean.ravel()[cells], spread=self.spread.ravel()[cells], growth=growth)
 
     def at(self, shift: float) -> NDArray[np.float32]:
         """Subtract a shift from the weight of what only some solids have."""
         mean = self.mean - np.float32(shift) * self.spread
-        if self.growth is None:
-            return mean
         # Slender parts end at their fronts, so that nothing hangs free beyond them.
-        np.minimum(mean, self.growth.most, out=mean)
-        return np.maximum(mean, self.growth.least, out=mean)
+        if self.growth is not None:
+            self.growth.bound(mean)
+        return mean
 
     def shift(self, volume: float | None, full: int) -> float:
         """Return the shift at which these cells and some full ones have a volume, as far as shifts reach."""
