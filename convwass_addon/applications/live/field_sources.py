@@ -195,9 +195,8 @@ class MovingSource:
             surface = surface_enclosing(moved.solids.density, moved.volume)
             return LevelDensity(moved.solids.density, np.zeros(3, np.int64), surface.level, moved.volume)
         transport = moved.problem.transport
-        merged = (
-            BlendSolver(transport, control, ALONE).solve(moved.blend, transport.blend_volumes(moved.blend)).merged()
-        )
+        volumes = transport.blend_volumes(moved.blend)
+        merged = BlendSolver(transport, control, ALONE).solve(moved.blend, volumes).merged()
         return level_density(merged.density, merged.volume, self._problem.still.settings, moved.solids)
 
 

@@ -13,9 +13,6 @@ from .morph_problem import MorphFrame
 from .steady_topology import SteadyTopology
 from .surface_steps import Chain, MeasuredSurface
 
-# A blend with no more cells than this limited by its neighbor is considered unchanged.
-_HELD = 0
-
 
 @dataclass(frozen=True)
 class LimitedBlend:
@@ -93,7 +90,7 @@ class LimitedChain:
     def add(self, frame: MorphFrame, demand: Demand) -> None:
         """Add the next blend, computed with this demand."""
         held = frame.record.get("held")
-        if not isinstance(held, int) or held <= _HELD:
+        if not isinstance(held, int) or held <= 0:
             self.unchanged = frame
             return
         self.limited.append(LimitedBlend(frame, demand, MeasuredSurface.of_blend(frame.mesh)))

@@ -58,10 +58,10 @@ def mean_solid(
     """
     weights = np.asarray(weights, np.float32)
     whole = _Mean.of(depths, weights, _Growth.of(depths, weights))
+    smallest = whole.at(whole.most)
     # All other cells are far from the surface, at every shift.
-    inmost = whole.at(whole.most)
-    near = np.flatnonzero((inmost < _BAND) & (whole.at(-whole.most) > -_BAND))
-    full = np.count_nonzero(inmost >= _BAND)
+    near = np.flatnonzero((smallest < _BAND) & (whole.at(-whole.most) > -_BAND))
+    full = np.count_nonzero(smallest >= _BAND)
     mean = whole.cells(near)
     shift = mean.shift(volume, full)
     rough = np.flatnonzero((np.abs(mean.at(shift)) < _BAND) & (mean.spread > _APART))
@@ -71,8 +71,8 @@ def mean_solid(
         shift = mean.shift(volume, full)
     found = mean.at(shift)
     if volume is None or abs(volume - full - _volume(found)) <= _MISSING * volume:
-        inmost.ravel()[near] = found
-        return inmost
+        smallest.ravel()[near] = found
+        return smallest
     result = whole.at(shift)
     result.ravel()[near] = found
     return _offset(result, volume)

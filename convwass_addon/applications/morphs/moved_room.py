@@ -49,9 +49,8 @@ class Room:
 
     def in_lattice(self, lattice: AnyLattice, multiple: int) -> AnyLattice:
         """Return a lattice with the same cells and enough further ones; sides are multiples of `multiple`."""
-        margin = _MARGIN + self.slack
-        below = np.ceil((lattice.origin - self.low) / lattice.spacing + margin).clip(min=0)
-        end = np.maximum((self.high - lattice.origin) / lattice.spacing + margin, lattice.shape)
+        first, end = self._span(lattice)
+        below, end = (-first).clip(min=0), np.maximum(end, lattice.shape)
         cells = (np.ceil((end + below) / multiple - 1e-9) * multiple).astype(int)
         return replace(lattice, shape=tuple(int(n) for n in cells), origin=lattice.origin - below * lattice.spacing)
 
@@ -60,14 +59,18 @@ class Room:
 
         That side is only enlarged, because some lengths are relative to it and should be the same in all blends.
         """
-        margin = _MARGIN + self.slack
-        first = np.floor((self.low - lattice.origin) / lattice.spacing - margin)
-        end = np.ceil((self.high - lattice.origin) / lattice.spacing + margin)
+        first, end = self._span(lattice)
         longest = int(np.argmax(lattice.shape))
         first[longest], end[longest] = min(first[longest], 0), max(end[longest], lattice.shape[longest])
         first, end = np.floor(first / multiple) * multiple, np.ceil(end / multiple) * multiple
         cells = tuple(int(n) for n in end - first)
         return replace(lattice, shape=cells, origin=lattice.origin + first * lattice.spacing)
+
+    def _span(self, lattice: Cells) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the first cell needed along each axis, (d,), and where the last one may end, (d,), in cells."""
+        margin = _MARGIN + self.slack
+        first = np.floor((self.low - lattice.origin) / lattice.spacing - margin)
+        return first, (self.high - lattice.origin) / lattice.spacing + margin
 
 
 def room_of_moved(
