@@ -9,9 +9,6 @@ from numpy.typing import NDArray
 
 from .grid_halving import doubled, halved
 
-# A cell is surrounded by others where their mask, interpolated, exceeds this.
-_SURROUNDED = 0.99
-
 
 class CoarserGrid:
     """A grid that is halved until it has few enough cells along every side.
@@ -52,4 +49,5 @@ class CoarserGrid:
 
     def within(self, cells: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Return the finer cells whose interpolated values depend on some coarser cells alone."""
-        return self.interpolated(cells.astype(np.float32)) > _SURROUNDED if self._halvings else cells
+        # Weights are sums of powers of two, so the interpolated mask is exact.
+        return self.interpolated(cells.astype(np.float32)) == 1.0 if self._halvings else cells
