@@ -26,7 +26,7 @@ from ...geometry.part_fronts import PartFronts, separate_parts, shared_core
 # Radius in cells with which a part is rounded at its front.
 _ROUNDING = 3.0
 # Largest shift relative to the smallest weight.
-_MOST_SHIFT = 0.9
+_MOST_SHIFT = 0.5
 # Steps of the bisection for the volume.
 _STEPS = 9
 # A mean whose volume differs by more than this is offset, in at most so many steps of at most a cell.
