@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from convwass_addon.geometry.isosurface import surface_at_level
-from convwass_addon.geometry.surface_bounds import SurfaceBounds
-from tests.shapes import ball
+from convwass_addon.geometry.surface_bounds import SurfaceBounds, cells_changed
+from tests.shapes import ball, box
 
 SHAPE = (40, 40, 40)
 CENTER = np.full(3, 20.0)
@@ -47,6 +47,38 @@ def test_a_crack_that_opens_at_once_opens_from_outside():
     ).T
     in_crack = np.abs(x - 0.5) < 1.0
     assert np.hypot(y, z)[in_crack].min() == pytest.approx(8.0, abs=1.0)
+
+
+def slender(length):
+    """Occupancy of a box two cells wide that begins at x = 10, about one half at its surface."""
+    x, y, z = np.indices(SHAPE) + 0.5
+    depth = np.minimum(np.minimum(x - 10.0, 10.0 + length - x), 1.0 - np.maximum(np.abs(y - 20.0), np.abs(z - 20.0)))
+    return (1.0 / (1.0 + np.exp(-2.0 * depth))).astype(np.float32)
+
+
+@pytest.mark.parametrize(("length", "expected"), [(13.0, 13.0), (18.0, 14.0)])
+def test_the_tip_of_a_slender_part_moves_as_far_as_it_may(length, expected):
+    bounds = SurfaceBounds.of(box((12.0, 2.0, 2.0), (16.0, 20.0, 20.0)).corners, SHAPE, 2.0)
+    reached = surface_at_level(bounds.limited(slender(length), 0.5), 0.5).mesh.vertices[:, 0].max() - 10.0
+    free = surface_at_level(slender(length), 0.5).mesh.vertices[:, 0].max() - 10.0
+    assert reached == pytest.approx(min(free, expected), abs=0.35)
+    if length == 13.0:
+        assert cells_changed(slender(length), bounds.limited(slender(length), 0.5), 0.5) == 0
+
+
+def half_space(depth):
+    return np.broadcast_to(np.clip(0.5 + 0.2 * (depth - np.arange(20)), 0, 1)[:, None, None], (20, 8, 8))
+
+
+@pytest.mark.parametrize(("moved", "expected"), [(0.0, 0), (0.2, 0), (0.3, 64), (1.3, 64)])
+def test_cells_beside_which_a_plane_moves(moved, expected):
+    assert cells_changed(half_space(9.6), half_space(9.6 + moved), 0.5) == expected
+
+
+def test_a_vanished_cell_is_counted():
+    before = np.zeros((9, 9, 9))
+    before[4, 4, 4] = 1.0
+    assert cells_changed(before, np.zeros_like(before), 0.5) == 1
 
 
 def test_a_box_of_a_density_is_limited_alike():

@@ -24,7 +24,7 @@ from ...geometry.isosurface import (
     surface_enclosing,
 )
 from ...geometry.mending import Mending, mended_surface
-from ...geometry.surface_bounds import SurfaceBounds
+from ...geometry.surface_bounds import SurfaceBounds, cells_changed
 from ...geometry.thin_parts import locally_normalized, lost_parts
 from .coinciding_solids import CoincidingSolids
 from .morph_settings import MorphSettings
@@ -229,7 +229,7 @@ def _limited(
     level = free.surface.level
     for _ in range(_LEVELS):
         limited = constraint.bounds.limited(free.density, level, prepared.box)
-        held = int(np.count_nonzero((limited > level) != (free.density > level)))
+        held = cells_changed(free.density, limited, level)
         if not held:
             return Extraction(_sized(free, settings), {**free.record(), "held": 0, "held_share": 0.0})
         # What the limits change also changes the level, which moves the limited surface.
