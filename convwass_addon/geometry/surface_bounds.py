@@ -10,9 +10,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
-from scipy.spatial import cKDTree
 
-from .closest_points import TriangleSamples
+from .closest_points import ClosestPointFinder
 from .near import capped_distances
 from .occupancy import occupancy
 
@@ -80,14 +79,13 @@ class SurfaceBounds:
         cells = np.nonzero(_clipped(density, distances, level, self.reach - _ERROR) != density)
         if len(cells[0]):
             points = np.stack(cells, axis=1) + (corner + 0.5)
-            exact = np.copysign(self._samples.query(points)[0], distances[cells])
+            exact = np.copysign(self._finder.find_about(points).distances, distances[cells])
             result[cells] = _clipped(density[cells], exact, level, self.reach)
         return result
 
     @cached_property
-    def _samples(self) -> cKDTree:
-        """Points on the surface, whose triangles are smaller than cells."""
-        return cKDTree(TriangleSamples.of(self.corners).points)
+    def _finder(self) -> ClosestPointFinder:
+        return ClosestPointFinder(self.corners)
 
 
 def cells_changed(before: NDArray[np.floating], after: NDArray[np.floating], level: float) -> int:
