@@ -232,12 +232,13 @@ def _limited(
         held = cells_changed(free.density, limited, level)
         if not held:
             return Extraction(_sized(free, settings), {**free.record(), "held": 0, "held_share": 0.0})
+        share = float(np.count_nonzero((limited > level) != (free.density > level)) / volume)
         # What the limits change also changes the level, which moves the limited surface.
         before, level = level, level_enclosing(limited, volume)
         if abs(level - before) <= _SAME_LEVEL * before:
             break
     mending = mended_surface(limited, volume, most, constraint.effort)
-    return Extraction(_sized(mending, settings), {**mending.record(), "held": held, "held_share": held / volume})
+    return Extraction(_sized(mending, settings), {**mending.record(), "held": held, "held_share": share})
 
 
 def _sized(mending: Mending, settings: MorphSettings) -> LevelSurface:
