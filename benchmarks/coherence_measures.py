@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import brentq
 
 from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.geometry.closest_points import ClosestPointFinder, TriangleSamples
 from convwass_addon.geometry.mesh import TriangleMesh
 
 from .limb_paths import LimbPath, PosedLimb
@@ -45,8 +45,10 @@ class Step:
 
     Attributes
     ----------
-    mean, largest : float
-        Area-weighted distance of the vertices of either surface to the other, in cells.
+    mean : float
+        Mean distance of either surface from the other, in cells.
+    largest : float
+        The largest distance of a vertex of either surface from the other, in cells.
     """
 
     mean: float
@@ -87,14 +89,36 @@ class Evenness:
 def steps_between(meshes: Sequence[TriangleMesh], spacing: float) -> list[Step]:
     """Measure every step between consecutive frames, in cells of size `spacing`."""
     finders = [ClosestPointFinder(mesh.corners) for mesh in meshes]
+    samples = [_Samples.of(mesh) for mesh in meshes]
     found = []
     for i, j in pairwise(range(len(meshes))):
-        there, back = (finders[b].find_about(meshes[a].vertices).distances for a, b in ((i, j), (j, i)))
-        areas = [meshes[k].vertex_areas for k in (i, j)]
-        means = [far @ area / area.sum() for far, area in zip((there, back), areas, strict=True)]
-        largest = max(there.max(), back.max())
+        ways = (i, j), (j, i)
+        largest = max(finders[b].find_about(meshes[a].vertices).distances.max() for a, b in ways)
+        means = [samples[a].mean(finders[b].find_about(samples[a].points).distances) for a, b in ways]
         found.append(Step(float(np.mean(means)) / spacing, float(largest) / spacing))
     return found
+
+
+@dataclass(frozen=True)
+class _Samples:
+    """Points distributed over a surface, (s, 3), with their shares of its area, (s,).
+
+    The vertices are not enough: those of a cube are all at corners, which move farthest.
+    """
+
+    points: NDArray[np.float64]
+    shares: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh) -> _Samples:
+        samples = TriangleSamples.of(mesh.corners)
+        counts = np.bincount(samples.triangles, minlength=len(mesh.faces))
+        areas = (mesh.face_areas / counts)[samples.triangles]
+        return cls(samples.points, areas / areas.sum())
+
+    def mean(self, values: NDArray[np.float64]) -> float:
+        """Return the mean of values at the points by area."""
+        return float(self.shares @ values)
 
 
 def reach(mesh: TriangleMesh) -> float:

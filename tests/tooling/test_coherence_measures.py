@@ -23,7 +23,7 @@ from benchmarks.coherence_pairs import pairs_named
 from benchmarks.limb_paths import LimbPath, turned
 from benchmarks.sculptures import Sculpture, capsules
 from convwass_addon.geometry.mesh import TriangleMesh
-from tests.shapes import ball, joined, torus
+from tests.shapes import ball, box, joined, torus
 
 TIMES = np.linspace(0.0, 1.0, 5)
 
@@ -39,6 +39,11 @@ def test_steps_are_in_cells():
     (step,) = steps_between([one, wider], spacing=0.05)
     assert step.mean == pytest.approx(2.0, rel=0.02)
     assert step.largest == pytest.approx(2.0, rel=0.05)
+
+
+def test_the_mean_distance_does_not_depend_on_the_triangles():
+    (step,) = steps_between([box((2.0, 2.0, 2.0)), box((2.2, 2.2, 2.2))], spacing=0.1)
+    assert step.mean == pytest.approx(1.0, rel=0.05)
 
 
 def test_a_single_jumping_point_counts_as_a_jump():
