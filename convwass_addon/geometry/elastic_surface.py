@@ -177,13 +177,13 @@ class ElasticSurface:
             Size of the neighborhoods, on the surface of unit area.
         """
         sums = np.moveaxis((self._moments @ points).reshape(3, len(points), 3), 2, 0).reshape(9, len(points))
-        smooth = self._blurred(np.concatenate([sums, self._squares[None]]), width)
+        smooth = self.blurred(np.concatenate([sums, self._squares[None]]), width)
         fitted = nearest_rotations(smooth[:9].reshape(3, 3, -1))
         scales = np.maximum(fitted.traces, 0.0) / np.maximum(smooth[9], np.finfo(float).tiny)
         return np.ascontiguousarray(np.moveaxis(scales * fitted.rotations, 2, 0))
 
-    def _blurred(self, columns: NDArray[np.float64], width: float) -> NDArray[np.float64]:
-        """Return sums over neighborhoods, (k, n), by one implicit heat step."""
+    def blurred(self, columns: NDArray[np.float64], width: float) -> NDArray[np.float64]:
+        """Return sums over neighborhoods of a size of `width` on the surface, (k, n), by one implicit heat step."""
         if width not in self._blurs:
             held = np.where(self._areas > 0, self._areas, 1.0)
             self._blurs[width] = factorize(self._with_diagonal(width**2, held))

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 from scipy.linalg import solve
 from scipy.sparse import coo_array
 
-from .rotation_fields import rotation_matrices
 from .surface_samples import SurfaceSamples
+from .swing_twist import turn_matrices
 
 # Rigidity is estimated from lines up to this fraction of the longest; a line with this strain has half the weight.
 # Parts whose relative rotation is below the damping, in radians, do not determine a joint. The strain was measured
@@ -43,8 +43,8 @@ class HingedPose:
     ----------
     points : (s, 3) float64
         Positions of the samples.
-    vectors : (s, 3) float64
-        Rotations of their neighborhoods, as rotation vectors in radians.
+    turns : (s, 3, 3) float64
+        Rotations of their neighborhoods; see :mod:`.swing_twist`.
     joints : (p, 3) float64
         Joint of every pair at rest, relative to the midpoint of the pair.
     stretches : (p, 3) float64
@@ -54,7 +54,7 @@ class HingedPose:
     """
 
     points: NDArray[np.float64]
-    vectors: NDArray[np.float64]
+    turns: NDArray[np.float64]
     joints: NDArray[np.float64]
     stretches: NDArray[np.float64]
     weights: NDArray[np.float64]
@@ -65,7 +65,7 @@ class HingedPose:
         samples: SurfaceSamples,
         rest: NDArray[np.float64],
         moved: NDArray[np.float64],
-        vectors: NDArray[np.float64],
+        turns: NDArray[np.float64],
     ) -> HingedPose:
         """Find the joints between the parts of a shape.
 
@@ -75,12 +75,12 @@ class HingedPose:
             Samples of the shape at rest.
         rest, moved : (n, 3)
             Its vertices at rest and in the pose.
-        vectors : (n, 3)
-            Rotation vectors of the vertices.
+        turns : (n, 3, 3)
+            Rotations of the vertices.
         """
-        start, end, own = rest[samples.seeds], moved[samples.seeds], vectors[samples.seeds]
+        start, end, own = rest[samples.seeds], moved[samples.seeds], turns[samples.seeds]
         one, other = samples.pairs.T
-        first, second = rotation_matrices(own[one]), rotation_matrices(own[other])
+        first, second = turn_matrices(own[one]), turn_matrices(own[other])
         half = 0.5 * (start[one] - start[other])
         line = end[one] - end[other]
         unexplained = line - np.einsum("pij,pj->pi", first + second, half)
@@ -95,7 +95,7 @@ class HingedPose:
         back = np.swapaxes(against, 1, 2)
         normal = back @ against + _DAMPING**2 * np.eye(3)
         offsets = np.linalg.solve(normal, np.einsum("pij,pj->pi", back, unexplained)[:, :, None])[:, :, 0]
-        between = rotation_matrices(0.5 * (own[one] + own[other]))
+        between = turn_matrices(0.5 * (own[one] + own[other]))
         stretches = np.einsum("pji,pj->pi", between, unexplained - np.einsum("pij,pj->pi", against, offsets))
         strain = np.square(stretches).sum(axis=1) / lengths**2
         reach = lengths.max(initial=0.0)
@@ -152,20 +152,20 @@ def hinged_points(
     parts = [share / total if total > 0 else 1.0 / len(shares) for share in shares]
     weights = sum(part * pose.weights for part, pose in zip(parts, poses, strict=True))
     joints = stretch * sum(part * pose.joints for part, pose in zip(parts, poses, strict=True))
-    vectors = sum(share * pose.vectors for share, pose in zip(shares, poses, strict=True))
+    turns = sum(share * pose.turns for share, pose in zip(shares, poses, strict=True))
     stretches = stretch * sum(share * pose.stretches for share, pose in zip(shares, poses, strict=True))
     straight = (1.0 - total) * start + sum(share * pose.points for share, pose in zip(shares, poses, strict=True))
     one, other = samples.pairs.T
     half = 0.5 * (start[one] - start[other])
-    turns = rotation_matrices(vectors)
-    lines = scale * np.einsum("pij,pj->pi", turns[one], half - joints)
-    lines += scale * np.einsum("pij,pj->pi", turns[other], half + joints)
-    lines += np.einsum("pij,pj->pi", rotation_matrices(0.5 * (vectors[one] + vectors[other])), stretches)
+    rotations = turn_matrices(turns)
+    lines = scale * np.einsum("pij,pj->pi", rotations[one], half - joints)
+    lines += scale * np.einsum("pij,pj->pi", rotations[other], half + joints)
+    lines += np.einsum("pij,pj->pi", turn_matrices(0.5 * (turns[one] + turns[other])), stretches)
     points = _solved_points(samples, lines, weights, straight)
     size = float(np.sqrt(samples.areas.sum()))
     points = points + _median(straight - points, samples.areas, _MEDIAN_WIDTH * size)
-    shifts = points - scale * np.einsum("sij,sj->si", turns, start)
-    blended = samples.blend @ np.concatenate([scale * turns.reshape(-1, 9), shifts], axis=1)
+    shifts = points - scale * np.einsum("sij,sj->si", rotations, start)
+    blended = samples.blend @ np.concatenate([scale * rotations.reshape(-1, 9), shifts], axis=1)
     return np.einsum("nij,nj->ni", blended[:, :9].reshape(-1, 3, 3), rest) + blended[:, 9:]
 
 

@@ -33,15 +33,21 @@ def swung(points, angle):
     return Rotation.from_rotvec(angle * AXIS).apply(points - JOINT) + JOINT
 
 
+def swings(moving, angle):
+    """Turns of vertices, some of which swing about the axis."""
+    turns = np.zeros((len(moving), 3, 3))
+    turns[moving, 1] = angle * AXIS
+    return turns
+
+
 @pytest.mark.parametrize("share", [0.25, 0.5, 1.0])
 def test_a_part_rotates_about_the_joint_inferred_from_its_poses(hinge, share):
     """The two parts do not touch; only the end pose of the small one determines its joint."""
     mesh, small = hinge
     angle = np.radians(100.0)
     moved = np.where(small[:, None], swung(mesh.vertices, angle), mesh.vertices)
-    vectors = np.where(small[:, None], angle * AXIS, 0.0)
     samples = SurfaceSamples.of(mesh, 120, 0.4)
-    pose = HingedPose.of(samples, mesh.vertices, moved, vectors)
+    pose = HingedPose.of(samples, mesh.vertices, moved, swings(small, angle))
     found = hinged_points(samples, mesh.vertices, [pose], [share])
     expected = np.where(small[:, None], swung(mesh.vertices, share * angle), mesh.vertices)
     np.testing.assert_allclose(found, expected, atol=5e-3)
@@ -51,7 +57,7 @@ def test_parts_at_rest_in_both_poses_stay_at_rest(hinge):
     mesh, small = hinge
     moved = np.where(small[:, None], swung(mesh.vertices, 2.0), mesh.vertices)
     samples = SurfaceSamples.of(mesh, 120, 0.4)
-    pose = HingedPose.of(samples, mesh.vertices, moved, np.where(small[:, None], 2.0 * AXIS, 0.0))
+    pose = HingedPose.of(samples, mesh.vertices, moved, swings(small, 2.0))
     found = hinged_points(samples, mesh.vertices, [pose], [0.5])
     apart = np.linalg.norm(found - mesh.vertices, axis=1)
     assert apart[~small].max() < 2e-3

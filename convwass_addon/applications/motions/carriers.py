@@ -17,6 +17,7 @@ from ...geometry.coarsening import coarsened
 from ...geometry.component_links import component_links
 from ...geometry.edges import distinct_corners
 from ...geometry.facing_points import FacingPointFinder
+from ...geometry.limb_axes import LimbAxes
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.poisson_deformation import Links, PoissonDeformation
@@ -78,13 +79,18 @@ class Carrier:
         return UnitShape.of(self.mesh)
 
     @cached_property
+    def limb_axes(self) -> LimbAxes:
+        """Axes of the limbs that its vertices belong to."""
+        return LimbAxes.of(self.unit)
+
+    @cached_property
     def finder(self) -> FacingPointFinder:
         """Finds points on the mesh."""
         return FacingPointFinder(self.mesh)
 
     def __getstate__(self) -> dict[str, object]:
         # Factorizations cannot be pickled, and these are only needed while motions are prepared.
-        return {name: value for name, value in self.__dict__.items() if name not in ("unit", "finder")}
+        return {name: value for name, value in self.__dict__.items() if name not in ("unit", "limb_axes", "finder")}
 
     @cached_property
     def samples(self) -> SurfaceSamples:

@@ -4,9 +4,11 @@
 
 Every two shapes that occur together are mapped onto each other, and each is deformed to match the other. In a blend
 with weights w, shape i is deformed by the weighted mean of its deformations to the others: with gradients F_ij =
-exp(r_ij) Q_ij, its triangles get exp(sum_j w_j r_ij) (sum_j w_j Q_ij), where r_ii = 0 and Q_ii = 1, and a Poisson
-system gives its vertices. Then all shapes are rigidly aligned with each other. For two shapes this is Poisson shape
-interpolation from both ends. For more shapes the result depends only on the weights, not on the path through them.
+exp(g_ij) exp(s_ij) exp(u_ij) Q_ij, the product of a turn of the whole body, a swing, a twist and a stretch, its
+triangles get exp(sum_j w_j g_ij) exp(sum_j w_j s_ij) exp(sum_j w_j u_ij) (sum_j w_j Q_ij), where g_ii, s_ii and u_ii
+are zero and Q_ii = 1, and a Poisson system gives its vertices. Then all shapes are rigidly aligned with each other.
+For two shapes this is Poisson shape interpolation from both ends. For more shapes the result depends only on the
+weights, not on the path through them.
 """
 
 from __future__ import annotations
@@ -21,7 +23,7 @@ from numpy.typing import NDArray
 from ...geometry.hinged_poses import hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mutual_alignment import Correspondence, mutual_poses
-from ...geometry.rotation_fields import rotation_matrices
+from ...geometry.swing_twist import turn_matrices
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..workers import both_ways, one_blas_thread
@@ -173,7 +175,7 @@ class GuidedMotion:
         way, stiffness = self.settings.way, self.settings.stiffness
         others = [(way * share, self.deformations[shape, other]) for other, share in shares.items() if other != shape]
         stays = 1.0 - sum(share for share, _ in others)
-        vectors = sum(share * found.vectors for share, found in others)
+        turns = sum(share * found.turns for share, found in others)
         offsets = (1.0 - stiffness) * sum(share * found.offsets for share, found in others)
         scale = stays + sum(share * found.scale for share, found in others)
         stretches = stays * np.eye(3) + sum(share * found.stretches for share, found in others)
@@ -185,9 +187,9 @@ class GuidedMotion:
         poses, taken = [found.pose for _, found in others], [share for share, _ in others]
         rigid = 1.0 - stiffness + stiffness * scale
         parts = hinged_points(carrier.samples, mesh.vertices, poses, taken, rigid, 1.0 - stiffness)
-        anchors = parts + np.einsum("nij,nj->ni", rotation_matrices(vectors), offsets)
-        gradients = rotation_matrices(vectors[mesh.faces].mean(axis=1)) @ stretches
-        turned = np.einsum("kij,kj->ki", rotation_matrices(vectors[links.ends].mean(axis=1)), link_stretches)
+        anchors = parts + np.einsum("nij,nj->ni", turn_matrices(turns), offsets)
+        gradients = turn_matrices(turns[mesh.faces].mean(axis=1)) @ stretches
+        turned = np.einsum("kij,kj->ki", turn_matrices(turns[links.ends].mean(axis=1)), link_stretches)
         return gradients, turned, anchors
 
     def _correspondence(

@@ -14,9 +14,16 @@ from ...geometry.hinged_poses import HingedPose, hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.poisson_deformation import deformation_gradients
-from ...geometry.rotation_fields import rotation_matrices, rotation_vectors, unwound, unwound_towards
+from ...geometry.rotation_fields import (
+    nearest_branches,
+    rotation_matrices,
+    rotation_vectors,
+    unwound,
+    unwound_towards,
+)
 from ...geometry.rotations import nearest_rotations
 from ...geometry.surface_rotations import surface_rotations
+from ...geometry.swing_twist import divided_turns, inverse_turns, median_rotation, turn_matrices, turns_with_twists
 from ...progress import Control
 from .carriers import Carrier
 from .laid_meshes import Laid
@@ -30,14 +37,14 @@ _TURN_WIDTH = 0.03
 class ShapeDeformation:
     """The deformation of a shape that matches another.
 
-    The gradient of triangle t is exp(r_t) Q_t, where r_t is the mean of the rotation vectors of its corners.
+    The gradient of triangle t is R_t Q_t, where R_t is the rotation of the mean turn of its corners.
 
     Attributes
     ----------
     points : (n, 3) float64
         Deformed vertices of the carrier, scene units.
-    vectors : (n, 3) float64
-        Rotation vectors of its vertices, radians, continuous along the surface.
+    turns : (n, 3, 3) float64
+        Rotations of its vertices, continuous along the surface; see :mod:`.swing_twist`.
     stretches : (m, 3, 3) float64
         Q of every triangle.
     link_stretches : (k, 3) float64
@@ -55,7 +62,7 @@ class ShapeDeformation:
     """
 
     points: NDArray[np.float64]
-    vectors: NDArray[np.float64]
+    turns: NDArray[np.float64]
     stretches: NDArray[np.float64]
     link_stretches: NDArray[np.float64]
     pose: HingedPose
@@ -64,9 +71,10 @@ class ShapeDeformation:
     images: ClosestPoints
     confidence: NDArray[np.float64]
 
-    def inverse_vectors_at(self, images: ClosestPoints, mesh: TriangleMesh) -> NDArray[np.float64]:
-        """Return the rotation vectors of the inverse deformation, (k, 3), at points of the carrier's mesh."""
-        return -images.interpolated(self.vectors[mesh.faces])
+    def inverse_turns_at(self, images: ClosestPoints, mesh: TriangleMesh) -> NDArray[np.float64]:
+        """Return the turns of the inverse deformation, (k, 3, 3), at points of the carrier's mesh."""
+        corners = self.turns.reshape(-1, 9)[mesh.faces]
+        return inverse_turns(images.interpolated(corners).reshape(-1, 3, 3))
 
 
 def split_deformation(
@@ -93,8 +101,16 @@ def split_deformation(
     control.check()
     normals = vertex_normals(laid.points, source.mesh.faces)
     images = target.finder.find(laid.points, normals, control=control)
-    guesses = None if back is None else back.inverse_vectors_at(images, target.mesh)
-    return _split(source, laid, images, guesses, control)
+    rotations = _smooth_rotations(source, laid.points)
+    if back is None:
+        whole = rotation_vectors(median_rotation(rotations, source.mesh.vertex_areas)[None])[0]
+        turns = divided_turns(whole, _vectors(source, rotations, whole), source.limb_axes)
+    else:
+        # Both shapes then pass through the same rotations.
+        there = back.inverse_turns_at(images, target.mesh)
+        whole = there[0, 0]
+        turns = turns_with_twists(whole, _vectors(source, rotations, whole, there[:, 1] + there[:, 2]), there[:, 2])
+    return _split(source, laid, images, turns, control)
 
 
 def posed_deformation(
@@ -119,27 +135,42 @@ def posed_deformation(
     beside = deformation.points - images.interpolated(before.corners)
     points = images.interpolated(target.corners) + np.einsum("nij,nj->ni", turns[nearest], beside)
     # Parts must rotate in the same sense from frame to frame.
-    return _split(source, Laid(points, deformation.confidence), images, deformation.vectors, control)
+    before = deformation.turns
+    rotations = _smooth_rotations(source, points)
+    whole = rotation_vectors(median_rotation(rotations, source.mesh.vertex_areas)[None])
+    whole = nearest_branches(whole, before[:1, 0])[0]
+    vectors = _vectors(source, rotations, whole, before[:, 1] + before[:, 2])
+    turns = divided_turns(whole, vectors, source.limb_axes)
+    return _split(source, Laid(points, deformation.confidence), images, turns, control)
 
 
 def _split(
-    source: Carrier, laid: Laid, images: ClosestPoints, guesses: NDArray[np.float64] | None, control: Control
+    source: Carrier, laid: Laid, images: ClosestPoints, turns: NDArray[np.float64], control: Control
 ) -> ShapeDeformation:
-    """Divide a deformation with known images; rotation vectors are chosen close to guesses, if given."""
+    """Divide a deformation with known images and rotations."""
     mesh, links, points = source.mesh, source.poisson.links, laid.points
-    shortest = rotation_vectors(_smooth_rotations(source, points))
-    edges = mesh_edges(mesh.faces, links.ends)
-    vectors = unwound(shortest, edges) if guesses is None else unwound_towards(shortest, guesses, edges)
-    turns = rotation_matrices(vectors[mesh.faces].mean(axis=1))
-    stretches = np.swapaxes(turns, 1, 2) @ deformation_gradients(mesh.vertices, points, mesh.faces)
-    link_turns = rotation_matrices(vectors[links.ends].mean(axis=1))
-    link_stretches = np.einsum("kji,kj->ki", link_turns, points[links.ends[:, 0]] - points[links.ends[:, 1]])
+    rotations = turn_matrices(turns[mesh.faces].mean(axis=1))
+    stretches = np.swapaxes(rotations, 1, 2) @ deformation_gradients(mesh.vertices, points, mesh.faces)
+    link_rotations = turn_matrices(turns[links.ends].mean(axis=1))
+    link_stretches = np.einsum("kji,kj->ki", link_rotations, points[links.ends[:, 0]] - points[links.ends[:, 1]])
     control.check()
-    pose = HingedPose.of(source.samples, mesh.vertices, points, vectors)
+    pose = HingedPose.of(source.samples, mesh.vertices, points, turns)
     apart = points - hinged_points(source.samples, mesh.vertices, [pose], [1.0])
-    offsets = np.einsum("nji,nj->ni", rotation_matrices(vectors), apart)
+    offsets = np.einsum("nji,nj->ni", turn_matrices(turns), apart)
     scale = float(np.sqrt(TriangleMesh(points, mesh.faces).area / mesh.area))
-    return ShapeDeformation(points, vectors, stretches, link_stretches, pose, offsets, scale, images, laid.trust)
+    return ShapeDeformation(points, turns, stretches, link_stretches, pose, offsets, scale, images, laid.trust)
+
+
+def _vectors(
+    source: Carrier,
+    rotations: NDArray[np.float64],
+    whole: NDArray[np.float64],
+    guesses: NDArray[np.float64] | None = None,
+) -> NDArray[np.float64]:
+    """Return vectors of rotations, (n, 3), before that of the whole body; they are close to guesses, if given."""
+    shortest = rotation_vectors(rotation_matrices(-whole[None]) @ rotations)
+    edges = mesh_edges(source.mesh.faces, source.poisson.links.ends)
+    return unwound(shortest, edges) if guesses is None else unwound_towards(shortest, guesses, edges)
 
 
 def _smooth_rotations(source: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:
