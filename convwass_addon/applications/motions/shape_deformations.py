@@ -103,7 +103,7 @@ def split_deformation(
     images = target.finder.find(laid.points, normals, control=control)
     rotations = _smooth_rotations(source, laid.points)
     if back is None:
-        whole = rotation_vectors(median_rotation(rotations, source.mesh.vertex_areas)[None])[0]
+        whole = _whole_turn(source, rotations)
         turns = divided_turns(whole, _vectors(source, rotations, whole), source.limb_axes)
     else:
         # Both shapes then pass through the same rotations.
@@ -137,8 +137,7 @@ def posed_deformation(
     # Parts must rotate in the same sense from frame to frame.
     before = deformation.turns
     rotations = _smooth_rotations(source, points)
-    whole = rotation_vectors(median_rotation(rotations, source.mesh.vertex_areas)[None])
-    whole = nearest_branches(whole, before[:1, 0])[0]
+    whole = nearest_branches(_whole_turn(source, rotations)[None], before[:1, 0])[0]
     vectors = _vectors(source, rotations, whole, before[:, 1] + before[:, 2])
     turns = divided_turns(whole, vectors, source.limb_axes)
     return _split(source, Laid(points, deformation.confidence), images, turns, control)
@@ -159,6 +158,11 @@ def _split(
     offsets = np.einsum("nji,nj->ni", turn_matrices(turns), apart)
     scale = float(np.sqrt(TriangleMesh(points, mesh.faces).area / mesh.area))
     return ShapeDeformation(points, turns, stretches, link_stretches, pose, offsets, scale, images, laid.trust)
+
+
+def _whole_turn(source: Carrier, rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the shortest rotation vector, (3,), of most of a body whose vertices have these rotations, (n, 3, 3)."""
+    return rotation_vectors(median_rotation(rotations, source.mesh.vertex_areas)[None])[0]
 
 
 def _vectors(
