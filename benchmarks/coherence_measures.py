@@ -89,36 +89,16 @@ class Evenness:
 def steps_between(meshes: Sequence[TriangleMesh], spacing: float) -> list[Step]:
     """Measure every step between consecutive frames, in cells of size `spacing`."""
     finders = [ClosestPointFinder(mesh.corners) for mesh in meshes]
-    samples = [_Samples.of(mesh) for mesh in meshes]
+    # The vertices are not enough for means: those of a cube are all at corners, which move farthest.
+    samples = [TriangleSamples.of(mesh.corners) for mesh in meshes]
+    shares = [own.divided(mesh.face_areas) / mesh.area for own, mesh in zip(samples, meshes, strict=True)]
     found = []
     for i, j in pairwise(range(len(meshes))):
         ways = (i, j), (j, i)
         largest = max(finders[b].find_about(meshes[a].vertices).distances.max() for a, b in ways)
-        means = [samples[a].mean(finders[b].find_about(samples[a].points).distances) for a, b in ways]
+        means = [shares[a] @ finders[b].find_about(samples[a].points).distances for a, b in ways]
         found.append(Step(float(np.mean(means)) / spacing, float(largest) / spacing))
     return found
-
-
-@dataclass(frozen=True)
-class _Samples:
-    """Points distributed over a surface, (s, 3), with their shares of its area, (s,).
-
-    The vertices are not enough: those of a cube are all at corners, which move farthest.
-    """
-
-    points: NDArray[np.float64]
-    shares: NDArray[np.float64]
-
-    @classmethod
-    def of(cls, mesh: TriangleMesh) -> _Samples:
-        samples = TriangleSamples.of(mesh.corners)
-        counts = np.bincount(samples.triangles, minlength=len(mesh.faces))
-        areas = (mesh.face_areas / counts)[samples.triangles]
-        return cls(samples.points, areas / areas.sum())
-
-    def mean(self, values: NDArray[np.float64]) -> float:
-        """Return the mean of values at the points by area."""
-        return float(self.shares @ values)
 
 
 def reach(mesh: TriangleMesh) -> float:

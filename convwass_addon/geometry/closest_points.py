@@ -98,6 +98,10 @@ class TriangleSamples:
             owners.append(np.repeat(own, len(shares)))
         return cls(np.concatenate(points), np.concatenate(owners), float((reach / cuts).max()))
 
+    def divided(self, amounts: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Divide an amount of every triangle, (m,), such as its area, evenly among its samples, (s,)."""
+        return (amounts / np.bincount(self.triangles, minlength=len(amounts)))[self.triangles]
+
 
 class ClosestPointFinder:
     """Finds closest points on one surface.

@@ -87,8 +87,8 @@ def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     normals = triangle_normals(mesh.corners)[samples.triangles]
     tree = cKDTree(np.hstack([points, _NORMALS * normals]))
     # Small triangles have more samples than large ones of the same total area.
-    areas = mesh.face_areas / np.bincount(samples.triangles, minlength=len(mesh.faces))
-    chosen = np.random.default_rng(0).choice(len(points), _SAMPLES, p=areas[samples.triangles] / mesh.area)
+    shares = samples.divided(mesh.face_areas) / mesh.area
+    chosen = np.random.default_rng(0).choice(len(points), _SAMPLES, p=shares)
     own, facing = points[chosen], normals[chosen]
     found = []
     for normal in _normals():
