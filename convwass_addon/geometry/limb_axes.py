@@ -65,6 +65,6 @@ def _averaged(shape: UnitShape, values: NDArray[np.float64], width: float, round
     """Return the means of values at the vertices, (n, 3, 3), over the neighborhood of every vertex, repeatedly."""
     columns = values.reshape(-1, 9).T
     for _ in range(rounds):
-        sums = shape.elastic.blurred(np.concatenate([shape.areas * columns, shape.areas[None]]), width)
-        columns = sums[:-1] / np.maximum(sums[-1], np.finfo(float).tiny)
+        # Of the areas themselves, the sum is one, so that these are means.
+        columns = shape.elastic.blurred(shape.areas * columns, width)
     return columns.T.reshape(-1, 3, 3)

@@ -15,19 +15,18 @@ from convwass_addon.geometry.unit_shape import UnitShape
 from tests.shapes import ball, box, tube_with_caps
 
 
-def axes_of(mesh):
-    return LimbAxes.of(UnitShape.of(with_short_edges(mesh, 0.03 * np.sqrt(mesh.area), 20_000).mesh))
+def fine(mesh):
+    return with_short_edges(mesh, 0.03 * np.sqrt(mesh.area), 20_000).mesh
 
 
 def test_a_rod_has_its_axis_up_to_its_ends():
     turn = Rotation.from_euler("xy", [40, 25], degrees=True)
     rod = tube_with_caps(radius=0.2, height=4.0, sides=24)
-    rod = with_short_edges(TriangleMesh(turn.apply(rod.vertices), rod.faces), 0.03 * np.sqrt(rod.area), 20_000).mesh
-    found = LimbAxes.of(UnitShape.of(rod))
+    found = LimbAxes.of(UnitShape.of(fine(TriangleMesh(turn.apply(rod.vertices), rod.faces))))
     np.testing.assert_allclose(np.abs(found.directions @ turn.apply([0, 0, 1])), 1.0, atol=1e-3)
     assert found.weights.min() > 0.5
 
 
 @pytest.mark.parametrize("mesh", [ball(points=3000), box((4.0, 4.0, 0.1))], ids=["ball", "plate"])
 def test_a_shape_without_limbs_has_no_axes(mesh):
-    assert np.median(axes_of(mesh).weights) == 0.0
+    assert np.median(LimbAxes.of(UnitShape.of(fine(mesh))).weights) == 0.0

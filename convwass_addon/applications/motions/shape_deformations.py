@@ -130,15 +130,15 @@ def posed_deformation(
         Stops the work.
     """
     images = deformation.images
-    turns = surface_rotations(before.vertices, target.vertices, before.faces)
+    turned = surface_rotations(before.vertices, target.vertices, before.faces)
     nearest = before.faces[images.triangles, images.shares.argmax(axis=1)]
     beside = deformation.points - images.interpolated(before.corners)
-    points = images.interpolated(target.corners) + np.einsum("nij,nj->ni", turns[nearest], beside)
+    points = images.interpolated(target.corners) + np.einsum("nij,nj->ni", turned[nearest], beside)
     # Parts must rotate in the same sense from frame to frame.
-    before = deformation.turns
+    earlier = deformation.turns
     rotations = _smooth_rotations(source, points)
-    whole = nearest_branches(_whole_turn(source, rotations)[None], before[:1, 0])[0]
-    vectors = _vectors(source, rotations, whole, before[:, 1] + before[:, 2])
+    whole = nearest_branches(_whole_turn(source, rotations)[None], earlier[:1, 0])[0]
+    vectors = _vectors(source, rotations, whole, earlier[:, 1] + earlier[:, 2])
     turns = divided_turns(whole, vectors, source.limb_axes)
     return _split(source, Laid(points, deformation.confidence), images, turns, control)
 
