@@ -98,6 +98,13 @@ def test_a_hole_that_opens_at_once_is_dug_from_both_sides():
     assert falls(final(made(shapes, 32))).max() > 1.5
 
 
+def test_a_hole_that_opens_between_warped_shapes_is_dug_from_both_sides():
+    frames = made((ball(0.9), torus(1.0, 0.35)), 32, motion="warp")
+    assert falls(frames[: len(BLENDS)]).max() < 0.6
+    handles = counts(frames, "handles")
+    assert (handles[0], handles[-1], changes(handles)) == (0, 1, 1)
+
+
 @pytest.fixture(scope="module")
 def flickering(tmp_path_factory):
     """A window that becomes a ring: if blends are independent, its second opening closes, opens and closes."""

@@ -55,6 +55,13 @@ def test_equal_balls_are_translated():
     np.testing.assert_allclose(signals["volume_change"], 1.0, atol=0.1)
 
 
+def test_solids_that_fill_the_grid_get_fewer_cells():
+    first, second = (ball(points=300, radius=radius) for radius in (1.0, 0.9))
+    motion = warp([first, second], effort=WarpEffort(cells=48, rounds=2, filled=3000))
+    assert 1000 < first.volume / motion.lattice.spacing**3 <= 3000
+    assert warp([first, second], effort=WarpEffort(cells=24, rounds=2, filled=3000)).lattice.shape == (24, 24, 24)
+
+
 def test_ends_are_the_shapes_themselves(pair):
     first, nothing = pair.moved((1.0, 0.0))
     assert nothing is None

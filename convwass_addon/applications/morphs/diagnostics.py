@@ -37,6 +37,7 @@ TEXTS: dict[str, str] = {
     "they do not, set guides",
     "APART": "Mass takes the nearest free place: there is no good map between the shapes (agreement {score:.0%}, "
     "detour {detour:.1f}); guides may help",
+    "MERGED": "The shapes are warped towards each other: at least one of them has no limbs",
     "SOLID": "Mass takes the nearest free place: at least one of the shapes has no limbs",
     "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
     "TOPOLOGY": "Mass takes the nearest free place: triangles of a shape change from frame to frame, which no motion "
@@ -72,7 +73,8 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART"), "INFO"),
+    **dict.fromkeys(("MERGED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
     "NO_MOTION": "WARNING",
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -307,16 +309,20 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     chosen = next((figure for figure in figures if figure.get("motion_reason") not in (None, "ASKED")), None)
     if chosen is None:
         return []
-    if chosen["motion_reason"] in ("SOLID", "MANY", "TOPOLOGY"):
-        return [Diagnostic(str(chosen["motion_reason"]), {})]
-    if chosen["motion_reason"] == "APART":
-        return [Diagnostic("APART", {name: _number(chosen, f"motion_{name}") for name in ("score", "detour")})]
-    if chosen["motion_reason"] == "PARTLY":
-        return [Diagnostic("PARTLY", {"score": _number(chosen, "motion_score")})]
-    kind = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(str(chosen.get("motion_kind")))
-    if kind is None or chosen.get("motion_score") is None:
-        return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})] if kind is None else []
-    return [Diagnostic(kind, {"score": _number(chosen, "motion_score")})]
+    reason, kind = str(chosen["motion_reason"]), str(chosen.get("motion_kind"))
+    if reason == "SOLID" and kind == "warp":
+        return [Diagnostic("MERGED", {})]
+    if reason in ("SOLID", "MANY", "TOPOLOGY"):
+        return [Diagnostic(reason, {})]
+    score = {"score": _number(chosen, "motion_score")}
+    if reason == "APART" and kind == "transport":
+        return [Diagnostic("APART", {**score, "detour": _number(chosen, "motion_detour")})]
+    if reason == "PARTLY":
+        return [Diagnostic("PARTLY", score)]
+    note = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(kind)
+    if note is None:
+        return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})]
+    return [Diagnostic(note, score)] if chosen.get("motion_score") is not None else []
 
 
 def _turned(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:

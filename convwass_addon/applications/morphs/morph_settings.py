@@ -57,7 +57,7 @@ class MorphSettings(Settings):
             Choice("warp", "Warp", "Shapes bend smoothly towards each other: for shapes of different build"),
             Choice("transport", "Transport", "Matter flows to the nearest free place, as in the paper"),
         ),
-        note="Flat shapes are transported",
+        note="Flat shapes move part by part, or are transported",
         panel="motion",
     )
     coherence: float = setting(

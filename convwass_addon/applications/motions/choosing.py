@@ -25,10 +25,11 @@ from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
 
 # A warp completes a guided motion that leaves more than this share of the distance between two shapes.
 _MUCH_LEFT = 0.3
-# The warp is used if at most this share of that is left all along the way. From an A to a B, two fifths are. From an
-# octopus to a horse, a quarter of the way, more is left than before, although the warp joins them halfway. Four fifths
-# are left, and crumpled, where only one shape has a part (the front legs of a giraffe that was a flamingo). Such parts
-# grow in place without a warp.
+# A warp is used if at most this share is left all along the way: of what the guided motion leaves or, without a map, of
+# the whole distance. From an A to a B, two fifths are. From an octopus to a horse, a quarter of the way, more is left
+# than before, although the warp joins them halfway. Four fifths are left, and crumpled, where only one shape has a part
+# (the front legs of a giraffe that was a flamingo). Such parts grow in place without a warp. From two dolphins to a
+# bird, four fifths are left, and torn; from solids to each other, up to a third.
 _WELL_WARPED = 0.5
 # Nor is there a warp if the map moves shapes farther than this many times the Wasserstein distance: then it matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
@@ -52,9 +53,9 @@ class MotionChoice:
     kind : str
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
-        "ASKED" (requested), "SOLID" (a shape has no limbs, and the shapes do not map onto each other), "FITS" (the
-        shapes map onto each other), "PARTLY" (they do in part, and the rest grows in place), "UNLIKE" (they do in part,
-        and are warped towards each other), "APART" (they do not), or "FAILED" (an error occurred).
+        "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
+        place), "UNLIKE" (they do in part, and are warped towards each other), "SOLID" (they do not, and one of them has
+        no limbs), "APART" (they do not), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -106,12 +107,12 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
 def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the guided motion if the shapes map onto each other, at least in part, perhaps completed by a warp.
 
-    If they do not, they are transported: a warp alone crumples such shapes, and so does an uncertain map of limbs onto
-    a shape that has none, where transport lets the limbs merge with it.
+    If they do not, they are warped. An uncertain map of limbs onto a shape that has none crumples them, where a warp
+    lets them merge with it.
     """
     compact = [not request.guides and is_compact(shape) for shape in request.shapes]
     if all(compact):
-        return MotionChoice("transport", "SOLID")
+        return (yield from _unmapped(MotionChoice("transport", "SOLID"), request, control))
     try:
         guided = yield from within(_guided(request, control), 0.0, _GUIDED_SHARE)
     except Cancelled:
@@ -125,18 +126,32 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     if score >= TRUSTED:
         return MotionChoice("guided", "FITS", guided, score, turned=_turned(guided))
     detour = max(pair.detour for pair in guided.pairs.values())
-    if all(compact[one] or compact[other] for one, other in request.pairs):
-        return MotionChoice("transport", "SOLID", None, score, detour=detour)
     far = detour > _DETOUR
-    # Where bodies divide or join, something tears, and transport makes less of it.
+    # Where bodies divide or join far from each other, a map tears something.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
-    if score < DOUBTED or (far and divides and not request.guides):
-        yield Progress(1.0, Sentence("Transporting without a motion"))
-        return MotionChoice("transport", "APART", None, score, detour=detour)
+    merges = all(compact[one] or compact[other] for one, other in request.pairs)
+    if merges or score < DOUBTED or (far and divides and not request.guides):
+        unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
+        return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
     alone = MotionChoice("guided", "PARTLY", guided, score, turned=_turned(guided), detour=detour)
     if far:
         return alone
     return (yield from within(_perhaps_warped(alone, guided, request, control), _GUIDED_SHARE, 1.0))
+
+
+def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the warp if it joins the shapes all along the way; otherwise transport, which tears less."""
+    try:
+        motion = yield from _warp(request, control)
+        left = _left(motion, request, control)
+    except Cancelled:
+        raise
+    except _FAILURES as error:
+        return replace(unmoved, reason="FAILED", failure=str(error))
+    if left > _WELL_WARPED:
+        yield Progress(1.0, Sentence("Transporting without a motion"))
+        return replace(unmoved, left=left)
+    return replace(unmoved, kind="warp", motion=motion, left=left)
 
 
 def _perhaps_warped(
@@ -159,7 +174,7 @@ def _perhaps_warped(
     return replace(alone, kind="combined", reason="UNLIKE", motion=motion, left=left)
 
 
-def _left(motion: GuidedMotion | CombinedMotion, request: MotionRequest, control: Control) -> float:
+def _left(motion: GuidedMotion | CombinedMotion | WarpMotion, request: MotionRequest, control: Control) -> float:
     """Return the largest share of the distance between two shapes that a motion leaves at full coherence."""
     full = motion.with_coherence(FULL_COHERENCE)
     return max(remaining_share(full, request.shapes, pair, _CELLS, control) for pair in request.pairs)

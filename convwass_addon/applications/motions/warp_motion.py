@@ -49,13 +49,16 @@ class WarpEffort:
     Attributes
     ----------
     cells : int
-        Cells of its grid along the longest side.
+        Cells of its grid along the longest side, at most.
     rounds : int
         Number of steps that compose it.
+    filled : int
+        Number of cells that the largest solid fills, at most; a ball needs fewer cells along its side than a horse.
     """
 
     cells: int = 48
     rounds: int = 16
+    filled: int = 6000
 
 
 USUAL_EFFORT = WarpEffort()
@@ -180,7 +183,7 @@ def warp_motion(
         if not len(shape.faces):
             raise InputError("'{name}' has no faces, so there is nothing to move. Use a mesh with faces.", name=name)
     outward = [orient_outward(shape) for shape in shapes]
-    lattice = Lattice.around(outward, effort.cells, _SIGMA)
+    lattice = _lattice(outward, effort)
     solids = [_filled(lattice.to_cells(shape, index), lattice) for index, shape in enumerate(outward)]
     rests = [with_short_edges(shape, _LONGEST_EDGE * lattice.spacing, _MOST_VERTICES) for shape in outward]
     warped = [
@@ -203,6 +206,15 @@ def warp_motion(
     for pair in wanted:
         motion.signals[pair] = _signals(motion, pair, solids, errors[pair], control)
     return motion
+
+
+def _lattice(outward: Sequence[TriangleMesh], effort: WarpEffort) -> Lattice:
+    """Return the grid of a warp between some shapes."""
+    fine = Lattice.around(outward, effort.cells, _SIGMA)
+    filled = max(abs(shape.volume) for shape in outward) / fine.spacing**3
+    if filled <= effort.filled:
+        return fine
+    return Lattice.around(outward, round(effort.cells * np.cbrt(effort.filled / filled)), _SIGMA)
 
 
 def _check_coherence(coherence: float) -> None:

@@ -17,7 +17,8 @@ from tests.shapes import ball, box, joined, square
 
 BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
 SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
-WARPED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coherence))
+COMBINED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coherence))
+WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence))
 
 
 def guided_with(score, turn=0.0, detour=1.0):
@@ -39,10 +40,10 @@ def work_of(outcome):
 
 @pytest.fixture
 def motions(monkeypatch):
-    def given(guided, warp="the warp", combined=WARPED, left=0.4, by_warps=0.1):
+    def given(guided, warp=WARP, combined=COMBINED, left=0.4, by_warps=0.1, by_warp_alone=0.6):
         for name, outcome in (("guided_motion", guided), ("warp_motion", warp), ("combined_motion", combined)):
             monkeypatch.setattr(choosing, name, work_of(outcome))
-        shares = {("guided", 0.5): left, ("combined", 0.5): by_warps}
+        shares = {("guided", 0.5): left, ("combined", 0.5): by_warps, ("warp", 0.5): by_warp_alone}
         monkeypatch.setattr(choosing, "remaining_share", lambda motion, *_arguments: shares[motion])
 
     return given
@@ -78,7 +79,8 @@ def test_shapes_that_divide_far_away_are_transported(motions):
     """Unless guides say what corresponds."""
     pair = (BARBELL, joined(BARBELL, BARBELL.moved((0.0, 0.0, 8.0))))
     motions(guided_with(0.6, detour=1.8))
-    assert choice(shapes=pair).record() == {"kind": "transport", "reason": "APART", "score": 0.6, "detour": 1.8}
+    apart = {"reason": "APART", "score": 0.6, "detour": 1.8}
+    assert choice(shapes=pair).record() == {"kind": "transport", **apart, "left": 0.6}
     assert choice(shapes=pair, guides=[{0: 7, 1: 7}]).kind == "guided"
     motions(guided_with(0.6), left=0.1)
     assert choice(shapes=pair).kind == "guided"
@@ -127,9 +129,17 @@ def test_guides_are_never_dropped_silently(motions):
         choice(guides=[{0: 7, 1: 7}])
 
 
-def test_shapes_without_limbs_are_transported(motions):
-    motions(AssertionError("must not be asked for"))
-    assert choice(shapes=(ball(points=200), box())).record() == {"kind": "transport", "reason": "SOLID"}
+@pytest.mark.parametrize(("left", "kind"), [(0.4, "warp"), (0.6, "transport")])
+def test_shapes_without_a_good_map_are_warped_if_that_joins_them(motions, left, kind):
+    motions(guided_with(0.1), by_warp_alone=left)
+    found = choice()
+    assert found.record() == {"kind": kind, "reason": "APART", "score": 0.1, "detour": 1.0, "left": left}
+    assert found.motion is (WARP if kind == "warp" else None)
+
+
+def test_shapes_without_limbs_are_warped(motions):
+    motions(AssertionError("must not be asked for"), by_warp_alone=0.1)
+    assert choice(shapes=(ball(points=200), box())).record() == {"kind": "warp", "reason": "SOLID", "left": 0.1}
     motions(guided_with(0.95))
     assert choice(shapes=(ball(points=200), square())).kind == "guided"
     assert choice("guided", shapes=(ball(points=200), box())).kind == "guided"
@@ -137,10 +147,12 @@ def test_shapes_without_limbs_are_transported(motions):
 
 def test_limbs_merge_with_a_shape_that_has_none(motions):
     """Unless they map onto it: a bent rod is not convex, and a straight one is."""
-    pair = (BARBELL, box())
-    motions(guided_with(0.6))
-    assert choice(shapes=pair).record() == {"kind": "transport", "reason": "SOLID", "score": 0.6, "detour": 1.0}
+    pair, solid = (BARBELL, box()), {"reason": "SOLID", "score": 0.6, "detour": 1.0}
+    motions(guided_with(0.6), by_warp_alone=0.1)
+    assert choice(shapes=pair).record() == {"kind": "warp", **solid, "left": 0.1}
     assert choice(shapes=pair, guides=[{0: 7, 1: 7}]).kind == "combined"
+    motions(guided_with(0.6), warp=ResourceError("no memory"))
+    assert choice(shapes=pair).record() == {"kind": "transport", **solid, "reason": "FAILED", "failure": "no memory"}
     motions(guided_with(0.95))
     assert choice(shapes=pair).kind == "guided"
 
