@@ -25,12 +25,14 @@ from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
 
 # A warp completes a guided motion that leaves more than this share of the distance between two shapes.
 _MUCH_LEFT = 0.3
-# A warp is used if at most this share is left all along the way: of what the guided motion leaves or, without a map, of
-# the whole distance. From an A to a B, two fifths are. From an octopus to a horse, a quarter of the way, more is left
-# than before, although the warp joins them halfway. Four fifths are left, and crumpled, where only one shape has a part
-# (the front legs of a giraffe that was a flamingo). Such parts grow in place without a warp. From two dolphins to a
-# bird, four fifths are left, and torn; from solids to each other, up to a third.
+# The warp is used if at most this share of that is left all along the way. From an A to a B, two fifths are. From an
+# octopus to a horse, a quarter of the way, more is left than before, although the warp joins them halfway. Four fifths
+# are left, and crumpled, where only one shape has a part (the front legs of a giraffe that was a flamingo). Such parts
+# grow in place without a warp.
 _WELL_WARPED = 0.5
+# Without a map, a warp is used if at most this share of the whole distance is left. From two dolphins to a bird, four
+# fifths are, and torn; half from two balls to three, and at most a third from solids to each other.
+_WARPED = 0.65
 # Nor is there a warp if the map moves shapes farther than this many times the Wasserstein distance: then it matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
 _DETOUR = 1.4
@@ -148,7 +150,7 @@ def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -
         raise
     except _FAILURES as error:
         return replace(unmoved, reason="FAILED", failure=str(error))
-    if left > _WELL_WARPED:
+    if left > _WARPED:
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return replace(unmoved, left=left)
     return replace(unmoved, kind="warp", motion=motion, left=left)

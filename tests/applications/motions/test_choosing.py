@@ -40,7 +40,7 @@ def work_of(outcome):
 
 @pytest.fixture
 def motions(monkeypatch):
-    def given(guided, warp=WARP, combined=COMBINED, left=0.4, by_warps=0.1, by_warp_alone=0.6):
+    def given(guided, warp=WARP, combined=COMBINED, left=0.4, by_warps=0.1, by_warp_alone=0.7):
         for name, outcome in (("guided_motion", guided), ("warp_motion", warp), ("combined_motion", combined)):
             monkeypatch.setattr(choosing, name, work_of(outcome))
         shares = {("guided", 0.5): left, ("combined", 0.5): by_warps, ("warp", 0.5): by_warp_alone}
@@ -80,7 +80,7 @@ def test_shapes_that_divide_far_away_are_transported(motions):
     pair = (BARBELL, joined(BARBELL, BARBELL.moved((0.0, 0.0, 8.0))))
     motions(guided_with(0.6, detour=1.8))
     apart = {"reason": "APART", "score": 0.6, "detour": 1.8}
-    assert choice(shapes=pair).record() == {"kind": "transport", **apart, "left": 0.6}
+    assert choice(shapes=pair).record() == {"kind": "transport", **apart, "left": 0.7}
     assert choice(shapes=pair, guides=[{0: 7, 1: 7}]).kind == "guided"
     motions(guided_with(0.6), left=0.1)
     assert choice(shapes=pair).kind == "guided"
@@ -129,7 +129,7 @@ def test_guides_are_never_dropped_silently(motions):
         choice(guides=[{0: 7, 1: 7}])
 
 
-@pytest.mark.parametrize(("left", "kind"), [(0.4, "warp"), (0.6, "transport")])
+@pytest.mark.parametrize(("left", "kind"), [(0.6, "warp"), (0.7, "transport")])
 def test_shapes_without_a_good_map_are_warped_if_that_joins_them(motions, left, kind):
     motions(guided_with(0.1), by_warp_alone=left)
     found = choice()
