@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.coinciding_solids import CoincidingSolids
+from convwass_addon.geometry.contours import outline_enclosing
 from convwass_addon.geometry.even_surface import even_surface
 from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
 from convwass_addon.geometry.normals import vertex_normals
@@ -42,6 +43,16 @@ def test_the_mean_of_concentric_balls_has_no_ripples(apart, share):
         return np.degrees(np.arccos(np.minimum(cosines, 1.0))).mean()
 
     assert turned(13.0 + apart, share) < 1.25 * turned(13.0, share)
+
+
+def test_the_mean_of_concentric_disks_is_round_however_far_they_are_apart():
+    center, area = np.array([160.3, 159.6]), np.pi * 95.0**2
+    cells = np.stack(np.meshgrid(*[np.arange(320) + 0.5] * 2, indexing="ij"), axis=-1) - center
+    disks = [np.clip(radius + 0.5 - np.linalg.norm(cells, axis=-1), 0.0, 1.0) for radius in (60.0, 130.0)]
+    (ring,) = outline_enclosing(CoincidingSolids.of(disks, (0.5, 0.5), area).density, area).outline.rings
+    radii = np.linalg.norm(ring - center, axis=1)
+    assert radii.mean() == pytest.approx(95.0, abs=0.05)
+    assert radii.std() < 0.05
 
 
 def rod(radius, x, top=34):

@@ -75,6 +75,17 @@ def test_a_turned_shape_turns_at_every_time(frames):
         assert frame.outline.area == pytest.approx(frame.record["area_wanted"], rel=1e-3)
 
 
+def test_blends_of_moved_shapes_that_differ_much_have_the_area_between():
+    around = np.linspace(0.0, 2.0 * np.pi, 100, endpoint=False)
+    circle = np.stack([np.cos(around), np.sin(around)], axis=1)
+    shapes = [FlatShape((circle, 0.7 * circle[::-1])), FlatShape((rectangle((-0.3, -1.3), (0.3, 1.3)),))]
+    settings = FlatSettings(resolution=256, motion="warp")
+    made = [step.payload for step in flat_morph(shapes, ["ring", "bar"], path_blends(2, 4), settings)]
+    for frame in made:
+        if frame is not None and frame.outline is not None:
+            assert frame.outline.area == pytest.approx(frame.record["area_wanted"], rel=1e-3)
+
+
 def test_origins_follow_the_rotation(frames, hooks):
     center = filled_boundary([HOOK], "non-zero").center
     inner = np.array([[1.0, 0.25], [0.2, 1.5], [0.2, 2.8]]) - [0.6, 1.2]

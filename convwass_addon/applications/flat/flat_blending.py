@@ -109,7 +109,7 @@ def coinciding_frame(
     problem: FlatProblem, blend: Blend, solids: CoincidingSolids, origins: MovedOrigins | None
 ) -> FlatFrame:
     """Return the mean of moved shapes that coincide, without transport."""
-    area = float(problem.blend_areas(blend).sum()) * problem.fullness(blend)
+    area = problem.silhouette(blend)
     mending = _outline(problem, blend, solids.density, area)
     wanted = area * problem.lattice.spacing**2
     record = {"converged": True, "area_wanted": wanted, "area_interpolated": wanted}

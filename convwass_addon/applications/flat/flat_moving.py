@@ -75,11 +75,12 @@ class FlatMovingProblem:
         moved = [[part[index] for index in active] for part in self.motion.moved(blend.weights)]
         filled = self._filled(blend, moved)
         occupancies = [np.clip(sum(own[place] for own in filled), 0.0, 1.0) for place in range(len(active))]
-        solids = CoincidingSolids.of(occupancies, [blend.weights[index] for index in active])
+        weights = [blend.weights[index] for index in active]
+        solids = CoincidingSolids.of(occupancies, weights, self.still.silhouette(blend))
         if solids.coincide:
             return coinciding_frame(self.still, blend, solids, self._origins(blend, moved, filled, None))
         problem = self._problem_of(blend, filled, active)
-        alone = Blend(tuple(blend.weights[index] for index in active))
+        alone = Blend(tuple(weights))
         solved = BlendSolver(problem.transport, control, ALONE).solve(alone, problem.blend_areas(alone))
         transported = FlatOrigins.of(problem, solved) if self.still.settings.carry else None
         origins = self._origins(blend, moved, filled, transported)

@@ -80,6 +80,10 @@ class FlatProblem:
         silhouette = interpolated_area(blend.weights, self.silhouettes)
         return silhouette / interpolated_area(blend.weights, self.transport.volumes)
 
+    def silhouette(self, blend: Blend) -> float:
+        """Return the area that the outline of a blend of moved shapes encloses, in cells."""
+        return float(self.blend_areas(blend).sum()) * self.fullness(blend)
+
 
 def interpolated_area(weights: Sequence[float], areas: Sequence[float] | NDArray[np.float64]) -> float:
     """Interpolate the square roots of areas, and return the squares."""

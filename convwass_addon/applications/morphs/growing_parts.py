@@ -67,7 +67,8 @@ def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
     (nx, ny, nz) float32
         Clipped at a quarter of the longest side. New distances are up to a cell of the coarser grid too short.
     """
-    grid = CoarserGrid(depth.shape, _MOST_CELLS)
+    # A flat grid may have as many cells in all, so that means of distances are smooth far from the shapes, too.
+    grid = CoarserGrid(depth.shape, round(_MOST_CELLS ** (3 / depth.ndim)))
     inside = depth > 0.0
     reach = _FAR * max(depth.shape) / grid.cell
     outward, inward = (capped_distances(grid.holding(part), reach) for part in (inside, ~inside))

@@ -23,7 +23,7 @@ from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.exact_depths import exact_depths
 from ...geometry.part_fronts import PartFronts, separate_parts, shared_core
 
-# Radius in cells with which a part is rounded at its front.
+# Radius with which a part is rounded at its front, in cells of the grid on which fronts are measured.
 _ROUNDING = 3.0
 # Largest shift relative to the smallest weight.
 _MOST_SHIFT = 0.5
@@ -33,8 +33,8 @@ _STEPS = 9
 _MISSING, _OFFSETS = 0.01, 12
 # Distances are computed exactly where the mean solid's surface is this close and distances differ by more than this.
 _BAND, _APART = 3.0, 1.0
-# Without a part that reaches this far out of the other solids, in cells, there are no fronts; no part has one that
-# reaches less far than the second number.
+# Without a part that reaches this far out of the other solids, in cells of that grid, there are no fronts; no part has
+# one that reaches less far than the second number. Finer grids have the same fronts.
 _SHORT, _THIN = 3.0, 1.0
 # Fronts are measured on a coarser grid if the longest side has more cells.
 _MOST_CELLS = 144
@@ -106,10 +106,10 @@ class _Growth:
     def of(cls, depths: NDArray[np.float32], weights: NDArray[np.float32]) -> _Growth | None:
         """Return the bounds; None if the solids share nothing, or if no part is long."""
         lowest = depths.min(axis=0)
-        if not ((depths.max(axis=0) > 0.0) & (lowest < -_SHORT)).any():
-            return None
         grid = CoarserGrid(lowest.shape, _MOST_CELLS)
-        solids, far = [grid.holding(depth > 0.0) for depth in depths], grid.holding(lowest < -_THIN)
+        if not ((depths.max(axis=0) > 0.0) & (lowest < -_SHORT * grid.cell)).any():
+            return None
+        solids, far = [grid.holding(depth > 0.0) for depth in depths], grid.holding(lowest < -_THIN * grid.cell)
         core = shared_core(solids)
         if core is None:
             return None
@@ -120,7 +120,7 @@ class _Growth:
             near = np.isfinite(front)
             within = grid.within(near)
             reached, ending = (grid.interpolated(np.where(near, own, np.float32(0)))[within] for own in (front, end))
-            least[within] = np.maximum(least[within], _rounded(depth[within], reached))
+            least[within] = np.maximum(least[within], _rounded(depth[within], reached, _ROUNDING * grid.cell))
             most[within] = np.maximum(most[within], ending)
         most[grid.interpolated(core.astype(np.float32)) > 0.5] = np.inf
         cells = np.flatnonzero(np.isfinite(least))
@@ -151,7 +151,7 @@ def _fronts(
         fronts = PartFronts.of(solid, core, part)
         # A part is whole at a weight of 1, and thins at its tip before it retracts.
         near = fronts.near
-        height, hold = cell * fronts.heights(weight, _ROUNDING / cell)[near], fronts.hold[near]
+        height, hold = cell * fronts.heights(weight, _ROUNDING)[near], cell * fronts.hold[near]
         reached = np.where(fronts.loose[near], np.float32(-1.0), height - hold)
         own_front, own_end = front[part.box], end[part.box]
         own_front[near] = np.maximum(own_front[near], reached)
@@ -202,10 +202,10 @@ class _Mean:
         return (low + high) / 2.0
 
 
-def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating]) -> NDArray[np.float32]:
-    """Intersect a part with what its front has reached, with a rounded edge."""
-    below, behind = np.maximum(_ROUNDING - depth, 0.0), np.maximum(_ROUNDING - front, 0.0)
-    return np.minimum(_ROUNDING - np.hypot(below, behind), np.minimum(depth, front)).astype(np.float32)
+def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating], radius: float) -> NDArray[np.float32]:
+    """Intersect a part with what its front has reached, with an edge rounded by a radius in cells."""
+    below, behind = np.maximum(radius - depth, 0.0), np.maximum(radius - front, 0.0)
+    return np.minimum(radius - np.hypot(below, behind), np.minimum(depth, front)).astype(np.float32)
 
 
 def _offset(depth: NDArray[np.float32], volume: float) -> NDArray[np.float32]:

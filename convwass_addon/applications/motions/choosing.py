@@ -30,6 +30,9 @@ _MUCH_LEFT = 0.3
 # are left, and crumpled, where only one shape has a part (the front legs of a giraffe that was a flamingo). Such parts
 # grow in place without a warp.
 _WELL_WARPED = 0.5
+# Where the guided motion leaves more than this share of the distance, a warp alone is tried, too: the map of an O to an
+# X cuts the O open and leaves three quarters.
+_MOST_LEFT = 0.5
 # Without a map, a warp is used if at most this share of the whole distance is left. From two dolphins to a bird, four
 # fifths are, and torn; half from two balls to three, and at most a third from solids to each other.
 _WARPED = 0.65
@@ -159,21 +162,28 @@ def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -
 def _perhaps_warped(
     alone: MotionChoice, guided: GuidedMotion, request: MotionRequest, control: Control
 ) -> Work[MotionChoice]:
-    """Return the guided motion with a warp if it leaves much that a warp removes; otherwise the guided motion."""
+    """Return the guided motion, unless it leaves much that a warp removes, after it or instead of it."""
     yield Progress(0.0, Sentence("Moving the shapes"))
     try:
         alone = replace(alone, left=_left(guided, request, control))
         if alone.left <= _MUCH_LEFT:
             return alone
-        motion = yield from combined_motion(guided, request.names, request.pairs, request.coherence, control)
+        completed = combined_motion(guided, request.names, request.pairs, request.coherence, control)
+        motion = yield from within(completed, 0.0, 0.5)
+        left = _left(motion, request, control)
+        if left <= _WELL_WARPED * alone.left:
+            return replace(alone, kind="combined", reason="UNLIKE", motion=motion, left=left)
+        if alone.left <= _MOST_LEFT:
+            return alone
+        motion = yield from within(_warp(request, control), 0.5, 1.0)
         left = _left(motion, request, control)
     except Cancelled:
         raise
     except _FAILURES as error:
         return replace(alone, failure=str(error))
-    if left > _WELL_WARPED * alone.left:
+    if left > min(_WARPED, alone.left):
         return alone
-    return replace(alone, kind="combined", reason="UNLIKE", motion=motion, left=left)
+    return replace(alone, kind="warp", reason="UNLIKE", motion=motion, left=left, turned=0.0)
 
 
 def _left(motion: GuidedMotion | CombinedMotion | WarpMotion, request: MotionRequest, control: Control) -> float:

@@ -107,6 +107,17 @@ def test_a_warp_completes_what_leaves_much_that_it_removes(motions, left, by_war
     }
 
 
+@pytest.mark.parametrize(
+    ("left", "by_warps", "by_warp_alone", "kind"),
+    [(0.9, 0.4, 0.2, "combined"), (0.9, 0.5, 0.6, "warp"), (0.9, 0.5, 0.7, "guided"), (0.5, 0.3, 0.2, "guided")],
+)
+def test_a_warp_replaces_what_leaves_most(motions, left, by_warps, by_warp_alone, kind):
+    motions(guided_with(0.6, turn=30.0), left=left, by_warps=by_warps, by_warp_alone=by_warp_alone)
+    found = choice()
+    assert (found.kind, found.left) == (kind, {"guided": left, "combined": by_warps, "warp": by_warp_alone}[kind])
+    assert found.turned == (0.0 if kind == "warp" else 30.0)
+
+
 def test_automatic_does_without_what_fails(motions):
     motions(guided_with(0.6), combined=ResourceError("no memory"))
     found = choice().record()
