@@ -231,6 +231,19 @@ def _ball_to_knot() -> Ends:
     return Ends(things.ball(39).mesh(), *_sample("knot"))
 
 
+def _ball_to_ring() -> Ends:
+    return Ends(things.ball(40).mesh(), things.ring(41).mesh())
+
+
+def _two_balls_to_one() -> Ends:
+    return Ends(things.two_balls(42).mesh(), things.ball(43).mesh())
+
+
+def _cactus_to_ball() -> Ends:
+    cactus, ball = things.cactus(44).mesh(), things.ball(45).mesh()
+    return Ends(cactus, TriangleMesh(np.cbrt(cactus.volume / ball.volume) * ball.vertices, ball.faces))
+
+
 def _sample(*names: str) -> tuple[TriangleMesh, ...]:
     return _read([ASSETS / f"{name}.ply" for name in names])
 
@@ -273,6 +286,13 @@ HELD_BACK = (
 )
 """Other bodies, not used for choosing parameters."""
 
+SOLIDS = (
+    CoherencePair("ball to ring", OTHER_BUILD, _ball_to_ring),
+    CoherencePair("two balls to one", OTHER_BUILD, _two_balls_to_one),
+    CoherencePair("cactus to ball", OTHER_BUILD, _cactus_to_ball),
+)
+"""Shapes of which one has no limbs; only computed if they are named."""
+
 _TWELVE = (
     *("man raises arm", "octopus moves", "horse to cow", "chair to man", "star to cross", "ball to knot"),
     *("giraffe grazes", "goat rears", "ogre to child", "cactus to child", "shark to airplane", "starfish to hand"),
@@ -293,14 +313,14 @@ def further_pairs(folder: Path, *, tuned: bool) -> tuple[CoherencePair, ...]:
 
 
 def pairs_named(names: Sequence[str], folder: Path | None) -> list[CoherencePair]:
-    """Return pairs of either half by name.
+    """Return pairs by name.
 
     Raises
     ------
     ValueError
         A name is unknown; the message lists all names.
     """
-    known = {pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False))}
+    known = {pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False), *SOLIDS)}
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"no pair {unknown[0]}; there are: {', '.join(known)}")

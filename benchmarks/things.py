@@ -113,3 +113,20 @@ def ball(seed: int) -> Sculpture:
     clay = Sculpture(seed)
     clay.add(ellipsoid((0, 0, 0.8), (0.8, 0.8, 0.8)))
     return clay
+
+
+def two_balls(seed: int) -> Sculpture:
+    """Sculpt two separate balls that have the volume of `ball` together."""
+    clay = Sculpture(seed)
+    for x in (-1.0, 1.0):
+        clay.add(ellipsoid((x, 0, 0.635), (0.635, 0.635, 0.635)))
+    return clay
+
+
+def ring(seed: int) -> Sculpture:
+    """Sculpt a lying ring with the volume of `ball`."""
+    clay = Sculpture(seed)
+    turns = np.linspace(0.0, 2.0 * np.pi, 49)
+    middle = np.stack([1.1 * np.cos(turns), 1.1 * np.sin(turns), np.full(len(turns), 0.31)], axis=1)
+    clay.add(tube(middle, [0.31] * len(turns), 1))
+    return clay

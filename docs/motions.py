@@ -3,7 +3,7 @@
 """Draw the motions of morphs into docs/pictures: ``python3 run.py python docs/motions.py``.
 
 Pairs of the coherence benchmark, seven frames each: transport alone above, a motion below. ``--only NAME`` draws one of
-the pictures: motions, pairs_one_build, pairs_other or pairs_held_back.
+the pictures: motions, pairs_one_build, pairs_other, pairs_held_back or pairs_solid.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.blends import baked_frames
 from benchmarks.coherence import kept_frames
 from benchmarks.coherence_cases import read_frames
-from benchmarks.coherence_pairs import ONE_BUILD, TUNED, pairs_named
+from benchmarks.coherence_pairs import ONE_BUILD, SOLIDS, TUNED, pairs_named
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 7
@@ -81,6 +81,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
                 *("cactus to child", "starfish to hand", "A to B"),
             )
         ],
+        "pairs_solid": [Block.compared(pair) for pair in (*(pair.name for pair in SOLIDS), "ball to knot")],
     }
 
 
