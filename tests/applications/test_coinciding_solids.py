@@ -55,6 +55,16 @@ def test_the_mean_of_concentric_disks_is_round_however_far_they_are_apart():
     assert radii.std() < 0.05
 
 
+def test_the_mean_of_concentric_balls_is_round_on_a_fine_grid():
+    center = np.array([68.3, 67.7, 68.1])
+    cells = np.stack(np.meshgrid(*[np.arange(136) + 0.5] * 3, indexing="ij"), axis=-1)
+    away = np.linalg.norm(cells - center, axis=-1)
+    balls = [np.clip(radius + 0.5 - away, 0.0, 1.0) for radius in (22.0, 58.0)]
+    inside = CoincidingSolids.of(balls, (0.5, 0.5), 4.0 / 3.0 * np.pi * 40.0**3).density > 0.5
+    assert away[inside].max() < 40.1
+    assert away[~inside].min() > 39.9
+
+
 def rod(radius, x, top=34):
     """An upright rod through the grid, up to a height."""
     cells = np.stack(np.meshgrid(*[np.arange(40) + 0.5] * 3, indexing="ij"), axis=-1)

@@ -16,7 +16,7 @@ from scipy.ndimage import gaussian_filter
 from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.near import capped_distances
 
-# Grids are halved until they have no more cells along a side.
+# Grids are halved until they have no more cells along a side, those of distances at most once.
 _MOST_CELLS = 64
 # Distances are known to this fraction of the longest side: a part that reaches further would appear in one piece.
 _FAR = 0.25
@@ -67,8 +67,10 @@ def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
     (nx, ny, nz) float32
         Clipped at a quarter of the longest side. New distances are up to a cell of the coarser grid too short.
     """
-    # A flat grid may have as many cells in all, so that means of distances are smooth far from the shapes, too.
-    grid = CoarserGrid(depth.shape, round(_MOST_CELLS ** (3 / depth.ndim)))
+    # With cells of more than two, means of distances have errors larger than the band in which they are made exact, and
+    # their surface crumbles. A flat grid may have as many cells in all as one in space.
+    most = max(round(_MOST_CELLS ** (3 / depth.ndim)), -(-max(depth.shape) // 2))
+    grid = CoarserGrid(depth.shape, most)
     inside = depth > 0.0
     reach = _FAR * max(depth.shape) / grid.cell
     outward, inward = (capped_distances(grid.holding(part), reach) for part in (inside, ~inside))
