@@ -56,13 +56,13 @@ def test_the_mean_of_concentric_disks_is_round_however_far_they_are_apart():
 
 
 def test_the_mean_of_concentric_balls_is_round_on_a_fine_grid():
-    center = np.array([68.3, 67.7, 68.1])
-    cells = np.stack(np.meshgrid(*[np.arange(136) + 0.5] * 3, indexing="ij"), axis=-1)
+    center = np.array([80.3, 79.7, 80.1])
+    cells = np.stack(np.meshgrid(*[np.arange(160) + 0.5] * 3, indexing="ij"), axis=-1)
     away = np.linalg.norm(cells - center, axis=-1)
-    balls = [np.clip(radius + 0.5 - away, 0.0, 1.0) for radius in (22.0, 58.0)]
-    inside = CoincidingSolids.of(balls, (0.5, 0.5), 4.0 / 3.0 * np.pi * 40.0**3).density > 0.5
-    assert away[inside].max() < 40.1
-    assert away[~inside].min() > 39.9
+    balls = [np.clip(radius + 0.5 - away, 0.0, 1.0) for radius in (30.0, 70.0)]
+    inside = CoincidingSolids.of(balls, (0.5, 0.5), 4.0 / 3.0 * np.pi * 50.0**3).density > 0.5
+    assert away[inside].max() < 50.1
+    assert away[~inside].min() > 49.9
 
 
 def rod(radius, x, top=34):

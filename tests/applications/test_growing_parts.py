@@ -8,9 +8,9 @@ import pytest
 from convwass_addon.applications.morphs.growing_parts import extended
 
 
-@pytest.mark.parametrize("shape", [(80, 72, 80), (90, 83)])
+@pytest.mark.parametrize("shape", [(80, 72, 80), (91, 72, 80), (150, 80, 80), (600, 83)])
 def test_distances_from_a_ball_go_on_where_they_were_clipped(shape):
-    """On a grid that is halved once, also with odd sides and in a plane."""
+    """On grids that are halved once, also with odd sides, with many cells and in a plane."""
     center = np.array(shape) / 2.0
     places = np.stack(np.meshgrid(*[np.arange(n) + 0.5 for n in shape], indexing="ij"), axis=-1)
     true = 14.0 - np.linalg.norm(places - center, axis=-1)
