@@ -36,7 +36,7 @@ _MOST_LEFT = 0.5
 # Without a map, a warp is used if at most this share of the whole distance is left. From two dolphins to a bird, four
 # fifths are, and torn; half from two balls to three, and at most a third from solids to each other.
 _WARPED = 0.65
-# Nor is there a warp if the map moves shapes farther than this many times the Wasserstein distance: then it matches
+# A warp does not complete a map that moves shapes farther than this many times the Wasserstein distance: that matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
 _DETOUR = 1.4
 # Connected components with at least this share of the area count as bodies.

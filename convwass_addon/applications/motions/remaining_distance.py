@@ -43,8 +43,15 @@ def remaining_share(
         Cells along the longest side of the grid on which solids of mass 1 are compared.
     control : Control
         Stops the work.
+
+    Returns
+    -------
+    float
+        0 for equal shapes.
     """
     apart = _distance([shapes[index].moved(-centroid(shapes[index])) for index in pair], cells, control)
+    if apart == 0.0:
+        return 0.0
     return max(_distance(_moved(motion, len(shapes), pair, t), cells, control) for t in TIMES) / apart
 
 

@@ -156,6 +156,11 @@ def test_shapes_without_limbs_are_warped(motions):
     assert choice("guided", shapes=(ball(points=200), box())).kind == "guided"
 
 
+def test_equal_shapes_without_limbs_need_no_map():
+    found = choice(shapes=(box(), box().moved((3.0, 1.0, 0.0)))).record()
+    assert found == {"kind": "warp", "reason": "SOLID", "left": 0.0}
+
+
 def test_limbs_merge_with_a_shape_that_has_none(motions):
     """Unless they map onto it: a bent rod is not convex, and a straight one is."""
     pair, solid = (BARBELL, box()), {"reason": "SOLID", "score": 0.6, "detour": 1.0}
