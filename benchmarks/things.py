@@ -126,7 +126,7 @@ def two_balls(seed: int) -> Sculpture:
 def ring(seed: int) -> Sculpture:
     """Sculpt a lying ring with the volume of `ball`."""
     clay = Sculpture(seed)
-    turns = np.linspace(0.0, 2.0 * np.pi, 49)
+    turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
     middle = np.stack([1.1 * np.cos(turns), 1.1 * np.sin(turns), np.full(len(turns), 0.31)], axis=1)
-    clay.add(tube(middle, [0.31] * len(turns), 1))
+    clay.add(tube(middle, [0.31] * len(turns), 1, closed=True))
     return clay

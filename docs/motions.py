@@ -81,7 +81,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
                 *("cactus to child", "starfish to hand", "A to B"),
             )
         ],
-        "pairs_solid": [Block.compared(pair) for pair in (*(pair.name for pair in SOLIDS), "ball to knot")],
+        "pairs_solid": [Block.compared(name) for name in (*[pair.name for pair in SOLIDS], "ball to knot")],
     }
 
 

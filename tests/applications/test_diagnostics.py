@@ -156,6 +156,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "guided", "reason": "FITS", "score": 0.91}, ["GOOD", "GUIDED"]),
         ({"kind": "guided", "reason": "PARTLY", "score": 0.6, "left": 0.2}, ["GOOD", "PARTLY"]),
         ({"kind": "combined", "reason": "UNLIKE", "score": 0.5}, ["GOOD", "COMBINED"]),
+        ({"kind": "warp", "reason": "UNLIKE", "score": 0.2}, ["GOOD", "WARPED"]),
         ({"kind": "warp", "reason": "APART", "score": 0.2, "detour": 1.7, "left": 0.3}, ["GOOD", "WARPED"]),
         ({"kind": "warp", "reason": "SOLID", "left": 0.3}, ["GOOD", "MERGED"]),
         ({"kind": "transport", "reason": "APART", "score": 0.2, "detour": 1.7}, ["GOOD", "APART"]),

@@ -35,7 +35,7 @@ _WELL_WARPED = 0.5
 _MOST_LEFT = 0.5
 # Without a map, a warp is used if at most this share of the whole distance is left. From two dolphins to a bird, four
 # fifths are, and torn; half from two balls to three, and at most a third from solids to each other.
-_WARPED = 0.65
+_JOINED = 0.65
 # A warp does not complete a map that moves shapes farther than this many times the Wasserstein distance: that matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
 _DETOUR = 1.4
@@ -153,7 +153,7 @@ def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -
         raise
     except _FAILURES as error:
         return replace(unmoved, reason="FAILED", failure=str(error))
-    if left > _WARPED:
+    if left > _JOINED:
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return replace(unmoved, left=left)
     return replace(unmoved, kind="warp", motion=motion, left=left)
@@ -181,7 +181,7 @@ def _perhaps_warped(
         raise
     except _FAILURES as error:
         return replace(alone, failure=str(error))
-    if left > min(_WARPED, alone.left):
+    if left > min(_JOINED, alone.left):
         return alone
     return replace(alone, kind="warp", reason="UNLIKE", motion=motion, left=left, turned=0.0)
 
