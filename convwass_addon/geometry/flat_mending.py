@@ -16,7 +16,7 @@ from scipy.ndimage import binary_dilation, label, minimum
 from .bumps import Bump
 from .contours import LevelOutline, outline_enclosing
 from .gaps import densest_gaps
-from .handle_removal import RAISED
+from .handle_places import RAISED
 
 # Chosen by eye, like those of `mending`.
 # Regions below the first fraction of the area are crumbs and dropped. Regions below the second are strays, dropped only

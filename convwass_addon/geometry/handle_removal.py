@@ -11,14 +11,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .cuts import Cuts
+from .handle_places import REACH, Places, TriedPlaces, are_near
 from .labelling import Pieces
 from .level_topology import euler_numbers_within, hollows_below, pieces_above
 from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 
 # Chosen by eye; docs/performance.md, "Voxels and topology", and `python3 run.py bench quality` tell how many false
 # handles remain.
-# Density to which cells are raised or lowered, relative to the level, and the radii of the change in cells.
-RAISED, LOWERED = 1.1, 0.85
+# Radii of the change in cells.
 _RADII = (1.5, 2.25, 3.0, 4.5)
 # Wide changes move a lot from one frame to the next, so the first this many radii are tried alone before all of them.
 _NARROW = 2
@@ -29,10 +29,6 @@ _DEEPEST = 0.1
 _SLACK = 0.95
 # Number of places examined at once.
 _AT_ONCE = 20
-# Half width of a change in cells. Its shapes are (radii, 13, 13, 13), one at the center and zero at the boundary.
-_REACH = 6
-# More than a grid has along an axis.
-_MOST_CELLS = 1 << 16
 
 
 @dataclass(frozen=True)
@@ -66,15 +62,22 @@ takes a fraction of 0.2; from ball to knot at 40 cells by transport, seven frame
 
 
 def _shape(radius: float) -> NDArray[np.float32]:
-    squared = sum(axis**2 for axis in np.ogrid[(slice(-_REACH, _REACH + 1),) * 3])
-    rim = np.exp(-(_REACH**2) / (2.0 * radius**2))
+    squared = sum(axis**2 for axis in np.ogrid[(slice(-REACH, REACH + 1),) * 3])
+    rim = np.exp(-(REACH**2) / (2.0 * radius**2))
     return np.maximum((np.exp(-squared / (2.0 * radius**2)) - rim) / (1.0 - rim), 0.0).astype(np.float32)
 
 
+# Shapes of the changes, (radii, 13, 13, 13), one at the center and zero at the boundary.
 _SHAPES = np.stack([_shape(radius) for radius in _RADII])
 
 
-def remove_handles(density: NDArray[np.floating], level: float, excess: int, effort: Effort = GENTLE) -> int:
+def remove_handles(
+    density: NDArray[np.floating],
+    level: float,
+    excess: int,
+    effort: Effort = GENTLE,
+    tried: TriedPlaces | None = None,
+) -> int:
     """Move saddles near a level to its other side until enough handles are removed, the smallest changes first.
 
     A handle can be cut, or its hole can be filled. Narrow changes come first, in the order of the number of cells that
@@ -91,112 +94,77 @@ def remove_handles(density: NDArray[np.floating], level: float, excess: int, eff
         Number of handles to remove.
     effort : Effort
         The largest changes.
+    tried : TriedPlaces, optional
+        Where changes were tried in vain before, with no other change of the density since. These places are not tried
+        again, and those of this call are added.
 
     Returns
     -------
     int
         Number of handles removed; the number of components does not increase.
     """
-    cheap = _removed(density, level, excess, _SHAPES[:_NARROW], _cheapest_places(density, level, effort))
-    return cheap.count + _removed_by_density(density, level, excess - cheap.count, effort)
+    tried = TriedPlaces() if tried is None else tried
+    tried.begin(level)
 
+    def removed(left: int, places: Places, narrowest: int, widest: int) -> int:
+        if left <= 0:
+            return 0
+        return _removed(density, level, left, tried.untried(places, widest), tried, narrowest, widest)
 
-def _removed_by_density(density: NDArray[np.floating], level: float, excess: int, effort: Effort) -> int:
-    """Remove handles at the places whose densities are nearest to the level, with wider and wider changes."""
-    if excess <= 0:
-        return 0
-    own = _SHAPES[: effort.radii]
+    widest = effort.radii
+    left = excess - removed(excess, _cheapest_places(density, level, effort, tried), 0, _NARROW)
+    if left <= 0:
+        return excess - left
+    # Then places whose densities are nearest to the level, with wider and wider changes.
     places = _places(density, level, effort)
-    narrow = _removed(density, level, excess, own[:_NARROW], places)
-    wide = between = _NOTHING
-    if narrow.count < excess:
-        if narrow.count:
-            wide = _removed(density, level, excess - narrow.count, own, _places(density, level, effort))
-        else:
-            # The density is as before, so that what was tried would fail again.
-            wide = _removed(density, level, excess, own[_NARROW:], places.chosen(~narrow.helpful))
-    left = excess - narrow.count - wide.count
+    narrow = removed(left, places, 0, _NARROW)
+    left -= narrow
+    # Where nothing has changed, narrow changes were tried at all of these places.
+    left -= (
+        removed(left, _places(density, level, effort), 0, widest) if narrow else removed(left, places, _NARROW, widest)
+    )
     if left > 0:
-        others = _places_between(density, level, effort)
-        between = _removed(density, level, left, own, others if left < excess else others.beyond(places))
-    return excess - left + between.count
-
-
-@dataclass(frozen=True)
-class _Removed:
-    """Number of removed handles, and which of the places would remove one if it could be changed alone."""
-
-    count: int
-    helpful: NDArray[np.bool_]
-
-
-_NOTHING = _Removed(0, np.zeros(0, bool))
+        left -= removed(left, _places_between(density, level, effort), 0, widest)
+    return excess - left
 
 
 def _removed(
-    density: NDArray[np.floating], level: float, excess: int, shapes: NDArray[np.float32], places: _Places
-) -> _Removed:
-    """Like `remove_handles`, with given shapes of changes at given places."""
-    around = np.pad(density, _REACH)
-    search = _Search(around, level, shapes)
+    density: NDArray[np.floating],
+    level: float,
+    excess: int,
+    places: Places,
+    tried: TriedPlaces,
+    narrowest: int,
+    widest: int,
+) -> int:
+    """Like `remove_handles`, at given places with the changes of some radii."""
+    around = np.pad(density, REACH)
+    search = _Search(around, level, narrowest, widest, tried)
     left = excess
-    cells, wanted = places.cells, places.wanted
-    helpful = np.zeros(len(cells), bool)
-    for start in range(0, len(cells), _AT_ONCE):
-        batch = slice(start, start + _AT_ONCE)
-        done = search.change(cells[batch], wanted[batch], left)
-        helpful[batch] = done.helpful
-        left -= done.count
+    for start in range(0, len(places.cells), _AT_ONCE):
+        left -= search.change(places.chosen(slice(start, start + _AT_ONCE)), left)
         if left <= 0:
             break
     if left < excess:
-        density[...] = around[(slice(_REACH, -_REACH),) * 3]
-    return _Removed(excess - left, helpful)
-
-
-@dataclass(frozen=True)
-class _Places:
-    """Cells, (n, 3), whose density may be changed, their new densities, (n,), and which of these are higher, (n,)."""
-
-    cells: NDArray[np.int64]
-    wanted: NDArray[np.floating]
-    is_raised: NDArray[np.bool_]
-
-    @classmethod
-    def of(
-        cls, thin: NDArray[np.int64], holes: NDArray[np.int64], density: NDArray[np.floating], level: float, most: int
-    ) -> _Places:
-        """Lower the density at thin places and raise it in holes, at `most` of them, the nearest to the level first."""
-        cells = np.concatenate([thin, holes])
-        is_raised = np.arange(len(cells)) >= len(thin)
-        wanted = np.where(is_raised, RAISED * level, LOWERED * level).astype(density.dtype)
-        order = np.argsort(np.abs(np.log(density[tuple(cells.T)] / level)), kind="stable")[:most]
-        return cls(cells[order], wanted[order], is_raised[order])
-
-    def chosen(self, which: NDArray[np.bool_] | NDArray[np.int64]) -> _Places:
-        """Return some of the places."""
-        return _Places(self.cells[which], self.wanted[which], self.is_raised[which])
-
-    def beyond(self, others: _Places) -> _Places:
-        """Return the places that are not among others."""
-        return self.chosen(~np.isin(self._keys(), others._keys()))
-
-    def _keys(self) -> NDArray[np.int64]:
-        """Return a number for every place that no other place has, (n,)."""
-        return 2 * np.ravel_multi_index(tuple(self.cells.T), (_MOST_CELLS,) * 3) + self.is_raised
+        density[...] = around[(slice(REACH, -REACH),) * 3]
+    return excess - left
 
 
 class _Search:
-    """A density, padded by the half width of a change, that is modified in place."""
+    """A density, padded by the half width of a change, that is modified in place by changes of some radii."""
 
-    def __init__(self, around: NDArray[np.floating], level: float, shapes: NDArray[np.float32]) -> None:
-        self._around, self._level, self._shapes = around, level, shapes
+    def __init__(
+        self, around: NDArray[np.floating], level: float, narrowest: int, widest: int, tried: TriedPlaces
+    ) -> None:
+        self._around, self._level, self._tried = around, level, tried
+        self._shapes, self._widths = _SHAPES[narrowest:widest], widest
         # A margin of one cell is enough to connect the outside.
-        self._inner = around[(slice(_REACH - 1, 1 - _REACH),) * 3]
+        self._inner = around[(slice(REACH - 1, 1 - REACH),) * 3]
         self._counts: dict[Callable[..., Pieces], int] = {}
 
-    def change(self, cells: NDArray[np.int64], wanted: NDArray[np.floating], most: int) -> _Removed:
-        """Try changes at cells, (n, 3), in turn."""
+    def change(self, places: Places, most: int) -> int:
+        """Try changes at places in turn; return how many handles they have removed."""
+        cells, wanted = places.cells, places.wanted
         before = self._windows(cells)
         after = before[:, None] * self._factors(cells, wanted)
         gains = self._gains(before, after)
@@ -207,24 +175,31 @@ class _Search:
         cuts = Cuts(inside, _flipped(cells, flips, useful & lowers))
         fills = Cuts(~inside, _flipped(cells, flips, useful & ~lowers))
         gone = 0
+        # Wider changes than the narrowest one that helps are not tried.
+        widths = np.where(useful, 0, self._widths)
         later = np.zeros(len(cells), bool)
         for index in np.flatnonzero(useful):
             if later[index]:
                 continue
             # The Euler number cannot tell cutting a handle from splitting a component, or filling one from making a
             # bubble.
-            if not (cuts if lowers[index] else fills).take(int(index)):
-                continue
-            if not self._applied(cells[index : index + 1], wanted[index : index + 1], radii[index]):
+            keeps = (cuts if lowers[index] else fills).take(int(index))
+            if not (keeps and self._applied(cells[index : index + 1], wanted[index : index + 1], radii[index])):
+                widths[index] = len(_RADII)
                 continue
             gone += int(gains[index, radii[index]])
+            near = are_near(cells, cells[index])
+            widths[near] = 0
+            self._tried.forget_around(cells[index])
             if gone >= most:
-                return _Removed(gone, useful)
+                later[:] = False
+                break
             # Gains of overlapping changes have to be computed again.
-            later[index + 1 :] |= np.abs(cells[index + 1 :] - cells[index]).max(axis=1) <= 2 * _REACH
+            later[index + 1 :] |= near[index + 1 :]
+        self._tried.add(places.chosen(widths > 0), widths[widths > 0])
         if later.any():
-            gone += self.change(cells[later], wanted[later], most - gone).count
-        return _Removed(gone, useful)
+            gone += self.change(places.chosen(later), most - gone)
+        return gone
 
     def flips(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.int64]:
         """Return how many cells a change at each cell, (n, 3), moves to the other side of the level, (n,).
@@ -255,12 +230,12 @@ class _Search:
 
     def _factors(self, cells: NDArray[np.int64], wanted: NDArray[np.floating]) -> NDArray[np.floating]:
         """Return the factors of the density around each cell for each radius, (n, radii, 13, 13, 13)."""
-        share = wanted / self._around[tuple((cells + _REACH).T)] - 1.0
+        share = wanted / self._around[tuple((cells + REACH).T)] - 1.0
         return 1.0 + share[:, None, None, None, None] * self._shapes
 
     def _windows(self, cells: NDArray[np.int64]) -> NDArray[np.floating]:
         """Return the density around each cell, (n, 13, 13, 13)."""
-        reach = np.arange(2 * _REACH + 1)
+        reach = np.arange(2 * REACH + 1)
         i, j, k = cells.T[:, :, None] + reach
         return self._around[i[:, :, None, None], j[:, None, :, None], k[:, None, None, :]]
 
@@ -277,7 +252,7 @@ def _flipped(
     chosen = np.flatnonzero(wanted)
     change, *offsets = np.nonzero(flips[chosen])
     # Cells of the density with a margin of one cell.
-    places = np.stack(offsets, axis=1) + cells[chosen][change] - (_REACH - 1)
+    places = np.stack(offsets, axis=1) + cells[chosen][change] - (REACH - 1)
     ends = np.searchsorted(change, np.arange(len(chosen) + 1))
     return {
         int(index): places[start:end]
@@ -288,16 +263,16 @@ def _flipped(
 
 def _span(cell: NDArray[np.int64]) -> tuple[slice, ...]:
     """Return the slices, in the padded density, of the cells that a change at a cell affects."""
-    return tuple(slice(int(at), int(at) + 2 * _REACH + 1) for at in cell)
+    return tuple(slice(int(at), int(at) + 2 * REACH + 1) for at in cell)
 
 
-def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort) -> _Places:
+def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort, tried: TriedPlaces) -> Places:
     """Return the places where a narrow change removes a handle, those that move the fewest cells first."""
     thin = [find(density, level * _SLACK, level / effort.false) for find in (bridges, bridges_by_faces)]
     holes = [find(density, level * _DEEPEST, level / _SLACK) for find in (lids, lids_by_corners)]
     found = [np.unique(np.concatenate(cells), axis=0) for cells in (thin, holes)]
-    places = _Places.of(*found, density, level, effort.places)
-    search = _Search(np.pad(density, _REACH), level, _SHAPES[:_NARROW])
+    places = tried.untried(Places.of(*found, density, level, effort.places), _NARROW)
+    search = _Search(np.pad(density, REACH), level, 0, _NARROW, tried)
     batches = [slice(start, start + _AT_ONCE) for start in range(0, len(places.cells), _AT_ONCE)]
     flips = [search.flips(places.cells[batch], places.wanted[batch]) for batch in batches]
     moved = np.concatenate([np.empty(0, np.int64), *flips])
@@ -305,15 +280,15 @@ def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort
     return places.chosen(order[moved[order] >= 0])
 
 
-def _places(density: NDArray[np.floating], level: float, effort: Effort) -> _Places:
+def _places(density: NDArray[np.floating], level: float, effort: Effort) -> Places:
     """Return saddles of potentially false handles."""
     thin = bridges(density, level * _SLACK, level / effort.false)
     holes = lids(density, level * effort.false, level / _SLACK)
-    return _Places.of(thin, holes, density, level, effort.places)
+    return Places.of(thin, holes, density, level, effort.places)
 
 
-def _places_between(density: NDArray[np.floating], level: float, effort: Effort) -> _Places:
+def _places_between(density: NDArray[np.floating], level: float, effort: Effort) -> Places:
     """Return saddles that exist only because the isosurface separates cells sharing an edge or a corner."""
     thin = bridges_by_faces(density, level * _SLACK, level / effort.false)
     holes = lids_by_corners(density, level * effort.false, level / _SLACK)
-    return _Places.of(thin, holes, density, level, effort.places)
+    return Places.of(thin, holes, density, level, effort.places)

@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from .connectivity import Connectivity
 from .dilation import dilated
 from .even_surface import even_surface
-from .handle_removal import GENTLE, RAISED, Effort, remove_handles
+from .handle_places import RAISED, TriedPlaces
+from .handle_removal import GENTLE, Effort, remove_handles
 from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
 from .level_topology import euler_number, hollows_below, pieces_above
 from .piece_joining import DEEPEST_GAP, join_pieces
@@ -172,6 +173,7 @@ class _Work:
         self._shortfall = estimate_shortfall(density, volume)
         self.level = level_enclosing(density, volume, self._shortfall)
         self._crumbs = self._filled = self._bridged = self._clipped = self._unhandled = 0
+        self._tried = TriedPlaces()
 
     def drawn(self) -> Mending:
         """Extract the current surface; the next repairs use its level."""
@@ -184,10 +186,12 @@ class _Work:
         before = self._counts()
         pieces = self._join_pieces()
         bubbles = self._fill_bubbles()
+        if before != self._counts():
+            self._tried = TriedPlaces()
         handles = pieces + bubbles - euler_number(self.density, self.level) // 2
         excess = handles - self._most.handles
         if excess > 0 and (self._too_many is None or excess <= self._too_many):
-            self._unhandled += remove_handles(self.density, self.level, excess, self._effort)
+            self._unhandled += remove_handles(self.density, self.level, excess, self._effort, self._tried)
         return before != self._counts()
 
     def _counts(self) -> tuple[int, ...]:

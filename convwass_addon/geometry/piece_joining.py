@@ -19,7 +19,7 @@ from scipy.ndimage import binary_dilation
 
 from .gap_bridging import growing_tip, raised_along, way_across
 from .gaps import densest_gaps
-from .handle_removal import RAISED
+from .handle_places import RAISED
 from .labelling import Pieces
 from .piece_trees import PieceTrees
 

@@ -91,6 +91,11 @@ class FollowingProblem(MovingProblem):
         lattice = still.lattice.holding(room)
         return cls(still, motion, lattice, tuple(names), matching, animation, tuple(rests))
 
+    @property
+    def solves_singly(self) -> bool:
+        """Whether every blend is solved by itself; by transport, each starts from the preceding one."""
+        return self.motion is not None
+
     def preview(self, blend: Blend) -> MorphFrame:
         """Show the input of the largest weight, in its current pose, in place of a blend."""
         time, largest = self.animation.time_of(blend.weights), int(np.argmax(blend.weights))

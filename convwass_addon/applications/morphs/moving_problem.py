@@ -104,6 +104,11 @@ class MovingProblem:
         room = room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control)
         return cls(still, growing, still.lattice.holding(room), tuple(names), matching)
 
+    @property
+    def solves_singly(self) -> bool:
+        """Whether every blend is solved by itself, not from the preceding one of its run."""
+        return True
+
     def demanding(self, demand: Demand) -> MovingProblem:
         """Return the problem with a demand on its blends, which overrides the connectivity of the inputs."""
         return replace(self, still=self.still.demanding(demand))

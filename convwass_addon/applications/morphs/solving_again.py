@@ -73,13 +73,28 @@ def again_in_threads(
     workers: int,
     kept: KeptBlends | None = None,
 ) -> Iterator[Pending]:
-    """Call :func:`solve_again` for several runs in threads; see :func:`.runs.solved_in_threads`."""
+    """Call :func:`solve_again` for several runs in threads, if possible for every blend by itself.
+
+    The futures of a run's blends have the same index; see :func:`.runs.solved_in_threads`.
+    """
 
     def solve(run: Run, control: Control, _hand_over: HandOver) -> list[MorphFrame]:
         return solve_again(problem, run, asked, control, kept)
 
-    with solved_in_threads(solve, lambda blend: float(blend in asked), runs, control, workers) as pending:
-        yield pending
+    parts = [(index, part) for index, run in runs.items() for part in _independent(problem, run, asked, kept)]
+    jobs = {number: part for number, (_, part) in enumerate(parts)}
+    with solved_in_threads(solve, lambda blend: float(blend in asked), jobs, control, workers) as pending:
+        yield {future: parts[number][0] for future, number in pending.items()}
+
+
+def _independent(problem: MorphProblem | MovingProblem, run: Run, asked: Asked, kept: KeptBlends | None) -> list[Run]:
+    """Divide a run into its asked blends, unless they have to be solved from each other."""
+    wanted = [blend for blend in run if blend in asked]
+    if isinstance(problem, MovingProblem):
+        is_divided = problem.solves_singly
+    else:
+        is_divided = kept is not None and all(blend in kept for blend in wanted)
+    return [(blend,) for blend in wanted] if is_divided else [run]
 
 
 @contextmanager
