@@ -16,7 +16,8 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
-from convwass_addon.applications.morphs.solving_again import solve_again
+from convwass_addon.applications.morphs.runs import as_solved
+from convwass_addon.applications.morphs.solving_again import again_in_threads, solve_again
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.progress import Control, drained
@@ -69,3 +70,13 @@ def test_all_are_solved_again_if_one_is_missing(problem):
     assert RUN[2] not in first
     with pytest.raises(Cancelled):
         solve_again(problem, RUN, ASKED, CANCELLED, first)
+
+
+def test_kept_blends_are_computed_again_side_by_side(problem, kept):
+    """Those that are not kept are solved from each other."""
+    asked = {blend: Demand(Connectivity(1, 0, 0)) for blend in RUN[1:]}
+    for known, count in ((kept, 2), (None, 1)):
+        with again_in_threads(problem, {0: RUN}, asked, Control(), 2, known) as pending:
+            assert len(pending) == count
+            found = [frame.blend for solved in as_solved(pending, Control()) for frame in solved.frames]
+        assert sorted(found, key=RUN.index) == list(RUN[1:])

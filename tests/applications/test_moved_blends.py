@@ -15,6 +15,8 @@ from convwass_addon.applications.morphs.moved_blends import MovedBlends
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
+from convwass_addon.applications.morphs.runs import as_solved
+from convwass_addon.applications.morphs.solving_again import again_in_threads
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
@@ -75,6 +77,18 @@ def test_a_kept_blend_obeys_a_demand_and_is_not_moved_again(problem):
     np.testing.assert_array_equal(kept.mesh.faces, alone.mesh.faces)
     assert kept.record["held"] == alone.record["held"] > 0
     assert len(free.mesh.vertices) != len(kept.mesh.vertices)
+
+
+def test_blends_of_a_run_are_computed_again_side_by_side(problem):
+    run = tuple(path_blends(2, 5)[1:4])
+    asked = {run[place]: demand(problem, 0.05) for place in (0, 2)}
+    with again_in_threads(problem, {7: run}, asked, Control(), 2) as pending:
+        assert list(pending.values()) == [7, 7]
+        frames = [frame for solved in as_solved(pending, Control()) for frame in solved.frames]
+    frames.sort(key=lambda frame: run.index(frame.blend))
+    assert [frame.blend for frame in frames] == [run[0], run[2]]
+    for frame, alone in zip(frames, problem.frames_again(run, asked), strict=True):
+        np.testing.assert_array_equal(frame.mesh.vertices, alone.mesh.vertices)
 
 
 def test_blends_beyond_the_memory_are_not_kept(problem):
