@@ -5,13 +5,15 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from scipy.spatial import cKDTree
 
 from ..errors import InputError
 from ..geometry.coarsening import Coarsening, coarsened
+from ..geometry.mirror_planes import MirrorPlane
 from ..progress import UNINTERRUPTED, Control
 from .checks import check_solver
 from .soft_map import GAMMA_PER_SQUARED_EDGE, SoftMap, soft_map_domain
@@ -26,6 +28,8 @@ _SHARE = 0.3
 _FEWEST_VERTICES = 250
 # Densities below exp(-20) of the largest are equal when one direction is compared with the other.
 _DEPTH = np.float32(20.0)
+# Weight of the mirrored map in every distribution (docs/performance.md, "Left and right").
+_MIRRORED = 0.5
 
 
 @dataclass(frozen=True)
@@ -79,6 +83,7 @@ def soft_map_between(
     target: Surface,
     *,
     pairs: ArrayLike = (),
+    mirrors: tuple[MirrorPlane, MirrorPlane] | None = None,
     sweeps: SoftMapSweeps | None = None,
     control: Control = UNINTERRUPTED,
 ) -> SoftMap:
@@ -92,6 +97,9 @@ def soft_map_between(
         Their kernels are ignored.
     pairs : (k, 2) int
         Corresponding vertices of the source and the target.
+    mirrors : (MirrorPlane, MirrorPlane), optional
+        Planes in which the source and the target are nearly symmetric. Every distribution is attracted to the mirror
+        image of the one at the mirrored vertex, as if by one more edge, so that the map keeps left and right.
     sweeps : SoftMapSweeps, optional
         Parameters of the solve.
     control : Control
@@ -106,7 +114,7 @@ def soft_map_between(
     ValueError
         Shapes that do not match or invalid parameters; the message names the argument.
     """
-    direction = _Direction.of(compatibility, source, target, pairs)
+    direction = replace(_Direction.of(compatibility, source, target, pairs), mirrors=mirrors)
     sweeps = sweeps or SoftMapSweeps()
     return _solved([direction], sweeps, sweeps.fine, 0.0, control)[0]
 
@@ -159,6 +167,7 @@ class _Direction:
     target: Surface
     costs: NDArray[np.float32]
     pairs: NDArray[np.int64]
+    mirrors: tuple[MirrorPlane, MirrorPlane] | None = None
 
     @classmethod
     def of(cls, compatibility: ArrayLike, source: Surface, target: Surface, pairs: ArrayLike) -> _Direction:
@@ -166,6 +175,14 @@ class _Direction:
         if costs.shape != (*source.shape, *target.shape):
             raise ValueError(f"compatibility must have the shape {(*source.shape, *target.shape)}, got {costs.shape}")
         return cls(source, target, costs, check_pairs(pairs, len(source.weights), target.weights))
+
+    def mirrored(self, densities: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return what densities, (n0, n1), are in the mirror: at mirrored vertices, and mirrored."""
+        places = [
+            cKDTree(surface.mesh.vertices).query(plane.mirrored(surface.mesh.vertices))[1]
+            for surface, plane in zip((self.source, self.target), self.mirrors, strict=True)
+        ]
+        return densities[np.ix_(*places)]
 
     def problem(self, sweeps: SoftMapSweeps) -> SoftMapProblem:
         graph = SourceEdges.of(self.source.laplacian)
@@ -233,7 +250,8 @@ def _coarse_direction(direction: _Direction, source: _CoarseSide, target: _Coars
     ]
     pairs = np.stack(places, axis=1)
     costs = source.means(target.means(direction.costs).T).T
-    return _Direction(source.surface, target.surface, costs.astype(np.float32), pairs[(pairs >= 0).all(axis=1)])
+    pairs = pairs[(pairs >= 0).all(axis=1)]
+    return _Direction(source.surface, target.surface, costs.astype(np.float32), pairs, direction.mirrors)
 
 
 def _prolonged(densities: NDArray[np.float32], source: _CoarseSide, target: _CoarseSide) -> NDArray[np.float32]:
@@ -257,10 +275,13 @@ def _run_sweeps(
     while len(changes) < count and not (changes and max(changes[-1]) < sweeps.tolerance):
         moved = []
         for index, (problem, iteration) in enumerate(zip(problems, iterations, strict=True)):
-            # Without a start, the very first sweep has no other direction to agree with.
+            # Without a start, the very first sweep has no other direction to agree with, and nothing to mirror.
             if agreement and (changes or index or starts[0] is not None):
                 other = problems[1 - index].whole(iterations[1 - index].densities)
                 iteration.attract(_log_depth(other.T[np.ix_(problem.sources, problem.targets)]), agreement)
+            elif directions[index].mirrors is not None and (changes or starts[0] is not None):
+                other = directions[index].mirrored(problem.whole(iteration.densities))
+                iteration.attract(_log_depth(other[np.ix_(problem.sources, problem.targets)]), _MIRRORED)
             moved.append(iteration.sweep())
         changes.append(moved)
         control.check()

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
+from convwass_addon.geometry.mirror_planes import MirrorPlane
 from convwass_addon.transport import (
     SoftMapSweeps,
     SourceEdges,
@@ -156,3 +157,21 @@ def test_invalid_arguments_are_named(change, word):
     options = {"compatibility": costs, "source": source, "target": target, **change}
     with pytest.raises(ValueError, match=word):
         symmetric_soft_map(**options)
+
+
+def test_mirrors_tell_left_from_right():
+    """Costs that are the same on both sides do not, even if a corner is known."""
+    source, target, _costs, (here, there) = case()
+    features = [np.stack([np.abs(2 * own[:, 0] - 1), own[:, 1]], axis=1) for own in (here, there)]
+    noise = np.random.default_rng(1).normal(0, 0.05, (len(here), len(there)))
+    costs = np.square(features[0][:, None] - features[1]).sum(axis=2) + noise
+    # The rows of the sheets lie along y.
+    mirrors = tuple(MirrorPlane(own.mesh.area_center, np.array([0.0, 1.0, 0.0])) for own in (source, target))
+    asymmetries, errors = [], []
+    for planes in (None, mirrors):
+        found = soft_map_between(costs, source, target, pairs=[[0, 0]], mirrors=planes)
+        rows = ((found.densities * target.weights) @ there[:, 0]).reshape(18, 20)
+        asymmetries.append(np.abs(rows + rows[::-1] - 1.0).mean())
+        errors.append(error_of(found.densities, target, here, there))
+    assert asymmetries[1] < 0.05 < asymmetries[0]
+    assert errors[1] < 0.6 * errors[0]

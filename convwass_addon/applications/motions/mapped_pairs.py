@@ -9,6 +9,7 @@ stand, a quarter turn may give them one, and if they have one, they are turned a
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,13 +20,12 @@ from ...geometry.upright_turns import distances_after, rotation_about_z, upright
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
-from ..soft_maps.surface_maps import PointMap
 from ..workers import one_blas_thread
 from .carriers import Carrier
 from .guided_settings import GuidedSettings
-from .laid_meshes import Laid
 from .limbs import is_compact
 from .map_detour import map_detour
+from .map_survey import best_rough_map
 from .mirrored_sides import MirroredSides
 from .pair_maps import PairMap, pair_map
 from .pair_registration import LaidPair, grown_pair, laid_on_each_other
@@ -39,9 +39,9 @@ _LOPSIDED, _DETOUR, _FARTHER = 0.5, 1.8, 1.1
 # What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
 # becomes the tail, and with 0.49 after a quarter turn, symmetrically.
 _ASKEW = 0.75
-# Where limbs have no good map, another one is solved with this many times the vertices. Maps of shapes with little in
-# common depend on the vertices by chance: a monkey's head maps onto a cow with 0.06 or, with these, 0.60.
-_MORE = 1.25
+# With a lower score, other maps of symmetric shapes are tried. A cow maps onto a bird with 0.20, 0.48, 0.80 or 0.82 if
+# its vertices move by a millionth to a thousandth of its size.
+_FAIR = 0.5
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 TRUSTED = 0.88
@@ -98,8 +98,8 @@ def mapped_pair(
 
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
-    bent limb may seem to face another way. Where all scores are poor, shapes with limbs are also registered from
-    another map.
+    bent limb may seem to face another way. Where the score is poor or shapes with limbs seem to face opposite ways,
+    they are also registered from the best of several rough maps.
 
     Parameters
     ----------
@@ -122,19 +122,24 @@ def mapped_pair(
     if turn is None:
         turn = _symmetric_turn(one.mesh, other.mesh)
     found = [(yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.4))]
-    turns = [turn]
-    if turn is None:
-        turns = [] if len(pairs) or found[0].score >= TRUSTED else _facing_turns(one.mesh, other.mesh, found[0])
-    for number, turn in enumerate(turns):
-        begin, end = (0.4 + 0.4 * share / len(turns) for share in (number, number + 1))
-        turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), begin, end)
+    if turn is not None:
+        turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.4, 0.8)
         # Guides may have told the turn, so the map without guides is the one without a turn.
         found.append(replace(turned, map=replace(turned.map, score_without=found[0].map.score_without)))
-    is_doubtful = not len(pairs) and max(pair.score for pair in found) < DOUBTED
-    if is_doubtful and not (is_compact(one.mesh) or is_compact(other.mesh)):
-        finer = replace(settings, map_vertices=round(_MORE * settings.map_vertices))
-        found.append((yield from within(_registered(one, other, pairs, finer, control), 0.8, 1.0)))
-    return max(found, key=lambda pair: (len(pair.map.pairs), pair.merit))
+    best = max(found, key=_rank)
+    if len(pairs) or best.score >= TRUSTED:
+        return best
+    turns = _facing_turns(one.mesh, other.mesh, best) if turn is None else [turn]
+    is_poor = best.score < (DOUBTED if best.symmetry is None else _FAIR)
+    has_limbs = not (is_compact(one.mesh) or is_compact(other.mesh))
+    if not (is_poor and has_limbs) and (turn is not None or not turns):
+        return best
+    surveyed = _registered_from_survey(one, other, [None, *turns], control)
+    return max(best, (yield from within(surveyed, 0.4 if turn is None else 0.8, 1.0)), key=_rank)
+
+
+def _rank(pair: MappedPair) -> tuple[int, float]:
+    return len(pair.map.pairs), pair.merit
 
 
 def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
@@ -174,6 +179,21 @@ def registering(one: Carrier, other: Carrier) -> Sentence:
     return Sentence("Registering {first} to {second}", {"first": one.name, "second": other.name})
 
 
+def _registered_from_survey(
+    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], control: Control
+) -> Work[MappedPair]:
+    """Register two shapes from the best of their rough maps, with the first one turned or as it stands."""
+    poses = [(turn, one if turn is None else _turned_carrier(one, turn)) for turn in turns]
+    rough = yield from within(best_rough_map(poses, other, control), 0.0, 0.5)
+    pose = next(pose for turn, pose in poses if turn is rough.turn)
+    yield Progress(0.5, registering(one, other))
+    sides = MirroredSides.of(pose.mesh, other.mesh)
+    with one_blas_thread():
+        laid = laid_on_each_other((pose, other), rough.starts, rough.map.pairs, None, control, sides)
+    found = _mapped(pose, other, laid, rough.map, sides)
+    return found if rough.turn is None else _turned_back(found, one, rough.turn)
+
+
 def _registered_turned(
     one: Carrier,
     other: Carrier,
@@ -183,9 +203,18 @@ def _registered_turned(
     control: Control,
 ) -> Work[MappedPair]:
     """Register two shapes after turning the first one, (3, 3), about its center."""
+    found = yield from _registered(_turned_carrier(one, turn), other, pairs, settings, control)
+    return _turned_back(found, one, turn)
+
+
+def _turned_carrier(one: Carrier, turn: NDArray[np.float64]) -> Carrier:
     center = one.mesh.area_center
-    turned = one.posed((one.rest.vertices - center) @ turn.T + center)
-    found = yield from _registered(turned, other, pairs, settings, control)
+    return one.posed((one.rest.vertices - center) @ turn.T + center)
+
+
+def _turned_back(found: MappedPair, one: Carrier, turn: NDArray[np.float64]) -> MappedPair:
+    """Return a pair whose first shape was turned about its center, (3, 3), with points on the shape as it stands."""
+    center = one.mesh.area_center
     second = replace(found.laid.second, points=(found.laid.second.points - center) @ turn + center)
     angle = float(np.degrees(np.arctan2(turn[1, 0], turn[0, 0])))
     return replace(found, laid=replace(found.laid, second=second), turn=angle)
@@ -206,19 +235,16 @@ def _registered(
         # Guides may contradict the sides.
         sides = None if len(pairs) else MirroredSides.of(one.mesh, other.mesh)
         found = yield from within(pair_map(one, other, pairs, map_settings, control, sides), _GROWN, _MAPPED)
-        starts = (_start(one, other, found.found.forward), _start(other, one, found.found.backward))
+        starts = found.starts(one, other)
     yield Progress(_MAPPED, message)
     with one_blas_thread():
         laid = laid_on_each_other((one, other), starts, found.pairs, grown, control, sides)
     if laid.is_grown:
         found = replace(found, score=laid.confidence)
+    return _mapped(one, other, laid, found, sides)
+
+
+def _mapped(one: Carrier, other: Carrier, laid: LaidPair, found: PairMap, sides: MirroredSides | None) -> MappedPair:
     points = laid.first.points, laid.second.points
     symmetry = None if sides is None else sides.kept(points)
     return MappedPair(laid, found, symmetry, map_detour((one.mesh, other.mesh), points))
-
-
-def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
-    """Return the registration's start: mapped positions of a shape's vertices, with confidences."""
-    places = np.where(points.found[:, None], points.positions(target.mesh), source.mesh.vertices)
-    # Mapped points need some weight, even those without confidence.
-    return Laid(places, np.where(points.found, np.maximum(points.confidence.astype(np.float64), 1e-6), 0.0))

@@ -18,6 +18,7 @@ from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..soft_maps.surface_maps import PointMap, SurfaceMap
 from .carriers import Carrier
 from .coinciding_places import coinciding_places
+from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides
 
 # Chosen by eye; `python3 run.py bench coherence` measures what they give.
@@ -66,6 +67,10 @@ class PairMap:
     def none(cls) -> PairMap:
         """Return the record of a missing map."""
         return cls(None, _NO_PAIRS, 0.0, None, 0)
+
+    def starts(self, one: Carrier, other: Carrier) -> tuple[Laid, Laid]:
+        """Return where the map sends the vertices of either shape, with confidences, for registrations."""
+        return _start(one, other, self.found.forward), _start(other, one, self.found.backward)
 
 
 def pair_map(
@@ -178,6 +183,26 @@ def _without_guides(
     return max(tried, key=lambda one: one.score)
 
 
+def mirrored_map(
+    first: Carrier, second: Carrier, settings: SoftMapSettings, control: Control, sides: MirroredSides | None
+) -> Work[PairMap]:
+    """Solve the map between two shapes without guides; with sides, it is attracted to what it is in the mirror."""
+    found = yield from soft_map_steps(
+        *_map_sides(first, second, sides),
+        _NO_PAIRS,
+        replace(settings, group_weight=_SIDED),
+        control,
+        None if sides is None else sides.planes,
+    )
+    return PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0)
+
+
+def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
+    places = np.where(points.found[:, None], points.positions(target.mesh), source.mesh.vertices)
+    # Mapped points need some weight, even those without confidence.
+    return Laid(places, np.where(points.found, np.maximum(points.confidence.astype(np.float64), 1e-6), 0.0))
+
+
 def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], first: Carrier, second: Carrier) -> NDArray[np.int64]:
     """Return the coinciding points, (s, 2), that are too far from all pairs on both shapes to contradict them."""
     far = np.ones(len(seeds), bool)
@@ -196,9 +221,13 @@ def _soft_map(
     control: Control,
     sides: MirroredSides | None = None,
 ) -> Work[SurfaceMap]:
-    groups = [{} if sides is None else sides.groups(k) for k in (0, 1)]
-    mapped = (MapSide(carrier.mesh, carrier.name, own) for carrier, own in zip((first, second), groups, strict=True))
+    mapped = _map_sides(first, second, sides)
     return soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control)
+
+
+def _map_sides(first: Carrier, second: Carrier, sides: MirroredSides | None) -> list[MapSide]:
+    groups = [{} if sides is None else sides.groups(k) for k in (0, 1)]
+    return [MapSide(carrier.mesh, carrier.name, own) for carrier, own in zip((first, second), groups, strict=True)]
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -24,8 +24,6 @@ from .laid_meshes import Laid, Registered, home_distances, registered
 from .mirrored_sides import MirroredSides
 from .pair_proposals import FROM_MAP, Proposal, agree, all_mended, judged, proposed, symmetrized, total_cost, trusted
 
-# Number of vertices of the coarse meshes on which several starts are tried.
-_DRAFT_VERTICES = 1500
 # Strain at which robust weights fall, so that joints bend and the parts between them keep their lengths, and the stages
 # with these weights (docs/performance.md, Motions).
 _GIVE = 0.2
@@ -47,6 +45,9 @@ _NO_LIMB, _FINE_GROWN = 0.15, 0.5
 # Round-trip error, in sizes of the surface, at which the confidence is 0.6.
 _MISSED = 0.08
 _NO_PAIRS = np.empty((0, 2), np.int64)
+
+DRAFT_VERTICES = 1500
+"""Number of vertices of the coarse meshes on which several starts are tried."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,7 @@ class GrownPair:
 
 def grown_pair(shapes: tuple[Carrier, Carrier], control: Control) -> GrownPair | None:
     """Register two shapes to each other by growing; return None if too little of them coincides as they stand."""
-    drafts = both_ways(lambda k: coarser(shapes[k], np.empty(0, np.int64), _DRAFT_VERTICES, control))
+    drafts = both_ways(lambda k: coarser(shapes[k], np.empty(0, np.int64), DRAFT_VERTICES, control))
     grown = both_ways(lambda k: grown_points(drafts[k], drafts[1 - k], control))
     if any(points is None for points in grown):
         return None
@@ -142,7 +143,7 @@ def laid_on_each_other(
     """
     both = pairs, pairs[:, ::-1]
     if grown is None:
-        drafts = both_ways(lambda k: coarser(shapes[k], both[k][:, 0], _DRAFT_VERTICES, control))
+        drafts = both_ways(lambda k: coarser(shapes[k], both[k][:, 0], DRAFT_VERTICES, control))
     else:
         drafts = grown.drafts
     ends = np.stack([drafts[k].places(pairs[:, k]) for k in (0, 1)], axis=1)
@@ -156,7 +157,7 @@ def laid_on_each_other(
         drafted, is_grown = _drafted(drafts, rough, ends, grown, coarse, control)
     drafted = _tightened(drafts, drafted, ends, control)
 
-    fine = _carried(drafts[0], drafted[0]), _carried(drafts[1], drafted[1])
+    fine = carried(drafts[0], drafted[0]), carried(drafts[1], drafted[1])
     found = _finished(shapes, fine, both, _FINISHING, control)
     if found.confidence < _CONFIDENT:
         spread = _finished(shapes, fine, both, _SPREADING, control)
@@ -165,7 +166,7 @@ def laid_on_each_other(
     return replace(found, is_grown=is_grown)
 
 
-def _carried(draft: Carrier, laid: Laid) -> Laid:
+def carried(draft: Carrier, laid: Laid) -> Laid:
     """Return the registration of a coarse mesh at the vertices of the mesh that it represents."""
     gradients = deformation_gradients(draft.mesh.vertices, laid.points, draft.mesh.faces)
     return Laid(draft.carried(laid.points, gradients), laid.trust if draft.blend is None else draft.blend @ laid.trust)

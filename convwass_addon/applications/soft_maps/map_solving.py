@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...geometry.mirror_planes import MirrorPlane
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import SoftMap, Surface
@@ -30,6 +31,8 @@ from .map_sides import MapSide
 from .soft_map_settings import SoftMapSettings
 from .surface_maps import SurfaceMap
 
+Mirrors = tuple[MirrorPlane, MirrorPlane]
+
 # Least number of coarse vertices of small components.
 _FEWEST_VERTICES = 60
 # Fractions of the work at which coarsening, comparing and solving end; the rest is the extension to all vertices.
@@ -42,6 +45,7 @@ def soft_map_steps(
     pairs: ArrayLike,
     settings: SoftMapSettings | None = None,
     control: Control = UNINTERRUPTED,
+    mirrors: Mirrors | None = None,
 ) -> Work[SurfaceMap]:
     """Compute the soft map between two meshes.
 
@@ -55,6 +59,9 @@ def soft_map_steps(
         Settings of the solve.
     control : Control
         Stops the work when cancelled.
+    mirrors : (MirrorPlane, MirrorPlane), optional
+        Planes in which the meshes are nearly symmetric, so that the map keeps left and right. Settings that solve both
+        ways ignore them.
 
     Yields
     ------
@@ -91,7 +98,7 @@ def soft_map_steps(
         low, width = ends[number], ends[number + 1] - ends[number]
         if not len(match.pairs):
             match = replace(match, pairs=guessed_pairs(source, target, match, parts.forward), is_guessed=True)
-        yield from within(_matched(source, target, match, settings, control, parts), low, low + width)
+        yield from within(_matched(source, target, match, settings, control, parts, mirrors), low, low + width)
     record = {"settings": settings.as_dict(), "pairs": len(couples_of), "seconds": time.perf_counter() - begun}
     yield Progress(1.0, Sentence("The map is there"))
     return joined_map(parts, record)
@@ -113,6 +120,7 @@ def _matched(
     settings: SoftMapSettings,
     control: Control,
     parts: Parts,
+    mirrors: Mirrors | None,
 ) -> Work[None]:
     """Solve the map between two matched components and add it to the whole map."""
     yield Progress(0.0, Sentence("Simplifying the meshes"))
@@ -133,7 +141,7 @@ def _matched(
         compared = comparison(sides[0].side, sides[1].side, pairs, settings)
     yield Progress(_TOLD_APART, Sentence("Solving the map"))
     with one_blas_thread():
-        rows, back = _solved(sides[0], sides[1], compared.costs, pairs, settings, control)
+        rows, back = _solved(sides[0], sides[1], compared.costs, pairs, settings, control, mirrors)
     yield Progress(_SOLVED, Sentence("Taking the map to all vertices"))
     judged = pairs[:0] if match.is_guessed else pairs
     notices = tuple(pair_notices(judged, sides[0].side.mesh, sides[1].side.mesh, match.pairs))
@@ -154,6 +162,7 @@ def _solved(
     pairs: NDArray[np.int64],
     settings: SoftMapSettings,
     control: Control,
+    mirrors: Mirrors | None,
 ) -> tuple[SoftMap, NDArray[np.float32]]:
     """Return the map of two coarse meshes, and the densities of the inverse direction, (n1, n0)."""
     here, there = (Surface(side.side.mesh.vertices, side.side.mesh.faces) for side in (source, target))
@@ -163,5 +172,5 @@ def _solved(
     if settings.symmetric:
         both = symmetric_soft_map(costs, here, there, pairs=pairs, sweeps=sweeps, control=control)
         return both.forward, both.backward.densities
-    found = soft_map_between(costs, here, there, pairs=pairs, sweeps=sweeps, control=control)
+    found = soft_map_between(costs, here, there, pairs=pairs, mirrors=mirrors, sweeps=sweeps, control=control)
     return found, found.densities.T

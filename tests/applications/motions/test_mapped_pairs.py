@@ -67,66 +67,84 @@ def registrations(monkeypatch, *found):
     return asked
 
 
+def surveyed(monkeypatch, score, symmetry, detour, place=0):
+    """Let the best rough map lead to this result after one of the turns tried; return the angles that are tried."""
+    tried = []
+
+    def registered(one, _other, turns, _control):
+        yield from ()
+        tried.extend(0.0 if turn is None else np.degrees(np.arctan2(turn[1, 0], turn[0, 0])) for turn in turns)
+        laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
+        pair = PairMap(None, np.empty((0, 2), np.int64), score, None, 0)
+        return MappedPair(LaidPair(laid, laid, 0.5), pair, symmetry, detour, tried[place])
+
+    monkeypatch.setattr(mapped_pairs, "_registered_from_survey", registered)
+    return tried
+
+
 @pytest.mark.parametrize(
-    ("standing", "turned", "tried", "angle"),
+    ("standing", "other", "tried", "angle"),
     [
-        ((0.3, 0.2, 1.0), (0.4, 0.9, 1.0), 2, 180.0),
-        ((0.3, 0.9, 2.0), (0.2, 0.7, 1.5), 2, 0.0),
-        ((0.3, 0.9, 1.0), None, 1, 0.0),
-        ((0.9, 0.2, 2.0), None, 1, 0.0),
+        ((0.3, 0.2, 1.0), (0.4, 0.9, 1.0), [0.0, 180.0], 180.0),
+        ((0.3, 0.9, 2.0), (0.2, 0.7, 1.5), [0.0, 180.0], 0.0),
+        ((0.6, 0.9, 1.0), (0.9, 0.9, 1.0), [], 0.0),
+        ((0.9, 0.2, 2.0), (0.9, 0.9, 1.0), [], 0.0),
     ],
     ids=["sides are kept after the turn", "and before", "nothing is doubtful", "the score is high"],
 )
-def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, turned, tried, angle):
+def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, other, tried, angle):
     carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
-    asked = registrations(monkeypatch, standing, turned)
+    registrations(monkeypatch, standing)
+    asked = surveyed(monkeypatch, *other, place=-1)
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
-    assert len(asked) == tried
+    assert asked == pytest.approx(tried)
     assert abs(found.turn) == pytest.approx(angle)
 
 
-@pytest.mark.parametrize(("other", "score"), [(0.6, 0.6), (0.05, 0.1)], ids=["it is better", "it is not"])
-def test_where_no_map_is_good_another_one_is_tried(monkeypatch, other, score):
+@pytest.mark.parametrize("symmetry", [None, 0.8])
+@pytest.mark.parametrize(("other", "score"), [(0.6, 0.6), (0.05, 0.15)], ids=["it is better", "it is not"])
+def test_where_no_map_is_good_another_one_is_tried(monkeypatch, symmetry, other, score):
+    """With sides, maps are poor if they and the registrations, of confidence 0.5, are."""
     carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
-    asked = registrations(monkeypatch, (0.1, 0.1, 1.0), (0.08, 0.1, 1.0), (other, 0.1, 1.0))
-    monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
+    registrations(monkeypatch, (0.15, symmetry, 1.0))
+    asked = surveyed(monkeypatch, other, symmetry, 1.0)
+    monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
-    assert len(asked) == 3
-    assert found.score == score
+    assert asked == [0.0]
+    assert found.score == max(score, 0.5 * (symmetry or 0.0))
 
 
 def test_shapes_without_limbs_need_no_other_map(monkeypatch):
     body, round_one = (carrier_of(m, "shape", np.empty(0, np.int64), 600, UNINTERRUPTED) for m in (figure()[0], ball()))
     for pair in ((body, round_one), (round_one, body)):
         asked = registrations(monkeypatch, (0.1, None, 1.0))
+        others = surveyed(monkeypatch, 0.6, None, 1.0)
         assert drained(mapped_pair(*pair, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.1
-        assert len(asked) == 1
+        assert (len(asked), len(others)) == (1, 0)
 
 
 def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch):
     shape = figure()[0]
     carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
     monkeypatch.setattr(mapped_pairs, "upright_turn", lambda *_shapes: about_z(90.0))
-    asked = registrations(monkeypatch, (0.3, 0.9, 1.0))
+    asked = registrations(monkeypatch, (0.6, 0.9, 1.0))
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
     assert len(asked) == 1
 
 
-@pytest.mark.parametrize(
-    ("left", "right", "angle"), [(0.46, 0.2, 90.0), (0.2, 0.46, -90.0), (0.47, 0.46, 90.0), (0.44, 0.44, 0.0)]
-)
-def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, left, right, angle):
+@pytest.mark.parametrize(("score", "angle"), [(0.46, 90.0), (0.44, 0.0)])
+def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, score, angle):
     """The map without a common plane has to be better by a third."""
     shape = figure()[0]
     across = TriangleMesh(shape.vertices @ about_z(90.0).T, shape.faces)
     carriers = [carrier_of(mesh, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (shape, across)]
     monkeypatch.setattr(mapped_pairs, "upright_turn", lambda *_shapes: None)
-    asked = registrations(monkeypatch, (0.6, None, 1.0), (left, 0.5, 1.0), (right, 0.5, 1.0))
-    assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == pytest.approx(
-        angle
-    )
-    assert len(asked) == 3
+    registrations(monkeypatch, (0.6, None, 1.0))
+    asked = surveyed(monkeypatch, score, 0.5, 1.0, place=1)
+    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert found.turn == pytest.approx(angle)
+    assert asked == pytest.approx([0.0, 90.0, -90.0])
 
 
 def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):

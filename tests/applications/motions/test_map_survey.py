@@ -1,0 +1,38 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Rough maps of two shapes, as they stand and turned."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from benchmarks.blends import ASSETS, read_meshes
+from convwass_addon.applications.motions import map_survey
+from convwass_addon.applications.motions.carriers import carrier_of
+from convwass_addon.applications.motions.map_survey import best_rough_map
+from convwass_addon.geometry.orientation import orient_outward
+from convwass_addon.geometry.rotation_fields import rotation_matrices
+from convwass_addon.progress import UNINTERRUPTED, drained
+
+HALF = rotation_matrices(np.array([[0.0, 0.0, np.pi]]))[0]
+
+
+@pytest.fixture(scope="module")
+def cow():
+    mesh = orient_outward(read_meshes([ASSETS / "cow.ply"])[0])
+    return carrier_of(mesh, "cow", np.empty(0, np.int64), 1000, UNINTERRUPTED)
+
+
+@pytest.mark.parametrize("is_first", [True, False])
+def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow, is_first):
+    monkeypatch.setattr(map_survey, "_VERTICES", (120, 160))
+    turned = cow.posed(cow.rest.vertices @ HALF.T)
+    poses = [(HALF, turned), (None, cow)]
+    found = drained(best_rough_map(poses[:: 1 if is_first else -1], turned, UNINTERRUPTED))
+    assert found.turn is HALF
+    # Costs of shapes that have nothing in common are above 6.
+    assert found.cost < 1.0
+    for laid in found.starts:
+        apart = np.linalg.norm(laid.points - turned.mesh.vertices, axis=1)
+        assert turned.mesh.vertex_areas @ (apart < 0.05 * turned.size) > 0.9 * turned.mesh.area
