@@ -115,6 +115,15 @@ def test_where_no_map_is_good_another_one_is_tried(monkeypatch, symmetry, other,
     assert found.score == max(score, 0.5 * (symmetry or 0.0))
 
 
+@pytest.mark.parametrize(("other", "score"), [(0.38, 0.3), (0.42, 0.42)])
+def test_another_map_of_symmetric_shapes_has_to_be_better_by_a_third(monkeypatch, other, score):
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    registrations(monkeypatch, (0.3, 0.2, 1.0))
+    surveyed(monkeypatch, other, 0.2, 1.0)
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert found.score == score
+
+
 def test_shapes_without_limbs_need_no_other_map(monkeypatch):
     body, round_one = (carrier_of(m, "shape", np.empty(0, np.int64), 600, UNINTERRUPTED) for m in (figure()[0], ball()))
     for pair in ((body, round_one), (round_one, body)):
