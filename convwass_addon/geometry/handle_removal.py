@@ -120,9 +120,8 @@ def remove_handles(
     narrow = removed(left, places, 0, _NARROW)
     left -= narrow
     # Where nothing has changed, narrow changes were tried at all of these places.
-    left -= (
-        removed(left, _places(density, level, effort), 0, widest) if narrow else removed(left, places, _NARROW, widest)
-    )
+    wider = (_places(density, level, effort), 0) if narrow else (places, _NARROW)
+    left -= removed(left, *wider, widest)
     if left > 0:
         left -= removed(left, _places_between(density, level, effort), 0, widest)
     return excess - left

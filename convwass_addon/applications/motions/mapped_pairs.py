@@ -15,6 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
@@ -138,7 +139,11 @@ def mapped_pair(
     if not (is_poor and has_limbs) and (turn is not None or not turns):
         return best
     survey = _registered_from_survey(one, other, [None, *turns], control)
-    surveyed = yield from within(survey, 0.4 if turn is None else 0.8, 1.0)
+    try:
+        surveyed = yield from within(survey, 0.4 if turn is None else 0.8, 1.0)
+    except InputError:
+        # Between coarser meshes, there may be no map.
+        return best
     # The merit of shapes without a common mirror plane is lowered already.
     needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
     return surveyed if surveyed.merit > needed else best

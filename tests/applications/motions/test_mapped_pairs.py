@@ -13,6 +13,7 @@ from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.mapped_pairs import MappedPair, mapped_pair
 from convwass_addon.applications.motions.pair_maps import PairMap
 from convwass_addon.applications.motions.pair_registration import LaidPair
+from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.rotation_fields import rotation_matrices
 from convwass_addon.progress import UNINTERRUPTED, drained
@@ -122,6 +123,17 @@ def test_another_map_of_symmetric_shapes_has_to_be_better_by_a_third(monkeypatch
     surveyed(monkeypatch, other, 0.2, 1.0)
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert found.score == score
+
+
+def test_the_first_map_remains_where_no_rough_one_can_be_solved(monkeypatch):
+    def failing(*_arguments):
+        yield from ()
+        raise InputError("Too coarse.")
+
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    registrations(monkeypatch, (0.3, 0.2, 1.0))
+    monkeypatch.setattr(mapped_pairs, "_registered_from_survey", failing)
+    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.3
 
 
 def test_shapes_without_limbs_need_no_other_map(monkeypatch):
