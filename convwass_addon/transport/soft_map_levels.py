@@ -114,6 +114,8 @@ def soft_map_between(
     ValueError
         Shapes that do not match or invalid parameters; the message names the argument.
     """
+    if mirrors is not None and len(mirrors) != 2:
+        raise ValueError(f"mirrors must be the two planes of the source and the target, got {len(mirrors)}")
     direction = replace(_Direction.of(compatibility, source, target, pairs), mirrors=mirrors)
     sweeps = sweeps or SoftMapSweeps()
     return _solved([direction], sweeps, sweeps.fine, 0.0, control)[0]

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from convwass_addon import transport
+from convwass_addon.geometry.mirror_planes import MirrorPlane
 from convwass_addon.transport import (
     Grid,
     Inputs,
@@ -198,6 +199,7 @@ def cases():
     yield soft_map, "sweeps", 0, "must be at least 1, got 0"
     for solver in (soft_map_between, symmetric_soft_map):
         yield solver, "sweeps", SoftMapSweeps(fine=0), "must be at least 1, got 0"
+    yield soft_map_between, "mirrors", (MirrorPlane(np.zeros(3), np.eye(3)[0]),), "must be the two planes .* got 1"
     yield soft_map, "initial", np.ones((2, 4)), r"must have the shape \(4, 4\), got \(2, 4\)"
     yield soft_map, "initial", np.zeros((4, 4)), "must hold densities"
     for wrong in (-0.1, 1.0, np.nan):
