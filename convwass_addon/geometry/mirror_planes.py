@@ -52,7 +52,11 @@ class MirrorPlane:
         return points - 2.0 * self.heights(points)[:, None] * self.normal
 
 
-def common_mirror_planes(first: TriangleMesh, second: TriangleMesh) -> tuple[MirrorPlane, MirrorPlane] | None:
+MirrorPlanes = tuple[MirrorPlane, MirrorPlane]
+"""The planes of two shapes."""
+
+
+def common_mirror_planes(first: TriangleMesh, second: TriangleMesh) -> MirrorPlanes | None:
     """Return parallel vertical planes through the centers of two shapes in which both are nearly symmetric.
 
     Parameters

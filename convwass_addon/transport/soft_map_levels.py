@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -13,7 +14,7 @@ from scipy.spatial import cKDTree
 
 from ..errors import InputError
 from ..geometry.coarsening import Coarsening, coarsened
-from ..geometry.mirror_planes import MirrorPlane
+from ..geometry.mirror_planes import MirrorPlanes
 from ..progress import UNINTERRUPTED, Control
 from .checks import check_solver
 from .soft_map import GAMMA_PER_SQUARED_EDGE, SoftMap, soft_map_domain
@@ -83,7 +84,7 @@ def soft_map_between(
     target: Surface,
     *,
     pairs: ArrayLike = (),
-    mirrors: tuple[MirrorPlane, MirrorPlane] | None = None,
+    mirrors: MirrorPlanes | None = None,
     sweeps: SoftMapSweeps | None = None,
     control: Control = UNINTERRUPTED,
 ) -> SoftMap:
@@ -169,7 +170,7 @@ class _Direction:
     target: Surface
     costs: NDArray[np.float32]
     pairs: NDArray[np.int64]
-    mirrors: tuple[MirrorPlane, MirrorPlane] | None = None
+    mirrors: MirrorPlanes | None = None
 
     @classmethod
     def of(cls, compatibility: ArrayLike, source: Surface, target: Surface, pairs: ArrayLike) -> _Direction:
@@ -178,13 +179,17 @@ class _Direction:
             raise ValueError(f"compatibility must have the shape {(*source.shape, *target.shape)}, got {costs.shape}")
         return cls(source, target, costs, check_pairs(pairs, len(source.weights), target.weights))
 
-    def mirrored(self, densities: NDArray[np.float32]) -> NDArray[np.float32]:
-        """Return what densities, (n0, n1), are in the mirror: at mirrored vertices, and mirrored."""
-        places = [
+    @cached_property
+    def _images(self) -> list[NDArray[np.int64]]:
+        """The vertices of the source and of the target nearest to the mirror images of all, (n0,) and (n1,)."""
+        return [
             cKDTree(surface.mesh.vertices).query(plane.mirrored(surface.mesh.vertices))[1]
             for surface, plane in zip((self.source, self.target), self.mirrors, strict=True)
         ]
-        return densities[np.ix_(*places)]
+
+    def mirrored(self, densities: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return what densities, (n0, n1), are in the mirror: at mirrored vertices, and mirrored."""
+        return densities[np.ix_(*self._images)]
 
     def problem(self, sweeps: SoftMapSweeps) -> SoftMapProblem:
         graph = SourceEdges.of(self.source.laplacian)

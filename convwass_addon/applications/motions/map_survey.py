@@ -13,18 +13,17 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..workers import one_blas_thread
-from .carriers import Carrier, coarser
+from .carriers import Carrier
 from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides
 from .pair_maps import PairMap, mirrored_map
 from .pair_proposals import FROM_MAP, proposed, total_cost, trusted
-from .pair_registration import DRAFT_VERTICES, carried
+from .pair_registration import carried, draft_of
 
 # Numbers of vertices of the maps, each of which takes a second (docs/performance.md, "Left and right").
 _VERTICES = (160, 240, 320, 400)
@@ -39,31 +38,29 @@ class RoughMap:
 
     Attributes
     ----------
-    turn : (3, 3) float64 or None
-        Rotation of the first shape before it was mapped.
+    pose : int
+        Index of the pose of the first shape that was mapped.
     map : PairMap
         The score of the map.
     starts : (Laid, Laid)
-        The registered vertices of each shape on the other one, as turned.
+        The registered vertices of each shape on the other one, in this pose.
     cost : float
         Cost of the registrations; see :func:`.pair_proposals.total_cost`.
     """
 
-    turn: NDArray[np.float64] | None
+    pose: int
     map: PairMap
     starts: tuple[Laid, Laid]
     cost: float
 
 
-def best_rough_map(
-    poses: Sequence[tuple[NDArray[np.float64] | None, Carrier]], other: Carrier, control: Control
-) -> Work[RoughMap]:
+def best_rough_map(poses: Sequence[Carrier], other: Carrier, control: Control) -> Work[RoughMap]:
     """Return the rough map of the lowest cost.
 
     Parameters
     ----------
-    poses : sequence of (turn, Carrier)
-        The first shape after each turn that is tried, and the rotation, (3, 3), or None.
+    poses : sequence of Carrier
+        The first shape, turned in every way that is tried.
     other : Carrier
         The second shape.
     control : Control
@@ -74,35 +71,27 @@ def best_rough_map(
     InputError
         The meshes cannot be mapped.
     """
-    best: RoughMap | None = None
+    found: list[RoughMap] = []
     total = len(poses) * len(_VERTICES)
-    target = _draft(other, control)
-    for number, (turn, one) in enumerate(poses):
-        drafts = _draft(one, control), target
-        for place, vertices in enumerate(_VERTICES):
-            done = number * len(_VERTICES) + place
-            yield Progress(
-                done / total, Sentence("Comparing map {done} of {total}", {"done": done + 1, "total": total})
-            )
-            found = _rough_map(turn, drafts, vertices, control)
-            if best is None or found.cost < best.cost:
-                best = found
-    return best
-
-
-def _draft(shape: Carrier, control: Control) -> Carrier:
-    return coarser(shape, _NO_PAIRS[:, 0], DRAFT_VERTICES, control)
+    target = draft_of(other, _NO_PAIRS[:, 0], control)
+    for pose, one in enumerate(poses):
+        drafts = draft_of(one, _NO_PAIRS[:, 0], control), target
+        sides = MirroredSides.of(drafts[0].mesh, drafts[1].mesh)
+        for vertices in _VERTICES:
+            message = Sentence("Comparing map {done} of {total}", {"done": len(found) + 1, "total": total})
+            yield Progress(len(found) / total, message)
+            found.append(_rough_map(pose, drafts, sides, vertices, control))
+    return min(found, key=lambda rough: rough.cost)
 
 
 def _rough_map(
-    turn: NDArray[np.float64] | None, drafts: tuple[Carrier, Carrier], vertices: int, control: Control
+    pose: int, drafts: tuple[Carrier, Carrier], sides: MirroredSides | None, vertices: int, control: Control
 ) -> RoughMap:
     """Solve a map between coarse meshes, register them from it, and carry the result to all vertices."""
-    sides = MirroredSides.of(drafts[0].mesh, drafts[1].mesh)
     with one_blas_thread():
         found = drained(mirrored_map(*drafts, SoftMapSettings(vertices=vertices), control, sides))
         starts = found.starts(*drafts)
         both = [proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control) for k in (0, 1)]
         cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0)
         laid = [carried(draft, trusted(own)) for draft, own in zip(drafts, both, strict=True)]
-    return RoughMap(turn, found, (laid[0], laid[1]), cost)
+    return RoughMap(pose, found, (laid[0], laid[1]), cost)

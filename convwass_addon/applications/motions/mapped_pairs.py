@@ -194,15 +194,15 @@ def _registered_from_survey(
     one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], control: Control
 ) -> Work[MappedPair]:
     """Register two shapes from the best of their rough maps, with the first one turned or as it stands."""
-    poses = [(turn, one if turn is None else _turned_carrier(one, turn)) for turn in turns]
+    poses = [one if turn is None else _turned_carrier(one, turn) for turn in turns]
     rough = yield from within(best_rough_map(poses, other, control), 0.0, 0.5)
-    pose = next(pose for turn, pose in poses if turn is rough.turn)
+    turn, pose = turns[rough.pose], poses[rough.pose]
     yield Progress(0.5, registering(one, other))
     sides = MirroredSides.of(pose.mesh, other.mesh)
     with one_blas_thread():
         laid = laid_on_each_other((pose, other), rough.starts, rough.map.pairs, None, control, sides)
     found = _mapped(pose, other, laid, rough.map, sides)
-    return found if rough.turn is None else _turned_back(found, one, rough.turn)
+    return found if turn is None else _turned_back(found, one, turn)
 
 
 def _registered_turned(

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
-from ...geometry.mirror_planes import MirrorPlane, common_mirror_planes
+from ...geometry.mirror_planes import MirrorPlanes, common_mirror_planes
 
 # A map commutes with the reflections where both ways lead to points that are this close, in sizes of the surface.
 _CLOSE = 0.12
@@ -39,7 +39,7 @@ class MirroredSides:
     """
 
     meshes: tuple[TriangleMesh, TriangleMesh]
-    planes: tuple[MirrorPlane, MirrorPlane]
+    planes: MirrorPlanes
 
     @classmethod
     def of(cls, first: TriangleMesh, second: TriangleMesh) -> MirroredSides | None:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
+from ...geometry.mirror_planes import MirrorPlanes
 from ...progress import Control, Work, within
 from ..soft_maps.map_sides import MapSide
 from ..soft_maps.map_solving import soft_map_steps
@@ -187,17 +188,13 @@ def mirrored_map(
     first: Carrier, second: Carrier, settings: SoftMapSettings, control: Control, sides: MirroredSides | None
 ) -> Work[PairMap]:
     """Solve the map between two shapes without guides; with sides, it is attracted to what it is in the mirror."""
-    found = yield from soft_map_steps(
-        *_map_sides(first, second, sides),
-        _NO_PAIRS,
-        replace(settings, group_weight=_SIDED),
-        control,
-        None if sides is None else sides.planes,
-    )
+    planes = None if sides is None else sides.planes
+    found = yield from _soft_map(first, second, _NO_PAIRS, settings, control, sides, planes)
     return PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0)
 
 
 def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
+    """Return mapped positions of a shape's vertices, with confidences."""
     places = np.where(points.found[:, None], points.positions(target.mesh), source.mesh.vertices)
     # Mapped points need some weight, even those without confidence.
     return Laid(places, np.where(points.found, np.maximum(points.confidence.astype(np.float64), 1e-6), 0.0))
@@ -220,14 +217,11 @@ def _soft_map(
     settings: SoftMapSettings,
     control: Control,
     sides: MirroredSides | None = None,
+    mirrors: MirrorPlanes | None = None,
 ) -> Work[SurfaceMap]:
-    mapped = _map_sides(first, second, sides)
-    return soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control)
-
-
-def _map_sides(first: Carrier, second: Carrier, sides: MirroredSides | None) -> list[MapSide]:
     groups = [{} if sides is None else sides.groups(k) for k in (0, 1)]
-    return [MapSide(carrier.mesh, carrier.name, own) for carrier, own in zip((first, second), groups, strict=True)]
+    mapped = (MapSide(carrier.mesh, carrier.name, own) for carrier, own in zip((first, second), groups, strict=True))
+    return soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control, mirrors)
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -24,6 +24,8 @@ from .laid_meshes import Laid, Registered, home_distances, registered
 from .mirrored_sides import MirroredSides
 from .pair_proposals import FROM_MAP, Proposal, agree, all_mended, judged, proposed, symmetrized, total_cost, trusted
 
+# Number of vertices of the coarse meshes on which several starts are tried.
+_DRAFT_VERTICES = 1500
 # Strain at which robust weights fall, so that joints bend and the parts between them keep their lengths, and the stages
 # with these weights (docs/performance.md, Motions).
 _GIVE = 0.2
@@ -45,9 +47,6 @@ _NO_LIMB, _FINE_GROWN = 0.15, 0.5
 # Round-trip error, in sizes of the surface, at which the confidence is 0.6.
 _MISSED = 0.08
 _NO_PAIRS = np.empty((0, 2), np.int64)
-
-DRAFT_VERTICES = 1500
-"""Number of vertices of the coarse meshes on which several starts are tried."""
 
 
 @dataclass(frozen=True)
@@ -89,9 +88,14 @@ class GrownPair:
     fits: bool
 
 
+def draft_of(shape: Carrier, kept: NDArray[np.int64], control: Control) -> Carrier:
+    """Return the coarse mesh of a shape on which several starts are tried, with the vertices `kept`, (k,)."""
+    return coarser(shape, kept, _DRAFT_VERTICES, control)
+
+
 def grown_pair(shapes: tuple[Carrier, Carrier], control: Control) -> GrownPair | None:
     """Register two shapes to each other by growing; return None if too little of them coincides as they stand."""
-    drafts = both_ways(lambda k: coarser(shapes[k], np.empty(0, np.int64), DRAFT_VERTICES, control))
+    drafts = both_ways(lambda k: draft_of(shapes[k], _NO_PAIRS[:, 0], control))
     grown = both_ways(lambda k: grown_points(drafts[k], drafts[1 - k], control))
     if any(points is None for points in grown):
         return None
@@ -142,10 +146,7 @@ def laid_on_each_other(
         The map has no confidence at any vertex.
     """
     both = pairs, pairs[:, ::-1]
-    if grown is None:
-        drafts = both_ways(lambda k: coarser(shapes[k], both[k][:, 0], DRAFT_VERTICES, control))
-    else:
-        drafts = grown.drafts
+    drafts = both_ways(lambda k: draft_of(shapes[k], both[k][:, 0], control)) if grown is None else grown.drafts
     ends = np.stack([drafts[k].places(pairs[:, k]) for k in (0, 1)], axis=1)
     if starts is None:
         drafted, is_grown = [trusted(found) for found in grown.found], True

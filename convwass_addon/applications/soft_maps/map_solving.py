@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.mirror_planes import MirrorPlane
+from ...geometry.mirror_planes import MirrorPlanes
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import SoftMap, Surface
@@ -31,8 +31,6 @@ from .map_sides import MapSide
 from .soft_map_settings import SoftMapSettings
 from .surface_maps import SurfaceMap
 
-Mirrors = tuple[MirrorPlane, MirrorPlane]
-
 # Least number of coarse vertices of small components.
 _FEWEST_VERTICES = 60
 # Fractions of the work at which coarsening, comparing and solving end; the rest is the extension to all vertices.
@@ -45,7 +43,7 @@ def soft_map_steps(
     pairs: ArrayLike,
     settings: SoftMapSettings | None = None,
     control: Control = UNINTERRUPTED,
-    mirrors: Mirrors | None = None,
+    mirrors: MirrorPlanes | None = None,
 ) -> Work[SurfaceMap]:
     """Compute the soft map between two meshes.
 
@@ -120,7 +118,7 @@ def _matched(
     settings: SoftMapSettings,
     control: Control,
     parts: Parts,
-    mirrors: Mirrors | None,
+    mirrors: MirrorPlanes | None,
 ) -> Work[None]:
     """Solve the map between two matched components and add it to the whole map."""
     yield Progress(0.0, Sentence("Simplifying the meshes"))
@@ -162,7 +160,7 @@ def _solved(
     pairs: NDArray[np.int64],
     settings: SoftMapSettings,
     control: Control,
-    mirrors: Mirrors | None,
+    mirrors: MirrorPlanes | None,
 ) -> tuple[SoftMap, NDArray[np.float32]]:
     """Return the map of two coarse meshes, and the densities of the inverse direction, (n1, n0)."""
     here, there = (Surface(side.side.mesh.vertices, side.side.mesh.faces) for side in (source, target))

@@ -28,9 +28,9 @@ def cow():
 def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow, is_first):
     monkeypatch.setattr(map_survey, "_VERTICES", (120, 160))
     turned = cow.posed(cow.rest.vertices @ HALF.T)
-    poses = [(HALF, turned), (None, cow)]
-    found = drained(best_rough_map(poses[:: 1 if is_first else -1], turned, UNINTERRUPTED))
-    assert found.turn is HALF
+    poses = [(HALF, turned), (None, cow)][:: 1 if is_first else -1]
+    found = drained(best_rough_map([pose for _, pose in poses], turned, UNINTERRUPTED))
+    assert poses[found.pose][0] is HALF
     # Costs of shapes that have nothing in common are above 6.
     assert found.cost < 1.0
     for laid in found.starts:
