@@ -18,12 +18,10 @@ from numpy.typing import NDArray
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mirror_planes import MirrorPlanes, common_mirror_planes
+from .height_groups import Groups, height_groups
 
 # A map commutes with the reflections where both ways lead to points that are this close, in sizes of the surface.
 _CLOSE = 0.12
-# Weight of heights relative to sides. Without, a cactus becomes a child that stands on its head. With half, it stays
-# upright, as does a chair that becomes a man; from 0.7 on, a dog no longer becomes a bird symmetrically.
-_UPRIGHT = 0.5
 
 
 @dataclass(frozen=True)
@@ -47,20 +45,14 @@ class MirroredSides:
         planes = common_mirror_planes(first, second)
         return None if planes is None else cls((first, second), planes)
 
-    def groups(self, k: int) -> dict[str, NDArray[np.float64]]:
-        """Return how far to the left, to the right and up the vertices of shape k are, (n,) each, as group weights."""
+    def groups(self, k: int) -> Groups:
+        """Return how far to the left, to the right and up the vertices of shape k are, as group weights."""
         mesh = self.meshes[k]
-        beside, above = self.planes[k].heights(mesh.vertices), mesh.vertices[:, 2] - mesh.bounds[0, 2]
+        beside = self.planes[k].heights(mesh.vertices)
         # Vertices without triangles may be anywhere.
-        used = np.unique(mesh.faces)
-        beside, above = (
-            np.clip(own / max(np.abs(own[used]).max(), np.finfo(float).tiny), -1.0, 1.0) for own in (beside, above)
-        )
-        return {
-            "left": np.maximum(beside, 0.0),
-            "right": np.maximum(-beside, 0.0),
-            "up": _UPRIGHT * np.maximum(above, 0.0),
-        }
+        farthest = max(np.abs(beside[np.unique(mesh.faces)]).max(), np.finfo(float).tiny)
+        beside = np.clip(beside / farthest, -1.0, 1.0)
+        return {"left": np.maximum(beside, 0.0), "right": np.maximum(-beside, 0.0), **height_groups(mesh)}
 
     def of_coarser(self, meshes: tuple[TriangleMesh, TriangleMesh]) -> MirroredSides:
         """Return the sides of coarser meshes of the same shapes."""

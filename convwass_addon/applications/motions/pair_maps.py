@@ -19,6 +19,7 @@ from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..soft_maps.surface_maps import PointMap, SurfaceMap
 from .carriers import Carrier
 from .coinciding_places import coinciding_places
+from .height_groups import Groups, height_groups
 from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides
 
@@ -30,8 +31,8 @@ _ASTRAY = 0.15
 # Maximum number of maps with guides before all guides are left out, and the radius around a guide in which the
 # confidence of the map is averaged, in sizes of the surface.
 _TRIES, _AROUND = 4, 0.2
-# With this score, no other map is tried.
-_BEYOND_DOUBT = 0.9
+# With the first score, no other map is tried; with less than the second, one that prefers the same heights is.
+_BEYOND_DOUBT, _FAIR = 0.9, 0.5
 # Weight of the sides of symmetric shapes relative to everything else that distinguishes points. With 1, a dog becomes a
 # bird symmetrically on 0.63 to 0.81 of the surface, with 3 on 0.96, and with 10 on less, because limbs then fold.
 _SIDED = 3.0
@@ -163,24 +164,28 @@ def _without_guides(
     """Solve the map from each set of coinciding points in turn, then without any, until a score is high enough.
 
     Shapes may also coincide at points that do not correspond. If no score is high enough, the sets are tried again,
-    each without the points that contradict the map found without any.
+    each without the points that contradict the map found without any. If that does not help shapes without sides,
+    either, a map is solved that prefers the same heights: a tree would become a snowman upside down.
     """
     tried: list[PairMap] = []
+    groups = None if sides is None else (sides.groups(0), sides.groups(1))
 
-    def attempt(start: NDArray[np.int64]) -> Work[bool]:
-        begin, end = (number / (2 * len(seeds) + 1) for number in (len(tried), len(tried) + 1))
-        found = yield from within(_soft_map(first, second, start, settings, control, sides), begin, end)
+    def attempt(start: NDArray[np.int64], own: tuple[Groups, Groups] | None) -> Work[bool]:
+        begin, end = (number / (2 * len(seeds) + 2) for number in (len(tried), len(tried) + 1))
+        found = yield from within(_soft_map(first, second, start, settings, control, own), begin, end)
         tried.append(PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0))
         return tried[-1].score >= _BEYOND_DOUBT
 
     for start in (*seeds, _NO_PAIRS):
-        if (yield from attempt(start)):
+        if (yield from attempt(start, groups)):
             return tried[-1]
     plain = tried[-1].found
     for own in seeds:
         sound = _missed(first, second, plain, own) < _ASTRAY
-        if not sound.all() and sound.sum() >= _FEWEST and (yield from attempt(own[sound])):
+        if not sound.all() and sound.sum() >= _FEWEST and (yield from attempt(own[sound], groups)):
             return tried[-1]
+    if sides is None and max(one.score for one in tried) < _FAIR:
+        yield from attempt(_NO_PAIRS, (height_groups(first.mesh), height_groups(second.mesh)))
     return max(tried, key=lambda one: one.score)
 
 
@@ -188,8 +193,8 @@ def mirrored_map(
     first: Carrier, second: Carrier, settings: SoftMapSettings, control: Control, sides: MirroredSides | None
 ) -> Work[PairMap]:
     """Solve the map between two shapes without guides; with sides, it is attracted to what it is in the mirror."""
-    planes = None if sides is None else sides.planes
-    found = yield from _soft_map(first, second, _NO_PAIRS, settings, control, sides, planes)
+    groups, planes = (None, None) if sides is None else ((sides.groups(0), sides.groups(1)), sides.planes)
+    found = yield from _soft_map(first, second, _NO_PAIRS, settings, control, groups, planes)
     return PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0)
 
 
@@ -216,11 +221,11 @@ def _soft_map(
     pairs: NDArray[np.int64],
     settings: SoftMapSettings,
     control: Control,
-    sides: MirroredSides | None = None,
+    groups: tuple[Groups, Groups] | None = None,
     mirrors: MirrorPlanes | None = None,
 ) -> Work[SurfaceMap]:
-    groups = [{} if sides is None else sides.groups(k) for k in (0, 1)]
-    mapped = (MapSide(carrier.mesh, carrier.name, own) for carrier, own in zip((first, second), groups, strict=True))
+    own = groups or ({}, {})
+    mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate((first, second)))
     return soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control, mirrors)
 
 

@@ -1,0 +1,62 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps between two shapes that prefer the same heights where others are doubtful."""
+
+import numpy as np
+
+from assets.sculpting import ellipsoid, frustum, tube
+from benchmarks.sculptures import Sculpture
+from convwass_addon.applications.motions.carriers import carrier_of
+from convwass_addon.applications.motions.height_groups import height_groups
+from convwass_addon.applications.motions.mirrored_sides import MirroredSides
+from convwass_addon.applications.motions.pair_maps import pair_map
+from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.shapes import ball
+
+NO_PAIRS = np.empty((0, 2), np.int64)
+BRANCHES = ((0.3, 0.5, 0.9), (2.2, 0.45, 0.95), (4.1, 0.48, 0.85), (5.4, 0.4, 1.05), (1.2, 0.3, 1.2))
+
+
+def tree():
+    """A trunk and five branches, each with leaves at its end; not symmetric."""
+    clay = Sculpture(5)
+    clay.add(tube([(0, 0, 0), (0.02, 0, 0.5), (0, 0, 0.95)], [0.14, 0.1, 0.09], 4))
+    for angle, length, height in BRANCHES:
+        end = (np.cos(angle) * length, np.sin(angle) * length, height + 0.45)
+        clay.add(tube([(0, 0, height - 0.1), end], [0.07, 0.05], 1), 0.04)
+        clay.add(ellipsoid(end, (0.26, 0.26, 0.2)), 0.05)
+    return clay.mesh()
+
+
+def snowman():
+    """Three balls on top of each other, two arms, and a hat."""
+    clay = Sculpture(6)
+    for height, radius in ((0.4, 0.42), (0.95, 0.3), (1.35, 0.2)):
+        clay.add(ellipsoid((0, 0, height), (radius, radius, 0.95 * radius)), 0.04)
+    for side in (-1, 1):
+        clay.add(tube([(0, 0.25 * side, 1.0), (0, 0.7 * side, 1.25)], [0.04, 0.035], 1), 0.02)
+    clay.add(frustum((0, 0, 1.48), (0, 0, 1.8), (0.16, 0.16), 0.03), 0.02)
+    return clay.mesh()
+
+
+def test_heights_rise_from_the_lowest_vertex_to_half():
+    mesh = ball(points=200)
+    loose = TriangleMesh(np.concatenate([mesh.vertices + 7.0, [[0.0, 0.0, 99.0], [0.0, 0.0, -99.0]]]), mesh.faces)
+    up = height_groups(loose)["up"]
+    z = mesh.vertices[:, 2]
+    np.testing.assert_allclose(up[:-2], 0.5 * (z - z.min()) / np.ptp(z), atol=1e-12)
+    assert up[-2:].tolist() == [0.5, 0.0]
+
+
+def test_a_doubtful_map_stands_upright():
+    first, second = (
+        carrier_of(mesh, name, NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh, name in ((tree(), "t"), (snowman(), "s"))
+    )
+    assert MirroredSides.of(first.mesh, second.mesh) is None
+    found = drained(pair_map(first, second, NO_PAIRS, SoftMapSettings(vertices=400), UNINTERRUPTED))
+    z = first.mesh.vertices[:, 2]
+    low = found.found.forward.found & (z < z.min() + 0.15 * np.ptp(z))
+    there = found.found.forward.positions(second.mesh)[low, 2] - second.mesh.vertices[:, 2].min()
+    assert np.mean(there < 0.5 * np.ptp(second.mesh.vertices[:, 2])) > 0.9
