@@ -10,9 +10,9 @@ from itertools import chain
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import cKDTree
 
 from ..progress import UNINTERRUPTED, Control
+from .point_tree import point_tree
 
 # Least number of samples of a surface, such that large triangles have many, and number of samples per triangle.
 _SAMPLES, _SAMPLES_PER_TRIANGLE = 20_000, 1
@@ -129,7 +129,7 @@ class ClosestPointFinder:
             raise ValueError("corners must be finite numbers")
         samples = TriangleSamples.of(self._corners)
         self._owners, self._radius = samples.triangles, samples.radius
-        self._tree = cKDTree(samples.points, leafsize=32)
+        self._tree = point_tree(samples.points)
 
     def find(self, points: ArrayLike, control: Control = UNINTERRUPTED) -> ClosestPoints:
         """Find the closest point of the surface for each of `points`, (n, 3), which must be finite.

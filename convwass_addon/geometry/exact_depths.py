@@ -6,7 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
+
+from .point_tree import point_tree
 
 # Cells within this distance of the surface tell where it is; further out, distances are less exact.
 _NEAR = 0.55
@@ -40,7 +41,7 @@ def exact_depths(depth: NDArray[np.floating], cells: NDArray[np.int64]) -> NDArr
     surface = near - depth[tuple(near.T)][:, None] / steepness * slope
     normals = slope / np.sqrt(steepness)
     places = np.stack(np.unravel_index(cells, depth.shape), axis=1).astype(np.float64)
-    away, nearest = cKDTree(surface).query(places)
+    away, nearest = point_tree(surface).query(places)
     # The foot of the perpendicular is somewhere beside the nearest sample.
     from_plane = np.abs(((places - surface[nearest]) * normals[nearest]).sum(axis=1))
     away = np.maximum(from_plane, np.sqrt(np.maximum(away**2 - _BESIDE**2, 0.0)))

@@ -19,6 +19,7 @@ from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
+from .point_tree import point_tree
 
 # Points are looked up again if the cosine between their normal and the triangle's is below this.
 _AWAY = 0.2
@@ -89,7 +90,7 @@ class FacingPointFinder:
     ) -> None:
         """Replace some results by triangles that are close in position and normal."""
         if self._tree is None:
-            self._tree = cKDTree(np.concatenate([self._corners.mean(axis=1), self._turn * self._normals], axis=1))
+            self._tree = point_tree(np.concatenate([self._corners.mean(axis=1), self._turn * self._normals], axis=1))
         count = min(_CANDIDATES, len(self._corners))
         wanted = np.concatenate([points[again], self._turn * normals[again]], axis=1)
         candidates = self._tree.query(wanted, count)[1].reshape(len(again), count)
@@ -126,15 +127,6 @@ class FacingShape:
         return {"mesh": self.mesh}
 
 
-def oriented_tree(places: NDArray[np.float64]) -> cKDTree:
-    """Return a tree of positions and directions, (n, 6), that is asked about places near to them.
-
-    Surfaces fill little of six dimensions: nodes that are neither balanced nor shrunk to their points answer in four
-    fifths of the time near the surface and in half of it far away.
-    """
-    return cKDTree(places, leafsize=24, compact_nodes=False, balanced_tree=False)
-
-
 class OrientedSamples:
     """Finds points on one surface that are approximately closest in position and normal together.
 
@@ -155,7 +147,7 @@ class OrientedSamples:
         smooth = np.einsum("sc,mcd->msd", self._SHARES, normals[mesh.faces]) + triangle_normals(mesh.corners)[:, None]
         smooth /= np.maximum(np.linalg.norm(smooth, axis=2, keepdims=True), np.finfo(float).tiny)
         samples = np.einsum("sc,mcd->msd", self._SHARES, mesh.corners)
-        self._tree = oriented_tree(np.concatenate([samples, turn * smooth], axis=2).reshape(-1, 6))
+        self._tree = point_tree(np.concatenate([samples, turn * smooth], axis=2).reshape(-1, 6))
 
     def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> ClosestPoints:
         """Find a point for each of `points`, (n, 3), with unit normals, (n, 3): the closest on the nearest triangle."""

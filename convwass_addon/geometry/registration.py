@@ -17,8 +17,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .closest_points import ClosestPoints
-from .facing_points import oriented_tree
 from .normals import triangle_normals, vertex_normals
+from .point_tree import point_tree
 from .unit_shape import TURN, UnitShape
 
 # Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
@@ -200,7 +200,7 @@ class Registration:
 
     def _nearest(self, normals: NDArray[np.float64]) -> NDArray[np.int64]:
         """Return the source vertex nearest to each target vertex."""
-        tree = oriented_tree(np.concatenate([self.points, TURN * normals], axis=1))
+        tree = point_tree(np.concatenate([self.points, TURN * normals], axis=1))
         return tree.query(np.concatenate([self._target.vertices, TURN * self._target_normals], axis=1))[1]
 
     def images(self) -> ClosestPoints:

@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import dijkstra
-from scipy.spatial import cKDTree
 
 from ..progress import UNINTERRUPTED, Control
 from .edges import vertex_components
 from .mesh import TriangleMesh
 from .normals import vertex_normals
+from .point_tree import point_tree
 
 # Positions along the line between two samples that must lie in the solid, and how far outside they may be, relative to
 # the square root of the surface's area.
@@ -70,7 +70,7 @@ class SurfaceSamples:
         seeds = used[_farthest_points(mesh.vertices[used], min(count, len(used)))]
         control.check()
         size = float(np.sqrt(mesh.area))
-        pairs = cKDTree(mesh.vertices[seeds]).query_pairs(reach * size, output_type="ndarray").astype(np.int64)
+        pairs = point_tree(mesh.vertices[seeds]).query_pairs(reach * size, output_type="ndarray").astype(np.int64)
         pairs = np.unique(np.sort(pairs, axis=1), axis=0)
         apart = labels[seeds[pairs[:, 0]]] != labels[seeds[pairs[:, 1]]]
         kept = apart | _inside_solid(mesh, seeds[pairs], _OUTSIDE * size)
@@ -92,7 +92,7 @@ def _farthest_points(points: NDArray[np.float64], count: int) -> NDArray[np.int6
 
 def _inside_solid(mesh: TriangleMesh, ends: NDArray[np.int64], outside: float) -> NDArray[np.bool_]:
     """Return which lines between two vertices leave the solid by less than `outside`, (p,)."""
-    normals, tree = vertex_normals(mesh.vertices, mesh.faces), cKDTree(mesh.vertices)
+    normals, tree = vertex_normals(mesh.vertices, mesh.faces), point_tree(mesh.vertices)
     inside = np.ones(len(ends), bool)
     first, last = (mesh.vertices[ends[:, k]] for k in (0, 1))
     for share in _BETWEEN:
@@ -119,7 +119,7 @@ def _blended(mesh: TriangleMesh, seeds: NDArray[np.int64]) -> csr_array:
     place = np.full(count, -1)
     place[seeds] = np.arange(len(seeds))
     # Components without a seed use the nearest one.
-    own = np.where(np.isfinite(away), place[np.maximum(sources, 0)], cKDTree(points[seeds]).query(points)[1])
+    own = np.where(np.isfinite(away), place[np.maximum(sources, 0)], point_tree(points[seeds]).query(points)[1])
     blend = csr_array((np.ones(count), (np.arange(count), own)), shape=(count, len(seeds)))
     around = (uses > 0).astype(np.float64) + diags_array(np.ones(count))
     average = diags_array(1.0 / np.asarray(around.sum(axis=1)).ravel()) @ around

@@ -16,6 +16,7 @@ from scipy.spatial import cKDTree
 from ...geometry.closest_points import TriangleSamples
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
+from ...geometry.point_tree import point_tree
 from .layouts import Blend
 from .morph_problem import MorphFrame
 from .steady_topology import Leg
@@ -105,7 +106,7 @@ class MeasuredSurface:
     @cached_property
     def tree(self) -> cKDTree:
         """The search tree of the points; every surface is compared with the one before and the one after."""
-        return cKDTree(self.points)
+        return point_tree(self.points)
 
 
 @dataclass(frozen=True)
