@@ -20,6 +20,7 @@ from .limbs import is_compact
 from .mapped_pairs import DOUBTED, TRUSTED
 from .motion import Motion
 from .motion_request import MotionRequest
+from .promising_maps import may_map
 from .remaining_distance import remaining_share
 from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
 
@@ -45,8 +46,8 @@ _BODY = 0.1
 _CELLS = 32
 # Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
 _FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
-# Fraction of the work for the guided motion, if a warp follows.
-_GUIDED_SHARE = 0.4
+# Fractions of the work for a rough map, and for the guided motion, if a warp follows.
+_ROUGH_SHARE, _GUIDED_SHARE = 0.05, 0.4
 
 
 @dataclass(frozen=True)
@@ -116,10 +117,14 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     lets them merge with it.
     """
     compact = [not request.guides and is_compact(shape) for shape in request.shapes]
+    merges = all(compact[one] or compact[other] for one, other in request.pairs)
+    solid = MotionChoice("transport", "SOLID")
     if all(compact):
-        return (yield from _unmapped(MotionChoice("transport", "SOLID"), request, control))
+        return (yield from _unmapped(solid, request, control))
+    if merges and not (yield from within(_may_all_map(request, control), 0.0, _ROUGH_SHARE)):
+        return (yield from within(_unmapped(solid, request, control), _ROUGH_SHARE, 1.0))
     try:
-        guided = yield from within(_guided(request, control), 0.0, _GUIDED_SHARE)
+        guided = yield from within(_guided(request, control), _ROUGH_SHARE, _GUIDED_SHARE)
     except Cancelled:
         raise
     except _FAILURES as error:
@@ -134,7 +139,6 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     far = detour > _DETOUR
     # Where bodies divide or join far from each other, a map tears something.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
-    merges = all(compact[one] or compact[other] for one, other in request.pairs)
     if merges or score < DOUBTED or (far and divides and not request.guides):
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
@@ -142,6 +146,16 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     if far:
         return alone
     return (yield from within(_perhaps_warped(alone, guided, request, control), _GUIDED_SHARE, 1.0))
+
+
+def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:
+    """Return whether rough maps leave open that all pairs of shapes map onto each other beyond doubt."""
+    for number, pair in enumerate(request.pairs):
+        one, other = (request.shapes[shape] for shape in pair)
+        begin, end = (share / len(request.pairs) for share in (number, number + 1))
+        if not (yield from within(may_map(one, other, control), begin, end)):
+            return False
+    return True
 
 
 def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
-from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn, upright_turn_of_points
+from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..workers import one_blas_thread
 from .carriers import Carrier
+from .facing_turns import symmetric_turn, turned_carrier, turned_mesh
 from .guided_settings import GuidedSettings
 from .limbs import is_compact
 from .map_detour import map_detour
@@ -124,7 +125,7 @@ def mapped_pair(
     marked = (_about_center(carrier, pairs[:, side]) for side, carrier in enumerate((one, other)))
     turn = upright_turn_of_points(*marked)
     if turn is None:
-        turn = _symmetric_turn(one.mesh, other.mesh)
+        turn = symmetric_turn(one.mesh, other.mesh)
     found = [(yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.4))]
     if turn is not None:
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.4, 0.8)
@@ -153,14 +154,6 @@ def _rank(pair: MappedPair) -> tuple[int, float]:
     return len(pair.map.pairs), pair.merit
 
 
-def _symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
-    """Return the turn that brings a shape clearly closer to another, unless they lose a common mirror plane by it."""
-    turn = upright_turn(first, second)
-    if turn is None or MirroredSides.of(first, second) is None:
-        return turn
-    return None if MirroredSides.of(_turned(first, turn), second) is None else turn
-
-
 def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPair) -> list[NDArray[np.float64]]:
     """Return turns after which symmetric shapes may face the same way.
 
@@ -169,15 +162,11 @@ def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPai
     """
     if standing.symmetry is None:
         # After either of them, the planes are the same.
-        return [] if MirroredSides.of(_turned(first, _QUARTERS[0]), second) is None else _QUARTERS
+        return [] if MirroredSides.of(turned_mesh(first, _QUARTERS[0]), second) is None else _QUARTERS
     if not standing.is_lopsided:
         return []
     apart = distances_after(first, second, np.stack([np.eye(3), _HALF]))
     return [_HALF] if apart[1] <= _FARTHER * apart[0] else []
-
-
-def _turned(mesh: TriangleMesh, turn: NDArray[np.float64]) -> TriangleMesh:
-    return TriangleMesh(mesh.vertices @ turn.T, mesh.faces)
 
 
 def _about_center(carrier: Carrier, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -194,7 +183,7 @@ def _registered_from_survey(
     one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], control: Control
 ) -> Work[MappedPair]:
     """Register two shapes from the best of their rough maps, with the first one turned or as it stands."""
-    poses = [one if turn is None else _turned_carrier(one, turn) for turn in turns]
+    poses = [one if turn is None else turned_carrier(one, turn) for turn in turns]
     rough = yield from within(best_rough_map(poses, other, control), 0.0, 0.5)
     turn, pose = turns[rough.pose], poses[rough.pose]
     yield Progress(0.5, registering(one, other))
@@ -214,13 +203,8 @@ def _registered_turned(
     control: Control,
 ) -> Work[MappedPair]:
     """Register two shapes after turning the first one, (3, 3), about its center."""
-    found = yield from _registered(_turned_carrier(one, turn), other, pairs, settings, control)
+    found = yield from _registered(turned_carrier(one, turn), other, pairs, settings, control)
     return _turned_back(found, one, turn)
-
-
-def _turned_carrier(one: Carrier, turn: NDArray[np.float64]) -> Carrier:
-    center = one.mesh.area_center
-    return one.posed((one.rest.vertices - center) @ turn.T + center)
 
 
 def _turned_back(found: MappedPair, one: Carrier, turn: NDArray[np.float64]) -> MappedPair:

@@ -40,8 +40,9 @@ def work_of(outcome):
 
 @pytest.fixture
 def motions(monkeypatch):
-    def given(guided, warp=WARP, combined=COMBINED, left=0.4, by_warps=0.1, by_warp_alone=0.7):
-        for name, outcome in (("guided_motion", guided), ("warp_motion", warp), ("combined_motion", combined)):
+    def given(guided, warp=WARP, combined=COMBINED, left=0.4, by_warps=0.1, by_warp_alone=0.7, may_map=True):
+        outcomes = {"guided_motion": guided, "warp_motion": warp, "combined_motion": combined, "may_map": may_map}
+        for name, outcome in outcomes.items():
             monkeypatch.setattr(choosing, name, work_of(outcome))
         shares = {("guided", 0.5): left, ("combined", 0.5): by_warps, ("warp", 0.5): by_warp_alone}
         monkeypatch.setattr(choosing, "remaining_share", lambda motion, *_arguments: shares[motion])
@@ -171,6 +172,15 @@ def test_limbs_merge_with_a_shape_that_has_none(motions):
     assert choice(shapes=pair).record() == {"kind": "transport", **solid, "reason": "FAILED", "failure": "no memory"}
     motions(guided_with(0.95))
     assert choice(shapes=pair).kind == "guided"
+
+
+def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeless(motions):
+    """The rough map matters only there, and not with guides."""
+    motions(AssertionError("must not be asked for"), by_warp_alone=0.1, may_map=False)
+    assert choice(shapes=(BARBELL, box())).record() == {"kind": "warp", "reason": "SOLID", "left": 0.1}
+    motions(guided_with(0.95), may_map=False)
+    assert choice(shapes=(BARBELL, box()), guides=[{0: 7, 1: 7}]).kind == "guided"
+    assert choice().kind == "guided"
 
 
 def test_without_coherence_there_is_no_motion(motions):

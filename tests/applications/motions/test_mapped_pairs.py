@@ -5,7 +5,7 @@
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions import mapped_pairs
+from convwass_addon.applications.motions import facing_turns, mapped_pairs
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
@@ -148,7 +148,7 @@ def test_shapes_without_limbs_need_no_other_map(monkeypatch):
 def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch):
     shape = figure()[0]
     carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
-    monkeypatch.setattr(mapped_pairs, "upright_turn", lambda *_shapes: about_z(90.0))
+    monkeypatch.setattr(facing_turns, "upright_turn", lambda *_shapes: about_z(90.0))
     asked = registrations(monkeypatch, (0.6, 0.9, 1.0))
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
     assert len(asked) == 1
@@ -160,7 +160,7 @@ def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(mo
     shape = figure()[0]
     across = TriangleMesh(shape.vertices @ about_z(90.0).T, shape.faces)
     carriers = [carrier_of(mesh, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (shape, across)]
-    monkeypatch.setattr(mapped_pairs, "upright_turn", lambda *_shapes: None)
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     registrations(monkeypatch, (0.6, None, 1.0))
     asked = surveyed(monkeypatch, score, 0.5, 1.0, place=1)
     found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
@@ -171,6 +171,6 @@ def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(mo
 def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
     """Such as that of one body in two poses, one of which seems to face another way."""
     carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
-    monkeypatch.setattr(mapped_pairs, "_symmetric_turn", lambda *_shapes: about_z(180.0))
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.9, None, 1.0), (0.8, 1.0, 1.0))
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0

@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Turns about the vertical axis after which shapes may face the same way."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.upright_turns import upright_turn
+from .carriers import Carrier
+from .mirrored_sides import MirroredSides
+
+
+def symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
+    """Return the turn, (3, 3), that brings a shape clearly closer to another, if there is one.
+
+    Symmetric shapes with a common mirror plane are not turned out of it.
+    """
+    turn = upright_turn(first, second)
+    if turn is None or MirroredSides.of(first, second) is None:
+        return turn
+    return None if MirroredSides.of(turned_mesh(first, turn), second) is None else turn
+
+
+def turned_mesh(mesh: TriangleMesh, turn: NDArray[np.float64]) -> TriangleMesh:
+    """Return a mesh turned about the origin."""
+    return TriangleMesh(mesh.vertices @ turn.T, mesh.faces)
+
+
+def turned_carrier(shape: Carrier, turn: NDArray[np.float64]) -> Carrier:
+    """Return a shape turned about its center."""
+    center = shape.mesh.area_center
+    return shape.posed((shape.rest.vertices - center) @ turn.T + center)

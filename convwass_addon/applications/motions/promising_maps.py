@@ -1,0 +1,58 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Find out from a rough map whether two shapes may map onto each other beyond doubt."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...errors import InputError
+from ...geometry.mesh import TriangleMesh
+from ...progress import Control, Progress, Work, drained
+from ...sentence import Sentence
+from ..soft_maps.soft_map_settings import SoftMapSettings
+from ..workers import both_ways, one_blas_thread
+from .carriers import Carrier, carrier_of
+from .facing_turns import symmetric_turn, turned_carrier
+from .mirrored_sides import MirroredSides
+from .pair_maps import mirrored_map
+
+# Vertices of the meshes, and of the map between them.
+_CARRIER_VERTICES, _MAP_VERTICES = 1500, 240
+# Rods in different poses, heads with other ears, a snake and a rod, which map onto each other beyond doubt, have rough
+# scores of 0.90 and more; a ball and a ring, a cactus, a bird or a knot, two balls and one have 0.1 to 0.57.
+_PROMISING = 0.7
+_NO_VERTICES = np.empty(0, np.int64)
+
+
+def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work[bool]:
+    """Return whether a complete map of two shapes, as they stand or turned, is worth solving.
+
+    Parameters
+    ----------
+    first, second : TriangleMesh
+        The shapes, in scene units.
+    control : Control
+        Stops the work.
+    """
+    yield Progress(0.0, Sentence("Comparing the shapes"))
+    with one_blas_thread():
+        try:
+            one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
+            turn = symmetric_turn(one.mesh, other.mesh)
+            poses = [one] if turn is None else [one, turned_carrier(one, turn)]
+            return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)
+        except InputError:
+            # The complete map tells the user what is wrong.
+            return True
+
+
+def _rough_score(one: Carrier, other: Carrier, control: Control) -> float:
+    """Return the better score of two maps, from either shape to the other one."""
+
+    def score(k: int) -> float:
+        ends = (one, other)[:: 1 - 2 * k]
+        sides = MirroredSides.of(ends[0].mesh, ends[1].mesh)
+        return drained(mirrored_map(*ends, SoftMapSettings(vertices=_MAP_VERTICES), control, sides)).score
+
+    return max(both_ways(score))

@@ -1,0 +1,53 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A rough map tells whether a complete one is worth solving."""
+
+import numpy as np
+import pytest
+
+from assets.sculpting import tube
+from benchmarks.sculptures import Sculpture
+from convwass_addon.applications.motions import promising_maps
+from convwass_addon.applications.motions.promising_maps import may_map
+from convwass_addon.errors import Cancelled
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.upright_turns import rotation_about_z
+from convwass_addon.progress import UNINTERRUPTED, Control, drained
+from tests.shapes import ball, torus
+
+
+def rod(angle):
+    """A rod on an arc of the given angle."""
+    turns = np.linspace(-0.5, 0.5, 16) * angle
+    arc = np.stack([2.0 * np.sin(turns) / angle, 2.0 * (1.0 - np.cos(turns)) / angle, 0.0 * turns], axis=1)
+    clay = Sculpture(5)
+    clay.add(tube(arc, [0.12] * len(arc), 1))
+    return clay.mesh(3000)
+
+
+def promising(first, second, control=UNINTERRUPTED):
+    return drained(may_map(first, second, control))
+
+
+def test_a_straight_rod_may_map_to_a_bent_one_but_a_ball_not_to_a_ring():
+    assert promising(rod(0.01), rod(3.5))
+    assert not promising(ball(), torus())
+
+
+def test_rods_that_cross_are_turned(monkeypatch):
+    bent = rod(3.5)
+    across = TriangleMesh(bent.vertices @ rotation_about_z(0.5 * np.pi).T, bent.faces)
+    assert promising(rod(0.01), across)
+    monkeypatch.setattr(promising_maps, "symmetric_turn", lambda *_shapes: None)
+    assert not promising(rod(0.01), across)
+
+
+def test_what_cannot_be_mapped_is_left_to_the_complete_map():
+    assert promising(ball(), TriangleMesh(np.zeros((3, 3)), np.array([[0, 1, 2]])))
+
+
+def test_it_can_be_cancelled():
+    control = Control()
+    control.cancel()
+    with pytest.raises(Cancelled):
+        promising(ball(), torus(), control)
