@@ -153,8 +153,14 @@ def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:
     for number, pair in enumerate(request.pairs):
         one, other = (request.shapes[shape] for shape in pair)
         begin, end = (share / len(request.pairs) for share in (number, number + 1))
-        if not (yield from within(may_map(one, other, control), begin, end)):
-            return False
+        try:
+            if not (yield from within(may_map(one, other, control), begin, end)):
+                return False
+        except Cancelled:
+            raise
+        except _FAILURES:
+            # The complete map fails, too, and says why, or it is better off with more vertices.
+            continue
     return True
 
 

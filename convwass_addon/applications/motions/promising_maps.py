@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
@@ -34,17 +33,18 @@ def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work
         The shapes, in scene units.
     control : Control
         Stops the work.
+
+    Raises
+    ------
+    InputError
+        The meshes cannot be mapped.
     """
     yield Progress(0.0, Sentence("Comparing the shapes"))
     with one_blas_thread():
-        try:
-            one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
-            turn = symmetric_turn(one.mesh, other.mesh)
-            poses = [one] if turn is None else [one, turned_carrier(one, turn)]
-            return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)
-        except InputError:
-            # The complete map tells the user what is wrong.
-            return True
+        one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
+        turn = symmetric_turn(one.mesh, other.mesh)
+        poses = [one] if turn is None else [one, turned_carrier(one, turn)]
+        return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)
 
 
 def _rough_score(one: Carrier, other: Carrier, control: Control) -> float:

@@ -10,7 +10,7 @@ import pytest
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
-from convwass_addon.errors import InputError, ResourceError
+from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball, box, joined, square
@@ -181,6 +181,12 @@ def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeles
     motions(guided_with(0.95), may_map=False)
     assert choice(shapes=(BARBELL, box()), guides=[{0: 7, 1: 7}]).kind == "guided"
     assert choice().kind == "guided"
+    for failure in (InputError("too coarse"), np.linalg.LinAlgError("singular")):
+        motions(guided_with(0.95), may_map=failure)
+        assert choice(shapes=(BARBELL, box())).kind == "guided"
+    motions(guided_with(0.95), may_map=Cancelled("Cancelled."))
+    with pytest.raises(Cancelled):
+        choice(shapes=(BARBELL, box()))
 
 
 def test_without_coherence_there_is_no_motion(motions):

@@ -42,10 +42,6 @@ def test_rods_that_cross_are_turned(monkeypatch):
     assert not promising(rod(0.01), across)
 
 
-def test_what_cannot_be_mapped_is_left_to_the_complete_map():
-    assert promising(ball(), TriangleMesh(np.zeros((3, 3)), np.array([[0, 1, 2]])))
-
-
 def test_it_can_be_cancelled():
     control = Control()
     control.cancel()
