@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from hypothesis import given, settings, strategies as st
+from hypothesis import example, given, settings, strategies as st
 from scipy.ndimage import gaussian_filter
 
 from convwass_addon.errors import InputError
@@ -114,11 +114,14 @@ def test_volume_of_a_density_of_two_values(volume):
 
 
 @settings(max_examples=20, deadline=None)
-@given(st.integers(0, 2**32 - 1), st.floats(0.7, 0.95))
+@given(st.integers(0, 2**32 - 1), st.floats(0.05, 0.95))
+@example(seed=15953, share=0.05)
 def test_volume_of_blocks_of_one_value(seed, share):
     """Between the only value and the surrounding zero, there is nothing to count."""
     density = blocks((4, 5, 4), 4, [0.0, 2.5], seed)
-    volume = share * np.count_nonzero(density)
+    # Blocks that touch lose less at the highest level, and gain less at the lowest one, than single ones.
+    least, most = (surface_at_level(density, level).mesh.volume for level in (2.49, 0.01))
+    volume = least + share * (min(most, 0.95 * np.count_nonzero(density)) - least)
     assert surface_enclosing(density, volume).mesh.volume == pytest.approx(volume, rel=2e-3)
 
 
