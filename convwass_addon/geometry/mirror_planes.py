@@ -8,11 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from .closest_points import TriangleSamples
 from .mesh import TriangleMesh
 from .normals import triangle_normals
+from .point_tree import point_tree
 
 # Number of planes tried, number of points of a shape that are mirrored, and the largest distance that is measured.
 _PLANES, _SAMPLES, _FARTHEST = 24, 500, 0.15
@@ -89,7 +89,7 @@ def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     samples, size = TriangleSamples.of(mesh.corners), np.sqrt(mesh.area)
     points = (samples.points - mesh.area_center) / size
     normals = triangle_normals(mesh.corners)[samples.triangles]
-    tree = cKDTree(np.hstack([points, _NORMALS * normals]))
+    tree = point_tree(np.hstack([points, _NORMALS * normals]))
     # Small triangles have more samples than large ones of the same total area.
     shares = samples.divided(mesh.face_areas) / mesh.area
     chosen = np.random.default_rng(0).choice(len(points), _SAMPLES, p=shares)

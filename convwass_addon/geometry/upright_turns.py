@@ -6,10 +6,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from .mesh import TriangleMesh
 from .normals import vertex_normals
+from .point_tree import point_tree
 from .rotation_fields import rotation_matrices
 
 # Number of turns tried, and number of vertices of each shape that are compared.
@@ -77,11 +77,11 @@ def distances_after(source: TriangleMesh, target: TriangleMesh, turns: NDArray[n
     """Return the mean distance of two shapes, both ways, after turns of the first one, (k, 3, 3), in sizes, (k,)."""
     points, normals, areas = _samples(source)
     others, facing, shares = _samples(target)
-    there = cKDTree(np.hstack([others, _NORMALS * facing]))
+    there = point_tree(np.hstack([others, _NORMALS * facing]))
     found = []
     for turn in turns:
         turned = np.hstack([points @ turn.T, _NORMALS * normals @ turn.T])
-        ahead, back = there.query(turned)[0], cKDTree(turned).query(there.data)[0]
+        ahead, back = there.query(turned)[0], point_tree(turned).query(there.data)[0]
         found.append(0.5 * (areas @ ahead + shares @ back))
     return np.array(found)
 

@@ -119,12 +119,13 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     compact = [not request.guides and is_compact(shape) for shape in request.shapes]
     merges = all(compact[one] or compact[other] for one, other in request.pairs)
     solid = MotionChoice("transport", "SOLID")
+    begin = _ROUGH_SHARE if merges else 0.0
     if all(compact):
         return (yield from _unmapped(solid, request, control))
-    if merges and not (yield from within(_may_all_map(request, control), 0.0, _ROUGH_SHARE)):
-        return (yield from within(_unmapped(solid, request, control), _ROUGH_SHARE, 1.0))
+    if merges and not (yield from within(_may_all_map(request, control), 0.0, begin)):
+        return (yield from within(_unmapped(solid, request, control), begin, 1.0))
     try:
-        guided = yield from within(_guided(request, control), _ROUGH_SHARE, _GUIDED_SHARE)
+        guided = yield from within(_guided(request, control), begin, _GUIDED_SHARE)
     except Cancelled:
         raise
     except _FAILURES as error:

@@ -54,6 +54,16 @@ class MirroredSides:
         beside = np.clip(beside / farthest, -1.0, 1.0)
         return {"left": np.maximum(beside, 0.0), "right": np.maximum(-beside, 0.0), **height_groups(mesh)}
 
+    @property
+    def swapped(self) -> MirroredSides:
+        """The sides of the same two shapes in the other order."""
+        return MirroredSides(self.meshes[::-1], self.planes[::-1])
+
+    @property
+    def both_groups(self) -> tuple[Groups, Groups]:
+        """The groups of both shapes."""
+        return self.groups(0), self.groups(1)
+
     def of_coarser(self, meshes: tuple[TriangleMesh, TriangleMesh]) -> MirroredSides:
         """Return the sides of coarser meshes of the same shapes."""
         return MirroredSides(meshes, self.planes)

@@ -168,7 +168,7 @@ def _without_guides(
     either, a map is solved that prefers the same heights: a tree would become a snowman upside down.
     """
     tried: list[PairMap] = []
-    groups = None if sides is None else (sides.groups(0), sides.groups(1))
+    groups = None if sides is None else sides.both_groups
 
     def attempt(start: NDArray[np.int64], own: tuple[Groups, Groups] | None) -> Work[bool]:
         begin, end = (number / (2 * len(seeds) + 2) for number in (len(tried), len(tried) + 1))
@@ -193,7 +193,7 @@ def mirrored_map(
     first: Carrier, second: Carrier, settings: SoftMapSettings, control: Control, sides: MirroredSides | None
 ) -> Work[PairMap]:
     """Solve the map between two shapes without guides; with sides, it is attracted to what it is in the mirror."""
-    groups, planes = (None, None) if sides is None else ((sides.groups(0), sides.groups(1)), sides.planes)
+    groups, planes = (None, None) if sides is None else (sides.both_groups, sides.planes)
     found = yield from _soft_map(first, second, _NO_PAIRS, settings, control, groups, planes)
     return PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0)
 

@@ -49,10 +49,11 @@ def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work
 
 def _rough_score(one: Carrier, other: Carrier, control: Control) -> float:
     """Return the better score of two maps, from either shape to the other one."""
+    sides = MirroredSides.of(one.mesh, other.mesh)
+    ways = (one, other, sides), (other, one, None if sides is None else sides.swapped)
 
     def score(k: int) -> float:
-        ends = (one, other)[:: 1 - 2 * k]
-        sides = MirroredSides.of(ends[0].mesh, ends[1].mesh)
-        return drained(mirrored_map(*ends, SoftMapSettings(vertices=_MAP_VERTICES), control, sides)).score
+        first, second, kept = ways[k]
+        return drained(mirrored_map(first, second, SoftMapSettings(vertices=_MAP_VERTICES), control, kept)).score
 
     return max(both_ways(score))
