@@ -8,8 +8,6 @@ coinciding points with similar normals resolve that.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array
@@ -27,31 +25,19 @@ from .mesh_parts import mesh_edges
 _APART, _FACING = 0.02, 0.8
 # Shapes coincide if at least this fraction of their surfaces does.
 _LEAST_SHARE = 0.03
-# If this fraction of the surfaces coincides as they stand, no other placement is tried.
-_ENOUGH = 0.25
 _PAIRS = 8
 
 
-def coinciding_places(first: TriangleMesh, second: TriangleMesh) -> list[NDArray[np.int64]]:
-    """Find points where two shapes coincide: as they stand, and with centers and sizes made equal.
+def coinciding_places(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.int64]:
+    """Find points where two shapes coincide as they stand, or else with centers and sizes made equal.
 
     Returns
     -------
-    list of (k, 2) int64
-        For each placement in which the shapes coincide, a few pairs of coinciding vertices, far apart from each other.
+    (k, 2) int64
+        A few pairs of coinciding vertices, far apart from each other; none if too little coincides.
     """
     placed = _found(first, first.vertices, second, second.vertices)
-    if placed.share >= _ENOUGH:
-        return [placed.pairs]
-    return [way.pairs for way in (placed, _found(first, _unit(first), second, _unit(second))) if len(way.pairs)]
-
-
-@dataclass(frozen=True)
-class _Places:
-    """Coinciding vertices of two meshes, (k, 2), and the fraction of the first surface that coincides."""
-
-    pairs: NDArray[np.int64]
-    share: float
+    return placed if len(placed) else _found(first, _unit(first), second, _unit(second))
 
 
 def _unit(mesh: TriangleMesh) -> NDArray[np.float64]:
@@ -62,15 +48,14 @@ def _unit(mesh: TriangleMesh) -> NDArray[np.float64]:
 
 def _found(
     first: TriangleMesh, points: NDArray[np.float64], second: TriangleMesh, others: NDArray[np.float64]
-) -> _Places:
+) -> NDArray[np.int64]:
     region, nearest = coinciding_region(first, points, second, others)
-    share = float(first.vertex_areas @ region / first.area)
     places = np.flatnonzero(region)
-    if share < _LEAST_SHARE or len(places) < _PAIRS:
-        return _Places(np.empty((0, 2), np.int64), share)
+    if first.vertex_areas @ region < _LEAST_SHARE * first.area or len(places) < _PAIRS:
+        return np.empty((0, 2), np.int64)
     chosen = places[far_apart(points[places], _PAIRS)]
     partners, once = np.unique(nearest[chosen], return_index=True)
-    return _Places(np.stack([chosen[once], partners], axis=1), share)
+    return np.stack([chosen[once], partners], axis=1)
 
 
 def coinciding_region(

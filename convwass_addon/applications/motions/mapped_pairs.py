@@ -29,7 +29,7 @@ from .limbs import is_compact
 from .map_detour import map_detour
 from .map_survey import best_rough_map
 from .mirrored_sides import MirroredSides
-from .pair_maps import PairMap, pair_map
+from .pair_maps import DOUBTED, PairMap, pair_map
 from .pair_registration import LaidPair, grown_pair, laid_on_each_other
 
 # Fractions of the work after the grown registration, and after solving the map.
@@ -51,8 +51,6 @@ _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -
 
 TRUSTED = 0.88
 """With this score, shapes map onto each other beyond doubt; chosen by eye on pairs of the benchmark."""
-DOUBTED = 0.2
-"""With a lower score, there is no good map; chosen by eye, too."""
 
 
 @dataclass(frozen=True)

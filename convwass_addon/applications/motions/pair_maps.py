@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -31,14 +30,17 @@ _ASTRAY = 0.15
 # Maximum number of maps with guides before all guides are left out, and the radius around a guide in which the
 # confidence of the map is averaged, in sizes of the surface.
 _TRIES, _AROUND = 4, 0.2
-# With the first score, no other map is tried; with less than the second, one that prefers the same heights is.
-_BEYOND_DOUBT, _FAIR = 0.9, 0.5
+# With this score, a map from guides alone is good enough.
+_BEYOND_DOUBT = 0.9
+# With a lower score, a map that prefers the same heights is tried.
+_FAIR = 0.5
 # Weight of the sides of symmetric shapes relative to everything else that distinguishes points. With 1, a dog becomes a
 # bird symmetrically on 0.63 to 0.81 of the surface, with 3 on 0.96, and with 10 on less, because limbs then fold.
 _SIDED = 3.0
-# Fewer coinciding points do not determine the orientation of the shapes.
-_FEWEST = 4
 _NO_PAIRS = np.empty((0, 2), np.int64)
+
+DOUBTED = 0.2
+"""With a lower score, there is no good map; chosen by eye on pairs of the benchmark."""
 
 
 @dataclass(frozen=True)
@@ -110,16 +112,16 @@ def pair_map(
     seeds = coinciding_places(first.mesh, second.mesh)
     if not len(pairs):
         return (yield from _without_guides(first, second, seeds, settings, control, sides))
-    plain = yield from within(_soft_map(first, second, _NO_PAIRS, settings, control), 0.0, 0.2)
-    without = _score(first, second, plain)
-    sound = _missed(first, second, plain, pairs) < _ASTRAY
+    plain = yield from within(_solved(first, second, _NO_PAIRS, settings, control), 0.0, 0.2)
+    plain = replace(plain, score_without=plain.score, guides=len(pairs))
+    sound = _missed(first, second, plain.found, pairs) < _ASTRAY
     chosen, begin = pairs, 0.2
     for number in range(_TRIES):
         work = _with_guides(first, second, chosen, seeds, settings, control)
         found = yield from within(work, begin, begin + 0.5 * (1.0 - begin))
         begin += 0.5 * (1.0 - begin)
-        if found.score >= without - _MARGIN:
-            return replace(found, score_without=without, guides=len(pairs))
+        if found.score >= plain.score - _MARGIN:
+            return replace(found, score_without=plain.score, guides=len(pairs))
         if number == 0 and 2 * sound.sum() >= len(pairs) > sound.sum():
             # Most guides agree with the map without guides.
             chosen = pairs[sound]
@@ -130,24 +132,26 @@ def pair_map(
             chosen = np.delete(chosen, around.argmin(), axis=0)
         else:
             break
-    return PairMap(plain, pairs[:0], without, without, len(pairs))
+    return plain
 
 
 def _with_guides(
     first: Carrier,
     second: Carrier,
     pairs: NDArray[np.int64],
-    seeds: Sequence[NDArray[np.int64]],
+    seeds: NDArray[np.int64],
     settings: SoftMapSettings,
     control: Control,
 ) -> Work[PairMap]:
     """Solve the map from the guides, also together with coinciding points, and return the better one."""
-    starts = [pairs, *(np.concatenate([pairs, _beside(own, pairs, first, second)]) for own in seeds[:1])]
+    starts = [pairs]
+    if len(seeds):
+        starts.append(np.concatenate([pairs, _beside(seeds, pairs, first, second)]))
     tried = []
     for number, start in enumerate(starts):
         begin, end = number / len(starts), (number + 1) / len(starts)
-        found = yield from within(_soft_map(first, second, start, settings, control), begin, end)
-        tried.append(PairMap(found, pairs, _score(first, second, found), None, len(pairs)))
+        found = yield from within(_solved(first, second, start, settings, control), begin, end)
+        tried.append(replace(found, pairs=pairs))
         if tried[-1].score >= _BEYOND_DOUBT:
             break
     return max(tried, key=lambda one: one.score)
@@ -156,37 +160,25 @@ def _with_guides(
 def _without_guides(
     first: Carrier,
     second: Carrier,
-    seeds: Sequence[NDArray[np.int64]],
+    seeds: NDArray[np.int64],
     settings: SoftMapSettings,
     control: Control,
     sides: MirroredSides | None,
 ) -> Work[PairMap]:
-    """Solve the map from each set of coinciding points in turn, then without any, until a score is high enough.
+    """Solve the map from coinciding points, or without any.
 
-    Shapes may also coincide at points that do not correspond. If no score is high enough, the sets are tried again,
-    each without the points that contradict the map found without any. If that does not help shapes without sides,
-    either, a map is solved that prefers the same heights: a tree would become a snowman upside down.
+    If there is no good map, points that coincide may not correspond, and the map is also solved without them. Shapes
+    without sides are mapped once more if the score is low, with a preference for the same heights: a tree would become
+    a snowman upside down.
     """
-    tried: list[PairMap] = []
     groups = None if sides is None else sides.both_groups
-
-    def attempt(start: NDArray[np.int64], own: tuple[Groups, Groups] | None) -> Work[bool]:
-        begin, end = (number / (2 * len(seeds) + 2) for number in (len(tried), len(tried) + 1))
-        found = yield from within(_soft_map(first, second, start, settings, control, own), begin, end)
-        tried.append(PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0))
-        return tried[-1].score >= _BEYOND_DOUBT
-
-    for start in (*seeds, _NO_PAIRS):
-        if (yield from attempt(start, groups)):
-            return tried[-1]
-    plain = tried[-1].found
-    for own in seeds:
-        sound = _missed(first, second, plain, own) < _ASTRAY
-        if not sound.all() and sound.sum() >= _FEWEST and (yield from attempt(own[sound], groups)):
-            return tried[-1]
+    tried = [(yield from within(_solved(first, second, seeds, settings, control, groups), 0.0, 0.5))]
+    if len(seeds) and tried[0].score < DOUBTED:
+        tried.append((yield from within(_solved(first, second, _NO_PAIRS, settings, control, groups), 0.5, 0.75)))
     if sides is None and max(one.score for one in tried) < _FAIR:
-        yield from attempt(_NO_PAIRS, (height_groups(first.mesh), height_groups(second.mesh)))
-    return max(tried, key=lambda one: one.score)
+        heights = height_groups(first.mesh), height_groups(second.mesh)
+        tried.append((yield from within(_solved(first, second, seeds, settings, control, heights), 0.75, 1.0)))
+    return replace(max(tried, key=lambda one: one.score), pairs=_NO_PAIRS)
 
 
 def mirrored_map(
@@ -194,8 +186,7 @@ def mirrored_map(
 ) -> Work[PairMap]:
     """Solve the map between two shapes without guides; with sides, it is attracted to what it is in the mirror."""
     groups, planes = (None, None) if sides is None else (sides.both_groups, sides.planes)
-    found = yield from _soft_map(first, second, _NO_PAIRS, settings, control, groups, planes)
-    return PairMap(found, _NO_PAIRS, _score(first, second, found), None, 0)
+    return _solved(first, second, _NO_PAIRS, settings, control, groups, planes)
 
 
 def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
@@ -215,7 +206,7 @@ def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], first: Carrier, 
     return seeds[far]
 
 
-def _soft_map(
+def _solved(
     first: Carrier,
     second: Carrier,
     pairs: NDArray[np.int64],
@@ -223,10 +214,12 @@ def _soft_map(
     control: Control,
     groups: tuple[Groups, Groups] | None = None,
     mirrors: MirrorPlanes | None = None,
-) -> Work[SurfaceMap]:
+) -> Work[PairMap]:
+    """Solve the map from pairs, (k, 2)."""
     own = groups or ({}, {})
     mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate((first, second)))
-    return soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control, mirrors)
+    found = yield from soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control, mirrors)
+    return PairMap(found, pairs, _score(first, second, found), None, 0)
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
