@@ -55,6 +55,20 @@ def test_equal_balls_are_translated():
     np.testing.assert_allclose(signals["volume_change"], 1.0, atol=0.1)
 
 
+def test_a_ball_grows_to_a_larger_one():
+    """A similarity: halfway, both have the mean radius."""
+    small, large = ball(points=300), ball(points=300, radius=3.0, center=(5.0, 0.0, 0.0))
+    motion = warp([small, large])
+    for t in (0.25, 0.5):
+        middle = t * motion.lattice.centers[1] + (1.0 - t) * motion.lattice.centers[0]
+        for shape in motion.moved((1.0 - t, t)):
+            radii = np.linalg.norm(shape.vertices - middle, axis=1)
+            np.testing.assert_allclose(radii, 1.0 + 2.0 * t, rtol=0.03)
+    assert motion.record()["pairs"][0]["length_left"] < 0.1
+    apart = motion.with_coherence(0.0).moved((0.5, 0.5))
+    assert [np.ptp(shape.vertices, axis=0).max() for shape in apart] == pytest.approx([2.0, 6.0], rel=0.02)
+
+
 def test_solids_that_fill_the_grid_get_fewer_cells():
     first, second = (ball(points=300, radius=radius) for radius in (1.0, 0.9))
     motion = warp([first, second], effort=WarpEffort(cells=48, rounds=2, filled=3000))

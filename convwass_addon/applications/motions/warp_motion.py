@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.centroid import centroid
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.subdivision import Subdivision, with_short_edges
@@ -28,6 +29,8 @@ from .warped_shape import Course, WarpedShape
 
 # Blur, in cells, that determines the margin of the warp's grid.
 _SIGMA = 1.5
+# Cells along the longest side of a shape when its volume is measured.
+_COARSE = 32
 # Longest edge of a moved mesh, in cells.
 _LONGEST_EDGE = 0.7
 # Subdivision stops at this number of vertices; larger meshes are moved as they are.
@@ -72,7 +75,8 @@ class WarpMotion:
     For weights w, shape i moves towards the others by a blend of its courses: parts rotate between their positions at
     rest and at the end of each course (:class:`...geometry.solid_blend.SolidBlend`). A detour leads through the
     positions where shapes meet, by (w_i + w_j) sin^2(pi w_j / (w_i + w_j)) times its fraction for each other shape j.
-    For two shapes that is sin^2(pi t).
+    For two shapes that is sin^2(pi t). All this takes place at equal volume, because warps preserve volume; sizes are
+    interpolated.
 
     Attributes
     ----------
@@ -83,7 +87,9 @@ class WarpMotion:
     shapes : tuple of WarpedShape
         The shapes in cells.
     lattice : Lattice
-        The grid.
+        The grid, on which all shapes have the same volume.
+    sizes : (k,) float64
+        By how much longer the shapes are in the scene than at that volume.
     coherence : float
         From 0, where shapes are only moved to a common position, to 1, where they move most like one body.
     signals : dict
@@ -94,6 +100,7 @@ class WarpMotion:
     rests: tuple[Subdivision, ...]
     shapes: tuple[WarpedShape, ...]
     lattice: Lattice
+    sizes: NDArray[np.float64]
     coherence: float
     signals: dict[tuple[int, int], WarpSignals]
 
@@ -138,14 +145,20 @@ class WarpMotion:
         if weights[index] == 1.0:
             return MovedShape(rest, rest.vertices, parents)
         middle = np.asarray(weights, np.float64) @ self.lattice.centers
-        vertices = self.cells(index, weights) * self.lattice.spacing + self.lattice.origin + middle
-        return MovedShape(rest, vertices, parents)
+        pace = self._pace
+        size = (1.0 - pace) * self.sizes[index] + pace * (np.asarray(weights, np.float64) @ self.sizes)
+        offsets = self.cells(index, weights) * self.lattice.spacing + self.lattice.origin
+        return MovedShape(rest, size * offsets + middle, parents)
+
+    @property
+    def _pace(self) -> float:
+        """The fraction of the motion that is applied."""
+        return min(self.coherence / FULL_COHERENCE, 1.0)
 
     def cells(self, index: int, weights: Sequence[float]) -> NDArray[np.float64]:
-        """Return the vertices of a shape in the blend with these weights, (n, 3) in cells."""
-        pace = min(self.coherence / FULL_COHERENCE, 1.0)
+        """Return the vertices of a shape in the blend with these weights, (n, 3) in cells, at the common volume."""
         detour = _DETOUR + (1.0 - _DETOUR) * max(self.coherence - FULL_COHERENCE, 0.0) / (1.0 - FULL_COHERENCE)
-        return self.shapes[index].at(weights, index, pace, detour)
+        return self.shapes[index].at(weights, index, self._pace, detour)
 
 
 def warp_motion(
@@ -183,13 +196,18 @@ def warp_motion(
         if not len(shape.faces):
             raise InputError("'{name}' has no faces, so there is nothing to move. Use a mesh with faces.", name=name)
     outward = [orient_outward(shape) for shape in shapes]
-    lattice = _lattice(outward, effort)
-    solids = [_filled(lattice.to_cells(shape, index), lattice) for index, shape in enumerate(outward)]
-    rests = [with_short_edges(shape, _LONGEST_EDGE * lattice.spacing, _MOST_VERTICES) for shape in outward]
-    warped = [
-        WarpedShape((rest.mesh.vertices - center - lattice.origin) / lattice.spacing, solid)
-        for rest, center, solid in zip(rests, lattice.centers, solids, strict=True)
+    sizes = _sizes(outward)
+    lattice = _lattice([_scaled(shape, 1.0 / size) for shape, size in zip(outward, sizes, strict=True)], effort)
+    rests = [
+        with_short_edges(shape, _LONGEST_EDGE * size * lattice.spacing, _MOST_VERTICES)
+        for shape, size in zip(outward, sizes, strict=True)
     ]
+    points = [
+        ((rest.mesh.vertices - center) / size - lattice.origin) / lattice.spacing
+        for rest, center, size in zip(rests, lattice.centers, sizes, strict=True)
+    ]
+    solids = [_filled(own[rest.mesh.faces], lattice) for own, rest in zip(points, rests, strict=True)]
+    warped = [WarpedShape(own, solid) for own, solid in zip(points, solids, strict=True)]
     wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     courses: list[dict[int, Course]] = [{} for _ in shapes]
     errors = {}
@@ -202,10 +220,28 @@ def warp_motion(
         errors[i, j] = inverse_error(warped[i].nodes.positions, courses[i][j], flows, control)
     for shape, own in zip(warped, courses, strict=True):
         shape.take(own)
-    motion = WarpMotion(tuple(names), tuple(rests), tuple(warped), lattice, coherence, dict.fromkeys(wanted))
+    motion = WarpMotion(tuple(names), tuple(rests), tuple(warped), lattice, sizes, coherence, dict.fromkeys(wanted))
     for pair in wanted:
         motion.signals[pair] = _signals(motion, pair, solids, errors[pair], control)
     return motion
+
+
+def _sizes(shapes: Sequence[TriangleMesh]) -> NDArray[np.float64]:
+    """Return the cube roots of the volumes of solids, (k,), over their geometric mean."""
+    logs = np.log([_volume(shape) for shape in shapes]) / 3.0
+    return np.exp(logs - logs.mean())
+
+
+def _volume(shape: TriangleMesh) -> float:
+    """Return the volume of a shape, which may be open or a thin sheet."""
+    alone = Lattice.around([shape], _COARSE, _SIGMA)
+    return float(_filled(alone.to_cells(shape, 0), alone).sum()) * alone.spacing**3
+
+
+def _scaled(shape: TriangleMesh, factor: float) -> TriangleMesh:
+    """Scale a shape about its center."""
+    center = centroid(shape)
+    return TriangleMesh(center + factor * (shape.vertices - center), shape.faces)
 
 
 def _lattice(outward: Sequence[TriangleMesh], effort: WarpEffort) -> Lattice:
