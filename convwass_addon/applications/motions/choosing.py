@@ -37,6 +37,13 @@ _MOST_LEFT = 0.5
 # Without a map, a warp is used if at most this share of the whole distance is left. From two dolphins to a bird, four
 # fifths are, and torn; half from two balls to three, and at most a third from solids to each other.
 _JOINED = 0.65
+# Unless a shape becomes longer or shorter than by this factor, at equal volume: a ball that becomes a thin rod of the
+# same height is a rod 2.6 times as high just before, and shrinks within a frame.
+_MOST_GROWTH = 3.0
+# Below this score, a map is given up for a warp that leaves no more of the distance. By eye, a duck becomes a bird with
+# its head in place (score 0.38), and a torus becomes a horse without being cut open (0.25). Between an octopus and a
+# horse, which map with 0.44, the warp leaves less, but tears arms.
+_UNSURE = 0.4
 # A warp does not complete a map that moves shapes farther than this many times the Wasserstein distance: that matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
 _DETOUR = 1.4
@@ -144,9 +151,10 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
     alone = MotionChoice("guided", "PARTLY", guided, score, turned=_turned(guided), detour=detour)
-    if far:
+    doubtful = score < _UNSURE and not request.guides
+    if far and not doubtful:
         return alone
-    return (yield from within(_perhaps_warped(alone, guided, request, control), _GUIDED_SHARE, 1.0))
+    return (yield from within(_perhaps_warped(alone, doubtful, request, control), _GUIDED_SHARE, 1.0))
 
 
 def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:
@@ -168,43 +176,56 @@ def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:
 def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the warp if it joins the shapes all along the way; otherwise transport, which tears less."""
     try:
-        motion = yield from _warp(request, control)
-        left = _left(motion, request, control)
+        warped = yield from _warped(unmoved, request, control)
     except Cancelled:
         raise
     except _FAILURES as error:
         return replace(unmoved, reason="FAILED", failure=str(error))
-    if left > _JOINED:
-        yield Progress(1.0, Sentence("Transporting without a motion"))
-        return replace(unmoved, left=left)
-    return replace(unmoved, kind="warp", motion=motion, left=left)
+    if _joins(warped, request):
+        return warped
+    yield Progress(1.0, Sentence("Transporting without a motion"))
+    return replace(unmoved, left=warped.left)
 
 
 def _perhaps_warped(
-    alone: MotionChoice, guided: GuidedMotion, request: MotionRequest, control: Control
+    alone: MotionChoice, doubtful: bool, request: MotionRequest, control: Control
 ) -> Work[MotionChoice]:
-    """Return the guided motion, unless it leaves much that a warp removes, after it or instead of it."""
+    """Return the guided motion, unless it leaves much that a warp removes, after it or instead of it.
+
+    A doubtful map is given up for a warp that leaves no more.
+    """
     yield Progress(0.0, Sentence("Moving the shapes"))
+    unlike = replace(alone, reason="UNLIKE")
     try:
-        alone = replace(alone, left=_left(guided, request, control))
-        if alone.left <= _MUCH_LEFT:
-            return alone
-        completed = combined_motion(guided, request.names, request.pairs, request.coherence, control)
-        motion = yield from within(completed, 0.0, 0.5)
-        left = _left(motion, request, control)
-        if left <= _WELL_WARPED * alone.left:
-            return replace(alone, kind="combined", reason="UNLIKE", motion=motion, left=left)
-        if alone.left <= _MOST_LEFT:
-            return alone
-        motion = yield from within(_warp(request, control), 0.5, 1.0)
-        left = _left(motion, request, control)
+        alone = replace(alone, left=_left(alone.motion, request, control))
+        if not doubtful:
+            if alone.left <= _MUCH_LEFT:
+                return alone
+            completed = combined_motion(alone.motion, request.names, request.pairs, request.coherence, control)
+            motion = yield from within(completed, 0.0, 0.5)
+            combined = replace(unlike, kind="combined", motion=motion, left=_left(motion, request, control))
+            if combined.left <= _WELL_WARPED * alone.left:
+                return combined
+            if alone.left <= _MOST_LEFT:
+                return alone
+        warped = yield from within(_warped(unlike, request, control), 0.5, 1.0)
     except Cancelled:
         raise
     except _FAILURES as error:
         return replace(alone, failure=str(error))
-    if left > min(_JOINED, alone.left):
-        return alone
-    return replace(alone, kind="warp", reason="UNLIKE", motion=motion, left=left, turned=0.0)
+    return warped if warped.left <= alone.left and _joins(warped, request) else alone
+
+
+def _warped(unmoved: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the choice of the warp, for the reason of another choice."""
+    motion = yield from _warp(request, control)
+    return replace(unmoved, kind="warp", motion=motion, left=_left(motion, request, control), turned=0.0)
+
+
+def _joins(warped: MotionChoice, request: MotionRequest) -> bool:
+    """Return whether a warp brings the shapes close to each other, and none of them grows too much on the way."""
+    growth = max(np.ptp(np.log(warped.motion.sizes[list(pair)])) for pair in request.pairs)
+    return warped.left <= _JOINED and growth <= np.log(_MOST_GROWTH)
 
 
 def _left(motion: GuidedMotion | CombinedMotion | WarpMotion, request: MotionRequest, control: Control) -> float:

@@ -18,7 +18,7 @@ from tests.shapes import ball, box, joined, square
 BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
 SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
 COMBINED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coherence))
-WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence))
+WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence), sizes=np.ones(2))
 
 
 def guided_with(score, turn=0.0, detour=1.0):
@@ -117,6 +117,25 @@ def test_a_warp_replaces_what_leaves_most(motions, left, by_warps, by_warp_alone
     found = choice()
     assert (found.kind, found.left) == (kind, {"guided": left, "combined": by_warps, "warp": by_warp_alone}[kind])
     assert found.turned == (0.0 if kind == "warp" else 30.0)
+
+
+@pytest.mark.parametrize(
+    ("score", "detour", "by_warp_alone", "kind"),
+    [(0.3, 1.0, 0.25, "warp"), (0.3, 1.8, 0.25, "warp"), (0.3, 1.0, 0.26, "guided"), (0.5, 1.0, 0.1, "guided")],
+)
+def test_a_doubtful_map_is_given_up_for_a_warp_that_leaves_no_more(motions, score, detour, by_warp_alone, kind):
+    motions(guided_with(score, detour=detour), left=0.25, by_warp_alone=by_warp_alone)
+    found = choice()
+    assert (found.kind, found.reason) == (kind, "UNLIKE" if kind == "warp" else "PARTLY")
+    assert found.left == (by_warp_alone if kind == "warp" else 0.25)
+    assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
+
+
+@pytest.mark.parametrize(("sizes", "kind"), [((1.0, 2.9), "warp"), ((3.1, 1.0), "transport")])
+def test_shapes_that_grow_too_much_are_not_warped(motions, sizes, kind):
+    warp = SimpleNamespace(with_coherence=WARP.with_coherence, sizes=np.array(sizes))
+    motions(AssertionError("must not be asked for"), warp=warp, by_warp_alone=0.1)
+    assert choice(shapes=(ball(points=200), box())).kind == kind
 
 
 def test_automatic_does_without_what_fails(motions):
