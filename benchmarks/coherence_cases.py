@@ -15,10 +15,14 @@ from numpy.typing import NDArray
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
+from convwass_addon.applications.motions.growing_motion import GrowingMotion
 from convwass_addon.applications.motions.motion import Motion
 from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.errors import ConvwassError
+from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.orientation import orient_outward
+from convwass_addon.geometry.solid_volume import solid_volume
 from convwass_addon.schema import setting_of
 
 from .blends import baked_frames
@@ -92,6 +96,13 @@ class Bake:
         meshes = [ends.first, *(frame.mesh for frame in found), ends.second]
         spacing = Lattice.around(shapes, settings.resolution, settings.sigma).spacing
         return cls(meshes, times, [frame.record for frame in found], spacing, seconds)
+
+    def growing(self, motion: Motion) -> GrowingMotion:
+        """Return a motion as it is baked: scaled so that the volume grows evenly."""
+        ends = [orient_outward(self.meshes[end]) for end in (0, -1)]
+        return GrowingMotion(
+            motion, np.array([solid_volume(mesh) for mesh in ends]), np.stack([centroid(mesh) for mesh in ends])
+        )
 
 
 def passage(
@@ -183,7 +194,7 @@ def end_loss(bake: Bake, motion: Motion | None, end: int) -> EndLoss:
     """Return what the frame next to a shape has lost of the shape, moved by the motion."""
     beside = (1, -2)[end]
     frame, t = bake.meshes[beside], bake.times[beside]
-    shape = bake.meshes[-end] if motion is None else motion.moved((1.0 - t, t))[end].mesh
+    shape = bake.meshes[-end] if motion is None else bake.growing(motion).moved((1.0 - t, t))[end].mesh
     return EndLoss.of(shape, frame, bake.spacing)
 
 
