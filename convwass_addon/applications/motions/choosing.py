@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -151,10 +152,13 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
     alone = MotionChoice("guided", "PARTLY", guided, score, turned=_turned(guided), detour=detour)
-    doubtful = score < _UNSURE and not request.guides
-    if far and not doubtful:
+    if score < _UNSURE and not request.guides:
+        better = _warped_instead
+    elif far:
         return alone
-    return (yield from within(_perhaps_warped(alone, doubtful, request, control), _GUIDED_SHARE, 1.0))
+    else:
+        better = _perhaps_warped
+    return (yield from within(_unless_failing(better, alone, request, control), _GUIDED_SHARE, 1.0))
 
 
 def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:
@@ -187,32 +191,40 @@ def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -
     return replace(unmoved, left=warped.left)
 
 
-def _perhaps_warped(
-    alone: MotionChoice, doubtful: bool, request: MotionRequest, control: Control
+def _unless_failing(
+    better: Callable[[MotionChoice, MotionRequest, Control], Work[MotionChoice]],
+    alone: MotionChoice,
+    request: MotionRequest,
+    control: Control,
 ) -> Work[MotionChoice]:
-    """Return the guided motion, unless it leaves much that a warp removes, after it or instead of it.
-
-    A doubtful map is given up for a warp that leaves no more.
-    """
+    """Measure what the guided motion leaves, and return what is better; the guided motion if anything fails."""
     yield Progress(0.0, Sentence("Moving the shapes"))
-    unlike = replace(alone, reason="UNLIKE")
     try:
         alone = replace(alone, left=_left(alone.motion, request, control))
-        if not doubtful:
-            if alone.left <= _MUCH_LEFT:
-                return alone
-            completed = combined_motion(alone.motion, request.names, request.pairs, request.coherence, control)
-            motion = yield from within(completed, 0.0, 0.5)
-            combined = replace(unlike, kind="combined", motion=motion, left=_left(motion, request, control))
-            if combined.left <= _WELL_WARPED * alone.left:
-                return combined
-            if alone.left <= _MOST_LEFT:
-                return alone
-        warped = yield from within(_warped(unlike, request, control), 0.5, 1.0)
+        return (yield from better(alone, request, control))
     except Cancelled:
         raise
     except _FAILURES as error:
         return replace(alone, failure=str(error))
+
+
+def _perhaps_warped(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the guided motion, unless it leaves much that a warp removes, after it or instead of it."""
+    if alone.left <= _MUCH_LEFT:
+        return alone
+    completed = combined_motion(alone.motion, request.names, request.pairs, request.coherence, control)
+    motion = yield from within(completed, 0.0, 0.5)
+    left = _left(motion, request, control)
+    if left <= _WELL_WARPED * alone.left:
+        return replace(alone, kind="combined", reason="UNLIKE", motion=motion, left=left)
+    if alone.left <= _MOST_LEFT:
+        return alone
+    return (yield from within(_warped_instead(alone, request, control), 0.5, 1.0))
+
+
+def _warped_instead(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the warp if it joins the shapes and leaves no more than the guided motion, which is returned otherwise."""
+    warped = yield from _warped(replace(alone, reason="UNLIKE"), request, control)
     return warped if warped.left <= alone.left and _joins(warped, request) else alone
 
 

@@ -144,9 +144,9 @@ class WarpMotion:
         rest, parents = self.rests[index].mesh, self.rests[index].parents
         if weights[index] == 1.0:
             return MovedShape(rest, rest.vertices, parents)
-        middle = np.asarray(weights, np.float64) @ self.lattice.centers
-        pace = self._pace
-        size = (1.0 - pace) * self.sizes[index] + pace * (np.asarray(weights, np.float64) @ self.sizes)
+        shares = np.asarray(weights, np.float64)
+        middle = shares @ self.lattice.centers
+        size = (1.0 - self._pace) * self.sizes[index] + self._pace * (shares @ self.sizes)
         offsets = self.cells(index, weights) * self.lattice.spacing + self.lattice.origin
         return MovedShape(rest, size * offsets + middle, parents)
 
