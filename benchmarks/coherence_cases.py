@@ -178,7 +178,8 @@ def held(bake: Bake, ends: Ends) -> dict[str, object]:
 def clean(bake: Bake, motion: Motion | None = None) -> dict[str, object]:
     """Measure the evenness of the steps and the quality of the meshes; `motion` is the motion of the bake."""
     between = bake.meshes[1:-1]
-    losses = [end_loss(bake, motion, end) for end in (0, 1)]
+    growing = None if motion is None else bake.growing(motion)
+    losses = [end_loss(bake, growing, end) for end in (0, 1)]
     return {
         **asdict(Evenness.of(steps_between(bake.meshes, bake.spacing))),
         "changes": changes_of_topology(bake.meshes),
@@ -194,7 +195,7 @@ def end_loss(bake: Bake, motion: Motion | None, end: int) -> EndLoss:
     """Return what the frame next to a shape has lost of the shape, moved by the motion."""
     beside = (1, -2)[end]
     frame, t = bake.meshes[beside], bake.times[beside]
-    shape = bake.meshes[-end] if motion is None else bake.growing(motion).moved((1.0 - t, t))[end].mesh
+    shape = bake.meshes[-end] if motion is None else motion.moved((1.0 - t, t))[end].mesh
     return EndLoss.of(shape, frame, bake.spacing)
 
 
