@@ -101,6 +101,7 @@ def test_a_hole_that_opens_at_once_is_dug_from_both_sides():
 def test_a_hole_that_opens_between_warped_shapes_is_dug_from_both_sides():
     frames = made((ball(0.9), torus(1.0, 0.35)), 32, motion="warp")
     assert falls(frames[: len(BLENDS)]).max() < 0.7
+    assert falls(final(frames)).max() < 0.45
     handles = counts(frames, "handles")
     assert (handles[0], handles[-1], changes(handles)) == (0, 1, 1)
 
