@@ -166,6 +166,24 @@ def _changes(chunks: list[Crossings], rows: int) -> _Changes:
     ray = np.concatenate([c.column * rows + c.row for c in chunks])
     height = np.concatenate([c.height for c in chunks])
     sign = np.concatenate([c.sign for c in chunks])
+    # Most rays cross two faces that look in opposite directions, and need not be sorted.
+    upward = np.bincount(ray, sign * height)
+    simple = ((np.bincount(ray) == 2) & (np.bincount(ray, sign) == 0))[ray]
+    others = _sorted_changes(ray[~simple], height[~simple], sign[~simple])
+    ray, height, sign = ray[simple], height[simple], sign[simple]
+    step = np.where(upward[ray] < 0.0, sign, -sign)
+    return _Changes(
+        np.concatenate([ray, others.ray]),
+        np.concatenate([height, others.height]),
+        np.concatenate([step, others.step]),
+        others.is_closed,
+    )
+
+
+def _sorted_changes(ray: NDArray[np.int64], height: NDArray[np.float64], sign: NDArray[np.int64]) -> _Changes:
+    """Find the changes among crossings, (c,), in the order in which rays come to them."""
+    if not len(ray):
+        return _Changes(ray, height, np.empty(0), True)
     # One number for both sorts in a quarter of the time of np.lexsort.
     order = np.argsort(ray * (np.ptp(height) + 1.0) + (height - height.min()))
     ray, height, sign = ray[order], height[order], sign[order]
