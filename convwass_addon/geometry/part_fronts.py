@@ -28,6 +28,11 @@ _SLENDER, _BROAD = 0.35, 0.5
 _AROUND, _ABOUT, _REACH = 4.0, 1.0 / 16.0, 2.0
 # Where it is not slender, a front is held back by this many cells.
 _HELD = 4.0
+# Parts up to this length, in cells, need no front; fronts of parts that are longer by the second number count fully.
+SHORT, _LONGER = 3.0, 2.0
+# Nor do stout parts: those whose largest depth is more than the second fraction of their length. Up to the first, parts
+# are not stout. The corner of a cube has 0.58.
+_LEAN, _STOUT = 0.35, 0.65
 
 
 def shared_core(solids: Sequence[NDArray[np.bool_]]) -> NDArray[np.bool_] | None:
@@ -54,34 +59,57 @@ class SeparatePart:
         Large enough for :class:`PartFronts`.
     cells : (mx, my, mz) bool
         The cells of the parts in the box.
+    without_front : (mx, my, mz) float32
+        How little the front of each part counts: 0 if fully, up to 1 if not at all.
     """
 
     box: tuple[slice, ...]
     cells: NDArray[np.bool_]
+    without_front: NDArray[np.float32]
 
 
-def separate_parts(cells: NDArray[np.bool_], far: NDArray[np.bool_]) -> list[SeparatePart]:
-    """Separate the parts of a solid, each in its own box, or all in the whole grid if that is smaller.
+def separate_parts(
+    cells: NDArray[np.bool_], depth: NDArray[np.floating], beyond: NDArray[np.floating], known: float
+) -> list[SeparatePart]:
+    """Separate the parts of a solid that need a front, each in its own box, or all in the whole grid if it is smaller.
+
+    The mean of signed distances at the weight w leaves the length r w / (1 - w) of a part of half thickness r, which
+    then vanishes at once if it is long. A cone with the depth k x at the distance x from its tip retracts by at most
+    1 / k times its length per unit of the weight, so short and stout parts, like the corners of a cube, need no front.
 
     Parameters
     ----------
     cells : (nx, ny, nz) bool
         All parts; also (nx, ny).
-    far : (nx, ny, nz) bool
-        Parts without such a cell are left out.
+    depth : (nx, ny, nz)
+        Distances from the surface of the solid, in cells.
+    beyond : (nx, ny, nz)
+        Distances from the other solids, in cells; their maximum is the length of a part.
+    known : float
+        Distances are clipped here.
     """
     names, count = label(cells, np.ones((3,) * cells.ndim))
-    wanted = np.zeros(count + 1, bool)
-    wanted[names[far & cells]] = True
+    without, boxes = np.zeros(count + 1, np.float32), {}
     margin = int(np.ceil(_REACH * _around(cells.shape)))
-    boxes = {
-        name: tuple(slice(max(span.start - margin, 0), span.stop + margin) for span in box)
-        for name, box in enumerate(find_objects(names), start=1)
-        if wanted[name]
-    }
+    for name, box in enumerate(find_objects(names), start=1):
+        own = names[box] == name
+        largest, length = (values[box].max(where=own, initial=0.0) for values in (depth, beyond))
+        without[name] = _without_front(largest, length if length < known - 1.0 else np.inf)
+        if without[name] < 1.0:
+            boxes[name] = tuple(slice(max(span.start - margin, 0), span.stop + margin) for span in box)
     if sum(names[box].size for box in boxes.values()) > cells.size:
-        return [SeparatePart((slice(None),) * cells.ndim, wanted[names])]
-    return [SeparatePart(box, names[box] == name) for name, box in boxes.items()]
+        whole = (slice(None),) * cells.ndim
+        return [SeparatePart(whole, cells & (without < 1.0)[names], without[names])]
+    return [SeparatePart(box, names[box] == name, without[names[box]]) for name, box in boxes.items()]
+
+
+def _without_front(depth: float, length: float) -> float:
+    """Return how little the front of a part of some largest depth and some length counts, from 0 to 1."""
+    longer = (length - SHORT) / _LONGER
+    if longer <= 0.0:
+        return 1.0
+    lean = (_STOUT - depth / length) / (_STOUT - _LEAN)
+    return 1.0 - float(np.clip(lean, 0.0, 1.0) * min(longer, 1.0))
 
 
 @dataclass(frozen=True)
@@ -99,7 +127,7 @@ class PartFronts:
     near : (nx, ny, nz) bool
         Where these are known.
     hold : (nx, ny, nz) float32
-        How far a front is held back where the part is not slender, in cells.
+        How far a front is held back where the part is not slender, or does not need it, in cells.
     loose : (nx, ny, nz) bool
         Parts that are not connected to the core.
     """
@@ -128,7 +156,7 @@ class PartFronts:
         known = np.isfinite(measured.distance) & part.cells
         slender = np.clip((_BROAD - around[known]) / (_BROAD - _SLENDER), 0.0, 1.0)
         hold = np.zeros(known.shape, np.float32)
-        hold[known] = _HELD * (1.0 - slender)
+        hold[known] = _HELD * (1.0 - slender) + part.without_front[known] * measured.reach[known]
         distance = np.where(known, measured.distance - np.float32(0.5), np.float32(0.0))
         share = _smooth(known.astype(np.float32))
         scale = np.float32(1.0) / np.maximum(share, np.float32(1e-3))

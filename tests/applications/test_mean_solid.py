@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import label
 
+from convwass_addon.applications.morphs.growing_parts import FARTHEST
 from convwass_addon.applications.morphs.mean_solid import mean_solid
 
 GRID = np.stack(np.meshgrid(*[np.arange(44) + 0.5] * 3, indexing="ij"), axis=-1)
@@ -35,7 +36,8 @@ SLAB = np.minimum(SLAB, np.minimum(GRID[..., 1] - 3.0, 41.0 - GRID[..., 1]))
 
 
 def mean(one, other, share, volume=None):
-    depths = np.clip(np.stack([one, other]), -11.0, 11.0).astype(np.float32)
+    farthest = FARTHEST * max(one.shape)
+    depths = np.clip(np.stack([one, other]), -farthest, farthest).astype(np.float32)
     return mean_solid(depths, (1.0 - share, share), 1.0, volume)
 
 
@@ -52,6 +54,20 @@ def test_a_long_rod_grows_evenly_on_a_fine_grid(share):
     assert top == pytest.approx(20.0 + 176.0 * share, abs=3.0)
     assert pieces(found) == 1
     assert (found[:, :, 40] > 0.0).sum() == pytest.approx(np.pi * 36.0, rel=0.1)
+
+
+@pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
+def test_a_thick_column_grows_evenly(share):
+    """It is longer than distances are known: its length is not, which must not make it stout."""
+    x, y, z = (np.arange(size) + 0.5 for size in (40, 40, 130))
+    across = np.hypot(x[:, None] - 20.0, y - 20.0)[..., None]
+    slab = np.minimum(14.0 - z, z - 2.0) * np.ones_like(across)
+    tall = np.maximum(slab, np.minimum(16.0 - across, np.minimum(124.0 - z, z - 2.0)))
+    found = mean(slab, tall, share)
+    top = np.flatnonzero(found[20, 20] > 0.0)[-1] + 1.0
+    # Its front, which is three cells further than the column at a weight of 1, rounds it within four cells before and
+    # eight behind. Without a front, 16 w / (1 - w) of the column is left.
+    assert top == pytest.approx(14.0 + 112.0 * share, abs=10.0)
 
 
 def pieces(depth):

@@ -24,9 +24,14 @@ BRANCH = filled(((9, 6, 14), (15, 7, 15)))
 ARCH = filled(((4, 6, 8), (5, 7, 20)), ((4, 6, 20), (25, 7, 21)), ((24, 6, 8), (25, 7, 20)))
 
 
+def separated(cells, depth=1.0, length=10.0):
+    """Parts of a largest depth and a length."""
+    return separate_parts(cells, np.where(cells, depth, -1.0), np.where(cells, length, -1.0), 40.0)
+
+
 def fronts(cells):
     """The fronts of a part and their box."""
-    (part,) = separate_parts(cells, cells)
+    (part,) = separated(cells)
     return PartFronts.of(SLAB | cells, SLAB, part), part.box
 
 
@@ -85,7 +90,7 @@ def test_parts_are_separated_if_that_is_less_work_than_the_whole_grid():
         long[box] = True
     for box in (first, third):
         far[box] = True
-    parts = separate_parts(long, far)
+    parts = separate_parts(long, np.where(long, 1.0, -1.0), np.where(far, 10.0, -1.0), 40.0)
     assert [int(part.cells.sum()) for part in parts] == [64, 64]
     for part, own in zip(parts, (first, third), strict=True):
         found = np.zeros_like(long)
@@ -93,8 +98,28 @@ def test_parts_are_separated_if_that_is_less_work_than_the_whole_grid():
         assert found[own].all()
     crowded = np.zeros((40, 40, 40), bool)
     crowded[5:35:3, 5:35:3, 20] = True
-    (whole,) = separate_parts(crowded, crowded)
+    (whole,) = separated(crowded)
     np.testing.assert_array_equal(whole.cells, crowded)
+
+
+@pytest.mark.parametrize(
+    ("depth", "length", "without"), [(1.0, 5.0, 0.0), (1.0, 4.0, 0.5), (2.0, 4.0, 0.75), (3.0, 6.0, 0.5)]
+)
+def test_fronts_of_short_and_of_stout_parts_count_less(depth, length, without):
+    (part,) = separated(POLE, depth, length)
+    assert part.without_front[part.cells] == pytest.approx(without, abs=1e-6)
+    held = PartFronts.of(SLAB | POLE, SLAB, part).hold - PartFronts.of(SLAB | POLE, SLAB, *separated(POLE)).hold
+    assert on_grid(held, part.box)[8, 6, 20] == pytest.approx(25.0 * without, abs=0.1)
+
+
+@pytest.mark.parametrize(("depth", "length"), [(0.5, 2.9), (2.0, 3.0), (4.0, 6.0), (20.0, 30.0)])
+def test_short_and_stout_parts_have_no_front(depth, length):
+    assert not separated(POLE, depth, length)
+
+
+def test_of_parts_that_reach_as_far_as_distances_are_known_stoutness_is_not():
+    (part,) = separated(POLE, 30.0, 40.0)
+    assert not part.without_front.any()
 
 
 def test_the_core_is_the_largest_common_part():

@@ -19,7 +19,7 @@ from ...geometry.near import capped_distances
 # Grids are halved until they have no more cells along a side, those of distances at most once.
 _MOST_CELLS = 64
 # Distances are known to this fraction of the longest side: a part that reaches further would appear in one piece.
-_FAR = 0.25
+FARTHEST = 0.25
 # Solids are compared within a Gaussian of this many cells, truncated at this many standard deviations.
 _AROUND, _REACH = 5.0, 2.0
 # Around a place, the excess of one solid over the others, as a fraction of all that differs, is at most the first value
@@ -72,7 +72,7 @@ def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
     most = max(round(_MOST_CELLS ** (3 / depth.ndim)), -(-max(depth.shape) // 2))
     grid = CoarserGrid(depth.shape, most)
     inside = depth > 0.0
-    reach = _FAR * max(depth.shape) / grid.cell
+    reach = FARTHEST * max(depth.shape) / grid.cell
     outward, inward = (capped_distances(grid.holding(part), reach) for part in (inside, ~inside))
     far = grid.interpolated(grid.cell * (inward - outward))
     near = np.abs(depth) < known

@@ -21,7 +21,8 @@ from numpy.typing import NDArray
 
 from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.exact_depths import exact_depths
-from ...geometry.part_fronts import PartFronts, separate_parts, shared_core
+from ...geometry.part_fronts import SHORT, PartFronts, SeparatePart, separate_parts, shared_core
+from .growing_parts import FARTHEST
 
 # Radius with which a part is rounded at its front, in cells of the grid on which fronts are measured.
 _ROUNDING = 3.0
@@ -33,10 +34,7 @@ _STEPS = 9
 _MISSING, _OFFSETS = 0.01, 12
 # Distances are computed exactly where the mean solid's surface is this close and distances differ by more than this.
 _BAND, _APART = 3.0, 1.0
-# Without a part that reaches this far out of the other solids, in cells of that grid, there are no fronts; no part has
-# one that reaches less far than the second number. Finer grids have the same fronts.
-_SHORT, _THIN = 3.0, 1.0
-# Fronts are measured on a coarser grid if the longest side has more cells.
+# Fronts are measured on a coarser grid if the longest side has more cells; so finer grids have the same fronts.
 _MOST_CELLS = 144
 
 
@@ -48,7 +46,8 @@ def mean_solid(
     Parameters
     ----------
     depths : (k, nx, ny, nz) float32
-        Signed distance to the surface of every solid in cells, positive inside; also (k, nx, ny).
+        Signed distance to the surface of every solid in cells, positive inside, clipped as by
+        :func:`.growing_parts.extended`; also (k, nx, ny).
     weights : (k,)
         Weights of the solids, of sum 1.
     known : float
@@ -107,16 +106,18 @@ class _Growth:
         """Return the bounds; None if the solids share nothing, or if no part is long."""
         lowest = depths.min(axis=0)
         grid = CoarserGrid(lowest.shape, _MOST_CELLS)
-        if not ((depths.max(axis=0) > 0.0) & (lowest < -_SHORT * grid.cell)).any():
+        if not ((depths.max(axis=0) > 0.0) & (lowest < -SHORT * grid.cell)).any():
             return None
-        solids, far = [grid.holding(depth > 0.0) for depth in depths], grid.holding(lowest < -_THIN * grid.cell)
+        solids, beyond = [grid.holding(depth > 0.0) for depth in depths], -grid.means(lowest) / grid.cell
         core = shared_core(solids)
         if core is None:
             return None
+        farthest = FARTHEST * max(lowest.shape) / grid.cell
         least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
         del lowest
         for depth, solid, weight in zip(depths, solids, weights, strict=True):
-            front, end = _fronts(solid, core, far, float(weight), grid.cell)
+            parts = separate_parts(solid & ~core, grid.means(depth) / grid.cell, beyond, farthest)
+            front, end = _fronts(parts, solid, core, float(weight), grid.cell)
             near = np.isfinite(front)
             within = grid.within(near)
             reached, ending = (grid.interpolated(np.where(near, own, np.float32(0)))[within] for own in (front, end))
@@ -139,7 +140,7 @@ class _Growth:
 
 
 def _fronts(
-    solid: NDArray[np.bool_], core: NDArray[np.bool_], far: NDArray[np.bool_], weight: float, cell: int
+    parts: Sequence[SeparatePart], solid: NDArray[np.bool_], core: NDArray[np.bool_], weight: float, cell: int
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return by how much the fronts of a solid's parts, and where they end, are beyond every cell.
 
@@ -147,7 +148,7 @@ def _fronts(
     have no front.
     """
     front, end = (np.full(core.shape, -np.inf, np.float32) for _ in range(2))
-    for part in separate_parts(solid & ~core, far):
+    for part in parts:
         fronts = PartFronts.of(solid, core, part)
         # A part is whole at a weight of 1, and thins at its tip before it retracts.
         near = fronts.near
