@@ -16,6 +16,8 @@ from skimage.graph import MCP_Geometric
 _LARGE = 0.05
 # Distances are smoothed and extended beyond a part by a Gaussian of this many cells, truncated at so many deviations.
 _BLUR, _TRUNCATE = 1.0, 3.0
+# Cells around a part in its box.
+_MARGIN = int(np.ceil(_BLUR * _TRUNCATE)) + 1
 # Cells whose distances differ by less than this count as equally far.
 _LAYER = 0.5
 # Height where there is no part nearby.
@@ -90,13 +92,12 @@ def separate_parts(
     """
     names, count = label(cells, np.ones((3,) * cells.ndim))
     without, boxes = np.zeros(count + 1, np.float32), {}
-    margin = int(np.ceil(_REACH * _around(cells.shape)))
     for name, box in enumerate(find_objects(names), start=1):
         own = names[box] == name
         largest, length = (values[box].max(where=own, initial=0.0) for values in (depth, beyond))
         without[name] = _without_front(largest, length if length < known - 1.0 else np.inf)
         if without[name] < 1.0:
-            boxes[name] = tuple(slice(max(span.start - margin, 0), span.stop + margin) for span in box)
+            boxes[name] = _grown(box, cells.shape, _MARGIN)
     if sum(names[box].size for box in boxes.values()) > cells.size:
         whole = (slice(None),) * cells.ndim
         return [SeparatePart(whole, cells & (without < 1.0)[names], without[names])]
@@ -151,7 +152,7 @@ class PartFronts:
         part : SeparatePart
             Some parts of what is in the solid and not in the core.
         """
-        around = gaussian_filter(solid[part.box].astype(np.float32), _around(solid.shape), truncate=_REACH)
+        around = _filled_around(solid, part.box)
         measured = Along.of(part.cells, core[part.box])
         known = np.isfinite(measured.distance) & part.cells
         slender = np.clip((_BROAD - around[known]) / (_BROAD - _SLENDER), 0.0, 1.0)
@@ -219,9 +220,22 @@ def _layers(distances: NDArray[np.float32]) -> list[NDArray[np.int64]]:
     return np.split(cells, np.flatnonzero(np.diff((distances[cells] / _LAYER).astype(np.int64))) + 1)
 
 
-def _around(shape: tuple[int, ...]) -> float:
-    """Return the width in cells within which a part counts as slender or broad."""
-    return max(_AROUND, _ABOUT * max(shape))
+def _filled_around(solid: NDArray[np.bool_], box: tuple[slice, ...]) -> NDArray[np.float32]:
+    """Return the fraction of the space around every cell of a box that a solid fills."""
+    width = max(_AROUND, _ABOUT * max(solid.shape))
+    outer = _grown(box, solid.shape, int(np.ceil(_REACH * width)))
+    filled = gaussian_filter(solid[outer].astype(np.float32), width, truncate=_REACH)
+    starts = [(span.start or 0) - beyond.start for span, beyond in zip(box, outer, strict=True)]
+    return filled[tuple(slice(at, at + size) for at, size in zip(starts, solid[box].shape, strict=True))]
+
+
+def _grown(box: tuple[slice, ...], shape: tuple[int, ...], margin: int) -> tuple[slice, ...]:
+    """Return a box with a margin of so many cells within a grid."""
+    spans = (span.indices(size) for span, size in zip(box, shape, strict=True))
+    return tuple(
+        slice(max(start - margin, 0), min(stop + margin, size))
+        for (start, stop, _), size in zip(spans, shape, strict=True)
+    )
 
 
 def _smooth(values: NDArray[np.float32]) -> NDArray[np.float32]:
