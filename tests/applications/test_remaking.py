@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -38,8 +39,10 @@ class Balls(Remaking):
         self.asked.append([blend.frame for blend in asked])
         found = {}
         for blend, demand in asked.items():
-            center = demand.near.vertices.mean(axis=0)[0]
-            place = np.clip(self.places[blend], center - demand.reach, center + demand.reach)
+            place = self.places[blend]
+            if demand.near is not None:
+                center = demand.near.vertices.mean(axis=0)[0]
+                place = np.clip(place, center - demand.reach, center + demand.reach)
             found[blend] = frame(blend, place, 10 if place != self.places[blend] else 0)
         return found
 
@@ -112,3 +115,59 @@ def test_where_chains_meet_no_step_becomes_longer():
 def test_by_transport_only_small_parts_are_held_back():
     after, _, _ = evened(even(at_9=0.3), "transport")
     np.testing.assert_array_equal(after, even(at_9=0.3))
+
+
+class Handles(Balls):
+    """The ball of one blend has a handle unless it is close enough to a neighbor."""
+
+    def __init__(self, places, flickering, close):
+        super().__init__(places)
+        self.flickering, self.close, self.tried = flickering, close, []
+
+    def _made(self, asked):
+        found = yield from super()._made(asked)
+        for blend, demand in asked.items():
+            if blend == self.flickering:
+                self.tried.append(demand.reach)
+                if demand.near is None or demand.reach > self.close:
+                    found[blend] = with_handle(found[blend])
+        return found
+
+
+def with_handle(made):
+    return replace(made, record={**made.record, "found": ONE_PIECE | {"handles": 1}})
+
+
+def matched(places, close, at=12):
+    """The frame that replaces a blend with a handle, if any, and the reaches that were tried."""
+    review, handles = BakeReview(BLENDS, {}), Handles(places, BLENDS[at], close)
+    for blend, place in zip(BLENDS, places, strict=True):
+        own = frame(blend, place)
+        review.add(with_handle(own) if blend == BLENDS[at] else own)
+    payloads = [report.payload for report in handles.fitted(review) if report.payload is not None]
+    return payloads, handles.tried
+
+
+def test_a_handle_that_repairs_cannot_remove_is_removed_near_a_neighbor():
+    (made,), tried = matched(even(), close=0.1)
+    assert made.blend == BLENDS[12]
+    assert made.record["found"] == ONE_PIECE
+    # Once by repairs alone, once as it was, within a usual step of both neighbors, and within 0.35 of one.
+    assert tried == pytest.approx([0.0, 0.0, 0.2, 0.2, 0.07], abs=0.01)
+    assert matched(even(), close=0.3)[1] == pytest.approx([0.0, 0.0, 0.2], abs=0.01)
+
+
+def test_a_handle_stays_where_its_removal_would_need_a_long_step():
+    """Close to either neighbor, the ball would be far from the other one."""
+    places = even(at_12=0.14, at_13=0.14)
+    assert matched(places, close=0.1)[0] == []
+
+
+def test_without_a_usual_step_a_handle_stays():
+    blends = path_blends(2, 3)
+    review, handles = BakeReview(blends, {}), Handles(even(), blends[1], 1.0)
+    handles.places = dict(zip(blends, even()[:4], strict=True))
+    for blend, place in handles.places.items():
+        review.add(with_handle(frame(blend, place)) if blend == blends[1] else frame(blend, place))
+    assert review.topology.asked()
+    assert [report.payload for report in handles.fitted(review) if report.payload is not None] == []

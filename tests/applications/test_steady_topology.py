@@ -71,3 +71,33 @@ def test_nothing_is_requested_if_a_frame_is_unknown(record):
     for blend, handles in zip(BLENDS, [1, 1, 0, 1, 0, 0, 1], strict=True):
         topology.add(frame(blend, Connectivity(1, handles, 0)) if blend.frame != 2 else MorphFrame(blend, None, record))
     assert topology.asked() == {}
+
+
+def tried(handles):
+    """Return the topology after no blend could be repaired."""
+    topology = topology_of(handles)
+    for blend, most in topology.asked().items():
+        topology.better(frame(blend, Connectivity(1, handles[blend.frame], 0)), most)
+    assert topology.asked() == {}
+    return topology
+
+
+def test_single_blends_that_could_not_be_repaired_are_known():
+    topology = tried([0, 0, 0, 1, 0, 0, 0])
+    assert topology.unreached() == {BLENDS[3]: Connectivity(1, 0, 0)}
+    assert topology.beside(BLENDS[3]) == (BLENDS[2], BLENDS[4])
+    assert topology.reaches(frame(BLENDS[3], Connectivity(1, 0, 2)), Connectivity(1, 0, 0))
+    assert not topology.reaches(frame(BLENDS[3], RINGS), Connectivity(1, 0, 0))
+    topology.better(frame(BLENDS[3], Connectivity(1, 0, 0)), Connectivity(1, 0, 0))
+    assert topology.unreached() == {}
+
+
+def test_next_to_a_shape_there_is_one_neighbor():
+    topology = tried([0, 1, 0, 0, 0, 0, 0])
+    assert topology.unreached() == {BLENDS[1]: Connectivity(1, 0, 0)}
+    assert topology.beside(BLENDS[1]) == (BLENDS[2],)
+
+
+def test_several_successive_blends_stay_as_they_are():
+    assert tried([0, 0, 1, 1, 0, 0, 0]).unreached() == {}
+    assert tried([0, 0, 1, 1, 1, 1, 1]).unreached() == {}

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from itertools import product
 
+from ...geometry.connectivity import Connectivity
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -23,6 +25,9 @@ from .solving_again import Asked
 from .steady_topology import SteadyTopology, legs_of
 from .surface_steps import Chain, MeasuredSurface, SurfaceSteps, longest_step
 
+# Distances to a neighbor, as multiples of the usual step, within which a blend is limited that repairs could not bring
+# to its neighbors' topology. The resulting steps are at most the last multiple, or as long as before.
+_NEAR, _LONGEST = (1.0, 0.35), 1.8
 # Maximum number of times that the topology is decided and its blends are computed again.
 _ROUNDS = 3
 # Limits that concern more than this fraction of the volume spoil a blend: what they hold back is then taken from the
@@ -97,7 +102,8 @@ class Remaking:
             return
         chains = [chain for chain in review.steps.chains() if review.topology.knows(chain.blends)]
         yield from within(self._evened(chains, review), 0.0, 0.5)
-        yield from within(self._steadied(review.topology), 0.5, 1.0)
+        yield from within(self._steadied(review.topology), 0.5, 0.8)
+        yield from within(self._matched(review), 0.8, 1.0)
         yield Progress(1.0, Sentence("Blends match their neighbors"))
 
     def _evened(self, chains: Sequence[Chain], review: BakeReview) -> Work[None]:
@@ -163,6 +169,37 @@ class Remaking:
             for done, (blend, most) in enumerate(asked.items()):
                 message = Sentence("Topology of blend {done} of {total}", {"done": done + 1, "total": len(asked)})
                 yield Progress((attempt + done / len(asked)) / _ROUNDS, message, topology.better(found[blend], most))
+
+    def _matched(self, review: BakeReview) -> Work[None]:
+        """Limit single blends that repairs could not bring to the topology of their neighbors by one of these."""
+        unreached = review.topology.unreached()
+        for done, (blend, most) in enumerate(unreached.items()):
+            usual = review.steps.usual(blend)
+            frame = None if usual is None else (yield from self._near_neighbor(blend, most, review.topology, usual))
+            message = Sentence("Topology of blend {done} of {total}", {"done": done + 1, "total": len(unreached)})
+            yield Progress(done / len(unreached), message, frame)
+
+    def _near_neighbor(
+        self, blend: Blend, most: Connectivity, topology: SteadyTopology, usual: float
+    ) -> Work[MorphFrame | None]:
+        """Return a blend with these counts that is limited by one of its neighbors; None if none has short steps."""
+        beside = topology.beside(blend)
+        known = yield from self._made(
+            {one: self._demands.get(one, Demand(topology.most(one))) for one in (blend, *beside)}
+        )
+        surfaces = {one: MeasuredSurface.of_blend(frame.mesh) for one, frame in known.items()}
+
+        def longest(own: MeasuredSurface) -> float:
+            return max(longest_step([own, surfaces[other]]) for other in beside)
+
+        allowed = max(_LONGEST * usual, longest(surfaces[blend]))
+        for multiple, other in product(_NEAR, beside):
+            demand = Demand(most, surfaces[other].mesh, multiple * usual)
+            frame = (yield from self._made({blend: demand}))[blend]
+            if topology.reaches(frame, most) and longest(MeasuredSurface.of_blend(frame.mesh)) <= allowed:
+                self._demands[blend] = demand
+                return topology.better(frame, most)
+        return None
 
     def _made(self, asked: Asked) -> Work[dict[Blend, MorphFrame]]:
         """Compute frames for some demands, or load them from the cache."""

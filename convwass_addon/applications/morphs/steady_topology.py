@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 from ...geometry.connectivity import Connectivity
 from .fewest_changes import fewest_changes
@@ -91,8 +91,24 @@ class SteadyTopology:
         found: dict[Blend, Connectivity] = {}
         for leg in self._legs:
             if self._knows(leg):
-                found |= self._asked_of(leg)
+                found |= self._exceeding(leg, [self._counts[blend].least for blend in leg.between])
         return found
+
+    def unreached(self) -> dict[Blend, Connectivity]:
+        """Return single blends that could not be repaired to the counts of their neighbors, with these counts."""
+        found: dict[Blend, Connectivity] = {}
+        for leg in self._legs:
+            if self._knows(leg):
+                exceeding = self._exceeding(leg, [_LEAST] * len(leg.between))
+                runs = [list(run) for is_one, run in groupby(leg.between, exceeding.__contains__) if is_one]
+                found |= {run[0]: exceeding[run[0]] for run in runs if len(run) == 1}
+        return found
+
+    def beside(self, blend: Blend) -> tuple[Blend, ...]:
+        """Return the blends next to a blend in its leg."""
+        (leg,) = (leg for leg in self._legs if blend in leg.between)
+        place = leg.between.index(blend)
+        return (*leg.between[max(place - 1, 0) : place], *leg.between[place + 1 : place + 2])
 
     def knows(self, blends: Iterable[Blend]) -> bool:
         """Whether counts of all these blends are known."""
@@ -101,6 +117,11 @@ class SteadyTopology:
     def most(self, blend: Blend) -> Connectivity:
         """Return the maximum counts over the shapes of a blend; they must be known."""
         return self._counts[blend].most
+
+    def reaches(self, frame: MorphFrame, most: Connectivity) -> bool:
+        """Whether a frame exceeds none of some counts."""
+        has = _connectivity(frame, "found")
+        return has is not None and not any(_exceeds(has, most, kind) for kind in _DECIDED)
 
     def better(self, frame: MorphFrame, asked: Connectivity) -> MorphFrame | None:
         """Add the counts of a frame that was computed again, and return it; None if it is no better than before.
@@ -126,9 +147,10 @@ class SteadyTopology:
     def _knows(self, leg: Leg) -> bool:
         return {leg.first, leg.last} <= self._shapes.keys() and self._counts.keys() >= set(leg.between)
 
-    def _asked_of(self, leg: Leg) -> dict[Blend, Connectivity]:
+    def _exceeding(self, leg: Leg, least: Sequence[Connectivity]) -> dict[Blend, Connectivity]:
+        """Return the largest counts of those blends that exceed them, if counts can be reduced to some least ones."""
         own = [self._counts[blend] for blend in leg.between]
-        decided = {kind: self._fewest(leg, kind) for kind in _DECIDED}
+        decided = {kind: self._fewest(leg, least, kind) for kind in _DECIDED}
         wanted = [
             replace(counts.most, **{kind: decided[kind][place] for kind in _DECIDED})
             for place, counts in enumerate(own)
@@ -139,12 +161,10 @@ class SteadyTopology:
             if any(_exceeds(counts.has, most, kind) for kind in _DECIDED)
         }
 
-    def _fewest(self, leg: Leg, kind: str) -> list[int]:
-        own = [self._counts[blend] for blend in leg.between]
-        least = [getattr(counts.least, kind) for counts in own]
-        most = [getattr(counts.has, kind) for counts in own]
+    def _fewest(self, leg: Leg, least: Sequence[Connectivity], kind: str) -> list[int]:
+        most = [getattr(self._counts[blend].has, kind) for blend in leg.between]
         first, last = (getattr(self._shapes[end], kind) for end in (leg.first, leg.last))
-        return fewest_changes(least, most, first, last)
+        return fewest_changes([getattr(counts, kind) for counts in least], most, first, last)
 
 
 def _connectivity(frame: MorphFrame, name: str) -> Connectivity | None:

@@ -173,6 +173,11 @@ class SurfaceSteps:
         found = [self._places.get((one, other)) or self._places[other, one] for one, other in pairwise(blends)]
         return max(self._lengths[leg][place].longest for leg, place in found)
 
+    def usual(self, blend: Blend) -> float | None:
+        """Return the median step between the blends of a leg; None if it has too few, or not all were added."""
+        (leg,) = (leg for leg in self._legs if blend in leg.between)
+        return self._usual(leg)
+
     def chains(self) -> list[Chain]:
         """Return the blends to compute again: those after something appears, and before something vanishes.
 
@@ -181,11 +186,16 @@ class SurfaceSteps:
         """
         return [chain for leg in self._legs for chain in self._chains_of(leg)]
 
-    def _chains_of(self, leg: Leg) -> list[Chain]:
+    def _usual(self, leg: Leg) -> float | None:
         lengths, blends = self._lengths[leg], len(leg.between)
         if blends < _FEWEST or any(place not in lengths for place in range(2, blends + 1)):
+            return None
+        return float(np.median([lengths[place].longest for place in range(2, blends + 1)]))
+
+    def _chains_of(self, leg: Leg) -> list[Chain]:
+        lengths, blends, usual = self._lengths[leg], len(leg.between), self._usual(leg)
+        if usual is None:
             return []
-        usual = float(np.median([lengths[place].longest for place in range(2, blends + 1)]))
         onwards, back = [], []
         for step in sorted(self._longest[leg], key=lambda step: step.place):
             place, least = step.place, max(_JUMP * usual, _LEAST * max(step.before.spacing, step.after.spacing))
