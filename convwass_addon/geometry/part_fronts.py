@@ -95,6 +95,7 @@ def separate_parts(
     for name, box in enumerate(find_objects(names), start=1):
         own = names[box] == name
         largest, length = (values[box].max(where=own, initial=0.0) for values in (depth, beyond))
+        # Distances may be a cell too short.
         without[name] = _without_front(largest, length if length < known - 1.0 else np.inf)
         if without[name] < 1.0:
             boxes[name] = _grown(box, cells.shape, _MARGIN)
