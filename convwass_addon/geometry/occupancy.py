@@ -161,7 +161,7 @@ class _Changes:
 
 def _changes(chunks: list[Crossings], rows: int) -> _Changes:
     """Find the crossings at which rays, numbered row by row, enter or leave the solid."""
-    if not sum(len(chunk.row) for chunk in chunks):
+    if not chunks:
         return _Changes(np.empty(0, np.int64), np.empty(0), np.empty(0), True)
     ray = np.concatenate([c.column * rows + c.row for c in chunks])
     height = np.concatenate([c.height for c in chunks])

@@ -100,7 +100,7 @@ def separate_parts(
         if without[name] < 1.0:
             boxes[name] = _grown(box, cells.shape, _MARGIN)
     if sum(names[box].size for box in boxes.values()) > cells.size:
-        whole = (slice(None),) * cells.ndim
+        whole = tuple(slice(0, size) for size in cells.shape)
         return [SeparatePart(whole, cells & (without < 1.0)[names], without[names])]
     return [SeparatePart(box, names[box] == name, without[names[box]]) for name, box in boxes.items()]
 
@@ -226,16 +226,13 @@ def _filled_around(solid: NDArray[np.bool_], box: tuple[slice, ...]) -> NDArray[
     width = max(_AROUND, _ABOUT * max(solid.shape))
     outer = _grown(box, solid.shape, int(np.ceil(_REACH * width)))
     filled = gaussian_filter(solid[outer].astype(np.float32), width, truncate=_REACH)
-    starts = [(span.start or 0) - beyond.start for span, beyond in zip(box, outer, strict=True)]
-    return filled[tuple(slice(at, at + size) for at, size in zip(starts, solid[box].shape, strict=True))]
+    return filled[tuple(slice(a.start - b.start, a.stop - b.start) for a, b in zip(box, outer, strict=True))]
 
 
 def _grown(box: tuple[slice, ...], shape: tuple[int, ...], margin: int) -> tuple[slice, ...]:
     """Return a box with a margin of so many cells within a grid."""
-    spans = (span.indices(size) for span, size in zip(box, shape, strict=True))
     return tuple(
-        slice(max(start - margin, 0), min(stop + margin, size))
-        for (start, stop, _), size in zip(spans, shape, strict=True)
+        slice(max(span.start - margin, 0), min(span.stop + margin, size)) for span, size in zip(box, shape, strict=True)
     )
 
 

@@ -41,14 +41,18 @@ def mean(one, other, share, volume=None):
     return mean_solid(depths, (1.0 - share, share), 1.0, volume)
 
 
+def slab_and_column(shape, slab_top, radius, column_top):
+    """The distances to a slab, and to the same slab with a column in its middle."""
+    x, y, z = (np.arange(size) + 0.5 for size in shape)
+    across = np.hypot(x[:, None] - shape[0] / 2.0, y - shape[1] / 2.0)[..., None]
+    slab = np.minimum(slab_top - z, z - 2.0) * np.ones_like(across)
+    return slab, np.maximum(slab, np.minimum(radius - across, np.minimum(column_top - z, z - 2.0)))
+
+
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
 def test_a_long_rod_grows_evenly_on_a_fine_grid(share):
     """Fronts are measured on a coarser grid if there are many cells along a side."""
-    x, y, z = (np.arange(size) + 0.5 for size in (30, 30, 200))
-    across = np.hypot(x[:, None] - 15.0, y - 15.0)[..., None]
-    slab = np.minimum(20.0 - z, z - 2.0) * np.ones_like(across)
-    tall = np.maximum(slab, np.minimum(6.0 - across, np.minimum(190.0 - z, z - 2.0)))
-    found = mean(slab, tall, share)
+    found = mean(*slab_and_column((30, 30, 200), 20.0, 6.0, 190.0), share)
     top = np.flatnonzero(found[15, 15] > 0.0)[-1] + 1.0
     # At a weight of 1, the front is three cells of two further than the rod.
     assert top == pytest.approx(20.0 + 176.0 * share, abs=3.0)
@@ -59,11 +63,7 @@ def test_a_long_rod_grows_evenly_on_a_fine_grid(share):
 @pytest.mark.parametrize("share", [0.25, 0.5, 0.75])
 def test_a_thick_column_grows_evenly(share):
     """It is longer than distances are known: its length is not, which must not make it stout."""
-    x, y, z = (np.arange(size) + 0.5 for size in (40, 40, 130))
-    across = np.hypot(x[:, None] - 20.0, y - 20.0)[..., None]
-    slab = np.minimum(14.0 - z, z - 2.0) * np.ones_like(across)
-    tall = np.maximum(slab, np.minimum(16.0 - across, np.minimum(124.0 - z, z - 2.0)))
-    found = mean(slab, tall, share)
+    found = mean(*slab_and_column((40, 40, 130), 14.0, 16.0, 124.0), share)
     top = np.flatnonzero(found[20, 20] > 0.0)[-1] + 1.0
     # Its front, which is three cells further than the column at a weight of 1, rounds it within four cells before and
     # eight behind. Without a front, 16 w / (1 - w) of the column is left.

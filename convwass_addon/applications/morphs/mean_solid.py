@@ -108,10 +108,11 @@ class _Growth:
         grid = CoarserGrid(lowest.shape, _MOST_CELLS)
         if not ((depths.max(axis=0) > 0.0) & (lowest < -SHORT * grid.cell)).any():
             return None
-        solids, beyond = [grid.holding(depth > 0.0) for depth in depths], -grid.means(lowest) / grid.cell
+        solids = [grid.holding(depth > 0.0) for depth in depths]
         core = shared_core(solids)
         if core is None:
             return None
+        beyond = -grid.means(lowest) / grid.cell
         farthest = FARTHEST * max(lowest.shape) / grid.cell
         least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
         del lowest

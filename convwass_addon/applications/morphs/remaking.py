@@ -23,11 +23,11 @@ from .moving_problem import MovingProblem
 from .runs import Run, as_solved
 from .solving_again import Asked
 from .steady_topology import SteadyTopology, legs_of
-from .surface_steps import Chain, MeasuredSurface, SurfaceSteps, longest_step
+from .surface_steps import JUMP, Chain, MeasuredSurface, SurfaceSteps, longest_step
 
 # Distances to a neighbor, as multiples of the usual step, within which a blend is limited that repairs could not bring
-# to its neighbors' topology. The resulting steps are at most the last multiple, or as long as before.
-_NEAR, _LONGEST = (1.0, 0.35), 1.8
+# to its neighbors' topology.
+_NEAR = (1.0, 0.35)
 # Maximum number of times that the topology is decided and its blends are computed again.
 _ROUNDS = 3
 # Limits that concern more than this fraction of the volume spoil a blend: what they hold back is then taken from the
@@ -182,7 +182,7 @@ class Remaking:
     def _near_neighbor(
         self, blend: Blend, most: Connectivity, topology: SteadyTopology, usual: float
     ) -> Work[MorphFrame | None]:
-        """Return a blend with these counts that is limited by one of its neighbors; None if none has short steps."""
+        """Return a blend with these counts, limited by one of its neighbors; None if it would have to jump."""
         beside = topology.beside(blend)
         known = yield from self._made(
             {one: self._demands.get(one, Demand(topology.most(one))) for one in (blend, *beside)}
@@ -192,7 +192,7 @@ class Remaking:
         def longest(own: MeasuredSurface) -> float:
             return max(longest_step([own, surfaces[other]]) for other in beside)
 
-        allowed = max(_LONGEST * usual, longest(surfaces[blend]))
+        allowed = max(JUMP * usual, longest(surfaces[blend]))
         for multiple, other in product(_NEAR, beside):
             demand = Demand(most, surfaces[other].mesh, multiple * usual)
             frame = (yield from self._made({blend: demand}))[blend]

@@ -53,6 +53,11 @@ def legs_of(blends: Sequence[Blend]) -> list[Leg]:
     return [leg for leg in found if leg.between]
 
 
+def leg_with(legs: Iterable[Leg], blend: Blend) -> Leg:
+    """Return the leg that has a blend between its shapes."""
+    return next(leg for leg in legs if blend in leg.between)
+
+
 @dataclass
 class _Counts:
     """Counts of a blend, their lower bounds, and the maximum over its shapes."""
@@ -89,26 +94,24 @@ class SteadyTopology:
     def asked(self) -> dict[Blend, Connectivity]:
         """Return the largest allowed counts of the blends that exceed them, in the order of the blends."""
         found: dict[Blend, Connectivity] = {}
-        for leg in self._legs:
-            if self._knows(leg):
-                found |= self._exceeding(leg, [self._counts[blend].least for blend in leg.between])
+        for leg in self._known_legs():
+            found |= self._exceeding(leg, [self._counts[blend].least for blend in leg.between])
         return found
 
     def unreached(self) -> dict[Blend, Connectivity]:
         """Return single blends that could not be repaired to the counts of their neighbors, with these counts."""
         found: dict[Blend, Connectivity] = {}
-        for leg in self._legs:
-            if self._knows(leg):
-                exceeding = self._exceeding(leg, [_LEAST] * len(leg.between))
-                runs = [list(run) for is_one, run in groupby(leg.between, exceeding.__contains__) if is_one]
-                found |= {run[0]: exceeding[run[0]] for run in runs if len(run) == 1}
+        for leg in self._known_legs():
+            exceeding = self._exceeding(leg, [_LEAST] * len(leg.between))
+            runs = [list(run) for exceeds, run in groupby(leg.between, exceeding.__contains__) if exceeds]
+            found |= {run[0]: exceeding[run[0]] for run in runs if len(run) == 1}
         return found
 
     def beside(self, blend: Blend) -> tuple[Blend, ...]:
         """Return the blends next to a blend in its leg."""
-        (leg,) = (leg for leg in self._legs if blend in leg.between)
-        place = leg.between.index(blend)
-        return (*leg.between[max(place - 1, 0) : place], *leg.between[place + 1 : place + 2])
+        between = leg_with(self._legs, blend).between
+        place = between.index(blend)
+        return (*between[max(place - 1, 0) : place], *between[place + 1 : place + 2])
 
     def knows(self, blends: Iterable[Blend]) -> bool:
         """Whether counts of all these blends are known."""
@@ -121,7 +124,7 @@ class SteadyTopology:
     def reaches(self, frame: MorphFrame, most: Connectivity) -> bool:
         """Whether a frame exceeds none of some counts."""
         has = _connectivity(frame, "found")
-        return has is not None and not any(_exceeds(has, most, kind) for kind in _DECIDED)
+        return has is not None and not _exceeds_any(has, most)
 
     def better(self, frame: MorphFrame, asked: Connectivity) -> MorphFrame | None:
         """Add the counts of a frame that was computed again, and return it; None if it is no better than before.
@@ -144,8 +147,8 @@ class SteadyTopology:
             return None
         return replace(frame, record={**frame.record, "most": vars(counts.most)})
 
-    def _knows(self, leg: Leg) -> bool:
-        return {leg.first, leg.last} <= self._shapes.keys() and self._counts.keys() >= set(leg.between)
+    def _known_legs(self) -> list[Leg]:
+        return [leg for leg in self._legs if {leg.first, leg.last} <= self._shapes.keys() and self.knows(leg.between)]
 
     def _exceeding(self, leg: Leg, least: Sequence[Connectivity]) -> dict[Blend, Connectivity]:
         """Return the largest counts of those blends that exceed them, if counts can be reduced to some least ones."""
@@ -158,7 +161,7 @@ class SteadyTopology:
         return {
             blend: most
             for blend, most, counts in zip(leg.between, wanted, own, strict=True)
-            if any(_exceeds(counts.has, most, kind) for kind in _DECIDED)
+            if _exceeds_any(counts.has, most)
         }
 
     def _fewest(self, leg: Leg, least: Sequence[Connectivity], kind: str) -> list[int]:
@@ -173,6 +176,10 @@ def _connectivity(frame: MorphFrame, name: str) -> Connectivity | None:
     if not isinstance(counts, dict) or counts.keys() != vars(_LEAST).keys():
         return None
     return Connectivity(**counts) if all(type(count) is int for count in counts.values()) else None
+
+
+def _exceeds_any(has: Connectivity, most: Connectivity) -> bool:
+    return any(_exceeds(has, most, kind) for kind in _DECIDED)
 
 
 def _exceeds(has: Connectivity, most: Connectivity, kind: str) -> bool:

@@ -19,11 +19,11 @@ from ...geometry.orientation import orient_outward
 from ...geometry.point_tree import point_tree
 from .layouts import Blend
 from .morph_problem import MorphFrame
-from .steady_topology import Leg
+from .steady_topology import Leg, leg_with
 
 # A step longer than this multiple of the median is a jump; the steps of blends computed again are limited to the
 # second.
-_JUMP, _REACH = 1.8, 1.5
+JUMP, _REACH = 1.8, 1.5
 # Steps shorter than this multiple of the spacing of points are not jumps.
 _LEAST = 1.5
 # Legs with fewer blends have no usual step.
@@ -175,8 +175,7 @@ class SurfaceSteps:
 
     def usual(self, blend: Blend) -> float | None:
         """Return the median step between the blends of a leg; None if it has too few, or not all were added."""
-        (leg,) = (leg for leg in self._legs if blend in leg.between)
-        return self._usual(leg)
+        return self._usual(leg_with(self._legs, blend))
 
     def chains(self) -> list[Chain]:
         """Return the blends to compute again: those after something appears, and before something vanishes.
@@ -198,7 +197,7 @@ class SurfaceSteps:
             return []
         onwards, back = [], []
         for step in sorted(self._longest[leg], key=lambda step: step.place):
-            place, least = step.place, max(_JUMP * usual, _LEAST * max(step.before.spacing, step.after.spacing))
+            place, least = step.place, max(JUMP * usual, _LEAST * max(step.before.spacing, step.after.spacing))
             # The last step is followed by no blend, and the first one preceded by none.
             if step.lengths.appears > least and place <= blends:
                 coming = [lengths[i].appears for i in range(place, blends + 1)]
