@@ -176,10 +176,10 @@ def test_input_images_are_recognized_by_any_spelling_of_their_path(tmp_path, red
     before = [path.read_bytes() for path in paths]
     for words in ((red, other, "--palette", blue), (red, other, "--palette", red)):
         assert run(*words, "--out", folder) == 3
-        assert "would overwrite" in capfd.readouterr().err
+        assert "would be overwritten" in capfd.readouterr().err
     elsewhere = tmp_path / "shots"
     elsewhere.mkdir()
     namesake = saved(red_image(), elsewhere / "blue.png")
     assert run(namesake, "--palette", blue, "--out", folder) == 3
-    assert "would overwrite" in capfd.readouterr().err
+    assert "would be overwritten" in capfd.readouterr().err
     assert [path.read_bytes() for path in paths] == before

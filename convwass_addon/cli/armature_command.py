@@ -27,6 +27,7 @@ from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
 from .from_schema import given_settings
+from .overwriting import refuse_overwriting
 from .reports import note, write_report
 
 
@@ -40,6 +41,7 @@ def run_armature(options: Namespace) -> Answer:
     """
     target = checked_target(path_with_suffix(options.out, ".blend"))
     report = None if options.report is None else checked_target(options.report)
+    refuse_overwriting([parse_source(text).path for text in (options.body, options.rig)], [target, report])
     settings = SkeletonSettings(**given_settings(options, SkeletonSettings))
     request = FitRequest(**given_settings(options, FitRequest))
     with with_pins():

@@ -23,6 +23,7 @@ from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_request import DensityRequest, path_request
 from ..bridge.densities.density_store import StoredDensity
 from ..bridge.files import checked_target, save_blend
+from ..bridge.imports import parse_source
 from ..bridge.vertex_groups import group_names, write_group
 from ..console import ProgressBar
 from ..errors import InputError
@@ -30,6 +31,7 @@ from ..progress import Work, drained
 from .answer import Answer
 from .density_inputs import DensityScene, open_mesh
 from .from_schema import given_settings
+from .overwriting import refuse_overwriting
 from .reports import note
 
 _DIGITS = 6
@@ -85,7 +87,9 @@ def _target(options: Namespace) -> Path | None:
         return None
     if options.out is not None and (options.measure or options.matrix):
         raise InputError("Distances between groups are printed, not written to a file; leave out --out.")
-    return checked_target(path_with_suffix(options.out or "density.blend", ".blend"))
+    target = checked_target(path_with_suffix(options.out or "density.blend", ".blend"))
+    refuse_overwriting([parse_source(options.mesh).path], [target])
+    return target
 
 
 def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings, target: Path) -> Answer:

@@ -39,6 +39,8 @@ from .morph_choices import (
     request_of,
     settings_of,
 )
+from .morph_files import files_read, files_written
+from .overwriting import refuse_overwriting
 from .reports import note
 from .shape_key_command import with_shape_keys
 
@@ -62,6 +64,8 @@ def run_morph(options: Namespace) -> Answer:
         between = between_of(options, request, blends)
         blends = [place.blend for place in places_at(between.path, between.numbers)]
     # Check everything before the work begins.
+    if options.frames_range is None:
+        refuse_overwriting(files_read(options), files_written(options, target, len(blends)))
     refuse_still_cache(options, blends)
     has_frames = options.output != SHAPE_KEYS
     if options.textures and has_frames:

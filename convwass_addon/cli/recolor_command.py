@@ -20,7 +20,7 @@ from ..applications.palettes.palette_statistics import pooled_palette
 from ..applications.palettes.pixel_blocks import recolored_blocks
 from ..applications.palettes.recolor_job import Picture, solved_map
 from ..applications.palettes.recoloring import Recoloring
-from ..applications.whole_paths import path_with_suffix, share_a_place, whole_path
+from ..applications.whole_paths import path_with_suffix, whole_path
 from ..bridge.files import checked_target
 from ..bridge.numbered_files import numbered_paths
 from ..bridge.palettes.image_files import require_format, save_pixels
@@ -30,6 +30,7 @@ from ..errors import InputError
 from ..progress import drained
 from .answer import Answer
 from .from_schema import given_settings
+from .overwriting import refuse_overwriting
 from .recolor_frames import Frames, opened_frames, read_file
 
 
@@ -47,6 +48,7 @@ def run_recolor(options: Namespace) -> Answer:
     cube = None if options.cube is None else checked_target(path_with_suffix(options.cube, ".cube"))
     with opened_frames(options.images, options.mask) as frames:
         targets = _targets(options, frames.names)
+        refuse_overwriting(_sources(options), [*targets, cube])
         change = read_cube(options.lut) if options.lut is not None else _solved(options, frames, settings)
         record: dict[str, object] = {"images": [str(path) for path in options.images]}
         if isinstance(change, Recoloring):
@@ -96,17 +98,16 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
         targets = numbered_paths(folder, f"{stem}.", suffix, range(count))
     else:
         targets = [folder / name for name in names]
-    if len(set(targets)) < len(targets) or share_a_place(targets, _sources(options)):
-        raise InputError("The results would overwrite each other or the images; choose another folder with --out.")
+    if len(set(targets)) < len(targets):
+        raise InputError("The results would overwrite each other; give the images different names.")
     for target in targets:
         require_format(checked_target(target) if folder.is_dir() else target)
     return targets
 
 
-def _sources(options: Namespace) -> list[Path]:
-    """Return all images that are read."""
-    paths = [*options.images, *options.palette, options.mask, options.palette_mask]
-    return [whole_path(path) for path in paths if path is not None]
+def _sources(options: Namespace) -> list[Path | None]:
+    """Return all files that are read."""
+    return [*options.images, *options.palette, options.mask, options.palette_mask, options.lut]
 
 
 def _solved(options: Namespace, frames: Frames, settings: RecolorSettings) -> Recoloring:

@@ -28,6 +28,7 @@ from ..errors import InputError
 from ..progress import payloads
 from .answer import Answer
 from .from_schema import given_settings
+from .overwriting import refuse_overwriting
 
 # For every kind of material: how many parameters it may have, and its constructor.
 _KINDS = {
@@ -49,6 +50,7 @@ def run_reflect(options: Namespace) -> Answer:
     target = checked_target(options.out)
     kind = target.suffix.lower()
     _check_kind(target, kind, options)
+    refuse_overwriting(map(Path, options.materials), [target])
     settings = ReflectanceSettings(**given_settings(options, ReflectanceSettings))
     sheet = None if options.pad is None else PadSheet.of(len(options.materials), options.pad)
     weights = _weights(options) if sheet is None else sheet.weights

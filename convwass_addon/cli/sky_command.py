@@ -14,6 +14,7 @@ from ..errors import InputError
 from ..progress import payloads
 from .answer import Answer
 from .from_schema import given_settings
+from .overwriting import refuse_overwriting
 
 
 def run_sky(options: Namespace) -> Answer:
@@ -32,6 +33,7 @@ def run_sky(options: Namespace) -> Answer:
         raise InputError("--width must be 64 to 16384.")
     settings = SkySettings(**given_settings(options, SkySettings))
     files = SkyFiles(options.out, options.first, options.steps)
+    refuse_overwriting(options.skies, files.paths)
     skies = [read_sky_file(path) for path in options.skies]
     height = fitting_height(options.width or skies[0].shape[1], settings)
     records = []

@@ -19,6 +19,7 @@ from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target, save_blend
+from ..bridge.imports import parse_source
 from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.carried_keys import CarriedKeys
 from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
@@ -35,6 +36,7 @@ from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
 from .from_schema import given_settings
+from .overwriting import refuse_overwriting
 from .reports import note, write_report
 from .softmap_inputs import open_objects
 
@@ -75,6 +77,8 @@ def run_softmap(options: Namespace) -> Answer:
     _check_options(options)
     target = checked_target(path_with_suffix(options.out, ".blend"))
     report = None if options.report is None else checked_target(options.report)
+    sources = [text for text in (options.source, options.target) if text is not None]
+    refuse_overwriting([parse_source(text).path for text in sources], [target, report])
     settings = SoftMapSettings(**given_settings(options, SoftMapSettings))
     request = TransferRequest(**given_settings(options, TransferRequest))
     ends = _opened_ends(options)
