@@ -95,12 +95,17 @@ def _is_plain(options: Namespace) -> bool:
     return options.output == "objects" and not (options.render or options.export)
 
 
-def refuse_still_cache(options: Namespace, blends: list[Blend]) -> None:
-    """Raise InputError if blends that do not move are to be written to an animation cache."""
-    if options.output in ("alembic", "usd") and blends[0].frame is None:
+def refuse_unsuitable_output(options: Namespace, request: MorphRequest, blends: list[Blend]) -> None:
+    """Raise InputError if the output cannot show the blends: a pad shows a sheet, a player or a cache shows a path."""
+    if options.output in ("player", "alembic", "usd") and blends[0].frame is None:
         raise InputError(
             "--output {output} requires a path; sheets and single blends do not move. Choose another output.",
             output=options.output,
+        )
+    if options.output == "pad" and request.layout not in ("GRID", "TRIANGLE"):
+        raise InputError(
+            "--output pad requires a sheet; use --layout grid with four shapes or --layout triangle with three, or "
+            "choose another output."
         )
 
 

@@ -35,7 +35,7 @@ from .morph_choices import (
     computing_of,
     export_format,
     flat_settings_of,
-    refuse_still_cache,
+    refuse_unsuitable_output,
     request_of,
     settings_of,
 )
@@ -66,7 +66,7 @@ def run_morph(options: Namespace) -> Answer:
     # Check everything before the work begins.
     if options.frames_range is None:
         refuse_overwriting(files_read(options), files_written(options, target, len(blends)))
-    refuse_still_cache(options, blends)
+    refuse_unsuitable_output(options, request, blends)
     has_frames = options.output != SHAPE_KEYS
     if options.textures and has_frames:
         raise InputError("--textures requires --output shape-keys, since frames have no common UV map.")
