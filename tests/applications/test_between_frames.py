@@ -17,9 +17,12 @@ from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
+from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.closest_points import ClosestPointFinder
+from convwass_addon.progress import drained
 from tests.shapes import ball, box, joined
 
 QUICK = MorphSettings(motion="transport", resolution=32)
@@ -236,3 +239,18 @@ def test_damaged_potentials_are_named_and_made_again(tmp_path, damage):
 def test_numbers_that_are_no_places_are_refused(numbers, message):
     with pytest.raises(InputError, match=message):
         places_at(PATH, numbers)
+
+
+def test_a_blend_of_a_path_has_the_motion_of_the_path(tmp_path, monkeypatch):
+    """Alone, the first two shapes might get another one."""
+    asked = []
+
+    def chosen(self, request, control):
+        asked.append(list(request.pairs))
+        yield from ()
+        return MotionChoice("transport", "APART")
+
+    monkeypatch.setattr(MotionMemory, "chosen", chosen)
+    shapes, settings = (*SHAPES, SHAPES[0]), MorphSettings(resolution=32, motion="warp")
+    drained(between_frames(shapes, ("a", "b", "c"), path_blends(3, 4), [1.5], settings, FrameCache(tmp_path)))
+    assert asked == [[(0, 1), (1, 2)]]

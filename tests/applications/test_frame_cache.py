@@ -15,6 +15,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 from hypothesis.extra.numpy import arrays
 
 from convwass_addon.applications.morphs import bake_plan, frame_cache, frame_file
+from convwass_addon.applications.morphs.animation import Animation, ShapeAnimation
 from convwass_addon.applications.morphs.compact_arrays import packed_integers
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.morphs.frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
@@ -144,9 +145,9 @@ def test_every_blend_is_in_one_run_and_runs_do_not_depend_on_the_range(count, da
     assert set(chosen) == {run for run in runs if set(run) & set(range(first, last + 1))}
 
 
-def keys(shapes=SHAPES, names=("a", "b"), labels=None, options=QUICK, blends=BLENDS):
+def keys(shapes=SHAPES, names=("a", "b"), labels=None, options=QUICK, blends=BLENDS, **others):
     with tempfile.TemporaryDirectory() as folder:
-        cache = FrameCache(Path(folder)).of(shapes, names, labels, options)
+        cache = FrameCache(Path(folder)).of(shapes, names, labels, options, **others)
         return [path.name for path in cache.paths(blends)]
 
 
@@ -178,6 +179,21 @@ def test_every_setting_is_in_the_name(name):
     # Whatever the setting takes: only that it differs matters here.
     object.__setattr__(changed, name, "another")
     assert not set(keys(options=changed)) & set(keys())
+
+
+def test_a_motion_depends_on_the_pairs_that_it_has_to_suit():
+    moving = dataclasses.replace(QUICK, motion="automatic")
+    alone, both = [(0, 1)], [(0, 1), (1, 2)]
+    assert not set(keys(options=moving, pairs=alone)) & set(keys(options=moving, pairs=both))
+    assert keys(pairs=alone) == keys(pairs=both)
+
+
+def test_animated_inputs_are_in_the_name():
+    shapes = (ball(), box())
+    poses = tuple(ShapeAnimation((0.0, 1.0), (own, own.moved((1, 0, 0)))) for own in shapes)
+    names = [keys(animation=Animation(poses, stations)) for stations in ((0.0, 1.0), (0.0, 2.0))]
+    assert not set(names[0]) & set(names[1])
+    assert not set(names[0]) & set(keys())
 
 
 def test_the_key_of_a_frame_depends_on_the_blends_before_it():

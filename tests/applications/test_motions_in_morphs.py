@@ -5,9 +5,9 @@
 import numpy as np
 import pytest
 
-from convwass_addon.applications.morphs.bake_plan import MorphPreview, pairs_of
+from convwass_addon.applications.morphs.bake_plan import MorphPreview
 from convwass_addon.applications.morphs.frame_cache import FrameCache
-from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.morphs.layouts import pairs_of, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings

@@ -13,8 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.planar_fill import Boundary
 from ...progress import Control, Work, within
-from ..morphs.bake_plan import pairs_of
-from ..morphs.layouts import Blend
+from ..morphs.layouts import Blend, pairs_of
 from ..motions.choosing import MotionChoice, chosen_motion
 from ..motions.limbs import is_nearly_convex
 from ..motions.motion import MovedShape

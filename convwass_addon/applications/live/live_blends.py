@@ -21,9 +21,8 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...progress import Control, Progress, Result, Work, within
 from ...sentence import Sentence
-from ..morphs.bake_plan import pairs_of
 from ..morphs.extraction import estimated_level_density
-from ..morphs.layouts import Blend
+from ..morphs.layouts import Blend, pairs_of
 from ..morphs.morph_problem import MorphProblem
 from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovingProblem

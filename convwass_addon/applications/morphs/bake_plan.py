@@ -9,7 +9,6 @@ from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from itertools import combinations
 
 import numpy as np
 
@@ -110,6 +109,7 @@ class BakePlan:
     shapes: Sequence[TriangleMesh]
     names: Sequence[str]
     blends: Sequence[Blend]
+    pairs: Sequence[tuple[int, int]]
     settings: MorphSettings
     matching: Matching
     guides: Sequence[Guide]
@@ -132,11 +132,11 @@ class BakePlan:
         if self._shows and problem.transport.sketch_depth:
             return (yield from self._sketched(problem, stack, control))
         most = self._fitting(problem)
-        problem = with_connectivity(problem, min(most, len(self.shapes)))
+        problem = with_connectivity(problem, min(most, len(self.shapes)), control)
         if self.executor is not None:
             pending = stack.enter_context(runs_elsewhere(problem, self.runs, self.executor))
             return BegunRuns(pending, self._chosen_at, problem)
-        kept = self._keeping(problem, most)
+        kept = self.keeping(problem)
         pending = stack.enter_context(runs_in_threads(problem, self.runs, control, most, kept))
         return BegunRuns(pending, self._chosen_at, problem, kept)
 
@@ -154,10 +154,8 @@ class BakePlan:
         problem = replace(problem, keeps_potentials=self.keeps_potentials, motion=choice.record())
         if choice.motion is None:
             return problem.with_detail_of(self.shapes)
-        still = with_connectivity(problem, min(self._fitting(problem), len(self.shapes)))
-        moving = MovingProblem.of(still, choice.motion, self.blends, self.names, self.matching, control)
-        check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
-        return moving
+        still = with_connectivity(problem, min(self._fitting(problem), len(self.shapes)), control)
+        return self._fitted(MovingProblem.of(still, choice.motion, self.blends, self.names, self.matching, control))
 
     def _following(self, problem: MorphProblem, choice: MotionChoice, control: Control) -> FollowingProblem:
         """Return the problem shared by all blends of animated inputs."""
@@ -166,12 +164,11 @@ class BakePlan:
         if animation.keeps_topology:
             animation = animation.facing([shape.faces for shape in outward])
         if choice.motion is not None:
-            pairs, coherence = pairs_of(self.blends), self.settings.coherence
-            motion = PosedMotion.of(choice.motion, outward, self.names, pairs, coherence, control)
-        still = with_connectivity(replace(problem, motion=choice.record()), min(self._threads, len(self.shapes)))
-        following = FollowingProblem.around(still, motion, animation, outward, self.names, self.matching)
-        check_memory(following.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
-        return following
+            coherence = self.settings.coherence
+            motion = PosedMotion.of(choice.motion, outward, self.names, self.pairs, coherence, control)
+        recorded = replace(problem, motion=choice.record())
+        still = with_connectivity(recorded, min(self._threads, len(self.shapes)), control)
+        return self._fitted(FollowingProblem.around(still, motion, animation, outward, self.names, self.matching))
 
     @contextmanager
     def again(
@@ -208,17 +205,26 @@ class BakePlan:
         """Return how many threads can solve at the same time."""
         return self.workers or fitting_workers(problem.lattice, self.shapes, self.matching.count, self._threads)
 
-    def _keeping(self, problem: MorphProblem, workers: int) -> KeptBlends:
-        """Return what keeps solved blends, within the memory that the bake leaves free."""
-        needed = problem.lattice.memory(self.shapes, workers, self.matching.count)
-        return KeptBlends(fitting_beside(needed, 2, _MOST_KEPT), finest=self.keeps_potentials)
+    def keeping(self, problem: MorphProblem) -> KeptBlends:
+        """Return what keeps solved blends of inputs at rest, within half of the memory that the bake leaves free."""
+        return KeptBlends(self._room(problem, 2, _MOST_KEPT), finest=self.keeps_potentials)
+
+    def _fitted(self, moving: MovingProblem) -> MovingProblem:
+        """Check the memory that moving inputs need, and let them keep blends in a quarter of what is left."""
+        check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
+        return replace(moving, kept=MovedBlends(self._room(moving, 4, _MOST_KEPT_MOVED)))
+
+    def _room(self, problem: MorphProblem | MovingProblem, parts: int, most: int) -> int:
+        """Return one of so many parts of the memory that the bake leaves free, in bytes; at most `most`."""
+        needed = problem.lattice.memory(self.shapes, self._fitting(problem), self.matching.count)
+        return fitting_beside(needed, parts, most)
 
     def _motion(self, control: Control) -> Work[MotionChoice]:
         """Choose how the shapes move."""
         kind, coherence = self.settings.motion, self.settings.coherence
         # With "transport" the shapes are oriented when they are voxelized.
         outward = self.shapes if kind == "transport" else [orient_outward(shape) for shape in self.shapes]
-        request = MotionRequest(outward, self.names, pairs_of(self.blends), kind, coherence, self.guides)
+        request = MotionRequest(outward, self.names, self.pairs, kind, coherence, self.guides)
         return (yield from within(self.motions.chosen(request, control), VOXEL_SHARE, self._chosen_at))
 
     def _moving(self, moving: MovingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
@@ -228,10 +234,7 @@ class BakePlan:
             yield from self._moved_previews(moving, control)
             fraction += _PREVIEW_SHARE
         if self.executor is None:
-            workers = self._fitting(moving)
-            needed = moving.lattice.memory(self.shapes, workers, self.matching.count)
-            moving = replace(moving, kept=MovedBlends(fitting_beside(needed, 4, _MOST_KEPT_MOVED)))
-            runs = moving_runs_in_threads(moving, self.runs, control, workers)
+            runs = moving_runs_in_threads(moving, self.runs, control, self._fitting(moving))
         else:
             runs = runs_elsewhere(moving, self.runs, self.executor)
         return BegunRuns(stack.enter_context(runs), fraction, moving)
@@ -241,7 +244,7 @@ class BakePlan:
         most = self._fitting(problem)
         needed = problem.lattice.memory(self.shapes, most, self.matching.count)
         chosen = self._previewed(problem.transport.sketch_bytes, needed)
-        kept = self._keeping(problem, most)
+        kept = self.keeping(problem)
         sketched = stack.enter_context(sketched_runs_in_threads(problem, self.runs, chosen, control, most, kept))
         yield from self._previews(sketched, control)
         return BegunRuns(sketched.frames, self._chosen_at + _PREVIEW_SHARE, problem, kept)
@@ -286,9 +289,3 @@ class BakePlan:
     def _preview(self, done: int, total: int, frame: MorphFrame) -> Progress[MorphPreview]:
         message = Sentence("Preview {done} of {total}", {"done": done, "total": total})
         return Progress(self._chosen_at + _PREVIEW_SHARE * done / total, message, MorphPreview(frame))
-
-
-def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:
-    """Return the pairs of inputs that occur together in a blend, smaller index first."""
-    active = {tuple(np.flatnonzero(blend.weights).tolist()) for blend in blends}
-    return sorted({pair for together in active for pair in combinations(together, 2)})

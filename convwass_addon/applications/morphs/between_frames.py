@@ -27,7 +27,7 @@ from ..workers import frame_workers
 from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
 from .frame_cache import BakeCache, FrameCache
-from .layouts import Blend
+from .layouts import Blend, pairs_of
 from .morph import morph
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
@@ -115,7 +115,7 @@ def between_frames(
     """Compute the blends at some positions of a path from the frames around them.
 
     Frames that the cache does not hold are computed and stored first. A position at a frame gets that frame. If the
-    inputs move, every moment has its own motion, and the blends are computed and cached like any others.
+    inputs move, blends are computed and cached like those of the path, with the same motion.
 
     Parameters
     ----------
@@ -144,7 +144,7 @@ def between_frames(
     if settings.motion != "transport":
         blends = [place.blend for place in places]
         kept = {"labels": labels, "guides": guides, "workers": workers, "executor": executor, "cache": cache}
-        return (yield from morph(shapes, names, blends, settings, control, **kept))
+        return (yield from morph(shapes, names, blends, settings, control, pairs=pairs_of(path), **kept))
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     store = cache.of(shapes, names, labels, settings)
     runs = _runs_about(places, path)
@@ -153,10 +153,11 @@ def between_frames(
         frames = _stored_frames(store, runs)
         yield from _reported(0.0, len(places), (_frame_itself(place, frames) for place in places))
         return None
+    threads = workers or os.cpu_count() or 1
     side_by_side = min(workers or 1, max(len(missing), len(places)))
-    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, control=control)
+    problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, threads, control)
     problem = problem.with_detail_of(shapes)
-    most = workers or fitting_workers(problem.lattice, shapes, matching.count, os.cpu_count() or 1)
+    most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
     yield from _complete(store, problem, missing, control, most, executor)
     frames = _stored_frames(store, runs)
     with frame_workers(most) as threads:
@@ -248,7 +249,8 @@ def _started(problem: MorphProblem, place: Place, known: Sequence[MorphFrame], c
             return None
         if not solved[-1].converged:
             return None
-    return surfaced_frame(problem, SolvedBlend(place.blend, tuple(solved), tuple(sigmas), volumes))
+    blend = SolvedBlend(place.blend, tuple(solved), tuple(sigmas), volumes)
+    return surfaced_frame(problem, blend, control=control)
 
 
 def _inputs(part: MorphPart, problem: MorphProblem, sigma: float) -> Inputs:

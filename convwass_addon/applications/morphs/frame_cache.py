@@ -19,6 +19,7 @@ from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..motions.guides import Guide
 from ..whole_paths import whole_path
+from .animation import Animation
 from .code_digest import code_digest
 from .demands import Demand
 from .frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
@@ -80,9 +81,13 @@ class FrameCache:
         labels: Sequence[FaceLabels] | None,
         settings: MorphSettings,
         guides: Sequence[Guide] = (),
+        pairs: Sequence[tuple[int, int]] = (),
+        animation: Animation | None = None,
     ) -> BakeCache:
         """Return the part of the cache that belongs to one bake; parameters as for :func:`.morph.morph`."""
-        return BakeCache(self, _bake_digest(shapes, names, labels, settings, guides))
+        digest = _bake_digest(shapes, names, labels, settings, guides, pairs, animation)
+        # Blends of animated inputs have none, because every blend is one of other shapes.
+        return BakeCache(self, digest, keeps_potentials=self.keeps_potentials and animation is None)
 
     def missed(self, error: OSError) -> None:
         """Handle a frame that could not be written.
@@ -157,16 +162,14 @@ class BakeCache:
         The folder.
     digest : bytes
         Hash that identifies the bake.
+    keeps_potentials : bool
+        Whether frames of inputs that do not move are stored with their potentials.
     """
 
-    def __init__(self, cache: FrameCache, digest: bytes) -> None:
+    def __init__(self, cache: FrameCache, digest: bytes, *, keeps_potentials: bool) -> None:
         self._cache = cache
         self._digest = digest
-
-    @property
-    def keeps_potentials(self) -> bool:
-        """Whether frames should be stored with their potentials."""
-        return self._cache.keeps_potentials
+        self.keeps_potentials = keeps_potentials
 
     def paths(self, run: Sequence[Blend]) -> list[Path]:
         """Return the files of a run's frames, whether or not they exist."""
@@ -279,12 +282,22 @@ def _bake_digest(
     labels: Sequence[FaceLabels] | None,
     settings: MorphSettings,
     guides: Sequence[Guide],
+    pairs: Sequence[tuple[int, int]],
+    animation: Animation | None,
 ) -> bytes:
     """SHA-256 of everything that determines the frames of a bake: code, settings, shapes and their parts."""
     hashed = hashlib.sha256(code_digest())
     description = {"settings": settings.as_dict(), "shapes": len(shapes)}
     description["guides"] = [sorted(guide.items()) for guide in guides]
-    arrays = [array for shape in shapes for array in (shape.vertices.astype("<f8"), shape.faces.astype("<i8"))]
+    if settings.motion != "transport":
+        # One motion suits all of them.
+        description["pairs"] = [list(pair) for pair in pairs]
+    followed = []
+    if animation is not None:
+        description["times"] = [*(list(shape.times) for shape in animation.shapes), list(animation.stations)]
+        followed = animation.meshes
+    arrays = [mesh.vertices.astype("<f8") for mesh in (*shapes, *followed)]
+    arrays += [mesh.faces.astype("<i8") for mesh in (*shapes, *followed)]
     if labels is not None:
         # Names of shapes occur only in messages about parts.
         description |= {"names": list(names), "parts": [label.names for label in labels]}

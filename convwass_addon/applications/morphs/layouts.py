@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import combinations
 
 import numpy as np
 
@@ -125,6 +126,12 @@ def single_blend(weights: Sequence[float], count: int) -> list[Blend]:
     if values.sum() <= 0:
         raise InputError("All weights are zero; give at least one shape some weight.")
     return [Blend(tuple(float(w) for w in values / values.sum()))]
+
+
+def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:
+    """Return the pairs of inputs that occur together in a blend, smaller index first."""
+    active = {tuple(np.flatnonzero(blend.weights).tolist()) for blend in blends}
+    return sorted({pair for together in active for pair in combinations(together, 2)})
 
 
 def _corner(count: int, index: int) -> tuple[float, ...]:

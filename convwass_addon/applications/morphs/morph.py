@@ -22,7 +22,7 @@ from ..motions.motion_memory import MotionMemory
 from .animation import Animation
 from .bake_plan import BakePlan
 from .frame_cache import BakeCache, FrameCache
-from .layouts import Blend
+from .layouts import Blend, pairs_of
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
 from .part_labels import FaceLabels, matched, unparted
@@ -50,6 +50,7 @@ def morph(
     looked_at: int = 0,
     animation: Animation | None = None,
     motions: MotionMemory | None = None,
+    pairs: Sequence[tuple[int, int]] | None = None,
 ) -> Work[None]:
     """Compute the blends of shapes.
 
@@ -90,6 +91,9 @@ def morph(
         frame, there is no motion.
     motions : MotionMemory, optional
         Motions in the memory are not computed again.
+    pairs : sequence of (int, int), optional
+        Pairs of inputs that the motion has to suit, smaller index first; by default those that occur together in
+        `blends`.
 
     Yields
     ------
@@ -106,18 +110,19 @@ def morph(
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")
     for shape, name in zip(shapes, names, strict=True):
-        if not len(shape.faces):
+        if not shape.area > 0.0:
             raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
         refuse_far(shape)
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     runs = runs_of(blends, wanted)
-    followed = [] if animation is None else animation.meshes
-    store = None if cache is None else cache.of([*shapes, *followed], names, labels, settings, guides)
+    pairs = pairs_of(blends) if pairs is None else pairs
+    store = None if cache is None else cache.of(shapes, names, labels, settings, guides, pairs, animation)
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     plan = BakePlan(
         shapes=shapes,
         names=names,
         blends=blends,
+        pairs=pairs,
         settings=settings,
         matching=matching,
         guides=guides,
