@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .cuts import Cuts
 from .handle_places import REACH, Places, TriedPlaces, are_near
 from .labelling import Pieces
@@ -77,6 +78,7 @@ def remove_handles(
     excess: int,
     effort: Effort = GENTLE,
     tried: TriedPlaces | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> int:
     """Move saddles near a level to its other side until enough handles are removed, the smallest changes first.
 
@@ -97,6 +99,8 @@ def remove_handles(
     tried : TriedPlaces, optional
         Where changes were tried in vain before, with no other change of the density since. These places are not tried
         again, and those of this call are added.
+    control : Control
+        Stops the work when cancelled; the density may have changed then.
 
     Returns
     -------
@@ -109,7 +113,7 @@ def remove_handles(
     def removed(left: int, places: Places, narrowest: int, widest: int) -> int:
         if left <= 0:
             return 0
-        return _removed(density, level, left, tried.untried(places, widest), tried, narrowest, widest)
+        return _removed(density, level, left, tried.untried(places, widest), tried, narrowest, widest, control)
 
     widest = effort.radii
     left = excess - removed(excess, _cheapest_places(density, level, effort, tried), 0, _NARROW)
@@ -135,12 +139,14 @@ def _removed(
     tried: TriedPlaces,
     narrowest: int,
     widest: int,
+    control: Control,
 ) -> int:
     """Like `remove_handles`, at given places with the changes of some radii."""
     around = np.pad(density, REACH)
     search = _Search(around, level, narrowest, widest, tried)
     left = excess
     for start in range(0, len(places.cells), _AT_ONCE):
+        control.check()
         left -= search.change(places.chosen(slice(start, start + _AT_ONCE)), left)
         if left <= 0:
             break

@@ -14,6 +14,7 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .connectivity import Connectivity
 from .dilation import dilated
 from .even_surface import even_surface
@@ -74,7 +75,11 @@ class Mending:
 
 
 def mended_surface(
-    density: NDArray[np.floating], volume: float, most: Connectivity, effort: Effort = GENTLE
+    density: NDArray[np.floating],
+    volume: float,
+    most: Connectivity,
+    effort: Effort = GENTLE,
+    control: Control = UNINTERRUPTED,
 ) -> Mending:
     """Extract an evenly meshed surface that encloses a volume, with bounded numbers of components, handles and bubbles.
 
@@ -90,6 +95,8 @@ def mended_surface(
         Largest numbers of components, handles and bubbles: those of the input shapes.
     effort : Effort
         How large the changes are that remove handles.
+    control : Control
+        Stops the work when cancelled.
 
     Raises
     ------
@@ -100,7 +107,7 @@ def mended_surface(
     # Parts thinner than the deepest gap are irrelevant.
     box, low = _box_of_interest(density, volume)
     given = np.array(density[box], order="C")
-    work = _Work(given.copy(), volume, most, _SPONGE, effort)
+    work = _Work(given.copy(), volume, most, _SPONGE, effort, control)
     level = work.level
     best = _repair_until_stable(work, most)
     # Where there is no sponge, more smoothing removes no more handles than a little.
@@ -109,9 +116,8 @@ def mended_surface(
         if best.mending.found.beyond(most).handles == 0:
             break
         too_many = None if sigma == _SMOOTHINGS[-1] else _SPONGE
-        found = _repair_until_stable(
-            _Work(smoothed_at_saddles(given, level, sigma), volume, most, too_many, effort), most
-        )
+        smoothed = smoothed_at_saddles(given, level, sigma)
+        found = _repair_until_stable(_Work(smoothed, volume, most, too_many, effort, control), most)
         if found.mending.found.beyond(most) < best.mending.found.beyond(most):
             best = _Settled(replace(found.mending, smoothed=sigma), found.density)
     surface = even_surface(best.mending.surface, best.density)
@@ -154,7 +160,7 @@ class _Work:
 
     Parameters
     ----------
-    density, volume, most, effort
+    density, volume, most, effort, control
         As for :func:`mended_surface`.
     too_many : int or None
         If there are more excess handles than this, none is removed.
@@ -167,9 +173,10 @@ class _Work:
         most: Connectivity,
         too_many: int | None,
         effort: Effort,
+        control: Control,
     ) -> None:
         self.density, self._volume, self._most, self._too_many = density, volume, most, too_many
-        self._effort = effort
+        self._effort, self._control = effort, control
         self._shortfall = estimate_shortfall(density, volume)
         self.level = level_enclosing(density, volume, self._shortfall)
         self._crumbs = self._filled = self._bridged = self._clipped = self._unhandled = 0
@@ -191,7 +198,9 @@ class _Work:
         handles = pieces + bubbles - euler_number(self.density, self.level) // 2
         excess = handles - self._most.handles
         if excess > 0 and (self._too_many is None or excess <= self._too_many):
-            self._unhandled += remove_handles(self.density, self.level, excess, self._effort, self._tried)
+            self._unhandled += remove_handles(
+                self.density, self.level, excess, self._effort, self._tried, self._control
+            )
         return before != self._counts()
 
     def _counts(self) -> tuple[int, ...]:
@@ -200,6 +209,7 @@ class _Work:
     def _join_pieces(self) -> int:
         """Bridge gaps and drop components that no gap connects; return the number of components left."""
         for _ in range(_ATTEMPTS):
+            self._control.check()
             pieces = pieces_above(self.density, self.level)
             if pieces.count <= self._most.pieces:
                 break
@@ -214,6 +224,7 @@ class _Work:
     def _fill_bubbles(self) -> int:
         """Fill the smallest hollows; return the number left."""
         for _ in range(_ATTEMPTS):
+            self._control.check()
             hollows = hollows_below(self.density, self.level)
             excess = hollows.count - self._most.bubbles
             if excess <= 0:

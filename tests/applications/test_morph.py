@@ -12,13 +12,19 @@ import pytest
 
 from convwass_addon.applications import memory
 from convwass_addon.applications.background import BackgroundJob
+from convwass_addon.applications.morphs.blend_solver import BlendSolver
+from convwass_addon.applications.morphs.blending import surfaced_frame
 from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.morphs.part_labels import unparted
+from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.alignment import aligned
 from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import UNINTERRUPTED, drained
 from convwass_addon.sentence import Sentence
 from tests.controls import CountingControl, cancelled_control
 from tests.shapes import ball, box, joined, square, torus, with_faces
@@ -283,3 +289,18 @@ def test_the_automatic_blur_is_widened_if_it_is_too_narrow(monkeypatch):
     assert all(record["converged"] for record in solved)
     assert max(record["sigma"] for record in solved) > 0.5
     assert {record["numerics"] for record in solved} == {"scaling"}
+
+
+def test_the_surface_of_a_blend_can_be_cancelled():
+    settings = MorphSettings(motion="transport", resolution=16)
+    problem = drained(prepared_problem((ball(), box()), ("a", "b"), unparted(2), settings, 1))
+    blend = Blend((0.5, 0.5))
+    solved = BlendSolver(problem.transport, UNINTERRUPTED).solve(blend, problem.transport.blend_volumes(blend))
+    with pytest.raises(Cancelled):
+        surfaced_frame(problem, solved, control=cancelled_control())
+
+
+def test_meshes_without_area_are_named():
+    point = TriangleMesh(np.zeros((3, 3)), np.array([[0, 1, 2]]))
+    with pytest.raises(InputError, match="Dot has no faces with an area"):
+        drained(morph([ball(), point], ["Ball", "Dot"], path_blends(2, 2), QUICK))

@@ -8,7 +8,7 @@ from hypothesis import given, settings, strategies as st
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
-from convwass_addon.errors import InputError
+from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.geometry.even_surface import even_surface
 from convwass_addon.geometry.handle_removal import FIRM, remove_handles
@@ -16,6 +16,7 @@ from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosi
 from convwass_addon.geometry.level_topology import euler_number, hollows_below, pieces_above
 from convwass_addon.geometry.mending import mended_surface
 from convwass_addon.geometry.saddles import bridges, lids
+from tests.controls import CountingControl
 
 SHAPE = (40, 32, 28)
 CELLS = np.stack(np.meshgrid(*[np.arange(n) + 0.5 for n in SHAPE], indexing="ij"), axis=-1)
@@ -237,3 +238,14 @@ def test_only_spongy_regions_are_smoothed():
     left = mended.surface.mesh.vertices[mended.surface.mesh.vertices[:, 0] < 10]
     plain = surface_enclosing(spongy, volume).mesh.vertices
     assert cKDTree(plain).query(left)[0].max() < 0.8
+
+
+def test_repairs_can_be_cancelled_at_every_step():
+    """A ball beside a ring, of which only one piece without a handle is wanted."""
+    density = np.maximum(ball((8, 16, 14), 5), ring((26, 16, 14), 6, 2))
+    counting = CountingControl()
+    mended_surface(density, half(density), ONE, FIRM, counting)
+    assert counting.count >= 5
+    for last in (1, counting.count // 2, counting.count):
+        with pytest.raises(Cancelled):
+            mended_surface(density, half(density), ONE, FIRM, CountingControl(last))

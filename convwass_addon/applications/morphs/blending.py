@@ -42,7 +42,7 @@ class Sketch:
         The preview: its surface is extracted on a coarser grid and not repaired. It has no surface if the grid is too
         coarse.
     parts : tuple of PartSketch
-        The coarse levels of every part; None for an unblended input.
+        The coarse levels of every part; empty for an unblended input.
     """
 
     frame: MorphFrame
@@ -101,7 +101,7 @@ def solve_blends(
     """
     solver = BlendSolver(problem.transport, control)
     known = [()] * len(blends) if sketches is None else [sketch.parts for sketch in sketches]
-    frames = [hand_over(_solved(problem, solver, *own, kept)) for own in zip(blends, known, strict=True)]
+    frames = [hand_over(_solved(problem, solver, *own, kept, control)) for own in zip(blends, known, strict=True)]
     return [frame() for frame in frames]
 
 
@@ -126,17 +126,20 @@ def solve_some_blends(
     control : Control
         Ends the work when cancelled.
     kept : KeptBlends, optional
-        Blends that have been solved before; nothing is solved if all needed ones are among them.
+        Blends that have been solved before; nothing is solved if all needed ones are among them. Gets the others.
     """
     pairs = list(zip(blends, problems, strict=False))
     if kept is not None and all(blend in kept for blend, problem in pairs if problem is not None):
-        return [surfaced_frame(problem, kept.solved(blend)) for blend, problem in pairs if problem is not None]
+        known = [(problem, kept.solved(blend)) for blend, problem in pairs if problem is not None]
+        return [surfaced_frame(problem, solved, control=control) for problem, solved in known]
     solver = BlendSolver(transport, control)
     frames = []
     for blend, problem in pairs:
         if blend.source is None:
             solved = solver.solve(blend, transport.blend_volumes(blend))
-            frames += [] if problem is None else [surfaced_frame(problem, solved)]
+            if kept is not None:
+                kept.keep(solved)
+            frames += [] if problem is None else [surfaced_frame(problem, solved, control=control)]
     return frames
 
 
@@ -146,6 +149,7 @@ def _solved(
     blend: Blend,
     sketch: Sequence[PartSketch],
     kept: KeptBlends | None,
+    control: Control,
 ) -> Callable[[], MorphFrame]:
     """Solve a blend, and return a function that computes its frame without the solver."""
     if blend.source is not None:
@@ -153,7 +157,7 @@ def _solved(
     solved = solver.solve(blend, problem.transport.blend_volumes(blend), sketch)
     if kept is not None:
         kept.keep(solved)
-    return partial(surfaced_frame, problem, solved)
+    return partial(surfaced_frame, problem, solved, control=control)
 
 
 def _input_itself(problem: MorphProblem, blend: Blend) -> MorphFrame:
@@ -188,7 +192,12 @@ def _sketched_frame(problem: MorphProblem, blend: Blend, parts: Sequence[PartSke
     return MorphFrame(blend, mesh, {"weights": blend.weights, "volume": mesh.volume})
 
 
-def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: CoincidingSolids | None = None) -> MorphFrame:
+def surfaced_frame(
+    problem: MorphProblem,
+    solved: SolvedBlend,
+    solids: CoincidingSolids | None = None,
+    control: Control = UNINTERRUPTED,
+) -> MorphFrame:
     """Extract the surface of a blend from the barycenters of its parts.
 
     Parameters
@@ -199,18 +208,23 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
         The blend.
     solids : CoincidingSolids, optional
         As for :func:`.extraction.extract_surface`.
+    control : Control
+        Stops the work when cancelled.
     """
     blend, sigma = solved.blend, max(solved.sigmas)
     merged = solved.merged()
     shapes = [problem.connectivity[i] for i in np.flatnonzero(blend.weights)]
     constraint = problem.constraint(blend.weights)
-    extracted = extract_surface(merged.density, merged.volume, sigma, shapes, problem.settings, solids, constraint)
+    extracted = extract_surface(
+        merged.density, merged.volume, sigma, shapes, problem.settings, solids, constraint, control
+    )
     mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
     record = {
         "weights": blend.weights,
         **motion_figures(problem.motion),
         **solved.figures(),
         "sigma": sigma,
+        "sigma_wanted": problem.settings.sigma,
         "wall": wall_share(merged.density),
         "cells": problem.lattice.shape,
         "level": extracted.surface.level,
@@ -225,13 +239,13 @@ def surfaced_frame(problem: MorphProblem, solved: SolvedBlend, solids: Coincidin
     if problem.settings.carry or problem.settings.carried_detail > 0:
         origins = _origins(problem, solved, extracted.surface.mesh.vertices)
     frame = MorphFrame(blend, mesh, record, potentials, origins)
-    return _with_detail_of_inputs(problem, frame) if problem.shapes else frame
+    return _with_detail_of_inputs(problem, frame, control) if problem.shapes else frame
 
 
-def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame) -> MorphFrame:
+def _with_detail_of_inputs(problem: MorphProblem, frame: MorphFrame, control: Control) -> MorphFrame:
     """Add the detail of the inputs to a blend of inputs that do not move."""
     occupancies = [problem.transport.occupancy(i) for i in range(len(problem.shapes))]
-    surface = detailed_blend(problem, frame, problem.shapes, occupancies, starts_of_transport(frame))
+    surface = detailed_blend(problem, frame, problem.shapes, occupancies, starts_of_transport(frame), control)
     detailed = replace(frame, mesh=surface.mesh, record={**frame.record, "volume": surface.mesh.volume})
     if not problem.settings.carry:
         return replace(detailed, origins=None)

@@ -26,6 +26,7 @@ from ...geometry.isosurface import (
 from ...geometry.mending import Mending, mended_surface
 from ...geometry.surface_bounds import SurfaceBounds, cells_changed
 from ...geometry.thin_parts import locally_normalized, lost_parts
+from ...progress import UNINTERRUPTED, Control
 from .coinciding_solids import CoincidingSolids
 from .morph_settings import MorphSettings
 
@@ -143,6 +144,7 @@ def extract_surface(
     settings: MorphSettings,
     solids: CoincidingSolids | None = None,
     constraint: Constraint = UNCONSTRAINED,
+    control: Control = UNINTERRUPTED,
 ) -> Extraction:
     """Extract the surface of a blend.
 
@@ -163,18 +165,20 @@ def extract_surface(
         The shapes, if they have been moved onto each other: where they coincide, their mean replaces the barycenter.
     constraint : Constraint
         Further constraints, applied during repair.
+    control : Control
+        Stops the work when cancelled.
     """
     if settings.level == "half-max":
         surface = surface_at_level(density, float(density.max()) / 2)
         lost = lost_parts(density, density > surface.level, _REACH * sigma)
         return Extraction(
-            with_face_size(even_surface(surface, density), density, settings.face_size),
+            with_face_size(even_surface(surface, density), density, settings.face_size, control),
             {"found": asdict(Connectivity.of(surface)), "lost": lost.record()},
         )
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
-    extracted = _mended(prepared, volume, shapes, settings, constraint)
+    extracted = _mended(prepared, volume, shapes, settings, constraint, control)
     # Repairs on a coarse grid may raise the level above all of the density that they started from.
     level = min(extracted.surface.level, float(np.nextafter(prepared.density.max(), np.float32(0.0))))
     shown = prepared.density > level
@@ -188,10 +192,11 @@ def extract_coinciding(
     shapes: Sequence[Connectivity],
     settings: MorphSettings,
     constraint: Constraint = UNCONSTRAINED,
+    control: Control = UNINTERRUPTED,
 ) -> Extraction:
     """Extract the surface of the mean of solids that coincide everywhere; see :func:`extract_surface`."""
     whole = tuple(slice(0, n) for n in solids.density.shape)
-    return _mended(_Prepared(solids.density, whole, 1.0), volume, shapes, settings, constraint)
+    return _mended(_Prepared(solids.density, whole, 1.0), volume, shapes, settings, constraint, control)
 
 
 def _mended(
@@ -200,21 +205,22 @@ def _mended(
     shapes: Sequence[Connectivity],
     settings: MorphSettings,
     constraint: Constraint,
+    control: Control,
 ) -> Extraction:
     """Return the surface in the box of a density, repaired as the settings demand."""
     if not settings.mend:
         surface = surface_enclosing(prepared.density, volume)
-        even = with_face_size(even_surface(surface, prepared.density), prepared.density, settings.face_size)
+        even = with_face_size(even_surface(surface, prepared.density), prepared.density, settings.face_size, control)
         return Extraction(even, {"found": asdict(Connectivity.of(surface))})
     most = shapes[0]
     for other in shapes[1:]:
         most = most.or_more(other)
     if constraint.bounds is None:
-        mending = mended_surface(prepared.density, volume, most, constraint.effort)
-        return Extraction(_sized(mending, settings), mending.record())
+        mending = mended_surface(prepared.density, volume, most, constraint.effort, control)
+        return Extraction(_sized(mending, settings, control), mending.record())
     # What the limits change is repaired once more, so that little effort is enough before.
-    free = mended_surface(prepared.density, volume, most)
-    return _limited(prepared, free, volume, most, settings, constraint)
+    free = mended_surface(prepared.density, volume, most, control=control)
+    return _limited(prepared, free, volume, most, settings, constraint, control)
 
 
 def _limited(
@@ -224,6 +230,7 @@ def _limited(
     most: Connectivity,
     settings: MorphSettings,
     constraint: Constraint,
+    control: Control,
 ) -> Extraction:
     """Return a repaired surface that is limited by a constraint; repairs may extend beyond the limits."""
     level = free.surface.level
@@ -231,18 +238,18 @@ def _limited(
         limited = constraint.bounds.limited(free.density, level, prepared.box)
         held = cells_changed(free.density, limited, level)
         if not held:
-            return Extraction(_sized(free, settings), {**free.record(), "held": 0, "held_share": 0.0})
+            return Extraction(_sized(free, settings, control), {**free.record(), "held": 0, "held_share": 0.0})
         share = float(np.count_nonzero((limited > level) != (free.density > level)) / volume)
         # What the limits change also changes the level, which moves the limited surface.
         before, level = level, level_enclosing(limited, volume)
         if abs(level - before) <= _SAME_LEVEL * before:
             break
-    mending = mended_surface(limited, volume, most, constraint.effort)
-    return Extraction(_sized(mending, settings), {**mending.record(), "held": held, "held_share": share})
+    mending = mended_surface(limited, volume, most, constraint.effort, control)
+    return Extraction(_sized(mending, settings, control), {**mending.record(), "held": held, "held_share": share})
 
 
-def _sized(mending: Mending, settings: MorphSettings) -> LevelSurface:
-    return with_face_size(mending.surface, mending.density, settings.face_size)
+def _sized(mending: Mending, settings: MorphSettings, control: Control) -> LevelSurface:
+    return with_face_size(mending.surface, mending.density, settings.face_size, control)
 
 
 @dataclass(frozen=True)

@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,7 @@ from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...one_line import one_line
+from ...progress import UNINTERRUPTED, Control
 from .demands import Demand
 from .extraction import UNCONSTRAINED, Constraint, connectivity_of
 from .layouts import Blend
@@ -126,13 +128,14 @@ class MorphProblem:
         """Return the problem with the shapes that give blends their detail; unchanged if the settings ask for none."""
         if not self.settings.carried_detail:
             return self
-        return replace(self, shapes=tuple(FacingShape(orient_outward(shape)) for shape in shapes))
+        return replace(self, shapes=tuple(FacingShape(orient_outward(shape)).ready() for shape in shapes))
 
-    def with_connectivity(self, executor: Executor | None = None) -> MorphProblem:
+    def with_connectivity(self, executor: Executor | None = None, control: Control = UNINTERRUPTED) -> MorphProblem:
         """Return the problem with the connectivity of its shapes, extracted in parallel if there is an executor."""
         each = map if executor is None else executor.map
         shapes = range(len(self.transport.volumes))
-        return replace(self, connectivity=tuple(each(self.shape_connectivity, shapes)), meshes=())
+        found = each(partial(self.shape_connectivity, control=control), shapes)
+        return replace(self, connectivity=tuple(found), meshes=())
 
     def demanding(self, demand: Demand) -> MorphProblem:
         """Return the problem with a demand on its blends, which overrides the connectivity of the shapes."""
@@ -143,7 +146,7 @@ class MorphProblem:
         """Return the constraint for the surface of the blend with these weights."""
         return UNCONSTRAINED if self.demand is None else self.demand.constraint(self.lattice, weights)
 
-    def shape_connectivity(self, index: int) -> Connectivity:
+    def shape_connectivity(self, index: int, control: Control = UNINTERRUPTED) -> Connectivity:
         """Return the connectivity of shape `index`: that of its cells, without what is due to the grid.
 
         For example, fingers that touch on the grid make handles that the shape does not have.
@@ -151,5 +154,5 @@ class MorphProblem:
         seen = connectivity_of(self.transport.occupancy(index), self.settings)
         if not self.meshes or seen == _SIMPLE:
             return seen
-        finer = true_connectivity(self.meshes[index], index, self.lattice, self.settings)
+        finer = true_connectivity(self.meshes[index], index, self.lattice, self.settings, control)
         return seen if finer is None else seen.or_less(finer)

@@ -130,10 +130,11 @@ class MovingProblem:
         problem, alone, solids = moved.problem, moved.blend, moved.solids
         shapes, active, occupancies = moved.shapes, moved.active, moved.occupancies
         if moved.coincides:
-            solved = self._coinciding(moved)
+            solved = self._coinciding(moved, control)
         else:
             solver = BlendSolver(problem.transport, control, ALONE)
-            solved = surfaced_frame(problem, solver.solve(alone, problem.transport.blend_volumes(alone)), solids)
+            transported = solver.solve(alone, problem.transport.blend_volumes(alone))
+            solved = surfaced_frame(problem, transported, solids, control)
         surface = self._placed(problem, solved, shapes, occupancies, solids, control)
         mesh, places = surface.mesh, surface.places
         about = {"weights": blend.weights, "rest": solids.disagreement, "motion": dict(self.still.motion)}
@@ -193,11 +194,11 @@ class MovingProblem:
             found[index] = own if shape.parents is None else shape.parents[own]
         return found
 
-    def _coinciding(self, moved: MovedBlend) -> MorphFrame:
+    def _coinciding(self, moved: MovedBlend, control: Control) -> MorphFrame:
         """Return the frame of shapes that coincide, without transport."""
         problem, blend, solids, volume = moved.problem, moved.blend, moved.solids, moved.volume
         constraint = problem.constraint(blend.weights)
-        extracted = extract_coinciding(solids, volume, problem.connectivity, problem.settings, constraint)
+        extracted = extract_coinciding(solids, volume, problem.connectivity, problem.settings, constraint, control)
         mesh = problem.lattice.to_scene(extracted.surface.mesh, np.array(blend.weights))
         record = {
             "cells": problem.lattice.shape,

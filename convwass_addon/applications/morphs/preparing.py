@@ -37,7 +37,7 @@ def prepared_problem(
     Memory is checked for `workers` solving threads; up to `threads` voxelize, as far as memory allows.
     """
     problem = yield from sketchable_problem(shapes, names, matching, settings, workers, threads, control)
-    return with_connectivity(problem, min(threads, len(shapes)))
+    return with_connectivity(problem, min(threads, len(shapes)), control)
 
 
 def sketchable_problem(
@@ -66,7 +66,7 @@ def sketchable_problem(
     return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings, shapes)
 
 
-def with_connectivity(problem: MorphProblem, threads: int) -> MorphProblem:
+def with_connectivity(problem: MorphProblem, threads: int, control: Control = UNINTERRUPTED) -> MorphProblem:
     """Return a problem with the connectivity of its shapes, determined in up to `threads` threads."""
     with frame_workers(threads) as executor:
-        return problem.with_connectivity(executor)
+        return problem.with_connectivity(executor, control)

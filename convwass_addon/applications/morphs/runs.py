@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
 from ...errors import InputError
-from ...geometry.mending import Connectivity
+from ...geometry.connectivity import Connectivity
 from ...progress import Control
 from ..workers import frame_workers, one_blas_thread
 from .blending import HandOver, Sketch, sketch_blends, solve_blends
@@ -196,7 +196,7 @@ def _begun(
             if place < len(runs[index]):
                 sketches[index].append(executor.submit(_next_sketch, chains[index], sketches[index][-1:]))
     connectivity = [
-        executor.submit(problem.shape_connectivity, index) for index in range(len(problem.transport.volumes))
+        executor.submit(problem.shape_connectivity, index, control) for index in range(len(problem.transport.volumes))
     ]
     frames = {
         executor.submit(_solve_sketched, problem, run, control, spare, connectivity, sketches.get(index), kept): index

@@ -14,6 +14,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.mesh_connectivity import mesh_connectivity
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
+from ...progress import UNINTERRUPTED, Control
 from .extraction import connectivity_of
 from .morph_settings import MorphSettings
 from .volumes import Lattice
@@ -24,7 +25,7 @@ _FINER, _MOST_CELLS = 2, 8_000_000
 
 
 def true_connectivity(
-    shape: TriangleMesh, index: int, lattice: Lattice, settings: MorphSettings
+    shape: TriangleMesh, index: int, lattice: Lattice, settings: MorphSettings, control: Control = UNINTERRUPTED
 ) -> Connectivity | None:
     """Determine pieces, handles and bubbles from the mesh or, if the mesh is not reliable, from a finer grid.
 
@@ -38,6 +39,8 @@ def true_connectivity(
         The grid of the blends.
     settings : MorphSettings
         Settings for extracting surfaces.
+    control : Control
+        Stops the work when cancelled.
 
     Returns
     -------
@@ -45,12 +48,12 @@ def true_connectivity(
         None if a finer grid would be too large, or if the shape encloses nothing.
     """
     outward = orient_outward(shape)
-    told = mesh_connectivity(outward)
+    told = mesh_connectivity(outward, control)
     cells = np.multiply(lattice.shape, _FINER)
     if told is not None or cells.prod() > _MOST_CELLS:
         return told
     finer = replace(lattice, shape=tuple(int(count) for count in cells), spacing=lattice.spacing / _FINER)
     try:
-        return connectivity_of(occupancy(finer.to_cells(outward, index), finer.shape), settings)
+        return connectivity_of(occupancy(finer.to_cells(outward, index), finer.shape, control), settings)
     except InputError:
         return None
