@@ -13,7 +13,7 @@ import pytest
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.remaking import BakeReview, Remaking
-from convwass_addon.progress import UNINTERRUPTED
+from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball
 
 BLENDS = path_blends(2, 24)
@@ -171,3 +171,31 @@ def test_without_a_usual_step_a_handle_stays():
         review.add(with_handle(frame(blend, place)) if blend == blends[1] else frame(blend, place))
     assert review.topology.asked()
     assert [report.payload for report in handles.fitted(review) if report.payload is not None] == []
+
+
+class Flickering(Balls):
+    """Two blends next to each other have a handle without a demand; repairs remove the one of the first."""
+
+    def _made(self, asked):
+        found = yield from super()._made(asked)
+        return {
+            blend: with_handle(made) if blend == BLENDS[13] and asked[blend].near is None else made
+            for blend, made in found.items()
+        }
+
+
+def test_a_neighbor_is_computed_as_it_was_repaired():
+    """It must not get back the handle that was removed before."""
+    review, balls = BakeReview(BLENDS, {}), Flickering(even())
+    for blend, place in zip(BLENDS, even(), strict=True):
+        own = frame(blend, place)
+        own = replace(own, record={**own.record, "most": ONE_PIECE | {"handles": 1}})
+        review.add(with_handle(own) if blend in BLENDS[12:14] else own)
+    asked = []
+    real = balls._made
+    balls._made = lambda demands: asked.append(demands) or real(demands)
+    drained(balls.fitted(review))
+    repaired = asked[0][BLENDS[12]]
+    assert repaired.most.handles == 0
+    assert all(demands[BLENDS[12]] == repaired for demands in asked if BLENDS[12] in demands)
+    assert len([demands for demands in asked if BLENDS[12] in demands]) > 1

@@ -168,7 +168,10 @@ class Remaking:
             found = yield from self._made(wanted)
             for done, (blend, most) in enumerate(asked.items()):
                 message = Sentence("Topology of blend {done} of {total}", {"done": done + 1, "total": len(asked)})
-                yield Progress((attempt + done / len(asked)) / _ROUNDS, message, topology.better(found[blend], most))
+                better = topology.better(found[blend], most)
+                if better is not None:
+                    self._demands[blend] = wanted[blend]
+                yield Progress((attempt + done / len(asked)) / _ROUNDS, message, better)
 
     def _matched(self, review: BakeReview) -> Work[None]:
         """Limit single blends that repairs could not bring to the topology of their neighbors by one of these."""
@@ -210,6 +213,8 @@ class Remaking:
         runs = self._affected(missing)
         if self._problem is None:
             self._problem = yield from within(replace(self._plan, runs=runs).prepared(self._control), 0.0, 0.0)
+            if not isinstance(self._problem, MovingProblem):
+                self._kept = self._plan.keeping(self._problem)
         with self._plan.again(self._problem, runs, missing, self._control, self._kept) as pending:
             for solved in as_solved(pending, self._control):
                 for frame in solved.frames:
