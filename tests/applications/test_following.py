@@ -10,6 +10,7 @@ import pytest
 from convwass_addon.applications.morphs.animation import Animation, ShapeAnimation
 from convwass_addon.applications.morphs.demands import Demand
 from convwass_addon.applications.morphs.following_problem import FollowingProblem
+from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
@@ -202,6 +203,26 @@ def test_a_motion_follows_the_poses(posed):
         assert angle_of(own.vertices[: len(poses[0].vertices)]) == pytest.approx(1.3 * 2.6 / 3.0, abs=0.1)
         assert own.rest is rest.rest
     np.testing.assert_allclose(found[0].vertices, found[1].vertices, atol=0.05)
+
+
+def test_the_velocity_is_the_same_up_to_the_ends_of_what_is_known():
+    """Inputs are read only where they have a weight, so there may be no frame after the last blend."""
+    start = box((1, 1, 1))
+    animation = ShapeAnimation((0.0, 1.0, 2.0), tuple(start.moved((3.0 * time, 0, 0)) for time in range(3)))
+    for time in (0.0, 0.3, 1.0, 2.0):
+        np.testing.assert_allclose(animation.velocity(time), np.tile([3.0, 0, 0], (len(start.vertices), 1)), atol=1e-12)
+    assert not ShapeAnimation((1.0,), (start,)).velocity(1.0).any()
+
+
+@pytest.mark.parametrize("motion", ["transport", "guided"])
+def test_cached_blends_of_animated_inputs_are_used(tmp_path, motion):
+    shapes = [box((1, 1, 1)), box((1, 1, 2))]
+    still = animated(*(lambda time, own=own: own.moved((0.1 * time, 0, 0)) for own in shapes))
+    for reused in (0, FRAMES + 1):
+        cache = FrameCache(tmp_path)
+        settings = MorphSettings(24, motion=motion)
+        drained(morph(shapes, ["A", "B"], path_blends(2, FRAMES), settings, animation=still, cache=cache, workers=1))
+        assert (cache.reused, cache.notices) == (reused, [])
 
 
 def test_following_can_be_cancelled():

@@ -48,8 +48,14 @@ class ShapeAnimation:
         return TriangleMesh((1.0 - share) * mesh.vertices + share * self.meshes[place + 1].vertices, mesh.faces)
 
     def velocity(self, time: float) -> NDArray[np.float64]:
-        """Return the velocity of the vertices at a time, (n, 3) per frame; only for meshes with the same triangles."""
-        return self.at(time + 0.5).vertices - self.at(time - 0.5).vertices
+        """Return the velocity of the vertices at a time, (n, 3) per frame; only for meshes with the same triangles.
+
+        It is the mean over one frame, or over its half within the known times at their ends.
+        """
+        first, last = np.clip((time - 0.5, time + 0.5), self.times[0], self.times[-1])
+        if first == last:
+            return np.zeros_like(self.meshes[0].vertices)
+        return (self.at(last).vertices - self.at(first).vertices) / (last - first)
 
 
 @dataclass(frozen=True)

@@ -163,12 +163,14 @@ class FollowingProblem(MovingProblem):
             solved = solver.solve(alone, problem.transport.blend_volumes(alone))
             earlier = posed.active, solved
             own = problem.demanding(asked[blend]) if blend in asked else problem
-            yield blend, partial(self._transported, own, solved, posed)
+            yield blend, partial(self._transported, own, solved, posed, control)
 
-    def _transported(self, problem: MorphProblem, solved: SolvedBlend, posed: PosedBlend) -> MorphFrame:
+    def _transported(
+        self, problem: MorphProblem, solved: SolvedBlend, posed: PosedBlend, control: Control
+    ) -> MorphFrame:
         """Extract the frame of a blend that was solved between current poses."""
         blend, active, shapes = posed.blend, posed.active, posed.shapes
-        own = surfaced_frame(problem, solved)
+        own = surfaced_frame(problem, solved, control=control)
         frame = replace(own, blend=blend, record={**own.record, "weights": blend.weights})
         if own.origins is None:
             return frame
@@ -202,7 +204,7 @@ class FollowingProblem(MovingProblem):
         problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, settings, shapes)
         problem = replace(problem, motion=self.still.motion).with_detail_of(shapes)
         if not self.animation.keeps_topology:
-            return problem.with_connectivity()
+            return problem.with_connectivity(control=control)
         return replace(problem, connectivity=tuple(self.still.connectivity[i] for i in active), meshes=())
 
     def _tangents(self, frame: MorphFrame, time: float) -> NDArray[np.float32]:

@@ -44,11 +44,15 @@ class PosedMotion:
         A guided motion with the same maps; possibly a part of `chosen`.
     embeddings : tuple of ClosestPoints
         The points of the inputs at which the vertices of the guided shapes are.
+    places : dict of int to ClosestPoints
+        By input, the points of the guided shapes at which the vertices of the chosen motion's shapes are; nothing for
+        inputs whose vertices are the same in both motions.
     """
 
     chosen: Motion
     guided: GuidedMotion
     embeddings: tuple[ClosestPoints, ...]
+    places: dict[int, ClosestPoints]
 
     @classmethod
     def of(
@@ -87,7 +91,7 @@ class PosedMotion:
         else:
             guided = _guided_along(chosen, shapes, names, pairs, coherence, control)
         embeddings = [_embedding(own, shape) for own, shape in zip(guided.carriers, shapes, strict=True)]
-        return cls(chosen, guided, tuple(embeddings))
+        return cls(chosen, guided, tuple(embeddings), _places(chosen, guided, pairs))
 
     def at(self, shapes: Sequence[TriangleMesh], active: Sequence[int], control: Control) -> Motion:
         """Return the motion between poses of the `active` shapes, which keep their triangles."""
@@ -123,27 +127,40 @@ class _Posed:
             ]
         chosen, guided = self.motion.chosen.moved(weights), still.moved(weights)
         return [
-            None if own is None else _with_difference(own, before, wanted)
-            for own, before, wanted in zip(posed, guided, chosen, strict=True)
+            None if own is None else _with_difference(own, guided[index], chosen[index], self.motion.places.get(index))
+            for index, own in enumerate(posed)
         ]
 
     def record(self) -> dict[str, object]:
         return self.motion.chosen.record()
 
 
-def _with_difference(posed: MovedShape, guided: MovedShape, chosen: MovedShape) -> MovedShape:
+def _with_difference(
+    posed: MovedShape, guided: MovedShape, chosen: MovedShape, places: ClosestPoints | None
+) -> MovedShape:
     """Return a posed shape with the difference between the chosen and the guided motion at rest."""
     faces = guided.rest.faces
     turns = surface_rotations(guided.vertices, posed.vertices, faces)
-    if chosen.rest is guided.rest:
+    if places is None:
         difference = chosen.vertices - guided.vertices
         vertices = posed.vertices + np.einsum("nij,nj->ni", turns, difference)
         return MovedShape(chosen.rest, vertices, chosen.parents)
-    places = ClosestPointFinder(guided.rest.corners).find(chosen.rest.vertices)
     nearest = faces[places.triangles, places.shares.argmax(axis=1)]
     difference = chosen.vertices - places.interpolated(guided.vertices[faces])
     vertices = places.interpolated(posed.vertices[faces]) + np.einsum("nij,nj->ni", turns[nearest], difference)
     return MovedShape(chosen.rest, vertices, chosen.parents)
+
+
+def _places(chosen: Motion, guided: GuidedMotion, pairs: Sequence[tuple[int, int]]) -> dict[int, ClosestPoints]:
+    """Return the places of the chosen motion's vertices on the guided shapes; see :class:`PosedMotion`."""
+    found: dict[int, ClosestPoints] = {}
+    for pair in pairs:
+        moved = chosen.moved([0.5 * (index in pair) for index in range(len(guided.carriers))])
+        for index in pair:
+            rest, own = guided.carriers[index].rest, moved[index].rest
+            if index not in found and own is not rest:
+                found[index] = ClosestPointFinder(rest.corners).find(own.vertices)
+    return found
 
 
 def _guided_along(
