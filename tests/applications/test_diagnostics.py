@@ -88,6 +88,10 @@ def test_the_wall_is_the_outermost_layer_of_cells():
 def test_an_automatically_widened_blur_is_reported():
     assert kinds([GOOD, GOOD | {"sigma": 1.5625}]) == ["WIDENED"]
     assert kinds([GOOD | {"sigma": 3.0}], SETTINGS | {"blur": 3.0}) == ["GOOD"]
+    # Flat shapes are blurred less than solids of the same resolution.
+    flat = {"sigma_wanted": 2.0}
+    assert kinds([GOOD | flat | {"sigma": 2.5}], SETTINGS | {"resolution": 200}) == ["WIDENED"]
+    assert kinds([GOOD | flat | {"sigma": 2.0}], SETTINGS | {"resolution": 200}) == ["GOOD"]
     assert kinds([GOOD | {"sigma": 2.0}], MorphSettings(motion="transport", resolution=160).as_dict()) == ["GOOD"]
 
 

@@ -96,6 +96,7 @@ def surfaced_frame(
     record = {
         **solved.figures(),
         "sigma": max(solved.sigmas),
+        "sigma_wanted": settings.sigma,
         "wall": wall_share(merged.density),
         "area_wanted": area * problem.lattice.spacing**2,
         "area_interpolated": interpolated * problem.lattice.spacing**2,

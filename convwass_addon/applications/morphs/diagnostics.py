@@ -299,8 +299,9 @@ def _at_the_wall(frames: _Frames) -> list[Diagnostic]:
 def _widened(frames: _Frames, settings: Mapping[str, object], resolution: int) -> list[Diagnostic]:
     if settings.get("blur") is not None:
         return []
-    asked = MorphSettings(resolution=resolution).sigma
-    wide = frames.where(lambda figure: _number(figure, "sigma") > _WIDER * asked)
+    # Morphs that were baked before it was recorded are in space.
+    usual = MorphSettings(resolution=resolution).sigma
+    wide = frames.where(lambda figure: _number(figure, "sigma") > _WIDER * (_number(figure, "sigma_wanted") or usual))
     return [Diagnostic("WIDENED", {"frames": str(wide), "sigma": wide.most("sigma")})] if wide.figures else []
 
 
