@@ -8,7 +8,7 @@ against direction and measures only one triangle per point, for iterations that 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -69,7 +69,6 @@ class FacingPointFinder:
         again = np.flatnonzero((lengths > _VAGUE) & (agreement < _AWAY * lengths))
         if not len(again):
             return found
-        found = replace(found, **{name: values.copy() for name, values in vars(found).items()})
         units = normals / np.maximum(lengths, _VAGUE)[:, None]
         for start in range(0, len(again), _AT_ONCE):
             control.check()
@@ -121,6 +120,11 @@ class FacingShape:
     def finder(self) -> FacingPointFinder:
         """The finder, built on first use."""
         return FacingPointFinder(self.mesh)
+
+    def ready(self) -> FacingShape:
+        """Build the finder, which threads that need it at the same time would each build; return the surface."""
+        _ = self.finder
+        return self
 
     def __getstate__(self) -> dict[str, object]:
         # The finder is not pickled, because it is quick to rebuild.

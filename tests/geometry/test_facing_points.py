@@ -2,11 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
+
 import numpy as np
 
-from convwass_addon.geometry.facing_points import FacingPointFinder, OrientedSamples
+from convwass_addon.geometry.facing_points import FacingPointFinder, FacingShape, OrientedSamples
 from tests.applications.maps import subdivided
-from tests.shapes import box
+from tests.shapes import ball, box
 
 WING = subdivided(subdivided(subdivided(box((1.0, 1.0, 0.02)))))
 POINTS = np.array([[0.3, 0.2, 0.004], [-0.1, 0.4, -0.003], [0.0, 0.0, 0.2]])
@@ -42,3 +44,12 @@ def test_oriented_samples_lie_on_the_side_with_similar_normals():
     np.testing.assert_allclose(found.interpolated(thin.corners)[:, 2], [top, -top], atol=1e-9)
     np.testing.assert_allclose(found.distances, [0.01, 0.01 + 2 * top], atol=1e-9)
     np.testing.assert_allclose(found.shares.sum(axis=1), 1.0)
+
+
+def test_threads_share_a_finder_that_was_built_before(monkeypatch):
+    built, real = [], FacingPointFinder.__init__
+    monkeypatch.setattr(FacingPointFinder, "__init__", lambda self, mesh: built.append(mesh) or real(self, mesh))
+    shape = FacingShape(ball()).ready()
+    with ThreadPoolExecutor(4) as executor:
+        assert len({id(finder) for finder in executor.map(lambda _: shape.finder, range(8))}) == 1
+    assert len(built) == 1

@@ -53,7 +53,8 @@ _BODY = 0.1
 # Cells of the grid on which distances are compared.
 _CELLS = 32
 # Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
-_FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError)
+# SciPy's eigensolvers raise RuntimeError if they do not converge.
+_FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)
 # Fractions of the work for a rough map, and for the guided motion, if a warp follows.
 _ROUGH_SHARE, _GUIDED_SHARE = 0.05, 0.4
 

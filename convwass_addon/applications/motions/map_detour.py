@@ -17,6 +17,8 @@ from ...geometry.mesh import TriangleMesh
 
 # Number of points that represent each surface.
 _POINTS = 500
+# Surfaces closer than this, relative to the square root of the area, are the same.
+_SAME = 1e-6
 
 
 def map_detour(shapes: Sequence[TriangleMesh], images: Sequence[NDArray[np.float64]]) -> float:
@@ -35,11 +37,15 @@ def map_detour(shapes: Sequence[TriangleMesh], images: Sequence[NDArray[np.float
     Returns
     -------
     float
-        About 1 if points move to the nearest free places. Smaller where the map covers only a part of the other shape,
-        and where the surfaces nearly coincide, because samples of a surface are never at distance zero.
+        About 1 if points move to the nearest free places, or if both surfaces are the same. Smaller where the map
+        covers only a part of the other shape, and where the surfaces nearly coincide, because samples of different
+        triangles are never at distance zero.
     """
     moved = [_spread(mesh, ends - mesh.vertices) for mesh, ends in zip(shapes, images, strict=True)]
-    return float(np.sqrt(np.mean(moved)) / _distance(*(_points(mesh) for mesh in shapes)))
+    apart = _distance(*(_points(mesh) for mesh in shapes))
+    if apart <= _SAME * np.sqrt(shapes[0].area):
+        return 1.0
+    return float(np.sqrt(np.mean(moved)) / apart)
 
 
 def _spread(mesh: TriangleMesh, offsets: NDArray[np.float64]) -> float:
@@ -50,8 +56,7 @@ def _spread(mesh: TriangleMesh, offsets: NDArray[np.float64]) -> float:
 
 def _points(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return centers of triangles at equal steps of area, about their mean."""
-    sides = mesh.corners[:, 1:] - mesh.corners[:, :1]
-    shares = np.cumsum(np.linalg.norm(np.cross(sides[:, 0], sides[:, 1]), axis=1))
+    shares = np.cumsum(mesh.face_areas)
     chosen = np.searchsorted(shares, (np.arange(_POINTS) + 0.5) / _POINTS * shares[-1])
     centers = mesh.corners[chosen].mean(axis=1)
     return centers - centers.mean(axis=0)

@@ -96,6 +96,8 @@ def draft_of(shape: Carrier, kept: NDArray[np.int64], control: Control) -> Carri
 def grown_pair(shapes: tuple[Carrier, Carrier], control: Control) -> GrownPair | None:
     """Register two shapes to each other by growing; return None if too little of them coincides as they stand."""
     drafts = both_ways(lambda k: draft_of(shapes[k], _NO_PAIRS[:, 0], control))
+    # Each direction needs both, and two threads would compute each twice.
+    both_ways(lambda k: drafts[k].unit)
     grown = both_ways(lambda k: grown_points(drafts[k], drafts[1 - k], control))
     if any(points is None for points in grown):
         return None

@@ -49,3 +49,8 @@ def test_a_body_that_turns_over_makes_a_detour():
     spread = LONG.vertex_areas @ np.square(LONG.vertices)
     expected = np.sqrt((2.3**2 * (spread[0] + spread[2]) + 0.3**2 * spread[1]) / (0.3**2 * spread.sum()))
     assert map_detour((LONG, other), images) == pytest.approx(expected, rel=0.05)
+
+
+def test_a_map_of_a_body_to_itself_makes_no_detour():
+    assert mapped(LONG, LONG) == 1.0
+    assert mapped(LONG, LONG.moved((5.0, 0.3, 0.0))) == 1.0
