@@ -217,6 +217,16 @@ def test_distances_from_a_vertex(files, tmp_path, capfd):
         (["{in}/scene.blend:Ball", "--blend", "East"], 2, "such as A=0.3"),
         (["{in}/scene.blend:Ball", "--blend", "East=much"], 2, "such as A=0.3"),
         (["{in}/scene.blend:Ball", "--blend", "East=-1,North=1"], 3, "positive"),
+        (
+            ["{in}/scene.blend:Ball", "--blend", "East=1,North=1", "--name", "East"],
+            3,
+            "Ball already has a painted vertex group East; choose another name",
+        ),
+        (
+            ["{in}/scene.blend:Ball", "--distance-from", "0", "--name", "North", "--out", "{in}/far.blend"],
+            3,
+            "Ball already has a painted vertex group North",
+        ),
         (["{in}/scene.blend:Ball", "--blend", "East=1"], 3, "at least two groups"),
         (["{in}/scene.blend:Ball", "--through", "East"], 3, "at least two groups"),
         (["{in}/scene.blend:Ball", "--matrix", "--blur", "0.001"], 3, "finer than the mesh"),

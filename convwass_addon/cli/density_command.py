@@ -22,9 +22,10 @@ from ..bridge.densities.density_nodes import NAME
 from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_request import DensityRequest, path_request
 from ..bridge.densities.density_store import StoredDensity
+from ..bridge.densities.result_groups import require_unpainted, write_result
 from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
-from ..bridge.vertex_groups import group_names, write_group
+from ..bridge.vertex_groups import group_names
 from ..console import ProgressBar
 from ..errors import InputError
 from ..progress import Work, drained
@@ -113,10 +114,12 @@ def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings
 
 def _blended(options: Namespace, scene: DensityScene, settings: DensitySettings, target: Path) -> Answer:
     names, shares = list(options.blend), list(options.blend.values())
+    group = options.name or "Blend"
+    require_unpainted(scene.object, group)
     weights = [scene.weights(name) for name in names]
     frames = _frames(blend_steps(weights, names, shares, scene.surface, settings))
     shown = heat_map(frames.densities[0])
-    write_group(scene.object, options.name or "Blend", shown.weights)
+    write_result(scene.object, group, shown.weights)
     record = {"object": scene.object.name, "settings": settings.as_dict(), "frames": frames.records}
     return Answer.of_files({**record, "scale": shown.scale}, [save_blend(target)])
 
@@ -130,7 +133,7 @@ def _propagated(options: Namespace, scene: DensityScene, settings: DensitySettin
     for place, name in enumerate(names):
         if place not in known:
             shown = heat_map(frames.densities[place])
-            write_group(scene.object, name, shown.weights)
+            write_result(scene.object, name, shown.weights)
             scales[name] = shown.scale
     record = {"object": scene.object.name, "settings": settings.as_dict(), "frames": frames.records, "scales": scales}
     return Answer.of_files(record, [save_blend(target)])
@@ -178,6 +181,9 @@ def _matrix(options: Namespace, scene: DensityScene) -> Answer:
 
 
 def _distances(options: Namespace, scene: DensityScene, target: Path | None) -> Answer:
+    group = options.name or "Distance"
+    if target is not None:
+        require_unpainted(scene.object, group)
     found = distances_from(options.distance_from, scene.surface)
     for notice in found.notices:
         note(notice)
@@ -186,7 +192,7 @@ def _distances(options: Namespace, scene: DensityScene, target: Path | None) -> 
     shown = found.heat_map()
     written = []
     if target is not None:
-        write_group(scene.object, options.name or "Distance", shown.weights)
+        write_result(scene.object, group, shown.weights)
         written.append(str(save_blend(target)))
     record = {"object": scene.object.name, "from": options.distance_from, "furthest": far, "scale": shown.scale}
     record |= {"lengths": _plain(found.lengths), "blur": scene.blur, "written": written}

@@ -14,8 +14,9 @@ from bpy.props import BoolProperty, StringProperty
 from numpy.typing import NDArray
 
 from ..applications.densities.density_settings import DensitySettings
+from ..bridge.densities.result_groups import require_unpainted, write_result
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.vertex_groups import group_names, read_groups, write_group
+from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
 from ..progress import Control, Progress, Work
 from ..properties.densities import ON_SURFACE, SurfaceProperties
@@ -173,6 +174,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
         obj = context.object
         with out_of_edit_mode(context, obj):
             writable_mesh(obj)
+            require_unpainted(obj, self.group or "Distance")
             settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
             return DensityJob(context, obj, settings, partial(_distances_steps, self.chosen_vertices(obj)))
 
@@ -187,7 +189,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
         obj, found = job.target(), job.found
         shown = found.heat_map()
         with out_of_edit_mode(context, obj):
-            group = write_group(obj, self.group or "Distance", shown.weights)
+            group = write_result(obj, self.group or "Distance", shown.weights)
             obj.vertex_groups.active_index = group.index
         text = rpt_("{:s}: a weight of 1 is {:s}").format(group.name, length_text(context.scene, shown.scale))
         tell(self, text, ignored_notice(job.ignored), found.notices)

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Iterable
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -18,9 +19,10 @@ from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_request import path_request
 from ..bridge.densities.density_store import StoredDensity, stored_or_new
+from ..bridge.densities.result_groups import require_unpainted, write_result
 from ..bridge.frame_range import play_from_start
 from ..bridge.mesh_checks import writable_mesh
-from ..bridge.vertex_groups import group_names, read_groups, require_unlocked, write_group
+from ..bridge.vertex_groups import group_names, read_groups, require_unlocked
 from ..errors import InputError
 from ..progress import Control
 from ..properties.densities import PathProperties, TravelProperties
@@ -121,6 +123,7 @@ class CONVWASS_OT_blend_densities(
         obj = context.object
         writable_mesh(obj)
         require_unlocked(obj, [self.group or "Blend"])
+        require_unpainted(obj, self.group or "Blend")
         stops = named_stops(self.chosen_stops(context, 1, "", self.weights))
         settings = self.density_settings()
         solve = partial(_blend, read_groups(obj, stops.names), stops.names, stops.weights, settings)
@@ -133,7 +136,7 @@ class CONVWASS_OT_blend_densities(
         from ..applications.densities.surface_densities import heat_map
 
         frames, obj = job.found, job.target()
-        group = write_group(obj, self.group or "Blend", heat_map(frames.densities[0]).weights)
+        group = write_result(obj, self.group or "Blend", heat_map(frames.densities[0]).weights)
         obj.vertex_groups.active_index = group.index
         text = rpt_("The blend is in the vertex group {:s}").format(group.name)
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
@@ -175,7 +178,7 @@ class CONVWASS_OT_propagate_densities(
         if len(fixed) == count:
             raise InputError("All stops have painted groups; leave out the group of those to fill in.")
         self._filled = {place: name for place, name in enumerate(names) if place not in fixed}
-        require_unlocked(obj, self._filled.values())
+        _require_fillable(obj, self._filled.values())
         settings = self.density_settings()
         pairs = _pairs(self.edges or obj.convwass_density.edges) or [(n, n + 1) for n in range(count - 1)]
         solve = partial(_graph, pairs, fixed, names, settings)
@@ -189,15 +192,22 @@ class CONVWASS_OT_propagate_densities(
 
         frames, obj = job.found, job.target()
         # Either all groups are written or none.
-        require_unlocked(obj, self._filled.values())
+        _require_fillable(obj, self._filled.values())
         for place, name in self._filled.items():
-            write_group(obj, name, heat_map(frames.densities[place]).weights)
+            write_result(obj, name, heat_map(frames.densities[place]).weights)
         text = rpt_("Filled in: {:s}").format(", ".join(self._filled.values()))
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
         return {"FINISHED"}
 
 
 _NOTHING = np.zeros(1)
+
+
+def _require_fillable(obj: bpy.types.Object, names: Iterable[str]) -> None:
+    """Raise InputError if a group to be filled in is locked or painted."""
+    require_unlocked(obj, names)
+    for name in names:
+        require_unpainted(obj, name)
 
 
 def _graph(pairs, fixed, names, settings, surface: Surface, control: Control):

@@ -106,6 +106,16 @@ def test_distances_from_a_vertex_become_a_group(mode, capfd):
     assert "Distance: a weight of 1 is 5." in capfd.readouterr().out
 
 
+def test_a_painted_group_is_not_replaced_by_distances():
+    obj = ball()
+    before = read_group(obj, "A")
+    with pytest.raises(RuntimeError, match="already has a painted vertex group A; choose another name"):
+        call("distance_from_vertices", vertices="0", group="A")
+    np.testing.assert_array_equal(read_group(obj, "A"), before)
+    for _ in range(2):
+        assert call("distance_from_vertices", vertices="0") == {"FINISHED"}
+
+
 def test_unreached_mass_is_reported(capfd):
     obj = two_balls()
     call("distance_from_vertices", vertices="0", group="Far")

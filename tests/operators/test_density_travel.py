@@ -14,6 +14,7 @@ import pytest
 from convwass_addon.bridge.densities.density_attributes import stored_frames
 from convwass_addon.bridge.densities.density_player import density_value, played_densities
 from convwass_addon.bridge.densities.density_store import stored_density
+from convwass_addon.bridge.densities.result_groups import RESULTS_KEY
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators.density_travel import CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities
 from tests.operators.densities import (
@@ -236,6 +237,27 @@ def test_a_blend_lies_between(obj):
     assert center(obj, read_group(obj, "Only A"))[0] > 0.85
 
 
+def test_painted_groups_are_kept_and_blends_replaced(obj):
+    before = read_group(obj, "A")
+    with pytest.raises(RuntimeError, match="already has a painted vertex group A; choose another name"):
+        call("blend_densities", groups="A, B", group="A")
+    np.testing.assert_array_equal(read_group(obj, "A"), before)
+    obj.vertex_groups.new(name="Mix")
+    mixed = []
+    for weights in ("1, 0", "0, 1"):
+        call("blend_densities", groups="A, B", group="Mix", weights=weights)
+        mixed.append(center(obj, read_group(obj, "Mix"))[0])
+    assert mixed[0] > 0.85 and mixed[1] < -0.85
+
+
+@pytest.mark.parametrize("damage", ["{", "3", 7])
+def test_damaged_names_of_results_protect_all_groups(obj, damage):
+    call("blend_densities", groups="A, B")
+    obj[RESULTS_KEY] = damage
+    with pytest.raises(RuntimeError, match="painted vertex group Blend"):
+        call("blend_densities", groups="A, B")
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
@@ -276,6 +298,15 @@ def test_places_on_the_list_get_names(obj):
         assert obj.vertex_groups.keys() == ["A", "B", "C", "Place 1"]
     obj.convwass_density.edges = "0-2"
     with pytest.raises(RuntimeError, match="No edges lead from a painted place to Place 1"):
+        call("propagate_densities")
+
+
+def test_a_painted_group_is_not_replaced_by_a_place_without_a_name(obj):
+    write_group(obj, "Place 1", read_group(obj, "B"))
+    call("add_density_stop", group="A")
+    call("add_density_stop", which="EMPTY")
+    call("add_density_stop", group="C")
+    with pytest.raises(RuntimeError, match="already has a painted vertex group Place 1"):
         call("propagate_densities")
 
 
