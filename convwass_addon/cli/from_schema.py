@@ -51,6 +51,12 @@ def given_settings(
     return found
 
 
+def given_options(options: Namespace, kind: type[Settings], only: Container[str] | None = None) -> list[str]:
+    """Return the names of the settings' options that were given on the command line, such as --resolution."""
+    found = settings_of(kind, only)
+    return [one.option for one in found if one.option is not None and hasattr(options, one.name)]
+
+
 def _value(one: Setting, given: object) -> object:
     by_word = {choice.word: choice.value for choice in one.choices if choice.value is not float}
     return by_word.get(given, given)

@@ -14,13 +14,20 @@ from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.frame_cache import FrameCache
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph_settings import MorphSettings
+from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.morphs.exports import FORMATS
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.morphs.outputs import folder_beside
+from ..bridge.morphs.outputs import SHAPE_KEYS, folder_beside
 from ..errors import InputError
-from .from_schema import given_settings
+from .from_schema import given_options, given_settings
+
+# Options and settings of a request that only apply to frames.
+_OF_FRAMES = ("weights", "render", "at", "frames_range", "cache", "scheduler")
+_SETTINGS_OF_FRAMES = ("layout", "steps", "flat_output", "faces", "looks", "grays", "between")
+# Settings of a request that only apply to shape keys.
+_SETTINGS_OF_SHAPE_KEYS = ("basis", "key_error", "symmetric", "two_meshes")
 
 
 @dataclass(frozen=True)
@@ -107,6 +114,34 @@ def refuse_unsuitable_output(options: Namespace, request: MorphRequest, blends: 
             "--output pad requires a sheet; use --layout grid with four shapes or --layout triangle with three, or "
             "choose another output."
         )
+
+
+def refuse_idle_options(options: Namespace) -> None:
+    """Raise InputError if there are options that the output does not use."""
+    if options.output == SHAPE_KEYS:
+        _refuse_options_of_frames(options)
+    else:
+        _refuse_options_of_shape_keys(options)
+    given = given_options(options, TextureSettings)
+    if given and not options.textures:
+        raise InputError(
+            "{option} requires --output shape-keys --textures; leave it out, or add both.", option=given[0]
+        )
+
+
+def _refuse_options_of_frames(options: Namespace) -> None:
+    given = [f"--{name.replace('_', '-')}" for name in _OF_FRAMES if getattr(options, name)]
+    given += given_options(options, MorphRequest, _SETTINGS_OF_FRAMES)
+    if given:
+        raise InputError("--output shape-keys makes one mesh without frames; leave out {option}.", option=given[0])
+
+
+def _refuse_options_of_shape_keys(options: Namespace) -> None:
+    if options.textures:
+        raise InputError("--textures requires --output shape-keys, since frames have no common UV map.")
+    given = given_options(options, MorphRequest, _SETTINGS_OF_SHAPE_KEYS)
+    if given:
+        raise InputError("{option} requires --output shape-keys; leave it out, or choose that output.", option=given[0])
 
 
 def between_of(options: Namespace, request: MorphRequest, path: list[Blend]) -> Between:

@@ -25,7 +25,6 @@ from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.followed_inputs import FOLLOW
 from ..bridge.morphs.morph_guides import guides_asked_for
 from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
-from ..errors import InputError
 from ..progress import Progress
 from .answer import Answer
 from .morph_baking import baked, prepared_job, rendered, report, run_job
@@ -35,6 +34,7 @@ from .morph_choices import (
     computing_of,
     export_format,
     flat_settings_of,
+    refuse_idle_options,
     refuse_unsuitable_output,
     request_of,
     settings_of,
@@ -53,6 +53,7 @@ def run_morph(options: Namespace) -> Answer:
     InputError, ResourceError
         The shapes or options cannot be used.
     """
+    refuse_idle_options(options)
     settings = settings_of(options)
     target = path_with_suffix(options.out, ".blend")
     if options.frames_range is None:
@@ -68,8 +69,6 @@ def run_morph(options: Namespace) -> Answer:
         refuse_overwriting(files_read(options), files_written(options, target, len(blends)))
     refuse_unsuitable_output(options, request, blends)
     has_frames = options.output != SHAPE_KEYS
-    if options.textures and has_frames:
-        raise InputError("--textures requires --output shape-keys, since frames have no common UV map.")
     exported = export_format(options.export) if options.export and has_frames else None
     computing = computing_of(options, blends, between)
     bpy.ops.wm.read_factory_settings(use_empty=True)

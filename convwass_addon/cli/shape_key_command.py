@@ -26,8 +26,6 @@ from .answer import Answer
 from .from_schema import given_settings
 from .reports import note
 
-# Options that only apply to frames.
-_OF_FRAMES = ("render", "at", "frames_range", "cache", "scheduler")
 # Options that only apply to one mesh.
 _OF_ONE_MESH = ("export", "textures")
 
@@ -40,14 +38,8 @@ def with_shape_keys(
     Raises
     ------
     InputError
-        The shapes are not meshes or too different, or there are options about frames.
+        The shapes are not meshes or too different, or options exclude each other.
     """
-    given = [name for name in _OF_FRAMES if getattr(options, name)]
-    if given:
-        raise InputError(
-            "--output shape-keys makes one mesh without frames; leave out --{option}.",
-            option=given[0].replace("_", "-"),
-        )
     refuse_one_mesh(inputs)
     exported = checked_key_target(options.export) if options.export else None
     textures = TextureSettings(**given_settings(options, TextureSettings))
