@@ -9,7 +9,7 @@ from collections.abc import Callable
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
-from ..bridge.morphs.disk_output import DiskOutput, filled_folder
+from ..bridge.morphs.disk_output import DiskOutput, filled_folder, free_folder
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins
@@ -58,7 +58,7 @@ class CONVWASS_OT_make_volume(_OutputMorph, bpy.types.Operator):
         from ..bridge.morphs.volume_output import as_volume
 
         refuse_volumes("flat" in stored_settings(morph))
-        with filled_folder(self.folder, morph) as folder:
+        with filled_folder(free_folder(self.folder, morph)) as folder:
             return drained(watched(as_volume(morph, folder), lambda report: show(report.fraction)))
 
 
@@ -76,7 +76,7 @@ class CONVWASS_OT_make_cache(_OutputMorph, bpy.types.Operator):
 
         require_no_drawings(morph)
         require_animation(morph)
-        with filled_folder(self.folder, morph) as folder:
+        with filled_folder(free_folder(self.folder, morph)) as folder:
             turn_into_meshes(morph)
             return as_cache(morph, folder, self.kind)
 

@@ -15,7 +15,16 @@ from convwass_addon.applications.morphs.layouts import path_blends, triangle_ble
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.cache_output import as_cache
-from convwass_addon.bridge.morphs.disk_output import disk_outputs, for_blender, output_folder, packed_bytes
+from convwass_addon.bridge.morphs.disk_output import (
+    FOLDER_KEY,
+    disk_outputs,
+    for_blender,
+    free_folder,
+    named_folder,
+    output_folder,
+    packed_bytes,
+    remember_folder,
+)
 from convwass_addon.bridge.morphs.removal import remove_bake, remove_frames
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.volume_output import as_volume
@@ -117,7 +126,7 @@ def test_frames_may_go_and_the_file_may_move(collection, tmp_path, kind):
     """Paths are relative to the .blend file, and work in a Blender without the add-on."""
     (tmp_path / "before").mkdir()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before" / "morph ä.blend"))
-    output = OUTPUTS[kind][0](collection, output_folder("//", collection))
+    output = OUTPUTS[kind][0](collection, output_folder(named_folder("//", collection)))
     remove_frames(collection)
     assert frame_objects(collection) == []
     assert shown_heights(output.shown, 5)[1] == pytest.approx(3, abs=0.15)
@@ -150,6 +159,58 @@ def test_deleting_the_morph_leaves_only_the_files(bare_scene, make_object, octah
     assert all(file.is_file() for file in output.files)
 
 
+def filled(folder):
+    folder.mkdir()
+    (folder / "some_0001.vdb").write_bytes(b"of another morph")
+    return folder
+
+
+def test_a_folder_with_files_is_left_to_those_who_wrote_them(collection, tmp_path):
+    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B"
+    filled(tmp_path / "Morph_A_to_B")
+    filled(tmp_path / "Morph_A_to_B_001")
+    (tmp_path / "Morph_A_to_B_002").mkdir()
+    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B_002"
+    # The command line replaces the .blend file together with its files.
+    assert named_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B"
+
+
+def test_a_morph_keeps_its_folder_where_it_is_renamed_but_not_where_the_file_is(collection, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "one.blend"))
+    own = filled(tmp_path / "Take")
+    remember_folder(collection, own)
+    assert free_folder("//", collection) == own
+    assert free_folder("//elsewhere", collection) == tmp_path / "elsewhere" / "Morph_A_to_B"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))
+    # The first file still shows what is there.
+    assert free_folder("//", collection) == tmp_path / "Morph_A_to_B"
+
+
+def test_a_copy_of_a_morph_gets_another_folder(collection, tmp_path):
+    own = filled(tmp_path / "Morph_A_to_B")
+    remember_folder(collection, own)
+    assert free_folder(str(tmp_path), collection) == own
+    copy = bpy.data.collections.new("Copy")
+    copy[FOLDER_KEY] = collection[FOLDER_KEY]
+    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B_001"
+    assert free_folder(str(tmp_path), copy) == tmp_path / "Copy"
+
+
+@pytest.mark.parametrize("stored", ["", "{", "[1]", '{"folder": 3, "blend": ""}', '{"blend": ""}', 7])
+def test_a_damaged_folder_is_not_used(collection, tmp_path, stored):
+    collection[FOLDER_KEY] = stored
+    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B"
+
+
+def test_a_shorter_volume_removes_surplus_files_of_the_same_morph(collection, tmp_path):
+    before = drained(as_volume(collection, tmp_path))
+    (tmp_path / "notes.txt").write_text("mine")
+    bpy.data.batch_remove(frame_objects(collection)[2:])
+    output = drained(as_volume(collection, tmp_path))
+    assert {*output.files, tmp_path / "notes.txt"} == set(tmp_path.iterdir())
+    assert len(output.files) < len(before.files)
+
+
 def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_path, inventory):
     before = inventory()
     control = Control()
@@ -158,15 +219,15 @@ def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_pat
             if report.fraction > 0.4:
                 control.cancel()
     assert inventory() == before
-    assert {file.name for file in tmp_path.iterdir()} == {"Morph_A_to_B_0003.vdb", "Morph_A_to_B_0004.vdb"}
+    assert {file.stem[-5:] for file in tmp_path.iterdir()} == {"_0003", "_0004"}
 
 
 def test_missing_frames_and_folders_are_reported(collection, tmp_path):
     with pytest.raises(InputError, match="save that first"):
-        output_folder("//convwass", collection)
+        named_folder("//convwass", collection)
     (tmp_path / "file").write_text("")
     with pytest.raises(InputError, match="cannot be created"):
-        output_folder(str(tmp_path / "file"), collection)
+        output_folder(named_folder(str(tmp_path / "file"), collection))
     remove_frames(collection)
     with pytest.raises(InputError, match="contains no frames"):
         drained(as_volume(collection, tmp_path))

@@ -151,6 +151,16 @@ def test_pictures_that_are_made_again_take_the_place_of_the_old_ones_at_the_end(
     np.testing.assert_allclose(shown[shown.shape[0] // 2, shown.shape[1] // 2, :3], BLUE, atol=0.02)
 
 
+def test_pictures_of_another_file_are_kept(tmp_path):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
+    other = tmp_path / "Morph_First_to_Last" / "Morph_First_to_Last_0001.png"
+    other.parent.mkdir()
+    other.write_bytes(b"shown by another file")
+    bake(tmp_path, *objects)
+    assert other.read_bytes() == b"shown by another file"
+    assert {path.parent.name for path in pictures_of(the_morph())} == {"Morph_First_to_Last_001"}
+
+
 def test_a_bake_that_is_stopped_leaves_the_pictures_of_the_morph_that_it_would_replace(tmp_path, monkeypatch):
     objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
     bake(tmp_path, *objects)
@@ -194,7 +204,7 @@ def test_stored_file_names_are_not_trusted(noted, tmp_path):
     morph = bpy.data.collections.new("Morph")
     digest = hashlib.sha256(b"mine").hexdigest()[:32]
     morph[WRITTEN_KEY] = noted.replace("DIGEST", digest) if isinstance(noted, str) else noted
-    drop_surplus(morph, inside.parent, "Morph", [])
+    drop_surplus(morph, inside.parent, ".png", [])
     assert outside.exists() and inside.exists()
 
 

@@ -40,6 +40,40 @@ def test_the_frames_become_files(morph, tmp_path, operator, options, files):
     assert len(frames) == 4
 
 
+def contents(folder):
+    return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+@pytest.mark.parametrize(
+    ("operator", "options"), [("make_volume", {}), ("make_cache", {"kind": "alembic"}), ("make_cache", {"kind": "usd"})]
+)
+def test_two_morphs_of_one_name_do_not_share_files(empty_scene, tmp_path, operator, options):
+    first, second = two_bakes()
+    name = first.name
+    for morph in (first, second):
+        bpy.context.view_layer.objects.active = morph.objects[0]
+        morph.name = name
+        assert getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options) == {"FINISHED"}
+        if morph == first:
+            kept = contents(tmp_path)
+            first.name = "Take 1"
+    assert kept.items() < contents(tmp_path).items()
+    assert len(list(tmp_path.iterdir())) == 2
+
+
+def test_files_of_another_blend_are_kept(morph, tmp_path):
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "one.blend"))
+    bpy.ops.convwass.make_volume()
+    bpy.ops.wm.save_mainfile()
+    kept = contents(tmp_path / "convwass")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    two_bakes()
+    bpy.context.object.users_collection[0].name = "Morph Icosphere to Icosphere.001"
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))
+    bpy.ops.convwass.make_volume()
+    assert kept.items() < contents(tmp_path / "convwass").items()
+
+
 def test_an_unsaved_file_has_no_folder(morph):
     with pytest.raises(RuntimeError, match="save that first"):
         bpy.ops.convwass.make_volume()

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import glob
 import shutil
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
@@ -23,7 +23,7 @@ from ...drafts import DraftFiles
 from ...errors import InputError
 from ..handles import Handle, found
 from ..morphs.bake import MorphBake, check_first_frame
-from ..morphs.disk_output import folder_of, for_blender, output_folder
+from ..morphs.disk_output import for_blender, named_folder, output_folder, remember_folder
 from ..morphs.frozen_inputs import FrozenInput
 from ..morphs.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY, frame_objects
@@ -31,6 +31,8 @@ from ..morphs.written_files import drop_surplus, store_written
 from ..numbered_files import numbered_paths
 from ..palettes.image_files import save_pixels
 from .gray_inputs import GrayInput
+
+_SUFFIX = ".png"
 
 
 @dataclass(frozen=True)
@@ -53,10 +55,11 @@ class PictureBake(MorphBake):
         first_frame: int,
         grays: Sequence[GrayInput],
         replaces: str = "",
+        folder_of: Callable[[str, bpy.types.Collection], Path] = named_folder,
     ) -> Self:
-        """Create the collection and the output folder, named by `folder` in `settings`.
+        """Create the collection and the output folder in `folder` of `settings`.
 
-        If the morph `replaces` exists, the folder and files get its name.
+        If the morph `replaces` exists, `folder_of` is asked for its folder, which gives the files their name.
 
         Raises
         ------
@@ -75,7 +78,7 @@ class PictureBake(MorphBake):
             named = bpy.data.collections.get(replaces) or bake._living(bake._collection)
             target = folder_of(folder, named)
             bake._new_folders = [own for own in (target, *target.parents) if not own.exists()]
-            bake._folder = output_folder(folder, named)
+            bake._folder = output_folder(target)
         except InputError:
             bake.discard()
             raise
@@ -110,7 +113,7 @@ class PictureBake(MorphBake):
     def _path(self, number: int) -> Path:
         """Return the file of a scene frame, with the same number of digits for all frames."""
         last = self._numbers(len(self._blends) - 1)[-1]
-        return numbered_paths(self._folder, f"{self._folder.name}_", ".png", [number, last])[0]
+        return numbered_paths(self._folder, f"{self._folder.name}_", _SUFFIX, [number, last])[0]
 
     def _numbers(self, index: int) -> range:
         """Return the scene frames that show a blend, up to the next blend."""
@@ -130,10 +133,11 @@ class PictureBake(MorphBake):
             image = self._picture_node().image = bpy.data.images.load(str(min(files)))
             image.filepath = for_blender(min(files))
             store_written(collection, files)
+            remember_folder(collection, self._folder)
         super().finish(hide_inputs)
         replaced = bpy.data.collections.get(self._replaces)
         if replaced is not None and files:
-            drop_surplus(replaced, self._folder, self._folder.name, files)
+            drop_surplus(replaced, self._folder, _SUFFIX, files)
         return collection
 
     def _picture_node(self) -> bpy.types.Node:

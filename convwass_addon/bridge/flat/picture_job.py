@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -19,6 +20,7 @@ from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work, payloads
 from ...sentence import Sentence
+from ..morphs.disk_output import named_folder
 from .flat_writing import WritesFlatFrames
 from .gray_inputs import gray_inputs
 from .picture_bake import PictureBake, PictureFrame
@@ -36,6 +38,9 @@ class PictureJob(WritesFlatFrames):
         `folder`.
     replaces : str
         Name of a morph to replace with its files; empty for a new one.
+    folder_of : callable
+        Returns the folder for the files of a morph in another one: `named_folder`, whose files are replaced, or
+        :func:`.disk_output.free_folder`.
 
     Raises
     ------
@@ -55,6 +60,7 @@ class PictureJob(WritesFlatFrames):
         options: dict[str, object],
         first_frame: int,
         replaces: str = "",
+        folder_of: Callable[[str, bpy.types.Collection], Path] = named_folder,
     ) -> None:
         if len(inputs) < 2:
             raise InputError("A morph needs at least two shapes; select or name another one.")
@@ -67,7 +73,9 @@ class PictureJob(WritesFlatFrames):
         self._settings = replace(settings, output="densities", carry=True)
         self._grays = str(options.get("grays") or "IMAGES").lower()
         stored = {**settings.as_dict(), **options, "flat": True}
-        self._bake = PictureBake.begin_pictures(scene, inputs, blends, stored, first_frame, self._inputs, replaces)
+        self._bake = PictureBake.begin_pictures(
+            scene, inputs, blends, stored, first_frame, self._inputs, replaces, folder_of
+        )
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
         """Compute the frames without accessing Blender's data; see :meth:`.flat_job.FlatJob.steps`."""

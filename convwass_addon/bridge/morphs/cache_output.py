@@ -12,7 +12,7 @@ import bpy
 from ...errors import ConvwassError, InputError
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
-from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
+from .disk_output import OUTPUT_KEY, DiskOutput, for_blender, remember_folder
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
 from .stored import frame_objects, shown_frames
@@ -28,7 +28,7 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     collection : bpy.types.Collection
         A baked morph with its frames, which are kept.
     folder : Path
-        An existing folder; a file of the same name is replaced.
+        An existing folder, which gives the file its name; a file of that name is replaced.
     kind : "alembic" or "usd"
         The file format.
 
@@ -39,8 +39,7 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
         removed then.
     """
     require_animation(collection)
-    name = bpy.path.clean_name(collection.name)
-    file = folder / (name + FORMATS[kind].suffixes[0])
+    file = folder / (folder.name + FORMATS[kind].suffixes[0])
     # Replaces a file that Blender may be reading, rather than writing into it.
     export_frames(collection, file, kind)
     try:
@@ -48,6 +47,7 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     except ConvwassError:
         file.unlink(missing_ok=True)
         raise
+    remember_folder(collection, folder)
     shown.name = f"{collection.name} Cache"
     shown[OUTPUT_KEY] = "cache"
     collection.objects.link(shown)

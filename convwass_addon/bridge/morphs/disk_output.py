@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+import json
 import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 
 import bpy
@@ -17,6 +19,9 @@ from ...errors import InputError
 
 OUTPUT_KEY = "convwass_output"
 """Custom property of an object that shows a morph from files on disk: "volume" or "cache"."""
+
+FOLDER_KEY = "convwass_folder"
+"""Custom property of a morph's collection: JSON of the `_Place` of its files."""
 
 # Blender's prefix for paths relative to the .blend.
 _FROM_BLEND = "//"
@@ -48,37 +53,90 @@ class DiskOutput:
         return self.size / 1e6
 
 
-def folder_of(path: str, morph: bpy.types.Collection) -> Path:
-    """Return the folder of a morph's files without creating it; see :func:`output_folder` for the parameters.
+@dataclass(frozen=True)
+class _Place:
+    """Where a morph has its files.
+
+    Attributes
+    ----------
+    folder : str
+        The folder, as Blender stores paths.
+    blend : str
+        Name of the .blend file that the morph was in; empty if it was not saved.
+    """
+
+    folder: str
+    blend: str
+
+    @property
+    def path(self) -> Path:
+        """The absolute path of the folder."""
+        return whole_path(bpy.path.abspath(self.folder))
+
+
+def named_folder(path: str, morph: bpy.types.Collection) -> Path:
+    """Return the folder that is named after a morph, without creating it.
+
+    Parameters
+    ----------
+    path : str
+        The parent folder as entered by the user; ``//`` stands for the folder of the .blend file.
+    morph : bpy.types.Collection
+        The morph.
 
     Raises
     ------
     InputError
         The path is relative to an unsaved .blend file.
     """
-    if path.startswith(_FROM_BLEND) and not bpy.data.filepath:
-        raise InputError(
-            "The folder {path} is relative to the .blend file: save that first, or choose an absolute path.", path=path
-        )
-    return whole_path(bpy.path.abspath(path)) / bpy.path.clean_name(morph.name)
+    return _parent(path) / bpy.path.clean_name(morph.name)
 
 
-def output_folder(path: str, morph: bpy.types.Collection) -> Path:
-    """Create and return the folder of a morph's files.
+def free_folder(path: str, morph: bpy.types.Collection) -> Path:
+    """Return the folder in which a morph has its files, or else an unused one named after it, without creating it.
+
+    A morph has its files where they were written last. They are not its own if the .blend file has another name now, as
+    after *Save As*, or if another morph, such as a copy, has the same folder.
 
     Parameters
     ----------
-    path : str
-        As entered by the user; ``//`` stands for the folder of the .blend file.
-    morph : bpy.types.Collection
-        Its name becomes the name of a subfolder.
+    path, morph
+        As for `named_folder`.
 
     Raises
     ------
     InputError
-        The path is relative to an unsaved .blend file, or the folder cannot be created or written.
+        As for `named_folder`.
     """
-    folder = folder_of(path, morph)
+    parent, own = _parent(path), _own_folder(morph)
+    if own is not None and own.parent == parent:
+        return own
+    name, taken = bpy.path.clean_name(morph.name), _remembered_folders()
+    tried = (parent / each for each in chain([name], (f"{name}_{number:03d}" for number in count(1))))
+    return next(folder for folder in tried if folder not in taken and _is_unused(folder))
+
+
+def remember_folder(morph: bpy.types.Collection, folder: Path) -> None:
+    """Store with a morph that it has its files in a folder."""
+    place = _Place(for_blender(folder), bpy.path.basename(bpy.data.filepath))
+    morph[FOLDER_KEY] = json.dumps(vars(place))
+
+
+def keep_folder(morph: bpy.types.Collection, blend: Path) -> None:
+    """Store with a morph that the .blend file it is about to be saved to shows its files, if it has any."""
+    place = _place_of(morph)
+    if place is not None:
+        morph[FOLDER_KEY] = json.dumps(vars(replace(place, blend=blend.name)))
+
+
+def output_folder(folder: Path) -> Path:
+    """Create and return a folder for files.
+
+    Raises
+    ------
+    InputError
+        The folder cannot be created or written.
+    """
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -93,9 +151,9 @@ def output_folder(path: str, morph: bpy.types.Collection) -> Path:
 
 
 @contextmanager
-def filled_folder(path: str, morph: bpy.types.Collection) -> Iterator[Path]:
-    """Provide the folder of a morph's files as `output_folder`; if it stays empty, it is removed."""
-    folder = output_folder(path, morph)
+def filled_folder(folder: Path) -> Iterator[Path]:
+    """Provide a folder as `output_folder`; if it stays empty, it is removed."""
+    output_folder(folder)
     try:
         yield folder
     finally:
@@ -135,3 +193,44 @@ def packed_bytes(objects: Sequence[bpy.types.Object]) -> int:
     meshes = {obj.data for obj in objects if obj.type == "MESH"}
     # Positions; corners with vertex and edge; edges; face offsets.
     return sum(12 * len(m.vertices) + 8 * len(m.loops) + 8 * len(m.edges) + 4 * len(m.polygons) for m in meshes)
+
+
+def _parent(path: str) -> Path:
+    if path.startswith(_FROM_BLEND) and not bpy.data.filepath:
+        raise InputError(
+            "The folder {path} is relative to the .blend file: save that first, or choose an absolute path.", path=path
+        )
+    return whole_path(bpy.path.abspath(path))
+
+
+def _own_folder(morph: bpy.types.Collection) -> Path | None:
+    """Return the folder with the files of a morph, or None if there is none or something else may show them."""
+    place = _place_of(morph)
+    if place is None or place.blend != bpy.path.basename(bpy.data.filepath):
+        return None
+    return place.path if _remembered_folders().count(place.path) == 1 else None
+
+
+def _remembered_folders() -> list[Path]:
+    """Return the folders of all morphs of the file."""
+    places = (_place_of(collection) for collection in bpy.data.collections)
+    return [place.path for place in places if place is not None]
+
+
+def _place_of(morph: bpy.types.Collection) -> _Place | None:
+    """Return where a morph has its files, or None if that is unknown or damaged."""
+    try:
+        place = _Place(**json.loads(morph.get(FOLDER_KEY, "null")))
+    except (TypeError, ValueError, RecursionError):
+        return None
+    return place if isinstance(place.folder, str) and isinstance(place.blend, str) else None
+
+
+def _is_unused(folder: Path) -> bool:
+    """Return whether a folder is empty or does not exist."""
+    if not os.path.lexists(folder):
+        return True
+    try:
+        return not any(folder.iterdir())
+    except OSError:
+        return False

@@ -15,7 +15,7 @@ from ..files import save_blend
 from ..operator_errors import reason
 from .blend_pad import make_blend_pad
 from .cache_output import as_cache
-from .disk_output import DiskOutput, filled_folder
+from .disk_output import DiskOutput, filled_folder, keep_folder, named_folder
 from .player import make_player
 from .removal import remove_frames
 from .stored import stored_settings
@@ -70,12 +70,14 @@ def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list
         make = PACKED[output]
         if make is not None:
             make(collection, between=stored_settings(collection).get("between", "NEAREST"))
+        keep_folder(collection, target)
         return [save_blend(target)]
     # Saved first, since paths are relative to the .blend.
     saved = save_blend(target)
     try:
         bpy.ops.wm.save_as_mainfile(filepath=str(saved), check_existing=False, compress=True)
-        with filled_folder(folder_beside(saved), collection) as folder:
+        # The replaced .blend file had its files there, too.
+        with filled_folder(named_folder(folder_beside(saved), collection)) as folder:
             written = ON_DISK[output](collection, folder)
         remove_frames(collection)
         bpy.ops.wm.save_mainfile(compress=True)

@@ -9,7 +9,7 @@ import bpy
 from ..sequence import MODIFIER
 from .blend_pad import make_blend_pad
 from .changes import SIGNATURES_KEY
-from .disk_output import remove_disk_outputs
+from .disk_output import FOLDER_KEY, remove_disk_outputs
 from .player import interpolation, is_player, refresh_player
 from .removal import remove_frames
 from .stand_ins import remove_stand_ins, stand_ins
@@ -39,7 +39,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     home = hidden_frames(old) or old
     for obj in frame_objects(new):
         home.objects.link(obj)
-    for key in (MORPH_KEY, DIAGNOSTICS_KEY, SIGNATURES_KEY, WRITTEN_KEY):
+    for key in (MORPH_KEY, DIAGNOSTICS_KEY, SIGNATURES_KEY, WRITTEN_KEY, FOLDER_KEY):
         if key in new:
             old[key] = new[key]
     bpy.data.collections.remove(new)

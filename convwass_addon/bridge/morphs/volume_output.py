@@ -23,12 +23,14 @@ from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
 from ..objects import triangle_mesh
 from ..openvdb_module import openvdb_module
-from .disk_output import OUTPUT_KEY, DiskOutput, for_blender
+from .disk_output import OUTPUT_KEY, DiskOutput, for_blender, remember_folder
 from .materials import morph_material
 from .stored import frame_objects, shown_frames, stored_morph
+from .written_files import drop_surplus, store_written
 
 GRID_NAME = "density"
 
+_SUFFIX = ".vdb"
 # Cells over which coverage is averaged: this limits how far other levels can move the surface.
 _BLUR = 1.0
 _MARGIN = 4
@@ -49,7 +51,8 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     collection : bpy.types.Collection
         A baked morph with its frames, which are kept.
     folder : Path
-        An existing folder; files of the same name are replaced.
+        An existing folder, which gives the files their name; those of the same name are replaced, and other ones that
+        the morph has written there before are removed.
     control : Control
         Stops the work when cancelled.
 
@@ -79,11 +82,14 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     meshes = {obj: triangle_mesh(obj, depsgraph) for obj in frames}
     spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
     scene_frames, shown = _timeline(collection, frames)
-    files = numbered_paths(folder, f"{bpy.path.clean_name(collection.name)}_", ".vdb", scene_frames)
+    files = numbered_paths(folder, f"{folder.name}_", _SUFFIX, scene_frames)
     for done, (file, objects) in enumerate(zip(files, shown, strict=True), 1):
         _write(openvdb, file, [meshes[obj] for obj in objects], spacing)
         yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
         control.check()
+    drop_surplus(collection, folder, _SUFFIX, files)
+    store_written(collection, files)
+    remember_folder(collection, folder)
     # Before Blender 5, Volume to Mesh places values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
