@@ -288,5 +288,10 @@ def hide(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
     for obj in objects:
         obj.hide_render = True
         for layer in scene.view_layers:
-            if obj.name in layer.objects:
+            if is_in(layer, obj):
                 obj.hide_set(True, view_layer=layer)
+
+
+def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:
+    """Return whether a view layer has an object; a linked object may share its name with another one."""
+    return obj.name in layer.objects and obj in set(layer.objects)

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..bridge.active import selected_objects
+from ..bridge.morphs.stored import stored_inputs
 from ..bridge.shape_sources import shape_roots
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
@@ -54,7 +55,7 @@ def chosen_inputs(
     """
     listed = context.scene.convwass_morph.enabled_inputs
     if names.strip():
-        objects = [_named(name) for name in split_names(names)]
+        objects = [_named(name) for name in _separated(names)]
         numbers = [1.0] * len(objects)
     elif context.scene.convwass_morph.inputs:
         for item in listed:
@@ -74,16 +75,40 @@ def chosen_inputs(
     return ChosenInputs(objects, numbers)
 
 
+def baked_inputs(morph: bpy.types.Collection, weights: str = "") -> ChosenInputs:
+    """Return the shapes that a morph was baked from.
+
+    Parameters
+    ----------
+    morph : bpy.types.Collection
+        A baked morph.
+    weights : str
+        As for `chosen_inputs`; empty for equal weights.
+
+    Raises
+    ------
+    InputError
+        An object no longer exists, or the weights are invalid.
+    """
+    objects = stored_inputs(morph)
+    return ChosenInputs(objects, _numbers(weights) if weights.strip() else [1.0] * len(objects))
+
+
 def split_names(text: str) -> list[str]:
     """Split a list of names, at line breaks if there are any, else at commas."""
+    return [name.strip() for name in _separated(text)]
+
+
+def _separated(text: str) -> list[str]:
     names = text.splitlines() if "\n" in text.strip() else text.split(",")
-    return [name.strip() for name in names if name.strip()]
+    return [name for name in names if name.strip()]
 
 
 def _named(name: str) -> bpy.types.Object:
-    obj = bpy.data.objects.get(name)
+    """Return the object of a name, without the spaces around it unless these belong to the name."""
+    obj = bpy.data.objects.get(name) or bpy.data.objects.get(name.strip())
     if obj is None:
-        raise InputError("There is no object named {name}; check the names of the inputs.", name=name)
+        raise InputError("There is no object named {name}; check the names of the inputs.", name=name.strip())
     return obj
 
 

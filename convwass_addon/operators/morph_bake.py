@@ -22,7 +22,7 @@ from ..progress import Control, Work
 from ..properties.morphs import MorphProperties
 from ..translations import translated
 from .background import BackgroundOperator
-from .chosen_inputs import chosen_inputs
+from .chosen_inputs import ChosenInputs, baked_inputs, chosen_inputs
 from .morph_manage import is_free_to_bake
 from .morph_results import FrameResults, ShapeKeyResults, SwapResults
 
@@ -44,8 +44,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     inputs: StringProperty(
         name="Inputs",
-        description="Names of the objects to morph in order, one per line or separated by commas; empty for the "
-        "shapes on the input list, or the selected ones",
+        description="Names of the objects to morph in order, one per line or separated by commas; empty for those of "
+        "the replaced morph, the shapes on the input list, or the selected ones",
         options={"SKIP_SAVE"},
     )
     weights: StringProperty(
@@ -90,7 +90,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.morphs.job import MorphJob
 
         self._computing = self._preferred()
-        chosen = chosen_inputs(context, self, self.inputs, self.weights)
+        chosen = self._chosen(context)
         weights = chosen.weights if self.layout == "BLEND" else None
         guides = self._guides(context, [obj.name for obj in chosen.objects])
         request = self.request(weights)
@@ -117,6 +117,13 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         settings = self.solver_settings()
         options = replace(request, guides=[guide.as_dict() for guide in guides]).as_dict()
         return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+
+    def _chosen(self, context: bpy.types.Context) -> ChosenInputs:
+        """Return the shapes to morph; raises InputError as `chosen_inputs`."""
+        replaced = bpy.data.collections.get(self.replaces)
+        if replaced is not None and not self.inputs.strip():
+            return baked_inputs(replaced, self.weights)
+        return chosen_inputs(context, self, self.inputs, self.weights)
 
     def _shape_keys(
         self, context: bpy.types.Context, objects: list[bpy.types.Object], guides: list[NamedGuide], first_frame: int

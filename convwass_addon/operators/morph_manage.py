@@ -25,6 +25,7 @@ from ..bridge.morphs.stored import (
     stored_parts,
     stored_settings,
 )
+from ..bridge.objects import is_in
 from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
@@ -50,7 +51,7 @@ def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object])
     for obj in selected_objects(context):
         obj.select_set(False)
     for obj in objects:
-        if obj.name in context.view_layer.objects:
+        if is_in(context.view_layer, obj):
             obj.select_set(True)
             context.view_layer.objects.active = obj
 
@@ -173,7 +174,7 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
 
     Damaged data raises Python's own errors, which `refusing_damage` converts.
     """
-    stored, inputs = stored_morph(morph), stored_inputs(morph)
+    stored, parts = stored_morph(morph), stored_parts(morph)
     if stored.settings.get("at"):
         raise InputError(
             "{name} contains fractional frames made with --at; recompute them on the command line.", name=morph.name
@@ -182,12 +183,11 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
     weights = stored.records[0]["weights"] if known.get("layout") == "BLEND" and stored.records else []
     return {
         **known,
-        "inputs": "\n".join(obj.name for obj in inputs),
         "weights": ",".join(str(weight) for weight in weights),
         "guides": json.dumps(stored.settings.get("guides", [])),
         "start": "CUSTOM",
         "frame_start": stored.first_frame,
-        "hide_inputs": all(obj.hide_render for obj in stored_parts(morph)),
+        "hide_inputs": all(obj.hide_render for obj in parts),
         "replaces": morph.name,
     }
 

@@ -15,6 +15,7 @@ from convwass_addon.applications.morphs.morph import morph as morph_of_meshes
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
+from convwass_addon.bridge.object_names import ObjectName, objects_named
 from convwass_addon.bridge.objects import triangle_mesh
 
 
@@ -157,6 +158,85 @@ def test_shapes_that_only_the_list_refers_to_count_as_deleted(morph):
         with pytest.raises(RuntimeError, match=f"was baked from {gone.name}, which no longer exists under that name"):
             operator()
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+
+
+@pytest.fixture
+def heroes(empty_scene, tmp_path):
+    """A local cube and a linked sphere of the same name, in this order."""
+    library = tmp_path / "library.blend"
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
+    bpy.context.object.name = "Hero"
+    bpy.ops.wm.save_as_mainfile(filepath=str(library))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.ops.mesh.primitive_cube_add(location=(4, 0, 0))
+    local = bpy.context.object
+    local.name = "Hero"
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects = ["Hero"]
+    linked = wanted.objects[0]
+    bpy.context.scene.collection.objects.link(linked)
+    for obj in (local, linked):
+        obj.select_set(True)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=24)
+    return local, linked
+
+
+def test_a_linked_shape_is_told_from_a_local_one_of_its_name(heroes):
+    local, linked = heroes
+    morph = bpy.context.object.users_collection[0]
+    assert (morph.name, stored_morph(morph).objects) == ("Morph Hero to Hero", [local, linked])
+    ends = [len(frame_objects(morph)[place].data.vertices) for place in (0, -1)]
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert [len(frame_objects(morph)[place].data.vertices) for place in (0, -1)] == ends == [8, 42]
+    assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
+    assert set(bpy.context.selected_objects) == {local, linked}
+    bpy.context.view_layer.objects.active = frame_objects(morph)[0]
+    bpy.ops.convwass.delete_morph()
+    assert not (local.hide_get() or linked.hide_get())
+
+
+def test_a_linked_shape_that_was_made_local_or_moved_is_found(heroes, tmp_path):
+    local, linked = heroes
+    morph = bpy.context.object.users_collection[0]
+    linked.library.filepath = str(tmp_path / "moved.blend")
+    assert stored_morph(morph).objects == [local, linked]
+    linked.make_local()
+    # The local one has taken a number.
+    assert stored_morph(morph).objects == [local, None]
+    local.name = "Other"
+    linked.name = "Hero"
+    assert stored_morph(morph).objects == [linked, None]
+    assert objects_named([ObjectName("Hero", "//library.blend")]) == [linked]
+
+
+def test_a_morph_of_an_earlier_version_finds_its_shapes_by_name(morph):
+    before = shapes(morph)
+    data = json.loads(morph["convwass_morph"])
+    del data["libraries"]
+    morph["convwass_morph"] = json.dumps(data)
+    assert stored_morph(morph).objects == before
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+
+
+@pytest.mark.parametrize("libraries", ["", ["a"], [1, 2], None])
+def test_damaged_libraries_are_refused_in_words(morph, libraries):
+    data = json.loads(morph["convwass_morph"])
+    data["libraries"] = libraries
+    morph["convwass_morph"] = json.dumps(data)
+    with pytest.raises(RuntimeError, match=r"Error: The settings stored on .* are damaged"):
+        bpy.ops.convwass.rebake_morph()
+
+
+def test_spaces_around_names_belong_to_them(morph):
+    first, second = shapes(morph)
+    first.name, second.name = " A ", "B, left"
+    for obj in (first, second):
+        obj.hide_set(False)
+    bpy.ops.convwass.bake_morph(inputs=" A \nB, left", motion="TRANSPORT", frames=2, resolution=16)
+    again = bpy.context.object.users_collection[0]
+    assert stored_morph(again).objects == [first, second]
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert stored_morph(again).objects == [first, second]
 
 
 def test_one_undo_brings_the_old_frames_back(morph):

@@ -20,7 +20,8 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
-from ..objects import hide, write_mesh
+from ..object_names import library_of
+from ..objects import hide, is_in, write_mesh
 from ..shape_sources import OBJECTS, shape_source
 from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
@@ -106,9 +107,9 @@ class MorphBake:
         joint = " to " if blends[0].frame is not None else " and "
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
         scene.collection.children.link(collection)
-        bake = cls(
-            scene, collection, shapes, blends, StoredMorph([obj.name for obj in inputs], settings, first_frame, [])
-        )
+        libraries = [library_of(obj) for obj in inputs]
+        stored = StoredMorph([obj.name for obj in inputs], settings, first_frame, [], libraries)
+        bake = cls(scene, collection, shapes, blends, stored)
         store(collection, bake._stored)
         # Inputs that are followed are others in every frame.
         followed = settings.get("follow") == "FOLLOW"
@@ -211,7 +212,7 @@ class MorphBake:
         for handle in [own for shape in self._inputs for own in shape.objects]:
             obj = handle.find()
             for layer in scene.view_layers if obj is not None else ():
-                if obj.name in layer.objects and not obj.hide_get(view_layer=layer):
+                if is_in(layer, obj) and not obj.hide_get(view_layer=layer):
                     self._hidden.append(_Hidden(handle, layer.name, obj.select_get(view_layer=layer)))
                     obj.hide_set(True, view_layer=layer)
 
@@ -221,7 +222,7 @@ class MorphBake:
         for hidden in self._hidden:
             obj = hidden.obj.find()
             layer = None if scene is None else scene.view_layers.get(hidden.layer)
-            if obj is not None and layer is not None and obj.name in layer.objects:
+            if obj is not None and layer is not None and is_in(layer, obj):
                 obj.hide_set(False, view_layer=layer)
                 obj.select_set(hidden.selected, view_layer=layer)
         self._hidden.clear()
@@ -288,7 +289,7 @@ class MorphBake:
             {"weights": list(self._blends[index].weights), **summary(self._finished[index].record)}
             for index in sorted(frames)
         ]
-        store(collection, StoredMorph(self._stored.inputs, self._stored.settings, self._stored.first_frame, records))
+        store(collection, replace(self._stored, records=records))
         numbers = [
             index + 1 if self._blends[index].frame is None else self._scene_frame(index) for index in sorted(frames)
         ]

@@ -11,7 +11,7 @@ import bpy
 
 from ...errors import ConvwassError
 from ..shape_sources import OBJECTS, ShapeSource, shape_source
-from .stored import is_there, stored_morph
+from .stored import stored_morph
 
 SIGNATURES_KEY = "convwass_signatures"
 """Custom property of a morph's collection: JSON of one signature per input."""
@@ -60,23 +60,19 @@ def changed_inputs(collection: bpy.types.Collection) -> list[str]:
     try:
         known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
         stored = stored_morph(collection)
-        names, grouping = stored.inputs, stored.settings.get("grouping", OBJECTS)
+        grouping = stored.settings.get("grouping", OBJECTS)
     except (ValueError, TypeError, RecursionError, ConvwassError):
         # A damaged description is reported where it is used.
         return []
-    if not isinstance(known, list) or len(known) != len(names):
+    if not isinstance(known, list) or len(known) != len(stored.inputs):
         return []
-    return [
-        name
-        for name, before in dict(zip(names, known, strict=True)).items()
-        if not _is_as_before(name, grouping, before)
-    ]
+    compared = zip(stored.inputs, stored.objects, known, strict=True)
+    changed = (name for name, obj, before in compared if obj is None or not _is_as_before(obj, grouping, before))
+    return list(dict.fromkeys(changed))
 
 
-def _is_as_before(name: str, grouping: str, before: object) -> bool:
-    if not is_there(name):
-        return False
-    now = signature(shape_source(bpy.data.objects[name], grouping))
+def _is_as_before(obj: bpy.types.Object, grouping: str, before: object) -> bool:
+    now = signature(shape_source(obj, grouping))
     if not (isinstance(before, list) and len(before) == len(now)):
         return True
     if not all(isinstance(number, (int, float)) for number in before):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 import numpy as np
@@ -16,7 +17,7 @@ from ...sentence import Sentence
 from ..keyframes import FrameRange, key_visibility
 from .player import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
-from .stored import INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, stored_morph
+from .stored import INDEX_KEY, WEIGHTS_KEY, store, stored_morph
 
 
 def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.float64]:
@@ -92,7 +93,7 @@ def bake_player(
         last = None if number == len(made) - 1 else first_frame + number
         key_visibility(obj, action, [FrameRange(first, last)])
     stored = stored_morph(source)
-    store(collection, StoredMorph(stored.inputs, stored.settings, first_frame, [{} for _ in made]))
+    store(collection, replace(stored, first_frame=first_frame, records=[{} for _ in made]))
     for home in [home for home in (scene.collection, *bpy.data.collections) if source in set(home.children)]:
         home.children.link(collection)
     player.hide_viewport = player.hide_render = True

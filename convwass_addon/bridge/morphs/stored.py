@@ -8,13 +8,14 @@ import json
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import bpy
 
 from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
 from ..keyframes import keyed_frames
+from ..object_names import ObjectName, objects_named
 from ..shape_sources import OBJECTS, shape_source
 
 SCHEMA = 1
@@ -55,12 +56,21 @@ class StoredMorph:
         Scene frame at which the morph starts.
     records : list of dict
         The solver's figures for each finished frame, without arrays and histories.
+    libraries : list of str
+        The library of each object, as in :class:`.ObjectName`; empty in morphs of earlier versions.
     """
 
     inputs: list[str]
     settings: dict[str, object]
     first_frame: int
     records: list[dict[str, object]]
+    libraries: list[str] = field(default_factory=list)
+
+    @property
+    def objects(self) -> list[bpy.types.Object | None]:
+        """The morphed objects; None for those that no longer exist under their name."""
+        libraries = self.libraries or [None] * len(self.inputs)
+        return objects_named([ObjectName(*both) for both in zip(self.inputs, libraries, strict=True)])
 
 
 def store(collection: bpy.types.Collection, morph: StoredMorph) -> None:
@@ -130,8 +140,9 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     InputError
         As for `stored_morph`, or an object no longer exists.
     """
-    names = stored_morph(collection).inputs
-    missing = [name for name in dict.fromkeys(names) if not is_there(name)]
+    stored = stored_morph(collection)
+    objects = stored.objects
+    missing = dict.fromkeys(name for name, obj in zip(stored.inputs, objects, strict=True) if obj is None)
     if missing:
         raise InputError(
             "{name} was baked from {missing}, which no longer exists under that name; rename it back, or select the "
@@ -139,7 +150,7 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
             name=collection.name,
             missing=", ".join(missing),
         )
-    return [bpy.data.objects[name] for name in names]
+    return objects
 
 
 def stored_parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -152,12 +163,6 @@ def stored_parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """
     grouping = stored_settings(collection).get("grouping", OBJECTS)
     return [part for root in stored_inputs(collection) for part in shape_source(root, grouping).parts]
-
-
-def is_there(name: str) -> bool:
-    """Return whether an object is in a scene; deleted objects may still exist if something refers to them."""
-    obj = bpy.data.objects.get(name)
-    return obj is not None and bool(obj.users_scene)
 
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -236,6 +241,11 @@ def _checked(data: object) -> StoredMorph:
     inputs, settings, first_frame, records = (data[key] for key in ("inputs", "settings", "first_frame", "records"))
     if not (isinstance(inputs, list) and inputs and all(isinstance(name, str) and name for name in inputs)):
         raise TypeError("inputs are not a list of names")
+    libraries = data.get("libraries", [])
+    if not (isinstance(libraries, list) and all(isinstance(path, str) for path in libraries)):
+        raise TypeError("libraries are not a list of paths")
+    if len(libraries) not in (0, len(inputs)):
+        raise ValueError(f"there are {len(libraries)} libraries for {len(inputs)} inputs")
     if not isinstance(settings, dict):
         raise TypeError("settings are not a table")
     for name, value in settings.items():
@@ -249,7 +259,7 @@ def _checked(data: object) -> StoredMorph:
         raise ValueError(f"first_frame is {first_frame}")
     if not (isinstance(records, list) and all(isinstance(record, dict) for record in records)):
         raise TypeError("records are not a list of tables")
-    return StoredMorph(inputs, settings, first_frame, records)
+    return StoredMorph(inputs, settings, first_frame, records, libraries)
 
 
 def _items(value: object) -> list[object]:

@@ -1,0 +1,61 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names of objects that are stored as text, with the library of linked objects, since these may share their name."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import bpy
+
+
+@dataclass(frozen=True)
+class ObjectName:
+    """The name of an object.
+
+    Attributes
+    ----------
+    name : str
+        The name, which is unique among the objects of a file.
+    library : str or None
+        The .blend file that the object is linked from, as Blender stores paths; empty for an object of this file, and
+        None if that is unknown.
+    """
+
+    name: str
+    library: str | None
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object) -> ObjectName:
+        """Return the name of an object."""
+        return cls(obj.name, library_of(obj))
+
+    def is_of(self, obj: bpy.types.Object) -> bool:
+        """Return whether an object has this name; any library fits if it is unknown."""
+        return obj.name == self.name and (self.library is None or _whole(self.library) == _whole(library_of(obj)))
+
+
+def library_of(obj: bpy.types.Object) -> str:
+    """Return the .blend file that an object is linked from, as Blender stores paths; empty if it is local."""
+    return "" if obj.library is None else obj.library.filepath
+
+
+def objects_named(names: Sequence[ObjectName]) -> list[bpy.types.Object | None]:
+    """Find objects by their names; None for those that are in no scene.
+
+    If a library was moved or an object was made local, the only other object of the name is taken.
+    """
+    wanted = {name.name for name in names}
+    # Deleted objects may still exist if something refers to them.
+    there = [obj for obj in bpy.data.objects if obj.name in wanted and obj.users_scene]
+    found = {name: next(filter(name.is_of, there), None) for name in names}
+    spare = [obj for obj in there if obj not in found.values()]
+    for name in [name for name, obj in found.items() if obj is None]:
+        others = [obj for obj in spare if obj.name == name.name]
+        found[name] = others[0] if len(others) == 1 else None
+    return [found[name] for name in names]
+
+
+def _whole(library: str) -> str:
+    return bpy.path.abspath(library)
