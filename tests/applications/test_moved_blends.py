@@ -8,10 +8,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.blend_store import BlendStore
 from convwass_addon.applications.morphs.demands import Demand
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.moved_blends import MovedBlends
 from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
@@ -64,7 +64,7 @@ def calls(problem):
 
 
 def test_a_kept_blend_obeys_a_demand_and_is_not_moved_again(problem):
-    keeping = replace(problem, kept=MovedBlends(1 << 26))
+    keeping = replace(problem, kept=BlendStore(1 << 26))
     asked = {MIDDLE: demand(problem, 0.05)}
     free = keeping.frame(MIDDLE, Control())
     before = calls(problem)
@@ -92,19 +92,19 @@ def test_blends_of_a_run_are_computed_again_side_by_side(problem):
 
 
 def test_blends_beyond_the_memory_are_not_kept(problem):
-    first = replace(problem, kept=MovedBlends(1 << 26)).moved_blend(MIDDLE, Control())
-    kept = MovedBlends(first.bytes)
+    first = replace(problem, kept=BlendStore(1 << 26)).moved_blend(MIDDLE, Control())
+    kept = BlendStore(first.bytes)
     other = Blend((0.25, 0.75), frame=3)
-    kept.keep(MIDDLE, first)
-    kept.keep(other, first)
+    kept.keep(MIDDLE, first, first.bytes)
+    kept.keep(other, first, first.bytes)
     assert kept.get(MIDDLE) is first
     assert kept.get(other) is None
 
 
 def test_nothing_is_sent_to_other_processes(problem):
-    keeping = replace(problem, kept=MovedBlends(1 << 26))
+    keeping = replace(problem, kept=BlendStore(1 << 26))
     keeping.moved_blend(MIDDLE, Control())
     there = pickle.loads(pickle.dumps(keeping.kept))
     assert there.get(MIDDLE) is None
-    there.keep(MIDDLE, keeping.kept.get(MIDDLE))
+    there.keep(MIDDLE, keeping.kept.get(MIDDLE), 1)
     assert there.get(MIDDLE) is None

@@ -22,7 +22,7 @@ from ..morphs.extraction import LevelDensity, estimated_level_density, level_den
 from ..morphs.layouts import Blend
 from ..morphs.morph_problem import MorphProblem
 from ..morphs.morph_settings import MorphSettings
-from ..morphs.moved_blends import MovedBlend
+from ..morphs.moved_blend import MovedBlend
 from ..morphs.moving_problem import MovingProblem
 from ..morphs.origins import blend_origins, part_transports
 from ..morphs.transport_problem import TransportProblem

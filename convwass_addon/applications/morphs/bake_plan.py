@@ -23,13 +23,13 @@ from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation
+from .blend_store import BlendStore
 from .first_preview import first_preview
 from .following_problem import FollowingProblem
 from .kept_blends import KeptBlends
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .morph_settings import MorphSettings
-from .moved_blends import MovedBlends
 from .moving_problem import MovingProblem
 from .part_labels import Matching
 from .preparing import VOXEL_SHARE, sketchable_problem, with_connectivity
@@ -212,7 +212,7 @@ class BakePlan:
     def _fitted(self, moving: MovingProblem) -> MovingProblem:
         """Check the memory that moving inputs need, and let them keep blends in a quarter of what is left."""
         check_memory(moving.lattice.memory(self.shapes, 1, self.matching.count), self.settings.resolution)
-        return replace(moving, kept=MovedBlends(self._room(moving, 4, _MOST_KEPT_MOVED)))
+        return replace(moving, kept=BlendStore(self._room(moving, 4, _MOST_KEPT_MOVED)))
 
     def _room(self, problem: MorphProblem | MovingProblem, parts: int, most: int) -> int:
         """Return one of so many parts of the memory that the bake leaves free, in bytes; at most `most`."""

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,6 +13,7 @@ from ...transport import Barycenter
 from ...transport.potentials import Potentials
 from ...transport.region import Region
 from .blend_solver import SolvedBlend
+from .blend_store import BlendStore
 from .layouts import Blend
 
 
@@ -30,24 +30,20 @@ class KeptBlends:
     """
 
     def __init__(self, most: int, *, finest: bool = False) -> None:
-        self._left, self._finest = most, finest
-        self._blends: dict[Blend, _KeptBlend] = {}
-        self._lock = threading.Lock()
+        self._store: BlendStore[_KeptBlend] = BlendStore(most)
+        self._finest = finest
 
     def keep(self, solved: SolvedBlend) -> None:
         """Keep a blend if it fits."""
         kept = _KeptBlend.of(solved, self._finest)
-        with self._lock:
-            if kept.bytes <= self._left and solved.blend not in self._blends:
-                self._left -= kept.bytes
-                self._blends[solved.blend] = kept
+        self._store.keep(solved.blend, kept, kept.bytes)
 
     def __contains__(self, blend: Blend) -> bool:
-        return blend in self._blends
+        return blend in self._store
 
     def solved(self, blend: Blend) -> SolvedBlend:
         """Return a kept blend exactly as it was solved, without the levels that its surface does not need."""
-        return self._blends[blend].solved()
+        return self._store.get(blend).solved()
 
 
 @dataclass(frozen=True)

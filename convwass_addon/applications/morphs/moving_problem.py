@@ -20,6 +20,7 @@ from ...progress import UNINTERRUPTED, Control
 from ..motions.growing_motion import GrowingMotion
 from ..motions.motion import Motion, MovedShape
 from .blend_solver import ALONE, BlendSolver
+from .blend_store import BlendStore
 from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
 from .demands import Demand
@@ -27,7 +28,7 @@ from .detail import detailed_blend, reliability_of, starts_on_readings
 from .extraction import extract_coinciding
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
-from .moved_blends import MovedBlend, MovedBlends
+from .moved_blend import MovedBlend
 from .moved_origins import moved_origins, moved_tangents
 from .moved_room import Room, room_of_moved
 from .part_labels import Matching
@@ -59,7 +60,7 @@ class MovingProblem:
         Names of the inputs, for messages.
     matching : Matching
         The triangles that travel together.
-    kept : MovedBlends or None
+    kept : BlendStore of MovedBlend, or None
         Where moved blends are kept, to compute them again under a demand.
     """
 
@@ -68,7 +69,7 @@ class MovingProblem:
     lattice: Lattice
     names: tuple[str, ...]
     matching: Matching
-    kept: MovedBlends | None = field(default=None, kw_only=True)
+    kept: BlendStore[MovedBlend] | None = field(default=None, kw_only=True)
 
     @classmethod
     def of(
@@ -178,7 +179,7 @@ class MovingProblem:
             transport = TransportProblem.of(split, lattice, self.still.settings)
         found = MovedBlend(alone, self._demanded(transport, active), shapes, active, occupancies, solids, volume)
         if self.kept is not None:
-            self.kept.keep(blend, found)
+            self.kept.keep(blend, found, found.bytes)
         return found
 
     def _demanded(self, transport: TransportProblem, active: NDArray[np.int64]) -> MorphProblem:

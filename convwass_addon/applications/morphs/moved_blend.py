@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blends of inputs that have been moved towards each other, kept to extract their surfaces again."""
+"""A blend of inputs that have been moved towards each other, kept to extract its surface again."""
 
 from __future__ import annotations
 
-import threading
 from dataclasses import dataclass
 
 import numpy as np
@@ -56,32 +55,3 @@ class MovedBlend:
         """Memory that its grids take, about two thirds of all."""
         grids = (*self.occupancies, self.solids.density, self.solids.agreement, self.solids.depths)
         return sum(grid.nbytes for grid in grids)
-
-
-class MovedBlends:
-    """Moved blends, as many as fit in a number of bytes; shared by all threads, and empty in other processes.
-
-    Parameters
-    ----------
-    most : int
-        Maximum number of bytes for grids. Blends beyond it are not kept.
-    """
-
-    def __init__(self, most: int) -> None:
-        self._left = most
-        self._blends: dict[Blend, MovedBlend] = {}
-        self._lock = threading.Lock()
-
-    def __reduce__(self) -> tuple[type[MovedBlends], tuple[int]]:
-        return MovedBlends, (0,)
-
-    def keep(self, blend: Blend, moved: MovedBlend) -> None:
-        """Keep what belongs to a blend if it fits."""
-        with self._lock:
-            if moved.bytes <= self._left and blend not in self._blends:
-                self._left -= moved.bytes
-                self._blends[blend] = moved
-
-    def get(self, blend: Blend) -> MovedBlend | None:
-        """Return what is kept of a blend."""
-        return self._blends.get(blend)
