@@ -214,13 +214,12 @@ def test_the_velocity_is_the_same_up_to_the_ends_of_what_is_known():
     assert not ShapeAnimation((1.0,), (start,)).velocity(1.0).any()
 
 
-@pytest.mark.parametrize("motion", ["transport", "guided"])
-def test_cached_blends_of_animated_inputs_are_used(tmp_path, motion):
+def test_cached_blends_of_animated_inputs_are_used(tmp_path):
     shapes = [box((1, 1, 1)), box((1, 1, 2))]
     still = animated(*(lambda time, own=own: own.moved((0.1 * time, 0, 0)) for own in shapes))
     for reused in (0, FRAMES + 1):
         cache = FrameCache(tmp_path)
-        settings = MorphSettings(24, motion=motion)
+        settings = MorphSettings(24, motion="transport")
         drained(morph(shapes, ["A", "B"], path_blends(2, FRAMES), settings, animation=still, cache=cache, workers=1))
         assert (cache.reused, cache.notices) == (reused, [])
 

@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.centroid import centroid
-from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control
 from ..motions.posed_motion import PosedMotion
@@ -67,13 +68,13 @@ class FollowingProblem(MovingProblem):
         How the inputs move towards each other, in any pose; None if they do not.
     animation : Animation
         The inputs at any time.
-    rests : tuple of TriangleMesh
+    rests : tuple of FacingShape
         The inputs as they were when the motion was chosen.
     """
 
     motion: PosedMotion | None
     animation: Animation
-    rests: tuple[TriangleMesh, ...]
+    rests: tuple[FacingShape, ...]
 
     @classmethod
     def around(
@@ -89,7 +90,8 @@ class FollowingProblem(MovingProblem):
         boxes = np.stack([mesh.bounds - centroid(mesh) for mesh in animation.meshes])
         room = Room(boxes[:, 0].min(axis=0), boxes[:, 1].max(axis=0), _SLACK_CELLS)
         lattice = still.lattice.holding(room)
-        return cls(still, motion, lattice, tuple(names), matching, animation, tuple(rests))
+        searched = tuple(FacingShape(rest).ready() for rest in rests)
+        return cls(still, motion, lattice, tuple(names), matching, animation, searched)
 
     @property
     def solves_singly(self) -> bool:
@@ -138,12 +140,16 @@ class FollowingProblem(MovingProblem):
         """Solve a blend of inputs that move towards each other, starting from their current poses."""
         shapes = posed.shapes
         motion = self.motion.at(shapes, posed.active.tolist(), control)
-        growth = [_volume_ratio(shape, rest) for shape, rest in zip(shapes, self.rests, strict=True)]
+        growth = [_volume_ratio(shape, rest.mesh) for shape, rest in zip(shapes, self.rests, strict=True)]
         parts = tuple(replace(part, volumes=part.volumes * growth) for part in self.still.transport.parts)
         lattice = replace(self.lattice, centers=np.stack([centroid(shape) for shape in shapes]))
         still = replace(self.still, transport=replace(self.still.transport, parts=parts, lattice=lattice))
         problem = MovingProblem.of(still, motion, [blend], self.names, self.matching, control)
-        return self._with_tangents(replace(problem, kept=self.kept).frame(blend, control), posed)
+        frame = replace(problem, kept=self.kept).frame(blend, control)
+        if frame.origins is None:
+            return frame
+        places = {index: self.rests[index].finder.find_closest(frame.origins[index]) for index in posed.active.tolist()}
+        return replace(frame, tangents=self._tangents(frame, places, posed.time))
 
     def _transported_run(
         self, run: Sequence[Blend], asked: Mapping[Blend, Demand], control: Control
@@ -178,17 +184,13 @@ class FollowingProblem(MovingProblem):
         origins[active] = own.origins
         if not self.animation.keeps_topology:
             return replace(frame, origins=origins, triangles=None)
-        tangents = origins.copy()
-        for index, origin in zip(active, own.origins, strict=True):
-            there = ClosestPointFinder(shapes[index].corners).find_about(origin)
-            origins[index] = there.interpolated(self.rests[index].corners)
+        tangents, places = origins.copy(), {}
+        for index, origin in zip(active.tolist(), own.origins, strict=True):
+            places[index] = ClosestPointFinder(shapes[index].corners).find_about(origin)
+            origins[index] = places[index].interpolated(self.rests[index].mesh.corners)
         triangles = _of_all(own.triangles, active, shapes)
-        return self._with_tangents(replace(frame, origins=origins, tangents=tangents, triangles=triangles), posed)
-
-    def _with_tangents(self, frame: MorphFrame, posed: PosedBlend) -> MorphFrame:
-        if frame.origins is None or not self.animation.keeps_topology:
-            return frame
-        return replace(frame, tangents=self._tangents(frame, posed.time))
+        placed = replace(frame, origins=origins, tangents=tangents, triangles=triangles)
+        return replace(placed, tangents=self._tangents(placed, places, posed.time))
 
     def _problem_at(self, posed: PosedBlend, control: Control) -> MorphProblem:
         """Return the problem of the inputs of one blend in their current poses."""
@@ -207,18 +209,19 @@ class FollowingProblem(MovingProblem):
             return problem.with_connectivity(control=control)
         return replace(problem, connectivity=tuple(self.still.connectivity[i] for i in active), meshes=())
 
-    def _tangents(self, frame: MorphFrame, time: float) -> NDArray[np.float32]:
+    def _tangents(self, frame: MorphFrame, places: Mapping[int, ClosestPoints], time: float) -> NDArray[np.float32]:
         """Add the inputs' own motion to the points that determine velocities; see :func:`.origins.velocities`.
+
+        The places are those of the vertices on the inputs that have a weight.
 
         On a path, the weight of the second input grows by `rate` per frame while the other falls, so whatever is added
         to its tangents counts `rate` times.
         """
         weights = frame.blend.weights
         animated = np.zeros(frame.mesh.vertices.shape)
-        for index in np.flatnonzero(weights):
-            places = ClosestPointFinder(self.rests[index].corners).find_about(frame.origins[index])
+        for index, there in places.items():
             velocity = self.animation.shapes[index].velocity(time)
-            animated += weights[index] * places.interpolated(velocity[self.rests[index].faces])
+            animated += weights[index] * there.interpolated(velocity[self.rests[index].mesh.faces])
         first, last = np.flatnonzero(weights)[[0, -1]]
         rate = 1.0 / (self.animation.stations[last] - self.animation.stations[first])
         tangents = frame.velocity_points.copy()
