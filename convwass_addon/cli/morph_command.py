@@ -23,7 +23,7 @@ from ..bridge.flat.picture_bake import pictures_of
 from ..bridge.imports import live_shape
 from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.followed_inputs import FOLLOW
-from ..bridge.morphs.morph_guides import guides_asked_for
+from ..bridge.morphs.guides_of_files import guides_asked_for
 from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
 from ..progress import Progress
 from .answer import Answer
@@ -80,7 +80,7 @@ def run_morph(options: Namespace) -> Answer:
     if not has_frames:
         return with_shape_keys(inputs, options, request, settings, target)
     if not asks_for_flat(inputs, depsgraph, settings.thickness):
-        guides = guides_asked_for(options.guides, inputs, depsgraph)
+        guides = guides_asked_for(options.guides, options.shapes, inputs, depsgraph)
         request = replace(request, guides=[guide.as_dict() for guide in guides])
     else:
         settings = flat_settings_of(options)

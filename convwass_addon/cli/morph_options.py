@@ -75,7 +75,8 @@ def _add_solver_options(parser: ArgumentParser) -> None:
         "--guides",
         metavar="groups|empties|bones|FILE",
         help="corresponding points of the shapes: small vertex groups, Empties or bone ends with the same name, or a "
-        'JSON file such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
+        'JSON file such as [{"name": "nose", "points": {"Man": 12, "Woman": 345}}], with numbers of vertices before '
+        "modifiers, as in Blender",
     )
 
 

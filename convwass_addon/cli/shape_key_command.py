@@ -14,7 +14,7 @@ from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import save_blend
 from ..bridge.frame_range import play_whole
-from ..bridge.morphs.morph_guides import guides_asked_for
+from ..bridge.morphs.guides_of_files import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.one_mesh.key_files import checked_key_target, export_shape_keys
 from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
@@ -44,7 +44,7 @@ def with_shape_keys(
     exported = checked_key_target(options.export) if options.export else None
     textures = TextureSettings(**given_settings(options, TextureSettings))
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
-    guides = guides_asked_for(options.guides, inputs, depsgraph)
+    guides = guides_asked_for(options.guides, options.shapes, inputs, depsgraph)
     request = replace(request, guides=[guide.as_dict() for guide in guides])
     if request.two_meshes:
         return _with_two_meshes(inputs, options, request, settings, target)

@@ -7,7 +7,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 import bpy
@@ -148,45 +147,6 @@ def guides_from_bones(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.
     return _shared({obj.name: bone_marks(obj, depsgraph) for obj in objects})
 
 
-def guides_asked_for(
-    word: str | None, objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph
-) -> list[NamedGuide]:
-    """Return the guides requested on the command line.
-
-    Parameters
-    ----------
-    word : str or None
-        "groups", "empties", "bones", or the path of a JSON file; None for no guides.
-    objects : sequence of bpy.types.Object
-        The inputs of the morph.
-    depsgraph : bpy.types.Depsgraph
-        The dependency graph of the scene.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read or refers to other objects, or no names match.
-    """
-    if word is None:
-        return []
-    meshes = [obj for obj in objects if obj.type == "MESH"]
-    if word == "empties":
-        found = guides_from_empties(meshes, depsgraph, list(bpy.context.scene.objects))
-    elif word in ("groups", "bones"):
-        found = {"groups": guides_from_groups, "bones": guides_from_bones}[word](meshes, depsgraph)
-    else:
-        try:
-            found = parsed_guides(Path(word).read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError) as error:
-            raise InputError("The guides in {path} cannot be read ({reason}).", path=word, reason=str(error)) from error
-        check_guide_names(found, [obj.name for obj in objects])
-        if not found:
-            raise InputError("{path} contains no guides.", path=word)
-    if not found:
-        raise InputError("No {word} have the same name on several shapes, so --guides finds nothing.", word=word)
-    return found
-
-
 def _shared(marks: Mapping[str, Mapping[str, int | None]]) -> list[NamedGuide]:
     """Return a guide for every name with a vertex on several objects."""
     names = dict.fromkeys(name for own in marks.values() for name in own)
@@ -233,13 +193,31 @@ def guides_of_shapes(
                 number = numbers[name]
                 if name not in own_meshes:
                     own_meshes[name] = surface_mesh(objects[number], depsgraph)
-                taken[number] = _vertex_of(guide.name or str(index), name, vertex, own_meshes[name], shapes[number])
+                taken[number] = vertex_of_shape(
+                    guide.name or str(index), name, vertex, own_meshes[name], shapes[number]
+                )
         if len(taken) > 1:
             found.append(taken)
     return found
 
 
-def _vertex_of(guide: str, name: str, vertex: int, own: TriangleMesh, shape: TriangleMesh) -> int:
+def vertex_of_shape(guide: str, name: str, vertex: int, own: TriangleMesh, shape: TriangleMesh) -> int:
+    """Return the vertex of a shape that is nearest to a vertex of its original mesh.
+
+    Parameters
+    ----------
+    guide, name : str
+        Names of the guide and of the shape, for messages.
+    vertex : int
+        Vertex of the original mesh.
+    own, shape : TriangleMesh
+        The original mesh and the shape, both in world space.
+
+    Raises
+    ------
+    InputError
+        The original mesh has no such vertex.
+    """
     if not 0 <= vertex < len(own.vertices):
         raise InputError(
             "Guide {guide} refers to vertex {vertex} of {name}, which has {count} vertices; pick the point again.",
