@@ -503,7 +503,7 @@ def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
         ('[{"points": {"Cube": 0, "Ball": 900}}]', "Guide 1 refers to vertex 900 of Ball, which has 42 vertices"),
         ("[]", "contains no guides"),
         ("{", "cannot be read"),
-        (None, "No such file"),
+        (None, "guides.json: there is no such file; name groups, empties, bones or a JSON file"),
     ],
 )
 def test_guides_that_cannot_be_used_are_refused(shapes, tmp_path, capfd, text, message):

@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from ...applications.whole_paths import whole_path
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ..blend_files import appended_objects
@@ -129,6 +130,10 @@ def _guides_by_names(kind: str, originals: Mapping[str, bpy.types.Object]) -> li
 
 def _read_guides(path: str) -> list[NamedGuide]:
     """Read the guides of a JSON file."""
+    if not whole_path(path).exists():
+        raise InputError(
+            "--guides {word}: there is no such file; name groups, empties, bones or a JSON file.", word=path
+        )
     try:
         found = parsed_guides(Path(path).read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
