@@ -330,6 +330,27 @@ def test_missing_data_is_reported(pair, what, message):
         call("transfer_by_map", what=set())
 
 
+def test_missing_names_are_reported_with_those_that_exist(pair):
+    giver = pair[0]
+    paint(giver, **halves(giver))
+    add_key(giver, "Tall", points(giver) * 2.0)
+    with pytest.raises(RuntimeError, match=r"Cow has no Nope to transfer; it has: Left, Right\."):
+        call("transfer_by_map", names="Nope")
+    with pytest.raises(RuntimeError, match=r"Cow has no Nope to transfer; it has: Tall\."):
+        call("transfer_by_map", names="Nope", what={"KEYS"})
+    with pytest.raises(RuntimeError, match=r"Cow has no Nope to transfer; it has: UVMap\."):
+        call("transfer_by_map", names="Nope", what={"UVS"})
+
+
+@pytest.mark.parametrize(("direction", "example"), [("FORWARD", "Arm.L"), ("BACKWARD", "Arm.R")])
+def test_names_without_a_side_cannot_be_mirrored(direction, example):
+    obj = sphere("Cow")
+    store_mirror(obj)
+    paint(obj, Spine=np.ones(len(points(obj))))
+    with pytest.raises(RuntimeError, match=f"nothing to mirror among Spine; names need .*, such as {example}"):
+        call("transfer_by_map", direction=direction)
+
+
 def test_failures_leave_nothing_behind(pair):
     giver = pair[0]
     paint(giver, **halves(giver))

@@ -49,10 +49,10 @@ class CarriedGroups:
         known = group_names(ends.giver)
         names = ends.destinations(known)
         require_any(
+            ends,
+            known,
             names,
-            InputError(
-                "{object} has no vertex groups to transfer; paint some, or choose others.", object=ends.giver.name
-            ),
+            InputError("{object} has no vertex groups to transfer; paint some.", object=ends.giver.name),
         )
         require_group_names(ends.receiver, list(names.values()))
         self._kept = kept_names(ends, names, locked_groups, group_names)

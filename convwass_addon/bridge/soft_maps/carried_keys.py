@@ -32,8 +32,11 @@ class CarriedKeys:
 
     def __init__(self, ends: TransferEnds) -> None:
         self._ends = ends
-        names = ends.destinations(key_names(ends.giver))
+        known = key_names(ends.giver)
+        names = ends.destinations(known)
         require_any(
+            ends,
+            known,
             names,
             InputError("{object} has no shape keys to transfer besides its basis.", object=ends.giver.name),
         )

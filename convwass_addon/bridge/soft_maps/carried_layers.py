@@ -129,7 +129,8 @@ def _chosen_layers(
     ends: TransferEnds, known: Callable[[bpy.types.Object], list[str]], nothing: InputError
 ) -> _ChosenLayers:
     """Select layers of the giver, which keep their names; raises `nothing` if there are none."""
-    names = [name for name in known(ends.giver) if not ends.names or name in ends.names]
-    require_any(names, nothing)
+    there = known(ends.giver)
+    names = [name for name in there if not ends.names or name in ends.names]
+    require_any(ends, there, names, nothing)
     kept = tuple(name for name in names if ends.keep and name in known(ends.receiver))
     return _ChosenLayers([name for name in names if name not in kept], kept)

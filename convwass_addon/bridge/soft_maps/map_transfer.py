@@ -18,6 +18,7 @@ from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Work, within
 from ...sentence import Sentence
+from ..blend_files import listed_names
 
 
 @dataclass(frozen=True)
@@ -105,10 +106,44 @@ def all_carried(parts: Collection[CarriedPart], control: Control = UNINTERRUPTED
         control.check()
 
 
-def require_any(names: Mapping[str, str] | Sequence[str], error: InputError) -> None:
-    """Raise an error if there is nothing to transfer."""
-    if not names:
-        raise error
+def require_any(
+    ends: TransferEnds, known: Sequence[str], names: Mapping[str, str] | Sequence[str], nothing: InputError
+) -> None:
+    """Check that something is transferred.
+
+    Parameters
+    ----------
+    ends : TransferEnds
+        The objects.
+    known : sequence of str
+        All data of one kind that the giver has.
+    names : mapping or sequence of str
+        The names to transfer among them.
+    nothing : InputError
+        The error if the giver has no such data.
+
+    Raises
+    ------
+    InputError
+        There is no such data, none of the requested name, or none that can be mirrored.
+    """
+    if names:
+        return
+    if not known:
+        raise nothing
+    if not any(name in known for name in ends.names or known):
+        raise InputError(
+            "{object} has no {names} to transfer; it has: {known}.",
+            object=ends.giver.name,
+            names=", ".join(ends.names),
+            known=listed_names(known),
+        )
+    raise InputError(
+        "{object} has nothing to mirror among {known}; names need the side that is mirrored, such as {example}.",
+        object=ends.giver.name,
+        known=listed_names(ends.names or known),
+        example="Arm.R" if ends.is_backward else "Arm.L",
+    )
 
 
 def kept_names(
