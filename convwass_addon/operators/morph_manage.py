@@ -14,7 +14,7 @@ from bpy.props import EnumProperty, StringProperty
 from ..bridge.active import active_object, selected_objects
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.morph_guides import guides_of_entries
-from ..bridge.morphs.removal import remove_bake
+from ..bridge.morphs.removal import delete_morph
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import (
     FRAMES_KEY,
@@ -193,22 +193,13 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
 
 
 class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
-    """Delete the active morph and its meshes, and show its shapes again"""
+    """Delete the active morph and its meshes, and show the shapes that it has hidden"""
 
     bl_idname = "convwass.delete_morph"
     bl_label = "Delete Morph"
 
     def execute(self, context):
-        morph = active_morph(context)
-        try:
-            inputs = stored_parts(morph)
-        except ConvwassError:
-            # A morph can be deleted even if its inputs no longer exist.
-            inputs = []
-        remove_bake(morph)
-        for obj in inputs:
-            obj.hide_set(False)
-            obj.hide_render = False
+        delete_morph(active_morph(context))
         return {"FINISHED"}
 
 

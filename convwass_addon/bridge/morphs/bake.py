@@ -21,10 +21,11 @@ from ...geometry.polygons import Polygons
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
-from ..objects import hide, is_in, write_mesh
+from ..objects import is_in, write_mesh
 from ..shape_sources import OBJECTS, shape_source
 from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
+from .hidden_inputs import hide_shapes
 from .materials import MATERIAL_NAME, morph_material
 from .removal import remove_bake, remove_objects
 from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, store_diagnostics, summary
@@ -297,8 +298,8 @@ class MorphBake:
         notes = diagnose(figures, self._stored.settings, [shape.name for shape in self._inputs], numbers, dropped)
         store_diagnostics(collection, notes)
         self._drop_unused()
-        if hide_inputs:
-            hide(found([own for shape in self._inputs for own in shape.objects]), scene)
+        shown = found([own for shape in self._inputs for own in shape.objects])
+        hide_shapes(collection, shown if hide_inputs else (), scene)
         return collection
 
     @property

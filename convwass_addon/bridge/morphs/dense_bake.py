@@ -15,6 +15,7 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..keyframes import FrameRange, key_visibility
+from .hidden_inputs import copy_hidden
 from .player import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
 from .stored import INDEX_KEY, WEIGHTS_KEY, store, stored_morph
@@ -94,6 +95,7 @@ def bake_player(
         key_visibility(obj, action, [FrameRange(first, last)])
     stored = stored_morph(source)
     store(collection, replace(stored, first_frame=first_frame, records=[{} for _ in made]))
+    copy_hidden(source, collection)
     for home in [home for home in (scene.collection, *bpy.data.collections) if source in set(home.children)]:
         home.children.link(collection)
     player.hide_viewport = player.hide_render = True

@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 
 from .disk_output import remove_disk_outputs
+from .hidden_inputs import hidden_only_by, show_again
 from .materials import drop_unused_groups, is_carrying
 from .stand_ins import remove_stand_ins
 from .stored import frame_objects
@@ -25,6 +26,13 @@ def remove_bake(collection: bpy.types.Collection) -> None:
         for child in set(collection.children) - set(parent.children):
             parent.children.link(child)
     bpy.data.collections.remove(collection)
+
+
+def delete_morph(collection: bpy.types.Collection) -> None:
+    """Remove a morph with its frames, and show the shapes that it has hidden and no other morph hides."""
+    hidden = hidden_only_by(collection)
+    remove_bake(collection)
+    show_again(hidden)
 
 
 def remove_frames(collection: bpy.types.Collection) -> None:

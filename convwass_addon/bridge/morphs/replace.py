@@ -10,6 +10,7 @@ from ..sequence import MODIFIER
 from .blend_pad import make_blend_pad
 from .changes import SIGNATURES_KEY
 from .disk_output import FOLDER_KEY, remove_disk_outputs
+from .hidden_inputs import take_hidden
 from .player import interpolation, is_player, refresh_player
 from .removal import remove_frames
 from .stand_ins import remove_stand_ins, stand_ins
@@ -42,6 +43,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     for key in (MORPH_KEY, DIAGNOSTICS_KEY, SIGNATURES_KEY, WRITTEN_KEY, FOLDER_KEY):
         if key in new:
             old[key] = new[key]
+    take_hidden(old, new)
     bpy.data.collections.remove(new)
     shown_by = stand_ins(old)
     if any(is_player(obj) for obj in shown_by):

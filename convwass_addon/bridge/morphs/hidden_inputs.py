@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shapes that a bake hides, remembered with its morph so that only these are shown when it is deleted."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import bpy
+
+from ...errors import ConvwassError
+from ..object_names import ObjectName, objects_named
+from ..objects import is_in
+from ..shape_sources import OBJECTS, shape_source
+from .stored import MORPH_KEY, stored_morph
+
+HIDDEN_KEY = "convwass_hidden"
+"""Custom property of a morph's collection: JSON of the objects that its bake has hidden, and where."""
+
+
+@dataclass(frozen=True)
+class HiddenObject:
+    """Where an object is hidden.
+
+    Attributes
+    ----------
+    name : ObjectName
+        The object.
+    in_renders : bool
+        Whether it is hidden in renders.
+    layers : tuple of str
+        Names of the view layers in which it is hidden.
+    """
+
+    name: ObjectName
+    in_renders: bool
+    layers: tuple[str, ...]
+
+    def without(self, other: HiddenObject) -> HiddenObject:
+        """Return where the object is hidden here but not there."""
+        left = tuple(layer for layer in self.layers if layer not in other.layers)
+        return HiddenObject(self.name, self.in_renders and not other.in_renders, left)
+
+
+def hide_shapes(collection: bpy.types.Collection, objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
+    """Hide objects in renders and in the view layers of a scene while a morph shows them.
+
+    What is hidden already stays so when the morph is deleted, unless other morphs have hidden it.
+
+    Parameters
+    ----------
+    collection : bpy.types.Collection
+        The morph, with which the objects are remembered.
+    objects : iterable of bpy.types.Object
+        The objects of its shapes; none if they are to stay visible.
+    scene : bpy.types.Scene
+        The scene that shows the morph.
+    """
+    hidden = []
+    for obj in objects:
+        _release(_shown(obj), _others(collection))
+        hidden.append(_to_hide(collection, obj, scene))
+        obj.hide_render = True
+        for layer in _layers(obj, [scene]):
+            obj.hide_set(True, view_layer=layer)
+    _store(collection, hidden)
+
+
+def take_hidden(old: bpy.types.Collection, new: bpy.types.Collection) -> None:
+    """Store with a morph what its new bake has hidden, or else what its last one has and is hidden still."""
+    found = _hidden_by(new)
+    if not found:
+        before = _hidden_by(old)
+        objects = objects_named([one.name for one in before])
+        found = [one.without(_shown(obj)) for one, obj in zip(before, objects, strict=True) if obj is not None]
+    _store(old, found)
+
+
+def copy_hidden(source: bpy.types.Collection, target: bpy.types.Collection) -> None:
+    """Store with a morph that it needs the same objects hidden as another one."""
+    _store(target, _hidden_by(source))
+
+
+def hidden_only_by(collection: bpy.types.Collection) -> list[HiddenObject]:
+    """Return what a morph hides and no other morph does."""
+    found = _hidden_by(collection)
+    for other in _others(collection):
+        for theirs in _hidden_by(other):
+            found = [own.without(theirs) if own.name == theirs.name else own for own in found]
+    return found
+
+
+def show_again(hidden: Sequence[HiddenObject]) -> None:
+    """Show objects where they are hidden; those that no longer exist are left out."""
+    for own, obj in zip(hidden, objects_named([one.name for one in hidden]), strict=True):
+        if obj is None:
+            continue
+        if own.in_renders:
+            obj.hide_render = False
+        for layer in _layers(obj, bpy.data.scenes):
+            if layer.name in own.layers:
+                obj.hide_set(False, view_layer=layer)
+
+
+def _to_hide(collection: bpy.types.Collection, obj: bpy.types.Object, scene: bpy.types.Scene) -> HiddenObject:
+    """Return where a morph hides an object that the user does not hide himself."""
+    now = _shown(obj)
+    claims = [one for other in _others(collection) for one in _hidden_by(other) if one.name == now.name]
+    in_renders = now.in_renders or any(claim.in_renders for claim in claims)
+    names = [layer.name for layer in _layers(obj, [scene])]
+    taken = {name for claim in claims for name in claim.layers}
+    return HiddenObject(now.name, in_renders, tuple(name for name in names if name in now.layers or name in taken))
+
+
+def _release(shown: HiddenObject, morphs: Iterable[bpy.types.Collection]) -> None:
+    """Let morphs forget that they hide an object where it is shown, since the user wanted to see it."""
+    for morph in morphs:
+        before = _hidden_by(morph)
+        after = [own.without(shown) if own.name == shown.name else own for own in before]
+        if after != before:
+            _store(morph, after)
+
+
+def _shown(obj: bpy.types.Object) -> HiddenObject:
+    """Return where an object is shown now, and can be hidden."""
+    layers = [layer for layer in _layers(obj, bpy.data.scenes) if not obj.hide_get(view_layer=layer)]
+    return HiddenObject(ObjectName.of(obj), not obj.hide_render, tuple(layer.name for layer in layers))
+
+
+def _others(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
+    """Return all other morphs of the file; shapes of linked ones are in another file."""
+    morphs = [other for other in bpy.data.collections if MORPH_KEY in other and other.library is None]
+    return [other for other in morphs if other != collection]
+
+
+def _layers(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> list[bpy.types.ViewLayer]:
+    """Return the view layers of scenes that contain an object."""
+    return [layer for scene in scenes for layer in scene.view_layers if is_in(layer, obj)]
+
+
+def _hidden_by(collection: bpy.types.Collection) -> list[HiddenObject]:
+    """Return what a morph hides; all of its shapes if that is damaged, or was not stored by an earlier version."""
+    try:
+        return [_read(entry) for entry in json.loads(collection[HIDDEN_KEY])]
+    except (LookupError, TypeError, ValueError, RecursionError):
+        layers = {layer.name for scene in bpy.data.scenes for layer in scene.view_layers}
+        return [HiddenObject(ObjectName.of(part), True, tuple(layers)) for part in _parts(collection)]
+
+
+def _parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return the objects of the shapes of a morph that still exist; none if its description is damaged."""
+    try:
+        stored = stored_morph(collection)
+    except ConvwassError:
+        return []
+    grouping = stored.settings.get("grouping", OBJECTS)
+    return [part for root in stored.objects if root is not None for part in shape_source(root, grouping).parts]
+
+
+def _read(entry: dict[str, object]) -> HiddenObject:
+    name, library, layers = entry["name"], entry["library"], entry["layers"]
+    if not (isinstance(name, str) and isinstance(library, str) and isinstance(layers, list)):
+        raise TypeError("not a hidden object")
+    return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), tuple(layers))
+
+
+def _store(collection: bpy.types.Collection, hidden: Sequence[HiddenObject]) -> None:
+    entries = [{**vars(one.name), "in_renders": one.in_renders, "layers": list(one.layers)} for one in hidden]
+    collection[HIDDEN_KEY] = json.dumps(entries)

@@ -1,0 +1,121 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which shapes are visible again after a morph was deleted."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
+from convwass_addon.bridge.morphs.stored import frame_objects
+
+
+@pytest.fixture
+def shapes(empty_scene):
+    """Two spheres, A and B."""
+    made = []
+    for name, x in (("A", 0.0), ("B", 3.0)):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+        bpy.context.object.name = name
+        made.append(bpy.context.object)
+    return made
+
+
+def bake(inputs="A,B", **options):
+    bpy.ops.convwass.bake_morph(**{"inputs": inputs, "motion": "TRANSPORT", "frames": 2, "resolution": 16, **options})
+    return bpy.context.object.users_collection[0]
+
+
+def delete(morph):
+    bpy.context.view_layer.objects.active = frame_objects(morph)[0]
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+
+
+def hidden(*objects):
+    """Where each object is hidden: in the viewport, in renders."""
+    return [(obj.hide_get(), obj.hide_render) for obj in objects]
+
+
+BOTH, NEITHER = (True, True), (False, False)
+
+
+def test_the_other_shape_is_shown_where_one_no_longer_exists(shapes):
+    morph = bake()
+    assert hidden(*shapes) == [BOTH, BOTH]
+    bpy.data.objects.remove(shapes[1])
+    delete(morph)
+    assert hidden(shapes[0]) == [NEITHER]
+
+
+def test_shapes_that_another_morph_hides_stay_hidden(shapes):
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.name = "C"
+    first, second = bake(), bake("A,C")
+    delete(first)
+    assert hidden(*shapes) == [BOTH, NEITHER]
+    delete(second)
+    assert hidden(*shapes, bpy.data.objects["C"]) == [NEITHER] * 3
+
+
+def test_what_the_user_has_hidden_stays_hidden(shapes):
+    shapes[0].hide_render = True
+    shapes[1].hide_set(True)
+    delete(bake())
+    assert hidden(*shapes) == [(False, True), (True, False)]
+    morph = bake(hide_inputs=False)
+    shapes[0].hide_set(True)
+    delete(morph)
+    assert hidden(*shapes) == [BOTH, (True, False)]
+
+
+def test_a_morph_whose_shapes_were_shown_again_hides_them_no_longer(shapes):
+    first = bake()
+    for obj in shapes:
+        obj.hide_set(False)
+        obj.hide_render = False
+    second = bake()
+    delete(second)
+    assert hidden(*shapes) == [NEITHER, NEITHER]
+    delete(first)
+    assert hidden(*shapes) == [NEITHER, NEITHER]
+
+
+def test_a_morph_that_was_baked_again_still_hides_its_shapes(shapes):
+    morph = bake()
+    # One is shown to be edited, so that the new bake hides nothing.
+    shapes[1].hide_set(False)
+    shapes[1].hide_render = False
+    bpy.ops.convwass.rebake_morph(which="ALL")
+    assert hidden(*shapes) == [BOTH, NEITHER]
+    delete(morph)
+    assert hidden(*shapes) == [NEITHER, NEITHER]
+
+
+def test_the_frames_of_a_player_need_the_shapes_hidden_too(shapes):
+    morph = bake(output="PLAYER")
+    bpy.ops.convwass.bake_player()
+    delete(morph)
+    assert hidden(*shapes) == [BOTH, BOTH]
+    delete(bpy.context.scene.collection.children[0])
+    assert hidden(*shapes) == [NEITHER, NEITHER]
+
+
+@pytest.mark.parametrize("stored", [None, "{", "[3]", '[{"name": 1, "library": "", "layers": [], "in_renders": true}]'])
+def test_without_a_valid_record_all_shapes_are_shown(shapes, stored):
+    morph = bake()
+    if stored is None:
+        del morph[HIDDEN_KEY]
+    else:
+        morph[HIDDEN_KEY] = stored
+    delete(morph)
+    assert hidden(*shapes) == [NEITHER, NEITHER]
+
+
+def test_a_shape_of_an_earlier_morph_stays_hidden(shapes):
+    first = bake()
+    del first[HIDDEN_KEY]
+    delete(bake())
+    assert hidden(*shapes) == [BOTH, BOTH]
+    delete(first)
+    assert hidden(*shapes) == [NEITHER, NEITHER]
