@@ -163,7 +163,7 @@ def test_limbs_without_a_pin_move_rigidly(straight):
 
 def test_pins_outside_are_refused_or_moved(straight):
     graph = chain(4, (0.1, 0.0, 0.0), (3.2, 0.0, 0.0))
-    with pytest.raises(InputError, match=r"1 of the pins lie outside the body: 3\. Move them inside \(3 to 2\.9"):
+    with pytest.raises(InputError, match=r"Pins outside the body: 3\. Move them inside \(3 to 2\.9"):
         fit(straight, graph)
     found = fit(straight, graph, SkeletonSettings(outside_pins="move"))
     assert found.inside.all()

@@ -28,21 +28,21 @@ TEXTS: dict[str, str] = {
     "WALL": "Up to {share:.1%} of the shape touches the wall of the volume in {frames}: try less blur",
     "WIDENED": "Blur was widened to {sigma:.1f} cells in {frames}, to reach from shape to shape",
     **NOTICES,
-    "GUIDED": "Limbs swing: the shapes map onto each other (agreement {score:.0%})",
-    "PARTLY": "Limbs swing: the shapes map onto each other in part (agreement {score:.0%}), and parts that only one of "
-    "them has grow in place; guides may help",
-    "COMBINED": "Limbs swing and shapes are warped: the map between them is not sure (agreement {score:.0%})",
-    "WARPED": "The shapes are warped towards each other: there is no good map between them (agreement {score:.0%})",
+    "GUIDED": "Guided was chosen: the shapes map onto each other (agreement {score:.0%})",
+    "PARTLY": "Guided was chosen: the shapes map onto each other in part (agreement {score:.0%}), and parts that only "
+    "one of them has grow in place; guides may help",
+    "COMBINED": "Guided, completed by Warp, was chosen: the map between the shapes is uncertain "
+    "(agreement {score:.0%})",
+    "WARPED": "Warp was chosen: there is no good map between the shapes (agreement {score:.0%})",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
-    "APART": "Mass takes the nearest free place: there is no good map between the shapes (agreement {score:.0%}, "
+    "APART": "Transport was chosen: there is no good map between the shapes (agreement {score:.0%}, "
     "detour {detour:.1f}); guides may help",
-    "MERGED": "The shapes are warped towards each other: at least one of them has no limbs",
-    "SOLID": "Mass takes the nearest free place: at least one of the shapes has no limbs",
-    "MANY": "Mass takes the nearest free place: shapes of many pieces move as bodies where Motion is Guided or Warp",
-    "TOPOLOGY": "Mass takes the nearest free place: triangles of a shape change from frame to frame, which no motion "
-    "follows",
-    "NO_MOTION": "Mass takes the nearest free place: no motion between the shapes could be made ({failure})",
+    "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
+    "SOLID": "Transport was chosen: at least one of the shapes has no limbs",
+    "MANY": "Transport was chosen: the shapes have many pieces, which move as bodies if Motion is Guided or Warp",
+    "TOPOLOGY": "Transport was chosen: triangles of a shape change from frame to frame, which no motion can follow",
+    "NO_MOTION": "Transport was chosen: no motion between the shapes could be computed ({failure})",
     "LOOK_PROCEDURAL": "Procedural colors of {materials} ({names}) became one color: bake them to an image or to "
     "vertex colors",
     "LOOK_SHADER": "Frames do not have the shaders of {materials} ({names}): only Principled BSDF and Emission are "

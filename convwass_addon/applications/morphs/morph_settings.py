@@ -51,7 +51,8 @@ class MorphSettings(Settings):
             Choice(
                 "automatic",
                 "Automatic",
-                "Guided if the shapes match; otherwise completed or replaced by Warp",
+                "Guided where the shapes match; otherwise Warp completes or replaces it, or Transport is used where "
+                "both would tear them",
             ),
             Choice("guided", "Guided", "Limbs swing: for poses, people, animals and other shapes of one build"),
             Choice("warp", "Warp", "Shapes bend smoothly towards each other: for shapes of different build"),
@@ -89,10 +90,11 @@ class MorphSettings(Settings):
     sharpness: float | None = setting(
         None,
         "Sharpness",
-        "0 is smooth and may melt details, 1 is crisp and may tear; more than 0.95 counts as 0.95, because beyond that "
-        "blends wrinkle and never converge",
+        "0 is smooth and may melt details, 0.95 is crisp and may tear; larger values count as 0.95, because blends "
+        "would wrinkle",
         least=0.0,
         most=1.0,
+        soft_most=_SHARPEST,
         subtype="FACTOR",
         switch=Companion(
             "use_custom_sharpness",
@@ -124,7 +126,8 @@ class MorphSettings(Settings):
     locality: float = setting(
         0.0,
         "Locality",
-        "At 0 all mass travels; towards 1 it goes less and less far, and parts shrink in one place and grow in another",
+        "At 0, mass travels as far as it has to; the closer to 1, the shorter the distances, and what lies farther "
+        "apart shrinks in one place and grows in the other",
         least=0.0,
         most=1.0,
         subtype="FACTOR",
@@ -158,7 +161,7 @@ class MorphSettings(Settings):
             Choice(
                 "half-max",
                 "Half Maximum",
-                "At half of the largest density; thin parts are lost and the volume breathes",
+                "At half of the largest density; thin parts are lost, and the volume varies from frame to frame",
                 identifier="half-max",
             ),
         ),
@@ -174,7 +177,7 @@ class MorphSettings(Settings):
     mend: bool = setting(
         True,
         "Mend",
-        "Drop crumbs, bridge narrow gaps and close false holes, as far as the shapes themselves have none",
+        "Remove crumbs, narrow gaps and holes that the shapes do not have",
         applies_when=("level", "volume"),
         panel="solver",
     )
@@ -209,7 +212,7 @@ class MorphSettings(Settings):
     tolerance: float | None = setting(
         None,
         "Tolerance",
-        "Errors of the marginals and of the debiasing density at which a blend is done",
+        "A blend is solved when the errors of its marginals and of its debiasing density are smaller than this",
         least=0.0,
         most=1.0,
         open_ends=True,

@@ -172,7 +172,7 @@ def _enclosed(mesh: TriangleMesh, lattice: Lattice, control: Control) -> NDArray
         return voxelized(mesh, "", 0, lattice, 0.0, control)
     except InputError as error:
         raise InputError(
-            "The body encloses no volume: it is open, or thinner than the eye can see. Close it, or give it thickness "
+            "The body encloses no volume: it is open, or extremely thin. Close it, or give it thickness "
             "(the Thickness setting, or --thickness)."
         ) from error
 

@@ -97,9 +97,8 @@ def check_inside(graph: JointGraph, outside: NDArray[np.int64], places: NDArray[
         return
     x, y, z = places[0]
     raise InputError(
-        "{count} of the pins lie outside the body: {names}. Move them inside ({name} to {x:.4g}, {y:.4g}, {z:.4g}), or "
-        "let them be moved.",
-        count=len(outside),
+        "Pins outside the body: {names}. Move them inside ({name} to {x:.4g}, {y:.4g}, {z:.4g}), or set Pins Outside "
+        "to Move Inside (--move-pins).",
         names=named(graph, outside),
         name=graph.names[outside[0]],
         x=x,
