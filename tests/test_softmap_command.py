@@ -198,6 +198,20 @@ def test_left_is_mirrored_to_the_right(files, tmp_path, capfd):
         (["FOX", "DOG", "--vertices", "3"], 3, "between 50 and 4000"),
         (["FOX", "DOG", "--pairs", "1-2"], 2, "not a pair of vertices"),
         (["FOX", "DOG", "--transfer", "hair"], 2, "invalid choice"),
+        (
+            ["FOX", "DOG", "--transfer", "weights", "--names", "Nope"],
+            3,
+            "Fox has no Nope to transfer; it has: Bottom, ",
+        ),
+        (["FOX", "DOG", "--transfer", "weights", "keys", "--names", "Top", "Tail"], 3, "Fox has no Tail to transfer"),
+        (["FOX", "DOG", "--transfer", "keys", "--reverse"], 3, "Dog has no shape keys to transfer"),
+        (
+            ["FOX", "DOG", "--transfer", "keys", "colors", "--names", "Tall"],
+            3,
+            "Fox has no Tall to transfer; it has: Fur",
+        ),
+        (["FOX", "DOG", "--names", "Top"], 3, "--names requires --transfer"),
+        (["FOX", "--mirror", "--transfer", "weights"], 3, "nothing to mirror among Bottom, "),
         (["FOX", "DOG", "--out", "/nowhere/at/all.blend"], 3, "does not exist"),
     ],
 )
@@ -209,5 +223,7 @@ def test_impossible_requests_are_reported(files, tmp_path, capfd, words, code, m
     found, printed, said = run(capfd, *(names.get(word, word) for word in words), *out)
     assert found == code
     assert message in said
+    # Errors are found before the work begins.
+    assert "Computing the map: done" not in said
     assert not printed
     assert not (tmp_path / "out.blend").exists()

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
@@ -18,19 +18,23 @@ from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
 from ..applications.whole_paths import path_with_suffix
+from ..bridge.blend_files import listed_names
+from ..bridge.color_attributes import color_names
 from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
 from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.carried_keys import CarriedKeys
 from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
-from ..bridge.soft_maps.map_transfer import TransferEnds, all_carried
+from ..bridge.soft_maps.map_shape_keys import key_names
+from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from ..bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
 from ..bridge.surfaces import SurfaceReading, read_surface
+from ..bridge.uv_maps import uv_names
 from ..bridge.vertex_groups import group_names, read_groups
 from ..console import ProgressBar
 from ..errors import InputError
@@ -39,6 +43,12 @@ from .from_schema import given_settings
 from .overwriting import refuse_overwriting
 from .reports import note, write_report
 from .softmap_inputs import open_objects
+
+# The map before it is computed.
+_NO_POINTS = PointMap(np.zeros(0, np.int32), np.zeros((0, 3)), *3 * [np.zeros(0)])
+
+# The names of the data of every kind.
+_NAMES = {"weights": group_names, "keys": key_names, "uvs": uv_names, "colors": color_names}
 
 
 @dataclass(frozen=True)
@@ -83,10 +93,11 @@ def run_softmap(options: Namespace) -> Answer:
     request = TransferRequest(**given_settings(options, TransferRequest))
     ends = _opened_ends(options)
     pairs = _pairs(options, ends)
+    way = _way(options, request, ends)
+    _require_names(options, way.giver)
+    # These check what is transferred, before the work begins.
+    _parts(options, request, way)
     found = _solved(options, ends, pairs, settings)
-    if options.repair is not None:
-        meshes = [reading.mesh for reading in ends.readings]
-        found = repaired_map(found, *meshes, options.repair)
     for notice in found.notices:
         note(notice)
     marks = (
@@ -94,7 +105,7 @@ def run_softmap(options: Namespace) -> Answer:
         mapped_side(ends.target, ends.readings[1].mesh.faces),
     )
     store_soft_map(ends.source, ends.target, StoredSoftMap(found, *marks))
-    record = _record(ends, pairs, found) | {"transferred": _transferred(options, request, ends, found)}
+    record = _record(ends, pairs, found) | {"transferred": _transferred(options, request, way, found)}
     written = [save_blend(target)]
     if report is not None:
         write_report(report, record)
@@ -107,6 +118,8 @@ def _check_options(options: Namespace) -> None:
         raise InputError("Name two meshes, or one mesh with --mirror.")
     if options.mirror and {"uvs", "colors"} & set(options.transfer):
         raise InputError("A mirror map can transfer weights and keys, but not UV maps or colors.")
+    if options.names and not options.transfer:
+        raise InputError("--names requires --transfer with the kinds of data that have these names.")
     if options.pairs and options.pairs_from:
         raise InputError("--pairs and --pairs-from cannot be combined; choose one.")
 
@@ -150,19 +163,42 @@ def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMa
     sides = ends.sides(shared)
     work = mirror_map_steps(sides[0], pairs, settings) if options.mirror else soft_map_steps(*sides, pairs, settings)
     with ProgressBar("Computing the map") as bar:
-        return bar.result_of(work)
+        found = bar.result_of(work)
+    if options.repair is None:
+        return found
+    return repaired_map(found, *(reading.mesh for reading in ends.readings), options.repair)
 
 
-def _transferred(options: Namespace, request: TransferRequest, ends: _Ends, found: SurfaceMap) -> dict[str, list[str]]:
-    """Transfer the requested data and return the names written, by kind."""
-    way = _way(options, request, ends, found)
+def _require_names(options: Namespace, giver: bpy.types.Object) -> None:
+    """Raise InputError if a name belongs to nothing of the kinds to be transferred."""
+    known = [name for kind in dict.fromkeys(options.transfer) for name in _NAMES[kind](giver)]
+    unknown = [name for name in options.names if name not in known]
+    if known and unknown:
+        raise InputError(
+            "{object} has no {names} to transfer; it has: {known}.",
+            object=giver.name,
+            names=unknown[0],
+            known=listed_names(known),
+        )
+
+
+def _parts(options: Namespace, request: TransferRequest, way: TransferEnds) -> dict[str, CarriedPart]:
+    """Return the data to transfer, by kind."""
     makers = {
         "weights": lambda: CarriedGroups(way, WeightRules(request.limit, request.normalize)),
         "keys": lambda: CarriedKeys(way),
         "uvs": lambda: CarriedUvs(way),
         "colors": lambda: CarriedColors(way),
     }
-    parts = {kind: makers[kind]() for kind in dict.fromkeys(options.transfer)}
+    return {kind: makers[kind]() for kind in dict.fromkeys(options.transfer)}
+
+
+def _transferred(
+    options: Namespace, request: TransferRequest, way: TransferEnds, found: SurfaceMap
+) -> dict[str, list[str]]:
+    """Transfer the requested data and return the names written, by kind."""
+    points = found.forward if way.is_backward else found.backward
+    parts = _parts(options, request, replace(way, points=points))
     if parts:
         with ProgressBar("Transferring") as bar:
             bar.result_of(all_carried(parts.values()))
@@ -177,16 +213,16 @@ def _transferred(options: Namespace, request: TransferRequest, ends: _Ends, foun
     return names
 
 
-def _way(options: Namespace, request: TransferRequest, ends: _Ends, found: SurfaceMap) -> TransferEnds:
-    objects, points = (ends.source, ends.target), found.backward
-    readings, is_backward = ends.readings, request.direction == "BACKWARD"
+def _way(options: Namespace, request: TransferRequest, ends: _Ends) -> TransferEnds:
+    """Return the ends of the transfer, still without the map."""
+    objects, readings, is_backward = (ends.source, ends.target), ends.readings, request.direction == "BACKWARD"
     if is_backward:
-        objects, readings, points = objects[::-1], readings[::-1], found.forward
+        objects, readings = objects[::-1], readings[::-1]
     meshes = [resting_mesh(obj, reading.mesh.faces) for obj, reading in zip(objects, readings, strict=True)]
     return TransferEnds(
         giver=objects[0],
         receiver=objects[1],
-        points=points,
+        points=_NO_POINTS,
         giver_mesh=meshes[0],
         receiver_mesh=meshes[1],
         names=tuple(options.names),
