@@ -147,9 +147,12 @@ def test_json_is_all_that_standard_output_holds(shapes, tmp_path, capfd):
     out = tmp_path / "morph.blend"
     words = [str(shapes / "cube.obj"), str(shapes / "ball.ply")]
     options = ["--json", "--sharpness", "0.5", "--entropy-limit", "max", "--export", str(tmp_path / "mesh.obj")]
+    (tmp_path / "mesh_0004.obj").touch()
     capfd.readouterr()
     assert cli.main(["morph", "--motion", "transport", *words, *QUICK, *options, "--out", str(out)]) == 0
-    printed, _ = capfd.readouterr()
+    printed, said = capfd.readouterr()
+    assert "also contains mesh_0004.obj, not written by this run" in said
+    (tmp_path / "mesh_0004.obj").unlink()
     result = json.loads(printed)
     assert result["settings"]["sharpness"] == 0.5
     blend = result["frames"][1]

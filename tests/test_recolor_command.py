@@ -108,7 +108,7 @@ def test_existing_files_are_kept_if_the_work_ends_early(tmp_path, red, blue, end
     assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
 
 
-def test_steps_between_an_image_and_a_palette(tmp_path, red, blue):
+def test_steps_between_an_image_and_a_palette(tmp_path, red, blue, capfd):
     out = tmp_path / "sequence"
     assert run(red, "--palette", blue, "--steps", 3, "--out", out) == 0
     names = ["red.0000.png", "red.0001.png", "red.0002.png"]
@@ -116,6 +116,8 @@ def test_steps_between_an_image_and_a_palette(tmp_path, red, blue):
     first, middle, last = (opened(out / name) for name in names)
     np.testing.assert_array_equal(first, opened(red))
     np.testing.assert_allclose(mean_lab(middle), (mean_lab(first) + mean_lab(last)) / 2.0, atol=0.5)
+    assert run(red, "--palette", blue, "--steps", 2, "--out", out) == 0
+    assert "also contains red.0002.png, not written by this run" in capfd.readouterr().err
 
 
 def test_palettes_have_weights(tmp_path, red, blue):

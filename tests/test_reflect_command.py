@@ -103,6 +103,32 @@ def test_skies_are_written(tmp_path, capfd):
     np.testing.assert_allclose(read_sky_file(paths[0]), ends[0], rtol=1e-5)
 
 
+@pytest.fixture
+def gray_skies(tmp_path):
+    """Two images of bytes without suns."""
+    paths = [tmp_path / "a.png", tmp_path / "b.jpg"]
+    for path, kind in zip(paths, ("PNG", "JPEG"), strict=True):
+        image = bpy.data.images.new(path.name, 64, 32)
+        image.generated_color = (0.5, 0.5, 0.5, 1.0)
+        image.file_format, image.filepath_raw = kind, str(path)
+        image.save()
+    return [str(path) for path in paths]
+
+
+@pytest.mark.parametrize(
+    ("steps", "left"), [(2, "sky.0003.exr to sky.0005.exr"), (4, "sky.0005.exr,"), (5, None), (6, None)]
+)
+def test_skies_left_by_a_longer_run_are_reported_and_kept(tmp_path, gray_skies, capfd, steps, left):
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("sky.0003.exr", "sky.0005.exr", "sky.exr", "notes.txt"):
+        (out / name).touch()
+    assert cli.main(["sky", *gray_skies, "--steps", str(steps), "--out", str(out)]) == 0
+    said = capfd.readouterr().err
+    assert (f"{out} also contains {left}" in said) if left else ("also contains" not in said)
+    assert {"sky.0005.exr", "sky.exr", "notes.txt"} <= {path.name for path in out.iterdir()}
+
+
 def test_missing_skies_and_single_steps_are_refused(tmp_path, capfd):
     write_sky(tmp_path / "a.exr", sky((1, 0, 1)))
     words = ["sky", str(tmp_path / "a.exr"), str(tmp_path / "b.exr")]

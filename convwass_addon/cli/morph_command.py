@@ -41,7 +41,7 @@ from .morph_choices import (
 )
 from .morph_files import files_read, files_written
 from .overwriting import refuse_overwriting
-from .reports import note
+from .reports import note, note_leftovers
 from .shape_key_command import with_shape_keys
 
 
@@ -95,6 +95,7 @@ def run_morph(options: Namespace) -> Answer:
     if exported:
         besides += export_frames(collection, options.export, exported)
     written = save_as(collection, options.output, target) + pictures_of(collection) + besides
+    note_leftovers(written)
     return report(collection.name, settings, records, written)
 
 

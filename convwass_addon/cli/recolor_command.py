@@ -32,6 +32,7 @@ from .answer import Answer
 from .from_schema import given_settings
 from .overwriting import refuse_overwriting
 from .recolor_frames import Frames, opened_frames, read_file
+from .reports import note_leftovers
 
 
 def run_recolor(options: Namespace) -> Answer:
@@ -61,6 +62,8 @@ def run_recolor(options: Namespace) -> Answer:
             written = drafts.keep()
         finally:
             drafts.discard()
+    if options.steps is not None:
+        note_leftovers(written)
     return Answer.of_files(record, written)
 
 

@@ -67,7 +67,8 @@ def add_sky_options(parser: ArgumentParser) -> None:
         nargs="+",
         type=Path,
         metavar="IMAGE",
-        help="two or more .exr or .hdr images in order, twice as wide as high",
+        help="two or more images that Blender can read, in order, twice as wide as high; only .exr and .hdr hold the "
+        "full brightness of suns",
     )
     parser.add_argument("--out", type=Path, required=True, metavar="FOLDER", help="output folder")
     parser.add_argument("--json", action="store_true", help="print the record as JSON")

@@ -5,11 +5,16 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from argparse import ArgumentParser
+from collections.abc import Sequence
 from pathlib import Path
 
 from ..drafts import written_whole
+
+# Names of files in sequences: text, a number of at least four digits, and the extension.
+_NUMBERED = re.compile(r"(.*?)([0-9]{4,})(\.[^.]+)")
 
 
 def add_output_options(parser: ArgumentParser, out: Path, report: str) -> None:
@@ -33,6 +38,27 @@ def write_report(path: Path, record: dict[str, object]) -> None:
     """Write a record as JSON; raises ConvwassError if that fails."""
     with written_whole(path) as draft:
         draft.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+
+
+def note_leftovers(written: Sequence[Path]) -> None:
+    """Print a note if files of a longer sequence, which a viewer would show too, lie next to a numbered sequence.
+
+    Parameters
+    ----------
+    written : sequence of Path
+        The files of a run; those without a number, and single ones, are ignored.
+    """
+    sequences: dict[tuple[Path, str, str], set[str]] = {}
+    for path in written:
+        parts = _NUMBERED.fullmatch(path.name)
+        if parts:
+            sequences.setdefault((path.parent, parts[1], parts[3]), set()).add(path.name)
+    for (folder, before, suffix), names in sequences.items():
+        alike = [_NUMBERED.fullmatch(path.name) for path in folder.iterdir()] if len(names) > 1 else []
+        left = sorted(own[0] for own in alike if own and (own[1], own[3]) == (before, suffix) and own[0] not in names)
+        if left:
+            shown = left[0] if len(left) == 1 else f"{left[0]} to {left[-1]}"
+            note(f"{folder} also contains {shown}, not written by this run; delete what does not belong to it")
 
 
 def note(text: object) -> None:

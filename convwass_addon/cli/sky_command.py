@@ -15,6 +15,7 @@ from ..progress import payloads
 from .answer import Answer
 from .from_schema import given_settings
 from .overwriting import refuse_overwriting
+from .reports import note_leftovers
 
 
 def run_sky(options: Namespace) -> Answer:
@@ -47,5 +48,6 @@ def run_sky(options: Namespace) -> Answer:
     except BaseException:
         files.discard()
         raise
+    note_leftovers(files.paths)
     record = {"skies": [str(path) for path in options.skies], "frames": records}
     return Answer.of_files(record, files.paths)
