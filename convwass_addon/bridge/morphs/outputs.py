@@ -9,9 +9,10 @@ from pathlib import Path
 
 import bpy
 
+from ...drafts import new_draft
 from ...errors import ConvwassError
 from ...progress import drained
-from ..files import save_blend
+from ..files import checked_target, save_blend
 from ..operator_errors import reason
 from .blend_pad import make_blend_pad
 from .cache_output import as_cache
@@ -54,7 +55,8 @@ def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list
     output : str
         A key of `PACKED` or `ON_DISK`.
     target : Path
-        The .blend file. With an output on disk, it becomes the open file.
+        The .blend file, which is only replaced once everything is written. With an output on disk, a draft next to it
+        becomes the open file, and is removed at the end.
 
     Returns
     -------
@@ -72,15 +74,18 @@ def save_as(collection: bpy.types.Collection, output: str, target: Path) -> list
             make(collection, between=stored_settings(collection).get("between", "NEAREST"))
         keep_folder(collection, target)
         return [save_blend(target)]
-    # Saved first, since paths are relative to the .blend.
-    saved = save_blend(target)
+    target = checked_target(target)
+    # Paths are relative to the open .blend. Saving twice to the target would leave a backup of the first state.
+    draft = new_draft(target)
     try:
-        bpy.ops.wm.save_as_mainfile(filepath=str(saved), check_existing=False, compress=True)
+        bpy.ops.wm.save_as_mainfile(filepath=str(draft), check_existing=False)
         # The replaced .blend file had its files there, too.
-        with filled_folder(named_folder(folder_beside(saved), collection)) as folder:
+        with filled_folder(named_folder(folder_beside(target), collection)) as folder:
             written = ON_DISK[output](collection, folder)
         remove_frames(collection)
-        bpy.ops.wm.save_mainfile(compress=True)
+        keep_folder(collection, target)
+        return [save_blend(target), *written.files]
     except RuntimeError as error:
-        raise ConvwassError("{file} could not be written: {reason}", file=str(saved), reason=reason(error)) from error
-    return [saved, *written.files]
+        raise ConvwassError("{file} could not be written: {reason}", file=str(target), reason=reason(error)) from error
+    finally:
+        draft.unlink(missing_ok=True)
