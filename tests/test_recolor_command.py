@@ -157,6 +157,18 @@ def test_invalid_input_is_refused(tmp_path, red, blue, arguments, monkeypatch, c
     assert not [path for path in tmp_path.rglob("*.*") if path not in (red, blue)]
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ([], "Name a palette with --palette, or a lookup table with --lut."),
+        (["--palette", "blue.png", "--lut", "grade.cube"], "--palette and --lut cannot be combined; choose one."),
+    ],
+)
+def test_the_colors_come_from_one_source(tmp_path, red, blue, capfd, words, message):
+    assert run(red, *words, "--out", tmp_path / "a.png") == 3
+    assert message in capfd.readouterr().err
+
+
 def test_palettes_that_could_not_be_matched_write_nothing(tmp_path, red, blue, capfd, monkeypatch):
     """As the operator does."""
     monkeypatch.setattr(recolor_job, "LARGEST_ERROR", 0.0)

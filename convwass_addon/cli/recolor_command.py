@@ -68,8 +68,10 @@ def run_recolor(options: Namespace) -> Answer:
 
 
 def _check_options(options: Namespace) -> None:
-    if bool(options.palette) == (options.lut is not None):
+    if not options.palette and options.lut is None:
         raise InputError("Name a palette with --palette, or a lookup table with --lut.")
+    if options.palette and options.lut is not None:
+        raise InputError("--palette and --lut cannot be combined; choose one.")
     if options.out is None and options.cube is None:
         raise InputError("Nothing would be written; name an image with --out, or a lookup table with --cube.")
     if options.lut is not None and (options.cube is not None or options.steps is not None):
