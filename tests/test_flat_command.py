@@ -94,6 +94,8 @@ def test_unreadable_objects_are_reported(files, capsys, shape, message):
     [
         (["--output", "volume"], "Flat shapes have no volume"),
         (["--cache", "{files}/cache"], "cannot be cached or computed on other machines"),
+        (["--resolution", "12"], "Resolution 12 is too coarse for a blur of 1 cells; use at least 16, or less blur"),
+        (["--resolution", "8", "--blur", "0.5"], "too coarse for a blur of 0.5 cells; use at least 12"),
     ],
 )
 def test_options_without_effect_are_refused(files, capsys, options, message):

@@ -149,7 +149,7 @@ def test_a_setting_of_one_line_is_in_every_layer(group):
     assert BrushSettings(**values_of(own, BrushSettings)) == BrushSettings(0.25)
 
     assert parsed(BrushSettings, "--softness", "0.75") == {"softness": 0.75}
-    assert "--softness X how soft the edge is (0.5)" in help_of(BrushSettings)
+    assert "--softness X how soft the edge is; 0 to 1 (0.5)" in help_of(BrushSettings)
 
     assert BrushSettings(0.75).as_dict() == {"softness": 0.75}
     assert arguments_of({"softness": 0.75}, BrushSettings) == {"softness": 0.75}
@@ -237,8 +237,9 @@ def test_invalid_options_are_refused(words, capsys):
 def test_help_states_the_defaults():
     text = help_of(RichSettings)
     assert "--mend, --no-mend close gaps (on)" in text
-    assert "--blur X how blurred (what suits)" in text
-    assert "--width X how wide (what suits)" in text
+    assert "--blur X how blurred; 0.5 to 20 (what suits)" in text
+    assert "--width X how wide; more than 0 (what suits)" in text
+    assert "--angle X how far around; 0 to 180 (90)" in text
     assert "--kind {near-by,far} which one; near-by: the nearest; far: others (near-by)" in text
     assert "--limit off|max|NUMBER what bounds it; off: nothing; max: the largest; NUMBER: a number (off)" in text
 

@@ -96,12 +96,14 @@ def _word_or_number(words: Sequence[str]) -> Callable[[str], str | float]:
 
 
 def _help(one: Setting) -> str:
-    """Return the help text of an option: its meaning, its choices, and the default in brackets."""
+    """Return the help text of an option: its meaning, its choices or range, and the default in brackets."""
     if one.flag is not None:
         return _small(one.help or one.choice(one.flag).description)
     text = _small(one.help or one.description)
     if one.choices and not one.help:
         text += "; " + "; ".join(f"{choice.word}: {_small(choice.description)}" for choice in one.choices)
+    if one.range_text and not one.choices:
+        text += f"; {one.range_text}"
     usual = _usual(one)
     return f"{text} ({usual})" if usual else text
 
