@@ -77,7 +77,7 @@ def appended_instances(path: Path, names: Sequence[str]) -> dict[str, bpy.types.
     path : Path
         The file.
     names : sequence of str
-        Those that are names of objects, or of nothing, are left out.
+        Names of collections and objects; objects are left out.
 
     Returns
     -------
@@ -87,16 +87,25 @@ def appended_instances(path: Path, names: Sequence[str]) -> dict[str, bpy.types.
     Raises
     ------
     InputError
-        Blender cannot read the file.
+        Blender cannot read the file, or a name is neither that of an object nor of a collection.
     """
     file = whole_path(path)
     try:
         with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
+            known = {*available.objects, *available.collections}
             found = set(available.collections) - set(available.objects)
-            chosen = [name for name in dict.fromkeys(names) if name in found]
+            missing = [name for name in names if name not in known]
+            chosen = [] if missing else [name for name in dict.fromkeys(names) if name in found]
             wanted.collections = list(chosen)
     except OSError as error:
         raise _unreadable(file) from error
+    if missing:
+        raise InputError(
+            "{file} has no object or collection {name!r}; it contains {listed}.",
+            file=file.name,
+            name=missing[0],
+            listed=listed_names(known),
+        )
     shown = {}
     for name, collection in zip(chosen, wanted.collections, strict=True):
         shown[name] = bpy.data.objects.new(name, None)

@@ -7,7 +7,13 @@ from __future__ import annotations
 import bpy
 import pytest
 
-from convwass_addon.bridge.blend_files import NAMES_SHOWN, appended_objects, listed_names, open_blend
+from convwass_addon.bridge.blend_files import (
+    NAMES_SHOWN,
+    appended_instances,
+    appended_objects,
+    listed_names,
+    open_blend,
+)
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.errors import InputError
 
@@ -38,6 +44,18 @@ def test_names_that_are_not_there(file):
     with pytest.raises(InputError, match=r"two\.blend has no object 'C'; it contains A, B"):
         appended_objects(file, ["A", "C"])
     assert not bpy.data.objects
+
+
+def test_names_of_collections_are_listed_with_those_of_objects(file):
+    bpy.ops.wm.open_mainfile(filepath=str(file))
+    bpy.data.collections.new("Parts").objects.link(bpy.data.objects["A"])
+    bpy.data.collections["Parts"].use_fake_user = True
+    bpy.ops.wm.save_mainfile()
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with pytest.raises(InputError, match=r"two\.blend has no object or collection 'C'; it contains A, B, .*Parts"):
+        appended_instances(file, ["A", "C"])
+    assert not bpy.data.objects
+    assert list(appended_instances(file, ["A", "Parts"])) == ["Parts"]
 
 
 @pytest.mark.parametrize("read", [open_blend, lambda path: appended_objects(path, None)])

@@ -164,7 +164,7 @@ def test_several_meshes_in_a_blend(two_parts, tmp_path):
 
 def test_no_such_object(two_parts, tmp_path):
     save_blend(tmp_path / "a.blend")
-    refused(tmp_path / "a.blend", ["A", "C"], "no object 'C'; it contains A, B, Camera, Empty")
+    refused(tmp_path / "a.blend", ["A", "C"], "no object or collection 'C'; it contains A, B, Camera, Empty")
 
 
 def test_many_objects_are_not_all_listed(make_object, tmp_path):
