@@ -55,9 +55,10 @@ def appended_objects(path: Path, names: Sequence[str] | None) -> dict[str, bpy.t
     file = whole_path(path)
     try:
         with bpy.data.libraries.load(str(file), link=False) as (available, wanted):
-            missing = [name for name in names or () if name not in available.objects]
+            asked = available.objects if names is None else names
+            missing = [name for name in asked if name not in available.objects]
             # Remove duplicates: Blender crashes on repeated names.
-            chosen = [] if missing else list(dict.fromkeys(names or available.objects))
+            chosen = [] if missing else list(dict.fromkeys(asked))
             wanted.objects = list(chosen)
             listed = listed_names(available.objects)
     except OSError as error:

@@ -40,6 +40,11 @@ def test_appending_all_or_some_each_once(file):
     assert not bpy.context.scene.objects
 
 
+def test_no_names_append_nothing(file):
+    assert appended_objects(file, []) == {}
+    assert not bpy.data.objects
+
+
 def test_names_that_are_not_there(file):
     with pytest.raises(InputError, match=r"two\.blend has no object 'C'; it contains A, B"):
         appended_objects(file, ["A", "C"])
