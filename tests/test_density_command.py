@@ -234,7 +234,7 @@ def test_distances_from_a_vertex(files, tmp_path, capfd):
         (["{in}/scene.blend:Ball", "--from", "East", "--to", "North", "--steps", "0"], 3, "Steps"),
         (["{in}/scene.blend:Ball", "--from", "East", "--to", "North", "--out", "{in}/no/a.blend"], 3, "does not exist"),
         (["{in}/scene.blend:Lamp", "--matrix"], 3, "no object Lamp"),
-        (["{in}/scene.blend:Light", "--matrix"], 3, "not a mesh"),
+        (["{in}/scene.blend:Light", "--matrix"], 3, "not a mesh but of type light, which cannot"),
         (["{in}/scene.blend", "--matrix"], 3, "2 meshes; name one"),
         (["{in}/scene.blend:Cube", "--matrix"], 3, "at least two vertex groups with weights"),
         (["{in}/missing.blend:Ball", "--matrix"], 3, "does not exist"),

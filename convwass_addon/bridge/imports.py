@@ -19,6 +19,7 @@ from ..errors import InputError
 from .blend_files import appended_instances, appended_objects, listed_names
 from .flat.flat_kinds import is_drawn_flat
 from .joined_shapes import joined_shape
+from .mesh_checks import CONVERTIBLE
 from .objects import frozen_copy
 from .operator_errors import reason
 from .scratch_scene import scratch_scene
@@ -218,10 +219,7 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
     meshes = [part for part in parts.values() if part.objects[0].type == "MESH"]
     meshes = meshes or [part for part in parts.values() if is_drawn_flat(part.objects[0])]
     if not meshes:
-        kinds = _kinds(file, [part.objects[0] for part in parts.values()])
-        raise InputError(
-            "{file} contains no mesh, only {kinds}; convert them: Object > Convert > Mesh.", file=file.name, kinds=kinds
-        )
+        raise _no_mesh(file, [part.objects[0] for part in parts.values()])
     if len(meshes) > 1:
         available = listed_names(part.name for part in meshes)
         raise InputError(
@@ -294,6 +292,16 @@ def _with_dependencies(objects: list[bpy.types.Object]) -> set[bpy.types.ID]:
     while added := {block for block in users.keys() - needed if users[block] & needed}:
         needed |= added
     return needed
+
+
+def _no_mesh(file: Path, objects: list[bpy.types.Object]) -> InputError:
+    """Return the error for a .blend without a mesh; raises another one if it is empty."""
+    kinds = _kinds(file, objects)
+    if any(obj.type in CONVERTIBLE for obj in objects):
+        return InputError(
+            "{file} contains no mesh, only {kinds}; convert them: Object > Convert > Mesh.", file=file.name, kinds=kinds
+        )
+    return InputError("{file} contains no mesh, only {kinds}; choose a file with one.", file=file.name, kinds=kinds)
 
 
 def _kinds(file: Path, objects: list[bpy.types.Object]) -> str:

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ..errors import InputError
+from .mesh_checks import not_a_mesh
 from .object_copies import copied, copies_of, has_copies
 from .objects import evaluated_object, frozen_copy
 from .sequence import MODIFIER, frame_group
@@ -140,12 +141,7 @@ def _piece(
     if part.type == "VOLUME":
         return _surface_of_volume(tree, part)
     if part.type not in _MESHED:
-        kind = part.bl_rna.properties["type"].enum_items[part.type].name.lower()
-        raise InputError(
-            "{name} is of type {kind}, which cannot be a part of a solid shape; convert it: Object > Convert > Mesh.",
-            name=part.name,
-            kind=kind,
-        )
+        raise not_a_mesh(part)
     mesh = _own_mesh(part, depsgraph)
     own = None if mesh is None else _info(tree, _linked(mesh, depsgraph, stack)).outputs["Geometry"]
     return _with_copies(tree, part, own, depsgraph, stack) if has_copies(part) else own

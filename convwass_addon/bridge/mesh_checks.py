@@ -8,6 +8,25 @@ import bpy
 
 from ..errors import InputError
 
+CONVERTIBLE = ("CURVE", "FONT", "SURFACE", "META", "CURVES", "POINTCLOUD", "GREASEPENCIL")
+"""Types of objects that Object > Convert > Mesh accepts."""
+
+
+def not_a_mesh(obj: bpy.types.Object) -> InputError:
+    """Return the error for an object that is not a mesh: convert it, or choose another one if it has no shape."""
+    kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
+    if obj.type in CONVERTIBLE:
+        return InputError(
+            "{object} is not a mesh but of type {kind}; convert it: Object > Convert > Mesh.",
+            object=obj.name,
+            kind=kind,
+        )
+    return InputError(
+        "{object} is not a mesh but of type {kind}, which cannot become one; choose a mesh, curve, text or metaball.",
+        object=obj.name,
+        kind=kind,
+    )
+
 
 def readable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     """Return the mesh of an object, including changes in Edit Mode.
@@ -18,12 +37,7 @@ def readable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
         The object is not a mesh.
     """
     if obj.type != "MESH":
-        kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
-        raise InputError(
-            "{object} is not a mesh but of type {kind}; convert it: Object > Convert > Mesh.",
-            object=obj.name,
-            kind=kind,
-        )
+        raise not_a_mesh(obj)
     if obj.data.is_editmode:
         obj.update_from_editmode()
     return obj.data

@@ -15,6 +15,7 @@ import numpy as np
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
+from .mesh_checks import not_a_mesh
 
 if TYPE_CHECKING:
     from ..applications.morphs.part_labels import FaceLabels
@@ -194,10 +195,7 @@ def _evaluated(
 ) -> AbstractContextManager[bpy.types.Object]:
     """Provide the evaluated object if its type is allowed."""
     if obj.type not in kinds:
-        kind = obj.bl_rna.properties["type"].enum_items[obj.type].name.lower()
-        raise InputError(
-            "{name} is not a mesh but of type {kind}; convert it: Object > Convert > Mesh.", name=obj.name, kind=kind
-        )
+        raise not_a_mesh(obj)
     return evaluated_object(obj, depsgraph)
 
 

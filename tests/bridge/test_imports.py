@@ -177,7 +177,11 @@ def test_many_objects_are_not_all_listed(make_object, tmp_path):
 def test_named_object_that_is_no_mesh(two_parts, tmp_path):
     save_blend(tmp_path / "a.blend")
     start_anew()
-    refused(tmp_path / "a.blend", ["Camera"], "Camera is not a mesh but of type camera")
+    refused(
+        tmp_path / "a.blend",
+        ["Camera"],
+        "Camera is not a mesh but of type camera, which cannot become one; choose a mesh",
+    )
 
 
 def test_no_mesh_inside(tmp_path):
@@ -185,7 +189,7 @@ def test_no_mesh_inside(tmp_path):
     save_blend(tmp_path / "a.blend")
     WRITERS[".usdc"](str(tmp_path / "a.usdc"))
     start_anew()
-    refused(tmp_path / "a.blend", None, r"a\.blend contains no mesh, only light \(1\)")
+    refused(tmp_path / "a.blend", None, r"a\.blend contains no mesh, only light \(1\); choose a file with one")
     refused(tmp_path / "a.usdc", None, r"a\.usdc contains no mesh, only .*light \(1\)")
 
 

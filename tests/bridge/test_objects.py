@@ -170,6 +170,13 @@ def test_other_kinds_are_to_be_converted(bare_scene, depsgraph, kind):
         triangle_mesh(obj, depsgraph)
 
 
+def test_kinds_without_a_surface_cannot_be_converted(bare_scene, depsgraph):
+    obj = bpy.data.objects.new("Thing", bpy.data.armatures.new("Thing"))
+    bare_scene.collection.objects.link(obj)
+    with pytest.raises(InputError, match="Thing is not a mesh but of type armature, which cannot become one; choose"):
+        triangle_mesh(obj, depsgraph)
+
+
 def test_written_mesh_reads_back(make_object, depsgraph, octahedron):
     obj = make_object("A", [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], faces=[(0, 1, 2, 3)])
     write_mesh(obj.data, octahedron)
