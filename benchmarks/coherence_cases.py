@@ -134,7 +134,7 @@ def passage(
     figures = {**held(bake, ends), **clean(bake, motion), "records": [_brief(record) for record in bake.records]}
     if motion is not None:
         figures["residual"] = remaining_share(motion, [ends.first, ends.second])
-        figures["motion"] = motion.record()
+        figures["motion"] = bake.records[0]["motion"]
     return figures
 
 

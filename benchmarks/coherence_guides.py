@@ -32,10 +32,10 @@ wrong one  the same, and a third guide from one tip to the place of another
 plane      guides at the three or four tips nearest to a common plane
 astray     tips that the map sends to another limb
 off        mean distance of the others from their correct positions, in sizes of the surface
-score      of the map, 0 to 1, and of the map without guides
+score      of the map, 0 to 1
 kept       guides that the map follows, of those given
 """
-_COLUMNS = f"{'':18} {'guides':10} {'astray':>7} {'off':>6} {'score':>6} {'without':>7} {'kept':>5} {'CPU':>6}"
+_COLUMNS = f"{'':18} {'guides':10} {'astray':>7} {'off':>6} {'score':>6} {'kept':>5} {'CPU':>6}"
 
 
 def print_guides(pairs: Sequence[CoherencePair], meshes: str | None) -> None:
@@ -53,13 +53,9 @@ def line(pair: str, kind: str, found: dict[str, object]) -> str:
     """Return a row of the table."""
     if "error" in found:
         return f"{pair:18} {kind:10} {found['error']}"
-    without = "" if found["without"] is None else f"{found['without']:.2f}"
     astray_of = f"{found['astray']}/{found['tips']}"
     kept = f"{found['followed']}/{found['given']}" if found["given"] else ""
-    return (
-        f"{pair:18} {kind:10} {astray_of:>7} {found['off']:6.3f} {found['score']:6.2f} {without:>7} {kept:>5} "
-        f"{found['cpu']:6.1f}"
-    )
+    return f"{pair:18} {kind:10} {astray_of:>7} {found['off']:6.3f} {found['score']:6.2f} {kept:>5} {found['cpu']:6.1f}"
 
 
 def guided(ends: Ends) -> dict[str, dict[str, object]]:
@@ -133,9 +129,8 @@ def _figures(
         "tips": len(others),
         "off": float(_off(motion, ends.tips)[:, others].mean()) if len(others) else 0.0,
         "score": pair.score,
-        "without": pair.score_without,
         "followed": pair.followed,
-        "given": pair.guides,
+        "given": len(clicked),
         **seconds,
     }
 

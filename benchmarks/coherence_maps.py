@@ -8,16 +8,23 @@ corresponding one is wrong there, however high its score.
 
 from __future__ import annotations
 
+from dataclasses import asdict
+
 import numpy as np
 from numpy.typing import NDArray
 
 from convwass_addon.applications.motions.guided_motion import GuidedMotion, guided_motion
+from convwass_addon.applications.motions.map_quality import map_quality, stretches
 from convwass_addon.errors import ConvwassError
+from convwass_addon.geometry.weighted_quantile import weighted_quantile
 from convwass_addon.progress import drained
 
 from .clock import Clock
 from .coherence_pairs import CoherencePair, Ends
 from .processes import measured
+
+# Vertices with less confidence count as doubtful.
+_DOUBTFUL = 0.3
 
 _HEADING = """
 The map that guides two shapes, worse of the two directions.
@@ -63,9 +70,31 @@ def mapped(ends: Ends) -> dict[str, object]:
     except ConvwassError as error:
         return {"error": str(error)}
     seconds = clock.read()
-    said = {key: value for key, value in motion.record()["pairs"][0].items() if key != "shapes"}
     wrong = None if ends.tips is None else int(astray(motion, ends.tips).any(axis=0).sum())
-    return {**said, "wrong": wrong, "tips": None if ends.tips is None else ends.tips.shape[1], **seconds}
+    tips = None if ends.tips is None else ends.tips.shape[1]
+    return {"score": motion.pairs[0, 1].score, **_fit(motion), "wrong": wrong, "tips": tips, **seconds}
+
+
+def _fit(motion: GuidedMotion) -> dict[str, float]:
+    """Measure how well the deformed shapes match each other; the worse figures of both directions."""
+    ways = [_one_fit(motion, *way) for way in ((0, 1), (1, 0))]
+    return {name: (min if name == "confidence" else max)(way[name] for way in ways) for name in ways[0]}
+
+
+def _one_fit(motion: GuidedMotion, own: int, other: int) -> dict[str, float]:
+    """Measure how well one deformed shape matches the other."""
+    source, target = motion.carriers[own], motion.carriers[other]
+    there, back = motion.deformations[own, other], motion.deformations[other, own]
+    weights = source.mesh.vertex_areas / source.mesh.area
+    home = there.images.interpolated(back.points[target.mesh.faces])
+    trip = np.linalg.norm(home - source.mesh.vertices, axis=1) / source.size
+    return {
+        **asdict(map_quality(source, target, there)),
+        "doubtful": float(weights[there.confidence < _DOUBTFUL].sum()),
+        "round_trip_95": weighted_quantile(trip, weights, 0.95),
+        "left_99": weighted_quantile(there.images.distances / target.size, weights, 0.99),
+        "stretch": float(source.mesh.face_areas @ stretches(source, there) / source.mesh.area),
+    }
 
 
 def astray(motion: GuidedMotion, tips: NDArray[np.float64]) -> NDArray[np.bool_]:

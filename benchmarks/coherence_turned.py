@@ -48,9 +48,7 @@ wrong      share of the surface with an error of more than {wrong}; beyond is th
            wrong guides
 kept       guides that the map follows, of those given
 """
-_COLUMNS = (
-    f"{'':18} {'guides':20} {'error':>6} {'wrong':>6} {'beyond':>6} {'score':>6} {'without':>7} {'kept':>5} {'CPU':>6}"
-)
+_COLUMNS = f"{'':18} {'guides':20} {'error':>6} {'wrong':>6} {'beyond':>6} {'score':>6} {'kept':>5} {'CPU':>6}"
 
 
 def print_turned(pairs: Sequence[CoherencePair], meshes: str | None) -> None:
@@ -66,11 +64,10 @@ def print_turned(pairs: Sequence[CoherencePair], meshes: str | None) -> None:
 
 def line(pair: str, kind: str, found: dict[str, object]) -> str:
     """Return a row of the table."""
-    without = "" if found["without"] is None else f"{found['without']:.2f}"
     kept = f"{found['followed']}/{found['given']}" if found["given"] else ""
     return (
         f"{pair:18} {kind:20} {found['error']:6.3f} {100 * found['wrong']:4.0f} % {100 * found['beyond']:4.0f} % "
-        f"{found['score']:6.2f} {without:>7} {kept:>5} {found['cpu']:6.1f}"
+        f"{found['score']:6.2f} {kept:>5} {found['cpu']:6.1f}"
     )
 
 
@@ -100,9 +97,8 @@ def turned(ends: Ends) -> dict[str, dict[str, object]]:
         found[kind] = {
             **_figures(off, starts, wrong),
             "score": pair.score,
-            "without": pair.score_without,
             "followed": pair.followed,
-            "given": pair.guides,
+            "given": len(clicked),
             **seconds,
         }
     return found

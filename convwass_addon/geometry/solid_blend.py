@@ -80,8 +80,7 @@ class SolidBlend:
     def __init__(self, nodes: SolidNodes, deformed: Sequence[NDArray[np.float64]]) -> None:
         self.nodes = nodes
         self._deformed = list(deformed)
-        self.gradients = [gradients(nodes, images) for images in deformed]
-        turns = [nearest_rotations(np.moveaxis(each, 0, 2)).rotations for each in self.gradients]
+        turns = [nearest_rotations(np.moveaxis(_gradients(nodes, images), 0, 2)).rotations for images in deformed]
         self._turns = [Rotation.from_matrix(np.moveaxis(turn, 2, 0)).as_rotvec() for turn in turns]
         self._pulls = _pulls(nodes, nodes.positions)
         self._unturned = [
@@ -123,7 +122,7 @@ class SolidBlend:
         return {**self.__dict__, "_factor": None}
 
 
-def gradients(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
+def _gradients(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the mean deformation gradient of every cell, (c, 3, 3)."""
     return np.einsum("cki,kj->cij", images[nodes.corners], _CORNERS - 0.5) / 2.0
 

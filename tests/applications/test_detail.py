@@ -49,9 +49,6 @@ class Turning:
         turns = (weights[1] * ANGLE, (weights[1] - 1.0) * ANGLE)
         return [MovedShape(shape, turned(shape, turn).vertices) for shape, turn in zip(SHAPES, turns, strict=True)]
 
-    def record(self):
-        return {"kind": "turning"}
-
 
 def frame_of_balls(detail, share):
     settings = MorphSettings(resolution=40, detail=detail, carry=False)

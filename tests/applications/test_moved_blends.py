@@ -43,9 +43,6 @@ class Sliding:
             for shape, center in zip(SHAPES, ((0, 0, 0), (3, 0, 0)), strict=True)
         ]
 
-    def record(self):
-        return {"kind": "sliding"}
-
 
 @pytest.fixture
 def problem() -> MovingProblem:

@@ -44,9 +44,6 @@ class Turning:
             for shape, turn, weight in zip(SHAPES, turns, weights, strict=True)
         ]
 
-    def record(self):
-        return {"kind": "turning"}
-
 
 @pytest.fixture(scope="module")
 def problem() -> MovingProblem:

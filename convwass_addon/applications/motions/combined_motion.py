@@ -6,7 +6,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,8 +36,6 @@ class CombinedMotion:
     guided: GuidedMotion
     warps: Mapping[tuple[int, int], WarpMotion]
 
-    kind: ClassVar[str] = "combined"
-
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
         shapes = self.guided.moved(weights)
@@ -59,11 +56,6 @@ class CombinedMotion:
             None if shape is None else MovedShape(shape.rest, shape.vertices + added[index], shape.parents)
             for index, shape in enumerate(shapes)
         ]
-
-    def record(self) -> dict[str, object]:
-        """Return the figures of both motions, ready for JSON."""
-        warps = [pair for warp in self.warps.values() for pair in warp.record()["pairs"]]
-        return {**self.guided.record(), "kind": self.kind, "warps": warps}
 
     def with_coherence(self, coherence: float) -> CombinedMotion:
         """Return the same motion with another coherence, without recomputation.

@@ -62,7 +62,3 @@ class GrowingMotion:
             None if shape is None else replace(shape, vertices=center + scale * (shape.vertices - center))
             for shape in self.motion.moved(weights)
         ]
-
-    def record(self) -> dict[str, object]:
-        """Return the figures of the motion."""
-        return self.motion.record()

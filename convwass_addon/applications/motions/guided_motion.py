@@ -30,7 +30,7 @@ from ..workers import both_ways, one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
-from .map_quality import MapQuality, map_quality
+from .map_quality import map_quality
 from .mapped_pairs import MappedPair, mapped_pair, registering
 from .motion import MovedShape
 from .shape_deformations import ShapeDeformation, split_deformation
@@ -47,39 +47,21 @@ class GuidedPair:
 
     Attributes
     ----------
-    quality : MapQuality
-        The worse of both directions.
-    guides, followed : int
-        Number of guides, and of those that the map follows.
     score : float
         Score of the map, 0 to 1; the confidence instead if the registered shapes coincide beyond doubt or the map was
         not used, and if that is more, the confidence times the share of the surface that keeps left and right.
-    score_without : float or None
-        Score of the map without guides, if there are guides.
+    followed : int
+        Number of guides that the map follows.
     detour : float
         Length of the map over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
         Angle in degrees by which one shape was turned about the vertical axis before they were registered.
-    symmetry : float or None
-        Share of the surface on which symmetric shapes keep left and right; see :class:`.mapped_pairs.MappedPair`.
     """
 
-    quality: MapQuality
-    guides: int
-    followed: int
     score: float
-    score_without: float | None
-    detour: float = 1.0
-    turn: float = 0.0
-    symmetry: float | None = None
-
-    def record(self) -> dict[str, object]:
-        """Return the figures, ready for JSON."""
-        guides = {"given": self.guides, "followed": self.followed, "score_without": self.score_without}
-        turned = {"turned": round(self.turn)} if self.turn else {}
-        sided = {} if self.symmetry is None else {"symmetry": round(self.symmetry, 3)}
-        figures = {"score": self.score, **self.quality.as_dict(), "detour": round(self.detour, 3)}
-        return {**figures, **turned, **sided, **({"guides": guides} if self.guides else {})}
+    followed: int
+    detour: float
+    turn: float
 
 
 @dataclass(frozen=True)
@@ -136,14 +118,6 @@ class GuidedMotion:
         for shape, vertices in zip(active, self._moved_together(active, weights), strict=True):
             result[shape] = MovedShape(self.carriers[shape].rest, vertices, self.carriers[shape].parents)
         return result
-
-    def record(self) -> dict[str, object]:
-        """Return the settings and the figures of every pair, ready for JSON."""
-        pairs = [
-            {"shapes": [self.carriers[shape].name for shape in key], **pair.record()}
-            for key, pair in sorted(self.pairs.items())
-        ]
-        return {"kind": "guided", "settings": self.settings.as_dict(), "pairs": pairs}
 
     def _knows(self, one: int, other: int) -> bool:
         return (one, other) in self.deformations
@@ -261,19 +235,9 @@ def guided_motion(
         begin, end = (0.05 + 0.95 * share / len(wanted) for share in (number, number + 1))
         there, back, best = yield from within(_deformed(one, other, places, settings, control), begin, end)
         deformations[ordered], deformations[ordered[::-1]] = there, back
-        quality = map_quality(one, other, there, back).or_worse(map_quality(other, one, back, there))
-        found = best.map
+        quality = map_quality(one, other, there).or_worse(map_quality(other, one, back))
         score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
-        known[pair] = GuidedPair(
-            quality=quality,
-            guides=found.guides,
-            followed=len(found.pairs),
-            score=score,
-            score_without=found.score_without,
-            detour=best.detour,
-            turn=best.turn,
-            symmetry=best.symmetry,
-        )
+        known[pair] = GuidedPair(score, followed=len(best.map.pairs), detour=best.detour, turn=best.turn)
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
 from ...errors import InputError
 
@@ -45,7 +45,3 @@ class GuidedSettings:
     def stiffness(self) -> float:
         """Fraction of the stretch that is removed, from 0 to 1."""
         return max(0.0, 2.0 * self.coherence - 1.0)
-
-    def as_dict(self) -> dict[str, object]:
-        """Return the settings ready for JSON."""
-        return asdict(self)

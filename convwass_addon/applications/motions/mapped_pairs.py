@@ -127,8 +127,7 @@ def mapped_pair(
     found = [(yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.4))]
     if turn is not None:
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.4, 0.8)
-        # Guides may have told the turn, so the map without guides is the one without a turn.
-        found.append(replace(turned, map=replace(turned.map, score_without=found[0].map.score_without)))
+        found.append(turned)
     best = max(found, key=_rank)
     if len(pairs) or best.score >= TRUSTED:
         return best

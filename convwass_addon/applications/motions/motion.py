@@ -62,10 +62,6 @@ class Motion(Protocol):
         """
         ...
 
-    def record(self) -> dict[str, object]:
-        """Return figures of the motion, ready for JSON; ``kind`` is the name of the motion in the settings."""
-        ...
-
 
 def motion_figures(about: Mapping[str, object]) -> dict[str, object]:
     """Return the part of a frame's record about the choice of a motion; empty if there was no choice."""

@@ -55,22 +55,16 @@ class PairMap:
         The guides that the map follows, as vertices of the two meshes.
     score : float
         Quality of the map, 0 to 1.
-    score_without : float or None
-        The same for the map without guides, if there are guides.
-    guides : int
-        Number of guides.
     """
 
     found: SurfaceMap | None
     pairs: NDArray[np.int64]
     score: float
-    score_without: float | None
-    guides: int
 
     @classmethod
     def none(cls) -> PairMap:
         """Return the record of a missing map."""
-        return cls(None, _NO_PAIRS, 0.0, None, 0)
+        return cls(None, _NO_PAIRS, 0.0)
 
     def starts(self, one: Carrier, other: Carrier) -> tuple[Laid, Laid]:
         """Return where the map sends the vertices of either shape, with confidences, for registrations."""
@@ -113,7 +107,6 @@ def pair_map(
     if not len(pairs):
         return (yield from _without_guides(first, second, seeds, settings, control, sides))
     plain = yield from within(_solved(first, second, _NO_PAIRS, settings, control), 0.0, 0.2)
-    plain = replace(plain, score_without=plain.score, guides=len(pairs))
     sound = _missed(first, second, plain.found, pairs) < _ASTRAY
     chosen, begin = pairs, 0.2
     for number in range(_TRIES):
@@ -121,7 +114,7 @@ def pair_map(
         found = yield from within(work, begin, begin + 0.5 * (1.0 - begin))
         begin += 0.5 * (1.0 - begin)
         if found.score >= plain.score - _MARGIN:
-            return replace(found, score_without=plain.score, guides=len(pairs))
+            return found
         if number == 0 and 2 * sound.sum() >= len(pairs) > sound.sum():
             # Most guides agree with the map without guides.
             chosen = pairs[sound]
@@ -219,7 +212,7 @@ def _solved(
     own = groups or ({}, {})
     mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate((first, second)))
     found = yield from soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control, mirrors)
-    return PairMap(found, pairs, _score(first, second, found), None, 0)
+    return PairMap(found, pairs, _score(first, second, found))
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -131,9 +131,6 @@ class _Posed:
             for index, own in enumerate(posed)
         ]
 
-    def record(self) -> dict[str, object]:
-        return self.motion.chosen.record()
-
 
 def _with_difference(
     posed: MovedShape, guided: MovedShape, chosen: MovedShape, places: ClosestPoints | None

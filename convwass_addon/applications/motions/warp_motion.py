@@ -7,7 +7,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import combinations
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,10 +20,8 @@ from ...geometry.thicken import solid_or_shell_occupancy
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.volumes import Lattice
-from ..workers import both_ways
 from .motion import MovedShape
 from .warp_registration import registered
-from .warp_signals import WarpSignals, inverse_error, length_between, strain, volume_change
 from .warped_shape import Course, WarpedShape
 
 # Blur, in cells, that determines the margin of the warp's grid.
@@ -80,8 +77,6 @@ class WarpMotion:
 
     Attributes
     ----------
-    names : tuple of str
-        Names of the shapes, for messages.
     rests : tuple of Subdivision
         The inputs, oriented outward, with long edges divided.
     shapes : tuple of WarpedShape
@@ -92,19 +87,16 @@ class WarpMotion:
         By how much longer the shapes are in the scene than at that volume.
     coherence : float
         From 0, where shapes are only moved to a common position, to 1, where they move most like one body.
-    signals : dict
-        Figures of each pair, by the indices of its two shapes.
+    pairs : frozenset of (int, int)
+        The pairs of shapes with a warp between them, smaller index first.
     """
 
-    names: tuple[str, ...]
     rests: tuple[Subdivision, ...]
     shapes: tuple[WarpedShape, ...]
     lattice: Lattice
     sizes: NDArray[np.float64]
     coherence: float
-    signals: dict[tuple[int, int], WarpSignals]
-
-    kind: ClassVar[str] = "warp"
+    pairs: frozenset[tuple[int, int]]
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every input in the blend with these weights, which sum to one; None for inputs without weight.
@@ -115,19 +107,10 @@ class WarpMotion:
             There is no warp between two shapes with weight.
         """
         active = [i for i, weight in enumerate(weights) if weight > 0]
-        missing = [pair for pair in combinations(active, 2) if pair not in self.signals]
+        missing = [pair for pair in combinations(active, 2) if pair not in self.pairs]
         if missing:
             raise ValueError(f"no warp was made between the shapes {missing[0][0]} and {missing[0][1]}")
         return [self._moved(i, weights) if weights[i] > 0 else None for i in range(len(self.rests))]
-
-    def record(self) -> dict[str, object]:
-        """Return the figures of every pair, ready for JSON."""
-        pairs = [
-            {"shapes": [self.names[index] for index in pair], **signals.record()}
-            for pair, signals in self.signals.items()
-        ]
-        settings = {"coherence": self.coherence, "cells": list(self.lattice.shape)}
-        return {"kind": self.kind, "settings": settings, "pairs": pairs}
 
     def with_coherence(self, coherence: float) -> WarpMotion:
         """Return the same motion with another coherence, without recomputation.
@@ -147,7 +130,7 @@ class WarpMotion:
         shares = np.asarray(weights, np.float64)
         middle = shares @ self.lattice.centers
         size = (1.0 - self._pace) * self.sizes[index] + self._pace * (shares @ self.sizes)
-        offsets = self.cells(index, weights) * self.lattice.spacing + self.lattice.origin
+        offsets = self._cells(index, weights) * self.lattice.spacing + self.lattice.origin
         return MovedShape(rest, size * offsets + middle, parents)
 
     @property
@@ -155,7 +138,7 @@ class WarpMotion:
         """The fraction of the motion that is applied."""
         return min(self.coherence / FULL_COHERENCE, 1.0)
 
-    def cells(self, index: int, weights: Sequence[float]) -> NDArray[np.float64]:
+    def _cells(self, index: int, weights: Sequence[float]) -> NDArray[np.float64]:
         """Return the vertices of a shape in the blend with these weights, (n, 3) in cells, at the common volume."""
         detour = _DETOUR + (1.0 - _DETOUR) * max(self.coherence - FULL_COHERENCE, 0.0) / (1.0 - FULL_COHERENCE)
         return self.shapes[index].at(weights, index, self._pace, detour)
@@ -210,20 +193,15 @@ def warp_motion(
     warped = [WarpedShape(own, solid) for own, solid in zip(points, solids, strict=True)]
     wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     courses: list[dict[int, Course]] = [{} for _ in shapes]
-    errors = {}
     for number, (i, j) in enumerate(wanted):
         begin, end = number / len(wanted), (number + _REGISTERED) / len(wanted)
         flows = yield from within(registered(solids[i], solids[j], effort.rounds, control), begin, end)
         yield Progress(end, Sentence("Moving the shapes"))
         courses[i][j] = warped[i].course(flows.first, flows.second, control)
         courses[j][i] = warped[j].course(flows.second, flows.first, control)
-        errors[i, j] = inverse_error(warped[i].nodes.positions, courses[i][j], flows, control)
     for shape, own in zip(warped, courses, strict=True):
         shape.take(own)
-    motion = WarpMotion(tuple(names), tuple(rests), tuple(warped), lattice, sizes, coherence, dict.fromkeys(wanted))
-    for pair in wanted:
-        motion.signals[pair] = _signals(motion, pair, solids, errors[pair], control)
-    return motion
+    return WarpMotion(tuple(rests), tuple(warped), lattice, sizes, coherence, frozenset(wanted))
 
 
 def _sizes(shapes: Sequence[TriangleMesh]) -> NDArray[np.float64]:
@@ -256,30 +234,6 @@ def _lattice(outward: Sequence[TriangleMesh], effort: WarpEffort) -> Lattice:
 def _check_coherence(coherence: float) -> None:
     if not 0.0 <= coherence <= 1.0:
         raise InputError("The coherence must lie between 0 and 1.")
-
-
-def _signals(
-    motion: WarpMotion,
-    pair: tuple[int, int],
-    solids: Sequence[NDArray[np.float64]],
-    error: float,
-    control: Control,
-) -> WarpSignals:
-    """Measure a pair of an otherwise finished motion."""
-    i, j = pair
-    # At less coherence, shapes stop on the way, whatever the warp.
-    motion = motion.with_coherence(max(motion.coherence, FULL_COHERENCE))
-    weights = [0.5 * (index in pair) for index in range(len(solids))]
-    half_way = [_filled(motion.cells(index, weights)[motion.rests[index].mesh.faces], motion.lattice) for index in pair]
-    gradients = [motion.shapes[i].gradients(j), motion.shapes[j].gradients(i)]
-    before, left = both_ways(lambda k: length_between(*((solids[i], solids[j]), half_way)[k], control))
-    return WarpSignals(
-        length_before=before,
-        length_left=left,
-        volume_change=volume_change(gradients),
-        strain=strain(gradients),
-        inverse_error=error,
-    )
 
 
 def _filled(corners: NDArray[np.float64], lattice: Lattice) -> NDArray[np.float64]:

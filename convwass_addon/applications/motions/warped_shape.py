@@ -18,8 +18,6 @@ from ...progress import Control
 
 # Mass of an empty cell next to the solid, relative to a full one: enough to carry the surface.
 _LEAST_MASS = 0.02
-# Cells with at least this fraction belong to the solid for figures.
-_SOLID = 0.5
 
 
 @dataclass(frozen=True)
@@ -71,22 +69,13 @@ class WarpedShape:
             course.meeting - self._blend.at(list(half)) for course, half in zip(courses.values(), halves, strict=True)
         ]
 
-    @property
-    def partners(self) -> tuple[int, ...]:
-        """Indices of the shapes to which there are courses."""
-        return tuple(self._courses)
-
-    def gradients(self, other: int) -> NDArray[np.float64]:
-        """Return the gradients of the course to another shape, (c, 3, 3), in the cells of the solid."""
-        return self._blend.gradients[self.partners.index(other)][self.nodes.mass > _SOLID]
-
     def at(self, weights: Sequence[float], own: int, pace: float, detour: float) -> NDArray[np.float64]:
         """Return the vertices, (n, 3) in cells, in the blend with some weights.
 
         Parameters
         ----------
         weights : sequence of float
-            Weights of all shapes, of sum one; only this shape and its partners may have positive ones.
+            Weights of all shapes, of sum one; only this shape and those it is warped to may have positive ones.
         own : int
             Index of this shape.
         pace : float

@@ -33,9 +33,6 @@ class Scaling:
             for shape, vertices, weight in zip(self.shapes, scaled, weights, strict=True)
         ]
 
-    def record(self):
-        return {"kind": "guided"}
-
 
 def test_the_growth_makes_up_for_interpolated_lengths():
     assert growth((0.5, 0.5), (1.0, 8.0)) == pytest.approx(4.5 ** (1 / 3) / 1.5)

@@ -11,6 +11,7 @@ import pytest
 
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.motions.map_quality import map_quality
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
 from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from convwass_addon.errors import Cancelled, InputError
@@ -110,13 +111,16 @@ def test_a_symmetric_mesh_swings_symmetrically(arms, swing):
     assert path.distance < 0.002
 
 
-def test_the_record_has_figures_of_the_fit(swing):
-    (pair,) = swing.record()["pairs"]
-    assert pair["shapes"] == ["shape 0", "shape 1"]
-    assert pair["confidence"] > 0.9
-    assert pair["round_trip_95"] < 0.1
-    assert pair["left"] < 0.01
-    assert pair["torn"] < 0.01
+@pytest.mark.parametrize(("own", "other"), [(0, 1), (1, 0)])
+def test_the_deformed_shapes_match(swing, own, other):
+    source, target = swing.carriers[own], swing.carriers[other]
+    there, back = swing.deformations[own, other], swing.deformations[other, own]
+    quality = map_quality(source, target, there)
+    assert quality.confidence > 0.9
+    assert quality.torn < 0.01
+    assert there.images.distances.mean() < 0.01 * target.size
+    home = there.images.interpolated(back.points[target.mesh.faces])
+    assert np.quantile(np.linalg.norm(home - source.mesh.vertices, axis=1), 0.95) < 0.1 * source.size
 
 
 def test_swapped_inputs_give_the_same_shapes(arms, ends, swing):

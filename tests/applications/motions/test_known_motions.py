@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import json
 import pickle
 
 import numpy as np
@@ -255,11 +254,6 @@ def test_only_prepared_shapes_occur_together(rod):
         motion.moved([0.5, 0.0, 0.5])
     with pytest.raises(ValueError, match="3 shapes"):
         motion.moved([0.5, 0.5])
-
-
-def test_the_record_is_ready_for_json(rod):
-    motion = known_motion([rod, deformed(rod, bent(rod.vertices, 1.0))])
-    assert json.loads(json.dumps(motion.record()))["kind"] == "guided"
 
 
 @pytest.mark.parametrize("wrong", [{"coherence": 1.1}, {"coherence": -0.1}, {"carrier_vertices": 10}])

@@ -32,9 +32,6 @@ class Closing:
             for shape, place in ((two_balls(1.0), 1.0 + done * t), (two_balls(2.0), 2.0 - done * (1.0 - t)))
         ]
 
-    def record(self):
-        return {}
-
 
 @pytest.mark.parametrize("left", [1.0, 0.4])
 def test_the_share_of_the_distance_that_a_motion_leaves(left):
