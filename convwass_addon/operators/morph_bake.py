@@ -86,7 +86,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.flat.choosing import asks_for_flat, refuse_following, refuse_volumes
         from ..bridge.flat.flat_job import FlatJob
         from ..bridge.flat.picture_job import PictureJob
-        from ..bridge.morphs.disk_output import free_folder
+        from ..bridge.morphs.disk_output import own_folder
         from ..bridge.morphs.job import MorphJob
 
         self._computing = self._preferred()
@@ -111,7 +111,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
             options = replace(request, flat_output=kind).as_dict()
             settings = self.flat_settings()
-            pictures = partial(PictureJob, replaces=self.replaces, folder_of=free_folder)
+            pictures = partial(PictureJob, replaces=self.replaces, folder_of=own_folder)
             flat_job = pictures if kind == "PICTURE" else FlatJob
             return flat_job(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()

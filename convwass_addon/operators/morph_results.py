@@ -13,8 +13,9 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.frame_range import play_whole
-from ..bridge.morphs.disk_output import packed_bytes
+from ..bridge.morphs.disk_output import ReadFiles, packed_bytes, read_files, remove_disk_outputs
 from ..bridge.morphs.replace import replace_bake
+from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..bridge.operator_errors import reason
@@ -95,6 +96,8 @@ class FrameResults:
             collection = replace_bake(replaced, collection)
         select_only(context, frame_objects(collection)[:1])
         self._hand_over(scene, collection)
+        shown = main_object(collection)
+        select_only(context, [] if shown is None else [shown])
         self._report(collection)
         if self.operator.following:
             bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=self.operator.following)
@@ -136,20 +139,26 @@ class FrameResults:
         return rpt_(", frames {:d} to {:d}").format(*map(round, self.job.span))
 
     def _hand_over(self, scene: bpy.types.Scene, morph: bpy.types.Collection) -> None:
-        """Convert the morph to the requested output; if that fails, its meshes are kept."""
+        """Convert the morph to the requested output, or to that of the replaced morph.
+
+        If that fails, its meshes are kept.
+        """
         output, layout = self.operator.output, self.operator.layout
-        name = _OUTPUT_OPERATORS.get((output, layout)) or _OUTPUT_OPERATORS.get((output, ""))
+        files = read_files(morph) or ReadFiles(output, self.operator.folder, self.operator.cache_format)
+        name = _OUTPUT_OPERATORS.get((files.output, layout)) or _OUTPUT_OPERATORS.get((files.output, ""))
         if name is None or stand_ins(morph):
             return
-        options = {"folder": self.operator.folder} if output in ("VOLUME", "CACHE") else {}
-        if output == "PLAYER":
+        options = {"folder": files.folder} if files.output in ("VOLUME", "CACHE") else {}
+        if files.output == "PLAYER":
             options["between"] = self.operator.between
-        if output == "CACHE":
-            options["kind"] = self.operator.cache_format
+        if files.output == "CACHE":
+            options["kind"] = files.cache_format
         try:
             with nullcontext() if scene == bpy.context.scene else _showing(scene, morph):
                 getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
+            # What they read is not this bake.
+            remove_disk_outputs(morph)
             self.operator.report({"WARNING"}, str(reason(error)))
 
 

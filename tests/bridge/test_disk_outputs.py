@@ -22,6 +22,7 @@ from convwass_addon.bridge.morphs.disk_output import (
     free_folder,
     named_folder,
     output_folder,
+    own_folder,
     packed_bytes,
     remember_folder,
 )
@@ -175,40 +176,39 @@ def test_a_folder_with_files_is_left_to_those_who_wrote_them(collection, tmp_pat
     assert named_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B"
 
 
-def test_a_morph_keeps_its_folder_where_it_is_renamed_but_not_where_the_file_is(collection, tmp_path):
+def test_a_folder_is_given_to_one_morph_only(collection, tmp_path):
+    """Also where its files are removed meanwhile: Blender would show what it has read of them before."""
+    first = output_folder(free_folder(str(tmp_path), collection))
+    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B_001"
+    first.rmdir()
+    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B_001"
+
+
+def test_pictures_keep_their_folder_where_the_morph_is_renamed_but_not_where_the_file_is(collection, tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "one.blend"))
     own = filled(tmp_path / "Take")
     remember_folder(collection, own)
-    assert free_folder("//", collection) == own
-    assert free_folder("//elsewhere", collection) == tmp_path / "elsewhere" / "Morph_A_to_B"
+    assert own_folder("//", collection) == own
+    assert own_folder("//elsewhere", collection) == tmp_path / "elsewhere" / "Morph_A_to_B"
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "two.blend"))
     # The first file still shows what is there.
-    assert free_folder("//", collection) == tmp_path / "Morph_A_to_B"
+    assert own_folder("//", collection) == tmp_path / "Morph_A_to_B"
 
 
-def test_a_copy_of_a_morph_gets_another_folder(collection, tmp_path):
+def test_pictures_of_a_copy_get_another_folder(collection, tmp_path):
     own = filled(tmp_path / "Morph_A_to_B")
     remember_folder(collection, own)
-    assert free_folder(str(tmp_path), collection) == own
+    assert own_folder(str(tmp_path), collection) == own
     copy = bpy.data.collections.new("Copy")
     copy[FOLDER_KEY] = collection[FOLDER_KEY]
-    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B_001"
-    assert free_folder(str(tmp_path), copy) == tmp_path / "Copy"
+    assert own_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B_001"
+    assert own_folder(str(tmp_path), copy) == tmp_path / "Copy"
 
 
 @pytest.mark.parametrize("stored", ["", "{", "[1]", '{"folder": 3, "blend": ""}', '{"blend": ""}', 7])
 def test_a_damaged_folder_is_not_used(collection, tmp_path, stored):
     collection[FOLDER_KEY] = stored
-    assert free_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B"
-
-
-def test_a_shorter_volume_removes_surplus_files_of_the_same_morph(collection, tmp_path):
-    before = drained(as_volume(collection, tmp_path))
-    (tmp_path / "notes.txt").write_text("mine")
-    bpy.data.batch_remove(frame_objects(collection)[2:])
-    output = drained(as_volume(collection, tmp_path))
-    assert {*output.files, tmp_path / "notes.txt"} == set(tmp_path.iterdir())
-    assert len(output.files) < len(before.files)
+    assert own_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B"
 
 
 def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_path, inventory):

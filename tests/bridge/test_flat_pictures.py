@@ -204,7 +204,7 @@ def test_stored_file_names_are_not_trusted(noted, tmp_path):
     morph = bpy.data.collections.new("Morph")
     digest = hashlib.sha256(b"mine").hexdigest()[:32]
     morph[WRITTEN_KEY] = noted.replace("DIGEST", digest) if isinstance(noted, str) else noted
-    drop_surplus(morph, inside.parent, ".png", [])
+    drop_surplus(morph, inside.parent, "Morph", [])
     assert outside.exists() and inside.exists()
 
 

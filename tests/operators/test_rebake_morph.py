@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from dataclasses import replace
 
 import bpy
@@ -133,6 +134,102 @@ def _curve(player):
 
     data = player.animation_data
     return action_get_channelbag_for_slot(data.action, data.action_slot).fcurves[0]
+
+
+def test_a_player_keeps_its_materials_and_modifiers_and_is_active(morph):
+    bpy.ops.convwass.make_player()
+    player = bpy.context.object
+    mine, other = bpy.data.materials.new("Mine"), bpy.data.materials.new("Other")
+    before = list(player.data.materials)
+    player.data.materials[0] = mine
+    player.data.materials.append(other)
+    player.material_slots[1].link = "OBJECT"
+    player.material_slots[1].material = other
+    player.modifiers.new("Wires", "WIREFRAME")
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert [(slot.link, slot.material.name) for slot in player.material_slots] == [
+        ("DATA", "Mine"),
+        ("OBJECT", "Other"),
+        ("DATA", "Other"),
+    ]
+    assert len(before) == 2
+    assert [modifier.name for modifier in player.modifiers] == ["Frames", "Wires"]
+    assert bpy.context.object == player
+    assert bpy.context.selected_objects == [player]
+
+
+def files_in(folder):
+    return [path for path in folder.rglob("*") if path.is_file()]
+
+
+def shown_height(obj, frame):
+    bpy.context.scene.frame_set(frame)
+    return np.ptp(triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds[:, 2])
+
+
+@pytest.mark.parametrize(
+    ("operator", "options"), [("make_volume", {}), ("make_cache", {"kind": "alembic"}), ("make_cache", {"kind": "usd"})]
+)
+def test_files_are_written_again_and_what_shows_them_is_kept(morph, tmp_path, operator, options):
+    getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options)
+    shown = bpy.context.object
+    files, height = {path: path.read_bytes() for path in files_in(tmp_path)}, shown_height(shown, 2)
+    shown.data.materials.clear()
+    shown.data.materials.append(bpy.data.materials.new("Lava"))
+    shown.modifiers.new("Wires", "WIREFRAME")
+    shown.modifiers["Wires"].show_viewport = False
+    if operator == "make_volume":
+        shown.modifiers["Volume to Mesh"].threshold = 0.4
+    modifiers = [modifier.name for modifier in shown.modifiers]
+    for obj in shapes(morph):
+        obj.scale.z = 2.0
+    bpy.context.view_layer.update()
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert bpy.context.object == shown
+    assert frame_objects(morph) == []
+    # A saved version of the .blend file may show the old ones.
+    assert files == {path: path.read_bytes() for path in files}
+    assert len(files_in(tmp_path)) == 2 * len(files)
+    assert shown_height(shown, 2) == pytest.approx(2 * height, rel=0.1)
+    assert [material.name for material in shown.data.materials] == ["Lava"]
+    assert [modifier.name for modifier in shown.modifiers] == modifiers
+    if operator == "make_volume":
+        assert shown.modifiers["Volume to Mesh"].threshold == pytest.approx(0.4)
+        assert len(bpy.data.volumes) == 1
+    else:
+        assert len(bpy.data.cache_files) == 1
+
+
+def test_where_files_cannot_be_written_again_the_new_frames_are_shown(morph, tmp_path, monkeypatch, capfd):
+    bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    monkeypatch.setitem(sys.modules, "openvdb", None)
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert "this Blender lacks" in capfd.readouterr().out
+    assert not any("convwass_output" in obj for obj in bpy.data.objects)
+    assert bpy.context.object == frame_objects(morph)[0]
+    assert len(frame_objects(morph)) == 4
+
+
+@pytest.mark.parametrize("between", ["NEAREST", "INTERPOLATED"])
+def test_a_pad_keeps_the_place_and_the_keys_of_its_handle(empty_scene, between):
+    for x in (0.0, 3.0, 6.0):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    options = {"layout": "TRIANGLE", "steps": 2, "output": "PLAYER", "between": between}
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=16, **options)
+    handle = bpy.context.object
+    name = handle.name
+    handle.location.x = 0.25
+    for frame, height in ((1, 0.0), (9, 0.5)):
+        handle.location.z = height
+        handle.keyframe_insert("location", frame=frame)
+    action = handle.animation_data.action.name
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    again = bpy.context.object
+    assert (again.name, again.type) == (name, "EMPTY")
+    assert [again.animation_data.action.name] == [action]
+    bpy.context.scene.frame_set(9)
+    assert again.location[:] == pytest.approx((0.25, 0.0, 0.5))
 
 
 def test_deleted_shapes_are_named_and_the_morph_is_kept(morph):

@@ -32,8 +32,6 @@ from ..numbered_files import numbered_paths
 from ..palettes.image_files import save_pixels
 from .gray_inputs import GrayInput
 
-_SUFFIX = ".png"
-
 
 @dataclass(frozen=True)
 class PictureFrame(FlatFrame):
@@ -113,7 +111,7 @@ class PictureBake(MorphBake):
     def _path(self, number: int) -> Path:
         """Return the file of a scene frame, with the same number of digits for all frames."""
         last = self._numbers(len(self._blends) - 1)[-1]
-        return numbered_paths(self._folder, f"{self._folder.name}_", _SUFFIX, [number, last])[0]
+        return numbered_paths(self._folder, f"{self._folder.name}_", ".png", [number, last])[0]
 
     def _numbers(self, index: int) -> range:
         """Return the scene frames that show a blend, up to the next blend."""
@@ -137,7 +135,7 @@ class PictureBake(MorphBake):
         super().finish(hide_inputs)
         replaced = bpy.data.collections.get(self._replaces)
         if replaced is not None and files:
-            drop_surplus(replaced, self._folder, _SUFFIX, files)
+            drop_surplus(replaced, self._folder, self._folder.name, files)
         return collection
 
     def _picture_node(self) -> bpy.types.Node:

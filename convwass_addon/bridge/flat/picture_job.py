@@ -40,7 +40,7 @@ class PictureJob(WritesFlatFrames):
         Name of a morph to replace with its files; empty for a new one.
     folder_of : callable
         Returns the folder for the files of a morph in another one: `named_folder`, whose files are replaced, or
-        :func:`.disk_output.free_folder`.
+        :func:`.disk_output.own_folder`.
 
     Raises
     ------

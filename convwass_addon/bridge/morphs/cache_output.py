@@ -12,7 +12,7 @@ import bpy
 from ...errors import ConvwassError, InputError
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
-from .disk_output import OUTPUT_KEY, DiskOutput, for_blender, remember_folder
+from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
 from .stored import frame_objects, shown_frames
@@ -21,14 +21,15 @@ _MATERIAL_NAME = "Convwass Cache"
 
 
 def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alembic", "usd"]) -> DiskOutput:
-    """Write a morph to a file, and create an object that shows it with a Mesh Sequence Cache modifier.
+    """Write a morph to a file, and let an object show it with a Mesh Sequence Cache modifier; an existing one is kept.
 
     Parameters
     ----------
     collection : bpy.types.Collection
         A baked morph with its frames, which are kept.
     folder : Path
-        An existing folder, which gives the file its name; a file of that name is replaced.
+        An existing folder, which gives the file its name; a file of that name is replaced, but Blender may show its
+        old content until it ends.
     kind : "alembic" or "usd"
         The file format.
 
@@ -47,16 +48,37 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     except ConvwassError:
         file.unlink(missing_ok=True)
         raise
-    remember_folder(collection, folder)
+    _reader(shown).cache_file.filepath = for_blender(file)
+    before = next((obj for obj in disk_outputs(collection) if _reader(obj) is not None), None)
+    return DiskOutput(_named(collection, shown) if before is None else _reading_as(before, shown), (file,))
+
+
+def _named(collection: bpy.types.Collection, shown: bpy.types.Object) -> bpy.types.Object:
+    """Add an imported object to a morph."""
     shown.name = f"{collection.name} Cache"
     shown[OUTPUT_KEY] = "cache"
     collection.objects.link(shown)
     shown.data.materials.clear()
     shown.data.materials.append(attribute_material(_MATERIAL_NAME, COLORS))
-    next(
-        modifier for modifier in shown.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"
-    ).cache_file.filepath = for_blender(file)
-    return DiskOutput(shown, (file,))
+    return shown
+
+
+def _reading_as(shown: bpy.types.Object, imported: bpy.types.Object) -> bpy.types.Object:
+    """Let an object read what an imported one does, which is removed."""
+    modifier, other = _reader(shown), _reader(imported)
+    spare = [imported.data, modifier.cache_file]
+    modifier.cache_file = other.cache_file
+    modifier.object_path = other.object_path
+    # The old file must not be removed while it is evaluated.
+    bpy.context.evaluated_depsgraph_get().update()
+    bpy.data.objects.remove(imported)
+    bpy.data.batch_remove([block for block in spare if block is not None and block.users == 0])
+    return shown
+
+
+def _reader(obj: bpy.types.Object) -> bpy.types.MeshSequenceCacheModifier | None:
+    """Return the modifier of an object that reads a file, or None."""
+    return next((modifier for modifier in obj.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"), None)
 
 
 def require_animation(collection: bpy.types.Collection) -> None:

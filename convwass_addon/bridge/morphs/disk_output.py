@@ -23,6 +23,8 @@ OUTPUT_KEY = "convwass_output"
 FOLDER_KEY = "convwass_folder"
 """Custom property of a morph's collection: JSON of the `_Place` of its files."""
 
+# Folders that were handed out since Blender started.
+_CREATED: set[Path] = set()
 # Blender's prefix for paths relative to the .blend.
 _FROM_BLEND = "//"
 
@@ -93,9 +95,31 @@ def named_folder(path: str, morph: bpy.types.Collection) -> Path:
 
 
 def free_folder(path: str, morph: bpy.types.Collection) -> Path:
-    """Return the folder in which a morph has its files, or else an unused one named after it, without creating it.
+    """Return a folder that nothing uses and that is named after a morph, without creating it.
 
-    A morph has its files where they were written last. They are not its own if the .blend file has another name now, as
+    Even a morph that is written again gets another folder: Blender shows the first content of a .vdb or .usdc file
+    until it ends, and saved versions of the .blend file show the old files.
+
+    Parameters
+    ----------
+    path, morph
+        As for `named_folder`.
+
+    Raises
+    ------
+    InputError
+        As for `named_folder`.
+    """
+    parent, name = _parent(path), bpy.path.clean_name(morph.name)
+    taken = {*_remembered_folders(), *_CREATED}
+    tried = (parent / each for each in chain([name], (f"{name}_{number:03d}" for number in count(1))))
+    return next(folder for folder in tried if folder not in taken and _is_unused(folder))
+
+
+def own_folder(path: str, morph: bpy.types.Collection) -> Path:
+    """Return the folder in which a morph has its files, or else a free one, without creating it.
+
+    A morph has its files where it remembers them. They are not its own if the .blend file has another name now, as
     after *Save As*, or if another morph, such as a copy, has the same folder.
 
     Parameters
@@ -108,12 +132,10 @@ def free_folder(path: str, morph: bpy.types.Collection) -> Path:
     InputError
         As for `named_folder`.
     """
-    parent, own = _parent(path), _own_folder(morph)
-    if own is not None and own.parent == parent:
-        return own
-    name, taken = bpy.path.clean_name(morph.name), _remembered_folders()
-    tried = (parent / each for each in chain([name], (f"{name}_{number:03d}" for number in count(1))))
-    return next(folder for folder in tried if folder not in taken and _is_unused(folder))
+    parent, place = _parent(path), _place_of(morph)
+    if place is None or place.path.parent != parent or place.blend != bpy.path.basename(bpy.data.filepath):
+        return free_folder(path, morph)
+    return place.path if _remembered_folders().count(place.path) == 1 else free_folder(path, morph)
 
 
 def remember_folder(morph: bpy.types.Collection, folder: Path) -> None:
@@ -145,6 +167,7 @@ def output_folder(folder: Path) -> Path:
             folder=str(folder),
             reason=error.strerror,
         ) from error
+    _CREATED.add(folder)
     if not os.access(folder, os.W_OK):
         raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(folder))
     return folder
@@ -177,6 +200,36 @@ def disk_outputs(morph: bpy.types.Collection) -> list[bpy.types.Object]:
     return [obj for obj in morph.objects if OUTPUT_KEY in obj]
 
 
+@dataclass(frozen=True)
+class ReadFiles:
+    """The files that show a morph, and how they can be written again.
+
+    Attributes
+    ----------
+    output : str
+        "VOLUME" or "CACHE".
+    folder : str
+        Parent of their folder, absolute.
+    cache_format : str
+        "alembic" or "usd".
+    """
+
+    output: str
+    folder: str
+    cache_format: str
+
+
+def read_files(morph: bpy.types.Collection) -> ReadFiles | None:
+    """Return the files that the objects of a morph read, or None."""
+    for obj in disk_outputs(morph):
+        caches = [m.cache_file for m in obj.modifiers if m.type == "MESH_SEQUENCE_CACHE" and m.cache_file]
+        for block in [obj.data] if obj.type == "VOLUME" else caches:
+            file = whole_path(bpy.path.abspath(block.filepath))
+            kind = "alembic" if file.suffix == ".abc" else "usd"
+            return ReadFiles(obj[OUTPUT_KEY].upper(), str(file.parent.parent), kind)
+    return None
+
+
 def remove_disk_outputs(morph: bpy.types.Collection) -> None:
     """Remove the objects of :func:`disk_outputs` and data that only they use; the files are kept."""
     objects = disk_outputs(morph)
@@ -201,14 +254,6 @@ def _parent(path: str) -> Path:
             "The folder {path} is relative to the .blend file: save that first, or choose an absolute path.", path=path
         )
     return whole_path(bpy.path.abspath(path))
-
-
-def _own_folder(morph: bpy.types.Collection) -> Path | None:
-    """Return the folder with the files of a morph, or None if there is none or something else may show them."""
-    place = _place_of(morph)
-    if place is None or place.blend != bpy.path.basename(bpy.data.filepath):
-        return None
-    return place.path if _remembered_folders().count(place.path) == 1 else None
 
 
 def _remembered_folders() -> list[Path]:

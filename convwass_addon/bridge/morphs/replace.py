@@ -6,14 +6,14 @@ from __future__ import annotations
 
 import bpy
 
-from ..sequence import MODIFIER
-from .blend_pad import make_blend_pad
 from .changes import SIGNATURES_KEY
-from .disk_output import FOLDER_KEY, remove_disk_outputs
+from .disk_output import FOLDER_KEY
 from .hidden_inputs import take_hidden
-from .player import interpolation, is_player, refresh_player
+from .player import is_player, refresh_player
+from .player_slots import changed_slots, restore_slots
+from .rebuilt_pad import rebuild_pad
 from .removal import remove_frames
-from .stand_ins import remove_stand_ins, stand_ins
+from .stand_ins import stand_ins
 from .stored import DIAGNOSTICS_KEY, MORPH_KEY, frame_objects, hidden_frames
 from .written_files import WRITTEN_KEY
 
@@ -21,7 +21,8 @@ from .written_files import WRITTEN_KEY
 def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.types.Collection:
     """Move frames and description of a new bake to an existing morph, and remove the new collection.
 
-    A player keeps its keys, materials and modifiers. A blend pad is rebuilt. Objects that read files are removed.
+    A player keeps its keys, materials and modifiers. A blend pad is rebuilt; its handle keeps its place and keys.
+    Objects that read files are kept, and show the frames of the new bake once these are written.
 
     Parameters
     ----------
@@ -35,8 +36,8 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     bpy.types.Collection
         `old`.
     """
+    players = {player: changed_slots(player) for player in stand_ins(old) if is_player(player)}
     remove_frames(old)
-    remove_disk_outputs(old)
     home = hidden_frames(old) or old
     for obj in frame_objects(new):
         home.objects.link(obj)
@@ -45,11 +46,10 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
             old[key] = new[key]
     take_hidden(old, new)
     bpy.data.collections.remove(new)
-    shown_by = stand_ins(old)
-    if any(is_player(obj) for obj in shown_by):
+    if players:
         refresh_player(old)
-    elif shown_by:
-        mixed = any(MODIFIER in obj.modifiers and interpolation(obj) for obj in shown_by)
-        remove_stand_ins(old)
-        make_blend_pad(old, between="INTERPOLATED" if mixed else "NEAREST")
+        for player, slots in players.items():
+            restore_slots(player, slots)
+    elif stand_ins(old):
+        rebuild_pad(old)
     return old

@@ -23,14 +23,12 @@ from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
 from ..objects import triangle_mesh
 from ..openvdb_module import openvdb_module
-from .disk_output import OUTPUT_KEY, DiskOutput, for_blender, remember_folder
+from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
 from .materials import morph_material
 from .stored import frame_objects, shown_frames, stored_morph
-from .written_files import drop_surplus, store_written
 
 GRID_NAME = "density"
 
-_SUFFIX = ".vdb"
 # Cells over which coverage is averaged: this limits how far other levels can move the surface.
 _BLUR = 1.0
 _MARGIN = 4
@@ -41,7 +39,7 @@ _FALLBACK_RESOLUTION = 100
 
 
 def as_volume(collection: bpy.types.Collection, folder: Path, control: Control = UNINTERRUPTED) -> Work[DiskOutput]:
-    """Write a morph as VDB files, one per scene frame, and create the objects that show them.
+    """Write a morph as VDB files, one per scene frame, and let objects show them, which are kept if they exist.
 
     A file contains one grid, "density": the covered share of every cell, averaged over a cell. The surface of the frame
     is its level set at one half.
@@ -51,8 +49,8 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     collection : bpy.types.Collection
         A baked morph with its frames, which are kept.
     folder : Path
-        An existing folder, which gives the files their name; those of the same name are replaced, and other ones that
-        the morph has written there before are removed.
+        An existing folder, which gives the files their name; those of the same name are replaced, but Blender shows
+        their old content until it ends.
     control : Control
         Stops the work when cancelled.
 
@@ -82,14 +80,11 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     meshes = {obj: triangle_mesh(obj, depsgraph) for obj in frames}
     spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
     scene_frames, shown = _timeline(collection, frames)
-    files = numbered_paths(folder, f"{folder.name}_", _SUFFIX, scene_frames)
+    files = numbered_paths(folder, f"{folder.name}_", ".vdb", scene_frames)
     for done, (file, objects) in enumerate(zip(files, shown, strict=True), 1):
         _write(openvdb, file, [meshes[obj] for obj in objects], spacing)
         yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
         control.check()
-    drop_surplus(collection, folder, _SUFFIX, files)
-    store_written(collection, files)
-    remember_folder(collection, folder)
     # Before Blender 5, Volume to Mesh places values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
@@ -143,18 +138,42 @@ def _filled(
 def _objects(
     collection: bpy.types.Collection, files: list[Path], scene_frames: range, offset: float
 ) -> bpy.types.Object:
-    """Create the hidden Volume object, shifted along all axes, and the mesh object made from it."""
-    data = bpy.data.volumes.new(f"{collection.name} Volume")
+    """Let the objects of a volume read files, and return the mesh object; missing ones are created.
+
+    The Volume object is hidden and shifted along all axes.
+    """
+    there = {obj.type: obj for obj in disk_outputs(collection)}
+    volume = there.get("VOLUME") or _volume_object(collection)
+    _read(volume.data, files, scene_frames)
+    volume.location = 3 * [offset]
+    shown = there.get("MESH") or _mesh_object(collection, volume)
+    bpy.context.view_layer.update()
+    for layer in bpy.context.scene.view_layers:
+        if volume.name in layer.objects:
+            volume.hide_set(True, view_layer=layer)
+    return shown
+
+
+def _read(data: bpy.types.Volume, files: list[Path], scene_frames: range) -> None:
     data.filepath = for_blender(files[0])
-    if len(files) > 1:
-        data.is_sequence = True
+    data.is_sequence = len(files) > 1
+    if data.is_sequence:
         data.frame_start, data.frame_duration, data.frame_offset = scene_frames[0], len(files), scene_frames[0] - 1
         data.sequence_mode = "EXTEND"
-    volume = bpy.data.objects.new(data.name, data)
+
+
+def _volume_object(collection: bpy.types.Collection) -> bpy.types.Object:
+    name = f"{collection.name} Volume"
+    volume = bpy.data.objects.new(name, bpy.data.volumes.new(name))
     volume[OUTPUT_KEY] = "volume"
     volume.hide_render = True
-    volume.location = 3 * [offset]
-    shown = bpy.data.objects.new(f"{collection.name} Surface", bpy.data.meshes.new(f"{collection.name} Surface"))
+    collection.objects.link(volume)
+    return volume
+
+
+def _mesh_object(collection: bpy.types.Collection, volume: bpy.types.Object) -> bpy.types.Object:
+    name = f"{collection.name} Surface"
+    shown = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     shown[OUTPUT_KEY] = "volume"
     shown.data.materials.append(morph_material())
     modifier = shown.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH")
@@ -166,10 +185,5 @@ def _objects(
     # The solver's result is already smooth; the user can increase this.
     smooth = shown.modifiers.new("Smooth", "SMOOTH")
     smooth.iterations = 0
-    for obj in (volume, shown):
-        collection.objects.link(obj)
-    bpy.context.view_layer.update()
-    for layer in bpy.context.scene.view_layers:
-        if volume.name in layer.objects:
-            volume.hide_set(True, view_layer=layer)
+    collection.objects.link(shown)
     return shown

@@ -21,8 +21,8 @@ def store_written(morph: bpy.types.Collection, files: Sequence[Path]) -> None:
     morph[WRITTEN_KEY] = json.dumps({path.name: _digest(path) for path in files})
 
 
-def drop_surplus(morph: bpy.types.Collection, folder: Path, suffix: str, kept: Sequence[Path]) -> None:
-    """Remove numbered files, named after their folder, of an earlier bake that a later bake has not written again.
+def drop_surplus(morph: bpy.types.Collection, folder: Path, stem: str, kept: Sequence[Path]) -> None:
+    """Remove numbered files of an earlier bake that a later bake has not written again.
 
     Only unchanged files are removed: files that were modified, or added by others, are kept.
 
@@ -32,15 +32,15 @@ def drop_surplus(morph: bpy.types.Collection, folder: Path, suffix: str, kept: S
         The earlier bake; its stored data may come from any file and is not trusted.
     folder : Path
         The folder of the later bake.
-    suffix : str
-        End of the file names, after the number, such as ".png".
+    stem : str
+        Common prefix of the file names, before the number.
     kept : sequence of Path
         The files of the later bake.
     """
     names = {path.name for path in kept}
     for name, digest in _noted(morph).items():
-        number = name.removeprefix(f"{folder.name}_").removesuffix(suffix)
-        if name in names or name != f"{folder.name}_{number}{suffix}" or not (number.isascii() and number.isdigit()):
+        number = name.removeprefix(f"{stem}_").removesuffix(".png")
+        if name in names or name != f"{stem}_{number}.png" or not (number.isascii() and number.isdigit()):
             continue
         path = folder / name
         # Files that cannot be read or removed are kept.
