@@ -77,7 +77,7 @@ def test_a_drawing_is_one_shape(files):
         ("text:", "needs some letters after the colon"),
         ("{files}/broken.svg", "broken.svg could not be read"),
         ("{files}/empty.svg", "empty.svg contains no curve"),
-        ("{files}/broken.png", "could not be read"),
+        ("{files}/broken.png", "broken.png could not be read; it is damaged"),
         ("{files}/missing.png", "does not exist"),
         ("{files}/shape.xyz", "does not exist"),
     ],

@@ -169,6 +169,14 @@ def test_the_colors_come_from_one_source(tmp_path, red, blue, capfd, words, mess
     assert message in capfd.readouterr().err
 
 
+def test_damaged_images_are_named(tmp_path, red, capfd):
+    damaged = tmp_path / "bad.png"
+    damaged.write_bytes(b"no pixels")
+    for words in ((damaged, "--palette", red), (red, "--palette", damaged)):
+        assert run(*words, "--out", tmp_path / "a.png") == 3
+        assert "bad.png could not be read; it is damaged" in capfd.readouterr().err
+
+
 def test_palettes_that_could_not_be_matched_write_nothing(tmp_path, red, blue, capfd, monkeypatch):
     """As the operator does."""
     monkeypatch.setattr(recolor_job, "LARGEST_ERROR", 0.0)

@@ -129,6 +129,12 @@ def test_skies_left_by_a_longer_run_are_reported_and_kept(tmp_path, gray_skies, 
     assert {"sky.0005.exr", "sky.exr", "notes.txt"} <= {path.name for path in out.iterdir()}
 
 
+def test_damaged_skies_are_named(tmp_path, gray_skies, capfd):
+    (tmp_path / "bad.exr").write_bytes(b"no pixels")
+    assert cli.main(["sky", gray_skies[0], str(tmp_path / "bad.exr"), "--out", str(tmp_path / "out")]) == 3
+    assert "bad.exr could not be read; it is damaged" in capfd.readouterr().err
+
+
 def test_missing_skies_and_single_steps_are_refused(tmp_path, capfd):
     write_sky(tmp_path / "a.exr", sky((1, 0, 1)))
     words = ["sky", str(tmp_path / "a.exr"), str(tmp_path / "b.exr")]

@@ -51,6 +51,15 @@ def loaded_image(file: Path) -> bpy.types.Image:
         ) from error
 
 
+def refuse_damaged(image: bpy.types.Image) -> None:
+    """Raise InputError if Blender could not load an image whose file exists."""
+    file = Path(bpy.path.abspath(image.filepath, library=image.library))
+    if image.source == "FILE" and image.packed_file is None and not image.has_data and file.is_file():
+        raise InputError(
+            "{file} could not be read; it is damaged, or of a format that Blender does not know.", file=file.name
+        )
+
+
 @contextmanager
 def opened_image(path: str | Path) -> Iterator[bpy.types.Image]:
     """Load an image temporarily.

@@ -13,6 +13,7 @@ from ...applications.palettes.distinct_colors import LEVELS
 from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
+from ..image_files import refuse_damaged
 from .image_kinds import RESULT_OF
 
 _LINEAR = ("Linear Rec.709", "Linear", "scene_linear", "Linear BT.709 I-D65")
@@ -42,6 +43,7 @@ def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
     width, height = image.size
     # Accessing a pixel loads the file.
     if not width * height or not len(image.pixels):
+        refuse_damaged(image)
         raise InputError(
             "{image} has no pixels that could be read; load it, or save a render as a file first.", image=image.name
         )

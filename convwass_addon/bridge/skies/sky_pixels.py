@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from ...applications.palettes.lab_colors import linear_of_srgb
 from ...errors import InputError
 from ...transport.sphere import solid_angles
-from ..image_files import ImageFormat, drawn_image, opened_image, write_image
+from ..image_files import ImageFormat, drawn_image, opened_image, refuse_damaged, write_image
 from ..palettes.image_pixels import image_format
 
 
@@ -35,6 +35,7 @@ def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
     width, height = image.size
     # Accessing a pixel loads the file.
     if not width * height or not len(image.pixels) or image.channels < 3:
+        refuse_damaged(image)
         raise InputError("The pixels of {image} cannot be read as a sky.", image=image.name)
     if width != 2 * height:
         raise InputError(
