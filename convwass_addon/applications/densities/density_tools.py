@@ -164,8 +164,15 @@ def check_vertices(vertices: NDArray[np.int64], surface: Surface) -> None:
     count = surface.shape[0]
     if not len(vertices):
         raise InputError("No vertex is selected; select at least one.")
-    if vertices.dtype.kind not in "iu" or vertices.min() < 0 or vertices.max() >= count:
+    if vertices.dtype.kind not in "iu":
         raise InputError("Vertices must be whole numbers from 0 to {last}.", last=count - 1)
+    missing = vertices[(vertices < 0) | (vertices >= count)]
+    if len(missing):
+        raise InputError(
+            "There is no vertex {vertex}; vertices are numbered from 0 to {last}.",
+            vertex=int(missing[0]),
+            last=count - 1,
+        )
     loose = vertices[surface.weights[vertices] == 0]
     if len(loose):
         raise InputError(
