@@ -91,7 +91,7 @@ class CONVWASS_OT_interpolate_density(
         if keys:
             play_from_start(self._own_scene(context), stops.frames[0], stops.frames[-1])
         text = rpt_("{:s}: {:d} steps from frame {:g} to {:g}")
-        text = text.format(self.density, len(frames.times), stops.frames[0], stops.frames[-1])
+        text = text.format(self.density, len(frames.times) - 1, stops.frames[0], stops.frames[-1])
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
         return {"FINISHED"}
 
