@@ -19,7 +19,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame, MorphPr
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.parts import SplitShapes
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
-from convwass_addon.applications.morphs.volumes import Lattice, voxelize
+from convwass_addon.applications.morphs.volumes import Lattice, voxelized
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -52,8 +52,11 @@ class Pair:
         """Voxelize two meshes with `cells` along the longest side and the margin that `sigma` requires."""
         shapes = read_meshes(paths)
         lattice = Lattice.around(shapes, cells, sigma)
-        names = [Path(path).stem for path in paths]
-        return cls(shapes, lattice, np.stack(list(voxelize(shapes, names, lattice, 0.0))))
+        filled = [
+            voxelized(shape, Path(path).stem, index, lattice, 0.0)
+            for index, (shape, path) in enumerate(zip(shapes, paths, strict=True))
+        ]
+        return cls(shapes, lattice, np.stack(filled))
 
     @property
     def volumes(self) -> NDArray[np.float64]:

@@ -28,7 +28,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.morphs.volumes import Lattice, voxelize
+from convwass_addon.applications.morphs.volumes import Lattice, voxelized
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh, write_mesh
 from convwass_addon.geometry.centroid import centroid
@@ -77,7 +77,8 @@ class Ends:
 
     def occupancies(self) -> NDArray[np.float32]:
         """Return the filled fraction of every cell for each shape, (2, nx, ny, nz)."""
-        return np.stack(list(voxelize(self.shapes, self.names, self.lattice, 0.0)))
+        shapes = enumerate(zip(self.shapes, self.names, strict=True))
+        return np.stack([voxelized(shape, name, index, self.lattice, 0.0) for index, (shape, name) in shapes])
 
 
 def _smoothed(path: Path) -> TriangleMesh:

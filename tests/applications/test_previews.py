@@ -26,7 +26,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels, matched, unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
-from convwass_addon.applications.morphs.volumes import voxelize
+from convwass_addon.applications.morphs.volumes import voxelized
 from convwass_addon.errors import Cancelled
 from convwass_addon.progress import Control, payloads
 from convwass_addon.transport import Grid
@@ -284,7 +284,7 @@ def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
 def test_connectivity_is_that_of_the_occupancy():
     shapes, labels = parted_boxes()
     for problem, own in ((problem_of(SHAPES, QUICK), SHAPES), (problem_of(shapes, QUICK, labels), shapes)):
-        filled = voxelize(own, NAMES[: len(own)], problem.lattice, 0.0)
+        filled = [voxelized(one, NAMES[index], index, problem.lattice, 0.0) for index, one in enumerate(own)]
         assert problem.connectivity == tuple(connectivity_of(one, QUICK) for one in filled)
     assert [one.handles for one in problem_of(SHAPES, QUICK).connectivity] == [1, 0, 0]
 

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -144,29 +144,6 @@ def fitting_workers(lattice: Lattice, shapes: Sequence[TriangleMesh], parts: int
     return next((count for count in range(most, 1, -1) if lattice.memory(shapes, count, parts) <= free), 1)
 
 
-def voxelize(
-    shapes: Sequence[TriangleMesh], names: Sequence[str], lattice: Lattice, thickness: float
-) -> Iterator[NDArray[np.float32]]:
-    """Yield the occupancy of each shape on its grid, values in [0, 1].
-
-    Parameters
-    ----------
-    shapes, names
-        The inputs and their names, for messages.
-    lattice : Lattice
-        The grid.
-    thickness : float
-        Thickness in scene units for shapes that enclose nothing; 0 rejects them.
-
-    Raises
-    ------
-    InputError
-        A shape encloses nothing, or is too small compared with the others.
-    """
-    for index, (shape, name) in enumerate(zip(shapes, names, strict=True)):
-        yield voxelized(shape, name, index, lattice, thickness)
-
-
 def voxelized(
     shape: TriangleMesh,
     name: str,
@@ -175,9 +152,25 @@ def voxelized(
     thickness: float,
     control: Control = UNINTERRUPTED,
 ) -> NDArray[np.float32]:
-    """Return the occupancy of input `index` alone; see :func:`voxelize`.
+    """Return the occupancy of a shape on its grid, values in [0, 1].
 
-    Cancelling `control` ends the work.
+    Parameters
+    ----------
+    shape, name
+        The input and its name, for messages.
+    index : int
+        Its index among the inputs.
+    lattice : Lattice
+        The grid.
+    thickness : float
+        Thickness in scene units for a shape that encloses nothing; 0 rejects it.
+    control : Control
+        Stops the work.
+
+    Raises
+    ------
+    InputError
+        The shape encloses nothing, or is too small compared with the others.
     """
     outward = orient_outward(shape)
     control.check()
