@@ -23,8 +23,6 @@ def elastic_step(
     trust: NDArray[np.float64],
     width: float,
     control: Control,
-    start: NDArray[np.float64] | None = None,
-    residual: float = _RESIDUAL,
 ) -> NDArray[np.float64]:
     """Displace the cells of a solid elastically towards their target displacements.
 
@@ -47,10 +45,6 @@ def elastic_step(
         Approximate size, in cells, of the parts that move together.
     control : Control
         Stops the work.
-    start : (n, 3) float64, optional
-        Initial displacements; by default the aims.
-    residual : float
-        Relative residual of the linear system at which to stop.
 
     Returns
     -------
@@ -65,12 +59,11 @@ def elastic_step(
         return np.einsum("nij,nj->ni", inverses, vector.reshape(-1, 3)).ravel()
 
     right = (np.maximum(trust, 1e-4)[:, None] * aims).ravel()
-    first = aims if start is None else start
     found, _ = cg(
         system,
         right,
-        first.ravel(),
-        rtol=residual,
+        aims.ravel(),
+        rtol=_RESIDUAL,
         maxiter=_MOST_ITERATIONS,
         M=LinearOperator(system.shape, precondition, dtype=np.float64),
         callback=lambda _: control.check(),

@@ -50,11 +50,6 @@ class FlatConnectivity:
         """Count the regions and holes of an outline."""
         return cls(len(drawn.outline.regions), drawn.outline.holes)
 
-    @property
-    def euler_number(self) -> int:
-        """Regions minus holes."""
-        return self.regions - self.holes
-
     def or_more(self, other: FlatConnectivity) -> FlatConnectivity:
         """Return the larger of each pair of numbers."""
         return FlatConnectivity(max(self.regions, other.regions), max(self.holes, other.holes))

@@ -72,11 +72,6 @@ class Outline:
         """Number of holes."""
         return sum(len(region.holes) for region in self.regions)
 
-    @property
-    def euler_number(self) -> int:
-        """Regions minus holes."""
-        return len(self.regions) - self.holes
-
     def moved(self, offset: ArrayLike, factor: float = 1.0) -> Outline:
         """Return the outline scaled and then translated."""
         return self.with_rings([ring * factor + np.asarray(offset) for ring in self.rings])

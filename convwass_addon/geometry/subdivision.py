@@ -14,8 +14,6 @@ from .mesh import TriangleMesh
 
 # Every round halves long edges.
 _MOST_ROUNDS = 12
-# Number of rounds in which longest edges of affected triangles are added.
-_FOLLOWED = 3
 
 
 @dataclass(frozen=True)

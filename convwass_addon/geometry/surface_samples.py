@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import dijkstra
 
-from ..progress import UNINTERRUPTED, Control
 from .edges import vertex_components
 from .mesh import TriangleMesh
 from .normals import vertex_normals
@@ -51,7 +50,7 @@ class SurfaceSamples:
     blend: csr_array
 
     @classmethod
-    def of(cls, mesh: TriangleMesh, count: int, reach: float, control: Control = UNINTERRUPTED) -> SurfaceSamples:
+    def of(cls, mesh: TriangleMesh, count: int, reach: float) -> SurfaceSamples:
         """Distribute samples evenly over a surface.
 
         Parameters
@@ -62,19 +61,15 @@ class SurfaceSamples:
             Largest number of samples.
         reach : float
             Longest pair, relative to the size of the surface.
-        control : Control
-            Stops the work.
         """
         labels = vertex_components(mesh)
         used = np.flatnonzero(labels >= 0)
         seeds = used[_farthest_points(mesh.vertices[used], min(count, len(used)))]
-        control.check()
         size = float(np.sqrt(mesh.area))
         pairs = point_tree(mesh.vertices[seeds]).query_pairs(reach * size, output_type="ndarray").astype(np.int64)
         pairs = np.unique(np.sort(pairs, axis=1), axis=0)
         apart = labels[seeds[pairs[:, 0]]] != labels[seeds[pairs[:, 1]]]
         kept = apart | _inside_solid(mesh, seeds[pairs], _OUTSIDE * size)
-        control.check()
         blend = _blended(mesh, seeds)
         return cls(seeds, blend.T @ mesh.vertex_areas, pairs[kept], blend)
 

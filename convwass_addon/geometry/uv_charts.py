@@ -57,15 +57,13 @@ class SharedEdges:
         return corner_values[self.faces[:, :, None], self.corners]
 
 
-def chart_labels(
-    faces: NDArray[np.int64], uvs: NDArray[np.floating], shared: SharedEdges | None = None, repeats: bool = False
-) -> NDArray[np.int64]:
+def chart_labels(faces: NDArray[np.int64], uvs: NDArray[np.floating], repeats: bool = False) -> NDArray[np.int64]:
     """Label triangles, (m, 3), by their island in a UV map, (m, 3, 2): (m,), starting at 0.
 
     Triangles that share an edge belong to the same island if their UVs agree at both of its ends, up to float32
     rounding; where the texture repeats, if they agree up to the same integers.
     """
-    shared = shared or SharedEdges.of(faces)
+    shared = SharedEdges.of(faces)
     ends = shared.values(uvs)
     size = float(np.abs(uvs).max(initial=0.0))
     apart = ends[:, 0] - ends[:, 1]

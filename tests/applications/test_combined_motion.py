@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.applications.motions import combined_motion as module
 from convwass_addon.applications.motions.combined_motion import combined_motion
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.motions.remaining_distance import remaining_share
-from convwass_addon.applications.motions.warp_motion import WarpEffort
+from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball
@@ -43,7 +45,9 @@ class Turning:
 
 @pytest.fixture(scope="module")
 def combined():
-    return drained(combined_motion(Turning(), ["a", "b"], [(1, 0)], 0.5, Control(), WarpEffort(cells=24, rounds=5)))
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "warp_motion", partial(warp_motion, effort=WarpEffort(cells=24, rounds=5)))
+        return drained(combined_motion(Turning(), ["a", "b"], [(1, 0)], 0.5, Control()))
 
 
 def test_ends_are_those_of_the_first_motion(combined):

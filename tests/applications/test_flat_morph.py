@@ -65,7 +65,7 @@ def test_halfway_between_shapes_whose_map_is_linear(first, second, middle, sharp
 
 def test_evenly_filled_blends_are_read_without_noise():
     (frame,) = frames_of([shape(rectangle((0, 0), (3, 1))), shape(rectangle((0, 0), (1, 3)))], single_blend([1, 1], 2))
-    assert frame.outline.euler_number == 1
+    assert (len(frame.outline.regions), frame.outline.holes) == (1, 0)
     assert frame.record["mended"] == {"crumbs": 0, "filled": 0, "bridged": 0}
     assert frame.outline.area == pytest.approx(4.0, rel=2e-2)
 
@@ -101,7 +101,7 @@ def test_inputs_are_unchanged_and_neighboring_blends_have_their_holes():
     blends = [Blend((1.0, 0.0)), Blend((0.98, 0.02)), Blend((0.02, 0.98)), Blend((0.0, 1.0))]
     frames = frames_of([shape(*ring), shape(*two)], blends)
     assert [frame.outline is None for frame in frames] == [True, False, False, True]
-    assert [frames[1].outline.euler_number, frames[2].outline.euler_number] == [0, -1]
+    assert [(len(frame.outline.regions), frame.outline.holes) for frame in frames[1:3]] == [(1, 1), (1, 2)]
     assert frames[0].record["area"] == pytest.approx(3 * np.pi, rel=1e-5)
 
 

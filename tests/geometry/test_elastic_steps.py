@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.errors import Cancelled
+from convwass_addon.geometry import elastic_steps
 from convwass_addon.geometry.elastic_steps import elastic_step
 from convwass_addon.geometry.solid_cells import SolidCells
 from convwass_addon.progress import Control
@@ -23,7 +24,9 @@ def blob():
 
 
 def solved(solid, aims, trust, width=4.0):
-    return elastic_step(solid, aims, trust, width, Control(), residual=1e-12)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(elastic_steps, "_RESIDUAL", 1e-12)
+        return elastic_step(solid, aims, trust, width, Control())
 
 
 @pytest.mark.parametrize("kind", ["translation", "rotation"])

@@ -14,7 +14,7 @@ from ...geometry.surface_rotations import surface_rotations
 from ...progress import Control, Work, within
 from .guided_motion import GuidedMotion
 from .motion import MovedShape
-from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
+from .warp_motion import WarpMotion, warp_motion
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,6 @@ def combined_motion(
     pairs: Sequence[tuple[int, int]],
     coherence: float,
     control: Control,
-    effort: WarpEffort = USUAL_EFFORT,
 ) -> Work[CombinedMotion]:
     """Compute the warps that complete a guided motion.
 
@@ -89,7 +88,7 @@ def combined_motion(
         Names of the shapes, for messages.
     pairs : sequence of (int, int)
         Pairs of shapes that are blended with each other.
-    coherence, control, effort
+    coherence, control
         As for :func:`.warp_motion.warp_motion`.
 
     Raises
@@ -107,7 +106,6 @@ def combined_motion(
             [(0, 1)],
             coherence,
             control,
-            effort,
         )
         warps[pair] = yield from within(work, number / len(wanted), (number + 1) / len(wanted))
     return CombinedMotion(guided, warps)
