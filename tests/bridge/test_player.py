@@ -25,9 +25,11 @@ from convwass_addon.bridge.morphs.player import (
     is_player,
     make_player,
     morph_value,
+    pace,
     refresh_player,
 )
 from convwass_addon.bridge.morphs.removal import remove_bake
+from convwass_addon.bridge.morphs.retiming import keyed_span
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, set_shown, shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
@@ -105,6 +107,19 @@ def test_it_shows_the_same_as_the_objects(collection):
     assert is_player(player)
     assert shown_morph(player) == collection
     assert stand_ins(collection) == [player]
+
+
+def test_a_player_keeps_the_time_of_frames_that_are_held(bare_scene, make_object, octahedron):
+    shapes = [make_object(name) for name in "AB"]
+    shapes[1].location.z = 2 * STEPS
+    path = bake(bare_scene, shapes, path_blends(2, 2 * STEPS, 2), octahedron)
+    frames = range(FIRST - 1, FIRST + 2 * STEPS + 2)
+    before = heights(frames)
+    player = make_player(path)
+    assert keyed_span(player) == (FIRST, FIRST + 2 * STEPS)
+    # Where a frame is held, the player may show the next one, which is as near.
+    assert heights(frames)[1::2] == before[1::2]
+    assert pace(player) == pytest.approx(1.0 / (2 * STEPS))
 
 
 @pytest.mark.parametrize(("part", "steps"), [(0.0, 2), (0.3, 2), (0.45, 2), (0.55, 3), (0.9, 3)])

@@ -28,7 +28,7 @@ from .frozen_inputs import FrozenInput, frozen_inputs
 from .hidden_inputs import hide_shapes
 from .materials import MATERIAL_NAME, morph_material
 from .removal import remove_bake, remove_objects
-from .stored import FIRST_FRAMES, INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, store_diagnostics, summary
+from .stored import FIRST_FRAMES, FRAME_KEY, INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, store_diagnostics, summary
 
 SHEET_SPACING = 1.3
 """Distance between neighbors in a sheet, in sizes of the largest input."""
@@ -237,6 +237,7 @@ class MorphBake:
         obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
         obj[INDEX_KEY] = index
         if frame.blend.frame is not None:
+            obj[FRAME_KEY] = frame.blend.frame
             key_visibility(obj, self._living_action(collection.name), [self._shown(index, range(len(self._blends)))])
         elif len(self._blends) > 1:
             obj.location = self._sheet_location(frame.blend)

@@ -18,7 +18,7 @@ from ..keyframes import FrameRange, key_visibility
 from .hidden_inputs import copy_hidden
 from .player import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
-from .stored import INDEX_KEY, WEIGHTS_KEY, store, stored_morph
+from .stored import FRAME_KEY, INDEX_KEY, WEIGHTS_KEY, store, stored_morph
 
 
 def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.float64]:
@@ -110,7 +110,7 @@ def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
     mesh.name = f"Frame {number + 1:04d}"
     obj = bpy.data.objects.new(mesh.name, mesh)
     obj.matrix_world = evaluated.matrix_world
-    obj[INDEX_KEY], obj[WEIGHTS_KEY] = number, _weights(player)
+    obj[INDEX_KEY], obj[FRAME_KEY], obj[WEIGHTS_KEY] = number, number, _weights(player)
     return obj
 
 

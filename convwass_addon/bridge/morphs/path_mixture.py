@@ -18,7 +18,7 @@ from .frame_attributes import VELOCITY
 from .frame_colors import colored
 from .mixed_frames import DETAIL, DETAIL_TIP, MixedFrames, carried_attributes, columns_of
 from .moved_frames import has_velocity, moved_about_centers, moved_frame
-from .stored import INDEX_KEY
+from .stored import frame_number
 from .stored_fields import LOSES_PARTS, OFFSET, Column, StoredFields
 
 VALUE = "Morph"
@@ -40,7 +40,7 @@ PACE = "pace"
 
 def path_columns(frames: Sequence[bpy.types.Object], per_second: float) -> list[Column]:
     """Return the columns of the table of steps of a path, baked at a number of frames per second."""
-    numbers = np.array([obj[INDEX_KEY] for obj in frames], dtype=np.float64)
+    numbers = np.array([frame_number(obj) for obj in frames], dtype=np.float64)
     steps = np.diff(numbers, append=2 * numbers[-1] - numbers[-2])
     return [*columns_of(frames), Column(PACE, "FLOAT", per_second / steps)]
 

@@ -35,7 +35,7 @@ from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
 from .stand_ins import SHOWS_KEY, adopt, homes, remove_unused, require_none, set_shown, stand_ins
-from .stored import INDEX_KEY, WEIGHTS_KEY, frame_objects, is_solid, stored_morph
+from .stored import WEIGHTS_KEY, frame_number, frame_objects, is_solid, stored_morph
 from .stored_fields import field_cells
 
 PLAYBACK = "Playback"
@@ -205,7 +205,7 @@ def pace(player: bpy.types.Object) -> float:
     """Return the change of the value per frame of the bake."""
     frames = _path_objects(player[SHOWS_KEY])
     values = _values(frames)
-    return float((values[-1] - values[0]) / (frames[-1][INDEX_KEY] - frames[0][INDEX_KEY]))
+    return float((values[-1] - values[0]) / (frame_number(frames[-1]) - frame_number(frames[0])))
 
 
 def _path_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
@@ -340,7 +340,7 @@ def _key(value: NodeInput, frames: Sequence[bpy.types.Object], first_frame: int,
     corners = {0, len(frames) - 1, *np.flatnonzero(values == np.round(values)).tolist()}
     for place in sorted(corners):
         value.set(float(values[place]))
-        value.owner.keyframe_insert(value.path, frame=first_frame + frames[place][INDEX_KEY])
+        value.owner.keyframe_insert(value.path, frame=first_frame + frame_number(frames[place]))
     data = value.modifier.id_data.animation_data
     bag = action_get_channelbag_for_slot(data.action, data.action_slot)
     curve = bag.fcurves.find(value.data_path)

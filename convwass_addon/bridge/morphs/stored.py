@@ -29,6 +29,9 @@ WEIGHTS_KEY = "convwass_weights"
 INDEX_KEY = "convwass_index"
 """Custom property of a frame object: its index in frame order, from 0."""
 
+FRAME_KEY = "convwass_frame"
+"""Custom property of a frame object on a path: its scene frame, counted from the start of the morph."""
+
 ALONE_KEY = "convwass_alone"
 """Custom property of a single object that shows all frames of its morph."""
 
@@ -171,6 +174,14 @@ def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     there = [*collection.objects, *(() if hidden is None else hidden.objects)]
     frames = sorted((obj for obj in there if _weight_count(obj)), key=_place)
     return [obj for obj in frames if _weight_count(obj) == _weight_count(frames[0])]
+
+
+def frame_number(obj: bpy.types.Object) -> int:
+    """Return the scene frame of a frame object on a path, counted from the start of the morph.
+
+    Earlier versions did not store it; it is then taken to be the index of the frame object.
+    """
+    return int(obj.get(FRAME_KEY, obj[INDEX_KEY]))
 
 
 def hidden_frames(collection: bpy.types.Collection) -> bpy.types.Collection | None:
