@@ -157,7 +157,7 @@ class _Flipping:
     def _measure(self, triangles: NDArray[np.int64]) -> None:
         """Update the areas and cotangents of some triangles from their side lengths."""
         lengths = self.lengths.reshape(-1, 3)[triangles]
-        areas = triangle_areas(lengths)
+        areas = heron_areas(lengths)
         squares = lengths**2
         self.areas[triangles] = areas
         cotangents = (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (4.0 * areas[:, None])
@@ -227,7 +227,7 @@ def _apex(
     return (base**2 + from_start**2 - from_end**2) / (2.0 * base), 2.0 * area / base
 
 
-def triangle_areas(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+def heron_areas(lengths: NDArray[np.float64]) -> NDArray[np.float64]:
     """Areas from edge lengths, (m, 3), by Heron's formula in the stable order for needle triangles (Kahan 2014)."""
     c, b, a = np.sort(lengths, axis=1).T
     return 0.25 * np.sqrt((a + (b + c)) * (c - (a - b)) * (c + (a - b)) * (a + (b - c)))

@@ -13,7 +13,7 @@ from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPoints
 from .facing_points import FacingPointFinder
 from .mesh import TriangleMesh
-from .normals import triangle_normals
+from .normals import triangle_areas, triangle_normals
 
 FOLDED = 0.1
 """Triangles count as folded below this score, see :meth:`FoldFinder.scores`."""
@@ -86,9 +86,5 @@ class FoldFinder:
 
     def _area_ratios(self, corners: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
         """Return areas relative to those at rest and to the areas of both shapes; 1 without area at rest."""
-        expected = _areas(self.rest.vertices[faces]) * (self.target.area / self.rest.area)
-        return np.where(expected > 0.0, _areas(corners) / np.where(expected > 0.0, expected, 1.0), 1.0)
-
-
-def _areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+        expected = triangle_areas(self.rest.vertices[faces]) * (self.target.area / self.rest.area)
+        return np.where(expected > 0.0, triangle_areas(corners) / np.where(expected > 0.0, expected, 1.0), 1.0)

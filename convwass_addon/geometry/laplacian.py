@@ -14,9 +14,10 @@ from scipy.sparse import coo_array, csc_array
 
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control
-from .delaunay import closed_surface, flipped_to_delaunay, triangle_areas
+from .delaunay import closed_surface, flipped_to_delaunay, heron_areas
 from .edges import distinct_corners
 from .mesh import TriangleMesh
+from .normals import triangle_areas
 
 # Mollification makes every triangle inequality hold by this fraction of the mean edge length (Sharp and Crane 2020).
 _MARGIN = 1e-5
@@ -152,7 +153,7 @@ def cotangent_laplacian(mesh: TriangleMesh) -> Laplacian:
     """
     surface = _unit_surface(mesh)
     lengths = _mollified(_edge_lengths(surface))
-    areas = triangle_areas(lengths)
+    areas = heron_areas(lengths)
     squares = lengths**2
     # Column c belongs to the edge opposite corner c, whose weight is half the cotangent of the angle at c.
     weights = (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (8.0 * areas[:, None])
@@ -217,9 +218,7 @@ def _has_area(surface: _UnitSurface, reach: float) -> bool:
     # Usually one of the first triangles is.
     for start in range(0, len(surface.faces), _AT_ONCE):
         corners = surface.vertices[surface.faces[start : start + _AT_ONCE]]
-        a, b, c = np.moveaxis(corners, 1, 0)
-        doubled = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        if (doubled > least * _lengths(corners).max(axis=1)).any():
+        if (2.0 * triangle_areas(corners) > least * _lengths(corners).max(axis=1)).any():
             return True
     return False
 

@@ -31,6 +31,13 @@ def triangle_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([x / lengths, y / lengths, z / lengths], axis=1)
 
 
+def triangle_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the areas of triangles, (m,), from their corners, (m, 3, 3); of a mesh, `face_areas` is faster."""
+    first, second, third = (np.ascontiguousarray(corners[:, corner].T) for corner in range(3))
+    x, y, z = _cross(second - first, third - first)
+    return 0.5 * np.sqrt(x * x + y * y + z * z)
+
+
 def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return vertex normals, (n, 3), with a third of the area of the adjacent triangles as length.
 

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from .mesh import TriangleMesh
 from .poisson_deformation import deformation_gradients
 from .rotations import nearest_rotations
 
@@ -27,8 +28,7 @@ def surface_rotations(
     faces : (m, 3) int64
         Triangles. Vertices without triangles get the identity.
     """
-    corners = before.take(faces, axis=0)
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    areas = TriangleMesh(before, faces).face_areas
     # Triangles without area at rest have the identity as gradient; it only counts where there are no others.
     areas = np.maximum(areas, 1e-9 * max(float(areas.max(initial=0.0)), np.finfo(float).tiny))
     ends = np.arange(0, faces.size + 1, 3)

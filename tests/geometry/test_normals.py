@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.normals import area_normals, triangle_normals, unit_vectors, vertex_normals
+from convwass_addon.geometry.normals import area_normals, triangle_areas, triangle_normals, unit_vectors, vertex_normals
 from tests.shapes import ball, box
 
 # A roof of two perpendicular triangles with areas 1 and 3, a triangle without area, and an unused vertex.
@@ -19,6 +19,10 @@ def test_vectors_are_normalized():
 
 def test_normals_of_triangles():
     np.testing.assert_array_equal(triangle_normals(VERTICES[FACES]), [(0, 0, 1), (1, 0, 0), (0, 0, 0)])
+
+
+def test_areas_of_triangles():
+    np.testing.assert_array_equal(triangle_areas(VERTICES[FACES]), [1, 3, 0])
 
 
 def test_normals_of_vertices_are_weighted_by_area():

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...geometry.closest_points import ClosestPoints
+from ...geometry.normals import triangle_areas
 from ..morphs.appearance import Appearance
 from ..motions.motion import MovedShape
 
@@ -61,8 +62,7 @@ def _spread(corners: NDArray[np.float64]) -> ClosestPoints:
     Barycentric coordinates follow the R2 low-discrepancy sequence (Roberts 2018), whose steps are powers of the inverse
     plastic number.
     """
-    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    passed = np.cumsum(areas)
+    passed = np.cumsum(triangle_areas(corners))
     numbers = np.arange(_SAMPLES)
     triangles = np.searchsorted(passed, (numbers + 0.5) / _SAMPLES * passed[-1]).clip(max=len(corners) - 1)
     plastic = 1.32471795724474602596

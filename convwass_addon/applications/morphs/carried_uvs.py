@@ -18,6 +18,7 @@ from scipy.spatial import cKDTree
 
 from ...geometry.barycentric import barycentric_coordinates, clamped_to_triangle
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
+from ...geometry.normals import triangle_areas
 from ...geometry.uv_charts import SEAM_DETOUR, chart_labels, uv_sizes
 
 # Number of triangles of the shape tried for each corner beyond a seam.
@@ -74,7 +75,7 @@ class UvMap:
     @cached_property
     def scale(self) -> float:
         """The mean length on the shape of a unit of length in the texture."""
-        areas = np.linalg.norm(np.cross(*np.moveaxis(self.corners[:, 1:] - self.corners[:, :1], 1, 0)), axis=1)
+        areas = triangle_areas(self.corners)
         mean = float(np.average(self.sizes, weights=areas)) if areas.any() else 0.0
         return 1.0 / mean if mean > 0.0 else 0.0
 

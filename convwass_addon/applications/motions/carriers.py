@@ -121,9 +121,7 @@ class Carrier:
         """
         if self.blend is None:
             return points
-        areas = np.linalg.norm(
-            np.cross(*(self.mesh.corners[:, corner] - self.mesh.corners[:, 0] for corner in (1, 2))), axis=1
-        )
+        areas = self.mesh.face_areas
         corners = self.mesh.faces.ravel()
         count = len(points)
         weighted = np.repeat(areas[:, None] * gradients.reshape(-1, 9), 3, axis=0)

@@ -54,8 +54,7 @@ class MapQuality:
 def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation) -> MapQuality:
     """Measure how well the deformed source matches the target."""
     weights = source.mesh.vertex_areas / source.mesh.area
-    areas = np.linalg.norm(np.cross(*_sides(source.mesh.corners)), axis=1)
-    areas = areas / areas.sum()
+    areas = source.mesh.face_areas / source.mesh.area
     return MapQuality(
         confidence=float(weights @ there.confidence),
         torn=float(areas[stretches(source, there) > _TORN].sum()),

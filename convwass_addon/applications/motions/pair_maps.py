@@ -260,6 +260,5 @@ def _confidence(mesh: TriangleMesh, other: TriangleMesh, points: PointMap) -> fl
     sides = other.corners[np.maximum(points.faces[mesh.faces[:, 0]], 0)]
     facing = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])
     upright = known & (np.einsum("nd,nd->n", normals, facing) >= 0)
-    areas = np.linalg.norm(np.cross(*(mesh.corners[:, k] - mesh.corners[:, 0] for k in (1, 2))), axis=1)
     confidence = points.confidence.astype(np.float64)[mesh.faces].mean(axis=1)
-    return float((areas * confidence * upright).sum() / areas.sum())
+    return float((mesh.face_areas * confidence * upright).sum() / mesh.area)

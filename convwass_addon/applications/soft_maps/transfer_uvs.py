@@ -19,6 +19,7 @@ from scipy.spatial import cKDTree
 from ...errors import InputError
 from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
 from ...geometry.mesh import TriangleMesh
+from ...geometry.normals import triangle_areas
 from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
 from ...sentence import Sentence
 from .surface_maps import PointMap
@@ -258,8 +259,7 @@ def _seams(uvs: NDArray[np.float64], shared: SharedEdges, known: NDArray[np.bool
 
 def _check_folds(uvs: NDArray[np.float64], homes: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
     """Raise if too much of a surface is flipped in its UVs relative to the triangles that they come from."""
-    a, b, c = np.moveaxis(corners, 1, 0)
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    areas = triangle_areas(corners)
     turns = np.sign(_doubled_areas(uvs)) * np.sign(_doubled_areas(homes))
     # A map between mirror images flips all triangles.
     side = 1.0 if (areas * turns).sum() >= 0 else -1.0
