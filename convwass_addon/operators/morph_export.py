@@ -13,12 +13,13 @@ from bpy.props import StringProperty
 from ..bridge.active import active_object
 from ..bridge.one_mesh.records import has_key_record
 from ..errors import ConvwassError, InputError
+from ..progress import drained
 from .morph_manage import active_morph
 from .reporting import refuse_if_known, tell
 
 
 class CONVWASS_OT_export_morph(bpy.types.Operator):
-    """Export the active morph or mesh with shape keys; the file extension sets the format"""
+    """Export the active morph, as its player shows it, or mesh with shape keys; the file extension sets the format"""
 
     bl_idname = "convwass.export_morph"
     bl_label = "Export"
@@ -62,6 +63,7 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
 
     def _written(self, context: bpy.types.Context) -> list[Path]:
         from ..bridge.morphs.exports import export_frames, format_of
+        from ..bridge.morphs.seen_frames import seen_frames
         from ..bridge.one_mesh.key_files import export_shape_keys
 
         if not self.filepath:
@@ -69,7 +71,12 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
         path, subject = Path(bpy.path.abspath(self.filepath)), _subject(context)
         if isinstance(subject, bpy.types.Object):
             return export_shape_keys(subject, path)
-        return export_frames(subject, path, format_of(path))
+        file_format = format_of(path)
+        seen = drained(seen_frames(subject, active_object(context)))
+        try:
+            return export_frames(seen.morph, path, file_format)
+        finally:
+            seen.discard()
 
 
 def _subject(context: bpy.types.Context) -> bpy.types.Object | bpy.types.Collection:

@@ -49,6 +49,24 @@ def require_none(collection: bpy.types.Collection) -> None:
         )
 
 
+def require_no_pad(collection: bpy.types.Collection) -> None:
+    """Check that no pad shows a morph, since files cannot contain what follows its handle.
+
+    Raises
+    ------
+    InputError
+        Names the pad.
+    """
+    handle = next((obj for obj in stand_ins(collection) if obj.users_scene and obj.type == "EMPTY"), None)
+    if handle is not None:
+        raise InputError(
+            "{name} is shown by a pad with the handle {handle}, which files cannot contain; to write its blends, press "
+            "Back to Baked Objects first.",
+            name=collection.name,
+            handle=handle.name,
+        )
+
+
 def remove_stand_ins(collection: bpy.types.Collection) -> None:
     """Remove the objects that show a morph, and show its frame objects again; data with other users is kept."""
     objects = stand_ins(collection)

@@ -1,0 +1,131 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The frames of a morph as they are seen: those that were baked, or what a player with another timing shows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+
+import bpy
+import numpy as np
+from mathutils import Matrix
+
+from ...progress import Work
+from ..keyframes import curves_of
+from ..sequence import MODIFIER
+from .dense_bake import bake_player, sample_times
+from .player import interpolation, is_player, morph_value, playback_item, shown_value, speed
+from .removal import remove_bake
+from .retiming import keyed_span
+from .stand_ins import shown_morph, stand_ins
+from .stored import WEIGHTS_KEY, frame_number, frame_objects, shown_frames
+
+# Largest difference of values that counts as the same moment, far below the step from frame to frame.
+_SAME = 1e-4
+
+
+@dataclass(frozen=True)
+class SeenFrames:
+    """Frames to write.
+
+    Attributes
+    ----------
+    morph : bpy.types.Collection
+        The morph with the frames.
+    player : bpy.types.Object or None
+        The player from which they were made; None if they are those of the bake.
+    """
+
+    morph: bpy.types.Collection
+    player: bpy.types.Object | None = None
+
+    def keep(self) -> None:
+        """Hide the player from which the frames were made."""
+        if self.player is not None:
+            self.player.hide_viewport = self.player.hide_render = True
+
+    def discard(self) -> None:
+        """Remove frames that were made from a player."""
+        if self.player is not None:
+            remove_bake(self.morph)
+
+
+def seen_frames(morph: bpy.types.Collection, active: bpy.types.Object | None = None) -> Work[SeenFrames]:
+    """Return the frames of a morph as they are seen.
+
+    If a player shows them as they were baked, they are those of the bake. If it was retimed, moved or modified, a morph
+    is made with a frame for every scene frame from its first key to its last.
+
+    Parameters
+    ----------
+    morph : bpy.types.Collection
+        A baked morph.
+    active : bpy.types.Object, optional
+        The player to use of several.
+
+    Yields
+    ------
+    Progress
+        After each frame that is made.
+
+    Raises
+    ------
+    InputError
+        As :func:`.dense_bake.bake_player`.
+    """
+    players = [obj for obj in stand_ins(morph) if obj.users_scene and is_player(obj)]
+    if all(shows_as_baked(player) for player in players):
+        return SeenFrames(morph)
+    player = active if active in players else players[0]
+    render = bpy.context.scene.render
+    first, last = keyed_span(player)
+    rate = render.fps / render.fps_base
+    with _visible(player):
+        made = yield from bake_player(player, sample_times(first, last, rate, rate), first)
+    return SeenFrames(made, player)
+
+
+@contextmanager
+def _visible(player: bpy.types.Object) -> Iterator[None]:
+    """Show a player meanwhile: Blender does not evaluate hidden objects."""
+    before = player.hide_viewport, player.hide_render, player.hide_get()
+    player.hide_viewport = False
+    player.hide_set(False)
+    try:
+        yield
+    finally:
+        player.hide_viewport, player.hide_render, eye = before
+        player.hide_set(eye)
+
+
+def shows_as_baked(player: bpy.types.Object) -> bool:
+    """Return whether a player shows every baked frame at its time and place, and nothing else."""
+    return _is_in_place(player) and _plays_as_baked(player)
+
+
+def _is_in_place(player: bpy.types.Object) -> bool:
+    """Return whether a player is neither moved nor modified."""
+    own = [value.data_path for value in (morph_value(player), speed(player)) if value is not None]
+    moves = [curve for curve in curves_of(player) if curve.data_path not in own]
+    changes = [modifier for modifier in player.modifiers if modifier.name != MODIFIER]
+    return not (moves or changes or player.constraints or player.parent) and player.matrix_basis == Matrix()
+
+
+def _plays_as_baked(player: bpy.types.Object) -> bool:
+    """Return whether a player shows the baked frames in their order and at their speed."""
+    morph = shown_morph(player)
+    frames, span = frame_objects(morph), shown_frames(morph)
+    value = morph_value(player)
+    curve = next((own for own in curves_of(player) if own.data_path == value.data_path), None)
+    if curve is None or keyed_span(player) != (span[0], span[-1]):
+        return False
+    if len(frames) < len(span) and interpolation(player) is not None:
+        # It shows the moments between frames that are held.
+        return False
+    last, item = len(frames[0][WEIGHTS_KEY]) - 1, playback_item(player)
+    times = [span[0] + frame_number(obj) for obj in frames]
+    shown = np.array([shown_value(curve.evaluate(time), item, last) for time in times])
+    baked = np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) @ np.arange(last + 1)
+    return bool(np.abs(shown - baked).max() < _SAME)

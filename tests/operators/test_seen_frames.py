@@ -1,0 +1,126 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Files contain what a player shows, and a player that was changed is kept."""
+
+from __future__ import annotations
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.keyframes import curves_of
+from convwass_addon.bridge.morphs.player import is_player, morph_value
+from convwass_addon.bridge.morphs.seen_frames import shows_as_baked
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+WRITERS = [("make_volume", {}), ("make_cache", {"kind": "alembic"}), ("make_cache", {"kind": "usd"})]
+
+
+def bake(**options):
+    for name, height in (("A", 1.0), ("B", 2.0)):
+        bpy.ops.mesh.primitive_cube_add(scale=(1, 1, height))
+        bpy.context.object.name = name
+    settings = {"motion": "TRANSPORT", "frames": 4, "resolution": 20, "start": "CUSTOM", "frame_start": 5}
+    bpy.ops.convwass.bake_morph(**{"inputs": "A,B", **settings, **options})
+    return bpy.context.object.users_collection[0]
+
+
+@pytest.fixture
+def player():
+    bake(output="PLAYER")
+    return bpy.context.object
+
+
+def height(obj, frame):
+    bpy.context.scene.frame_set(frame)
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    heights = [(obj.matrix_world @ vertex.co).z for vertex in mesh.vertices]
+    return max(heights) - min(heights)
+
+
+@pytest.mark.parametrize(("operator", "options"), WRITERS)
+def test_a_retimed_player_is_written_as_it_plays_and_kept(player, tmp_path, operator, options):
+    bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2)
+    expected = [height(player, frame) for frame in range(5, 14)]
+    keys = [point.co[:] for curve in curves_of(player) for point in curve.keyframe_points]
+    assert getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options) == {"FINISHED"}
+    shown = bpy.context.object
+    assert [height(shown, frame) for frame in range(5, 14)] == pytest.approx(expected, abs=0.3)
+    assert height(shown, 7) == pytest.approx(height(shown, 5)) and height(shown, 13) == pytest.approx(height(shown, 11))
+    assert is_player(player) and player.hide_viewport and player.hide_render
+    assert keys == [point.co[:] for curve in curves_of(player) for point in curve.keyframe_points]
+
+
+@pytest.mark.parametrize(("operator", "options"), WRITERS)
+def test_a_player_that_shows_the_bake_gives_way_to_files(player, tmp_path, operator, options):
+    name = player.name
+    assert getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options) == {"FINISHED"}
+    assert name not in bpy.data.objects
+    assert not any("convwass_weights" in obj for obj in bpy.data.objects)
+
+
+def test_what_counts_as_a_change(player):
+    assert shows_as_baked(player)
+    player.location.x = 1.0
+    assert not shows_as_baked(player)
+    player.location.x = 0.0
+    modifier = player.modifiers.new("Wires", "WIREFRAME")
+    assert not shows_as_baked(player)
+    player.modifiers.remove(modifier)
+    assert shows_as_baked(player)
+    (curve,) = (own for own in curves_of(player) if own.data_path == morph_value(player).data_path)
+    curve.keyframe_points[0].interpolation = "SINE"
+    assert not shows_as_baked(player)
+    player.animation_data_clear()
+    assert not shows_as_baked(player)
+
+
+def test_held_frames_are_those_of_a_player_without_moments_between_them():
+    bake(output="PLAYER", frame_step=2, between="NEAREST")
+    assert shows_as_baked(bpy.context.object)
+    bpy.ops.convwass.remove_player()
+    bpy.ops.convwass.make_player(between="INTERPOLATED")
+    assert not shows_as_baked(bpy.context.object)
+
+
+def test_a_retimed_player_is_exported_as_it_plays(player, tmp_path):
+    bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2)
+    before = {block.name for block in bpy.data.user_map()}
+    player.hide_set(True)
+    assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / "morph.obj")) == {"FINISHED"}
+    assert len(list(tmp_path.glob("*.obj"))) == 9
+    assert {block.name for block in bpy.data.user_map()} == before
+    assert player.hide_get() and not player.hide_viewport
+
+
+def test_an_error_leaves_the_player_as_it_was(player, tmp_path, monkeypatch):
+    from convwass_addon.bridge.morphs import cache_output
+
+    bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2)
+    before = {block.name for block in bpy.data.user_map()}
+    monkeypatch.setattr(cache_output, "export_frames", lambda _, file, kind: file.write_bytes(b"no archive"))
+    with pytest.raises(RuntimeError, match="would contain no animated mesh"):
+        bpy.ops.convwass.make_cache(folder=str(tmp_path))
+    assert {block.name for block in bpy.data.user_map()} == before
+    assert not player.hide_viewport
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_without_keys_there_is_nothing_to_write(player, tmp_path):
+    player.animation_data_clear()
+    with pytest.raises(RuntimeError, match="only one frame between the first key"):
+        bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    assert is_player(player) and not player.hide_viewport
+
+
+def test_a_pad_is_not_written(tmp_path):
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.name = "C"
+    bake(inputs="A,B,C", layout="TRIANGLE", steps=2, output="PLAYER", between="NEAREST")
+    handle = bpy.context.object
+    with pytest.raises(RuntimeError, match=f"the handle {handle.name}, which files cannot contain"):
+        bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    assert handle.name in bpy.data.objects
+    bpy.ops.convwass.remove_player()
+    assert bpy.ops.convwass.make_volume(folder=str(tmp_path)) == {"FINISHED"}
+    assert not any("convwass_weights" in obj for obj in bpy.data.objects)
