@@ -12,6 +12,7 @@ from bpy.props import BoolProperty
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.morphs.morph_request import MorphRequest
+from ..bridge.natural_order import natural_key
 from .from_schema import arguments_of, values_of, with_properties
 from .morph_solver import OF_FLAT, SolverProperties
 
@@ -43,7 +44,7 @@ class MorphProperties(SolverProperties):
         along_x = self.order == "LEFT_TO_RIGHT"
         return sorted(
             objects,
-            key=lambda obj: (obj.matrix_world.translation.x if along_x else 0.0, obj.name),
+            key=lambda obj: (obj.matrix_world.translation.x if along_x else 0.0, natural_key(obj.name)),
             reverse=self.reverse,
         )
 

@@ -201,6 +201,13 @@ def test_wrong_arguments_are_refused_and_leave_nothing_behind(shapes, arguments,
     assert len(bpy.data.objects) == 3
 
 
+def test_numbers_in_names_are_sorted_by_value(shapes):
+    for obj, name in zip(shapes, ("Step 10", "step 9", "Step 1"), strict=True):
+        obj.name = name
+    bpy.ops.convwass.add_morph_inputs()
+    assert listed() == ["Step 1", "step 9", "Step 10"]
+
+
 def test_a_deleted_shape_is_reported(shapes):
     bpy.ops.convwass.add_morph_inputs()
     select(shapes[0])
