@@ -58,9 +58,9 @@ def chosen_inputs(
         objects = [_named(name) for name in _separated(names)]
         numbers = [1.0] * len(objects)
     elif context.scene.convwass_morph.inputs:
-        for item in listed:
-            if item.object is None or item.object.name not in context.scene.objects:
-                raise InputError("A shape on the input list was deleted; remove it from the list.")
+        for number, item in enumerate(context.scene.convwass_morph.inputs, start=1):
+            if item.enabled:
+                _require_shape(item.object, number, context.scene)
         objects, numbers = [item.object for item in listed], [item.weight for item in listed]
     else:
         selected = selected_objects(context)
@@ -92,6 +92,21 @@ def baked_inputs(morph: bpy.types.Collection, weights: str = "") -> ChosenInputs
     """
     objects = stored_inputs(morph)
     return ChosenInputs(objects, _numbers(weights) if weights.strip() else [1.0] * len(objects))
+
+
+def _require_shape(obj: bpy.types.Object | None, number: int, scene: bpy.types.Scene) -> None:
+    """Raise InputError if the shape with a number on the input list is not in a scene."""
+    if obj is None:
+        raise InputError("Shape {number} on the input list no longer exists; remove it from the list.", number=number)
+    if not obj.users_scene:
+        raise InputError("{name} on the input list was deleted; remove it from the list.", name=obj.name)
+    if scene not in obj.users_scene:
+        raise InputError(
+            "{name} on the input list is not in this scene but in {other}; link it to this scene, or remove it from "
+            "the list.",
+            name=obj.name,
+            other=obj.users_scene[0].name,
+        )
 
 
 def split_names(text: str) -> list[str]:

@@ -212,10 +212,28 @@ def test_a_deleted_shape_is_reported(shapes):
     bpy.ops.convwass.add_morph_inputs()
     select(shapes[0])
     bpy.ops.object.delete()
-    with pytest.raises(RuntimeError, match="was deleted"):
+    with pytest.raises(RuntimeError, match="B on the input list was deleted"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     bpy.ops.convwass.check_morph_inputs()
     assert settings().inputs[1].verdict == "UNUSABLE"
+
+
+def test_a_shape_that_no_longer_exists_is_numbered(shapes):
+    bpy.ops.convwass.add_morph_inputs()
+    settings().inputs[0].enabled = False
+    bpy.data.objects.remove(shapes[0])
+    with pytest.raises(RuntimeError, match="Shape 2 on the input list no longer exists"):
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+
+
+def test_a_shape_of_another_scene_is_not_called_deleted(shapes):
+    bpy.ops.convwass.add_morph_inputs()
+    bpy.data.scenes.new("Elsewhere").collection.objects.link(shapes[2])
+    bpy.context.scene.collection.objects.unlink(shapes[2])
+    with pytest.raises(RuntimeError, match="C on the input list is not in this scene but in Elsewhere"):
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    settings().inputs[2].enabled = False
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
 
 
 def test_a_single_blend_takes_the_weights_of_the_list(shapes):
