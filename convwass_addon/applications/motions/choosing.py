@@ -14,6 +14,7 @@ from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
+from .coherence import FULL_COHERENCE
 from .combined_motion import CombinedMotion, combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
@@ -23,7 +24,7 @@ from .motion import Motion
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
-from .warp_motion import FULL_COHERENCE, WarpMotion, warp_motion
+from .warp_motion import WarpMotion, warp_motion
 
 # A warp completes a guided motion that leaves more than this share of the distance between two shapes.
 _MUCH_LEFT = 0.3

@@ -7,6 +7,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...errors import InputError
+from .coherence import check_coherence, excess_at, way_at
 
 
 @dataclass(frozen=True)
@@ -31,17 +32,16 @@ class GuidedSettings:
 
     def __post_init__(self) -> None:
         """Check the settings; raises InputError."""
-        if not 0 <= self.coherence <= 1:
-            raise InputError("The coherence must lie between 0 and 1.")
+        check_coherence(self.coherence)
         if self.carrier_vertices < 100:
             raise InputError("Shapes must be deformed by meshes of at least 100 vertices.")
 
     @property
     def way(self) -> float:
         """Fraction of the way towards the others that shapes move, from 0 to 1."""
-        return min(1.0, 2.0 * self.coherence)
+        return way_at(self.coherence)
 
     @property
     def stiffness(self) -> float:
         """Fraction of the stretch that is removed, from 0 to 1."""
-        return max(0.0, 2.0 * self.coherence - 1.0)
+        return excess_at(self.coherence)

@@ -20,6 +20,7 @@ from ...geometry.thicken import solid_or_shell_occupancy
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.volumes import Lattice
+from .coherence import check_coherence, excess_at, way_at
 from .motion import MovedShape
 from .warp_registration import registered
 from .warped_shape import Course, WarpedShape
@@ -36,10 +37,6 @@ _MOST_VERTICES = 200_000
 _DETOUR = 0.5
 # Fraction of the work that the registration takes.
 _REGISTERED = 0.9
-
-
-FULL_COHERENCE = 0.5
-"""Coherence at which shapes move all of the way."""
 
 
 @dataclass(frozen=True)
@@ -120,7 +117,7 @@ class WarpMotion:
         InputError
             The coherence is not between 0 and 1.
         """
-        _check_coherence(coherence)
+        check_coherence(coherence)
         return replace(self, coherence=coherence)
 
     def _moved(self, index: int, weights: Sequence[float]) -> MovedShape:
@@ -129,19 +126,15 @@ class WarpMotion:
             return MovedShape(rest, rest.vertices, parents)
         shares = np.asarray(weights, np.float64)
         middle = shares @ self.lattice.centers
-        size = (1.0 - self._pace) * self.sizes[index] + self._pace * (shares @ self.sizes)
+        way = way_at(self.coherence)
+        size = (1.0 - way) * self.sizes[index] + way * (shares @ self.sizes)
         offsets = self._cells(index, weights) * self.lattice.spacing + self.lattice.origin
         return MovedShape(rest, size * offsets + middle, parents)
 
-    @property
-    def _pace(self) -> float:
-        """The fraction of the motion that is applied."""
-        return min(self.coherence / FULL_COHERENCE, 1.0)
-
     def _cells(self, index: int, weights: Sequence[float]) -> NDArray[np.float64]:
         """Return the vertices of a shape in the blend with these weights, (n, 3) in cells, at the common volume."""
-        detour = _DETOUR + (1.0 - _DETOUR) * max(self.coherence - FULL_COHERENCE, 0.0) / (1.0 - FULL_COHERENCE)
-        return self.shapes[index].at(weights, index, self._pace, detour)
+        detour = _DETOUR + (1.0 - _DETOUR) * excess_at(self.coherence)
+        return self.shapes[index].at(weights, index, way_at(self.coherence), detour)
 
 
 def warp_motion(
@@ -174,7 +167,7 @@ def warp_motion(
     InputError
         A shape without faces, or a coherence not between 0 and 1.
     """
-    _check_coherence(coherence)
+    check_coherence(coherence)
     for shape, name in zip(shapes, names, strict=True):
         if not len(shape.faces):
             raise InputError("'{name}' has no faces, so there is nothing to move. Use a mesh with faces.", name=name)
@@ -229,11 +222,6 @@ def _lattice(outward: Sequence[TriangleMesh], effort: WarpEffort) -> Lattice:
     if filled <= effort.filled:
         return fine
     return Lattice.around(outward, round(effort.cells * np.cbrt(effort.filled / filled)), _SIGMA)
-
-
-def _check_coherence(coherence: float) -> None:
-    if not 0.0 <= coherence <= 1.0:
-        raise InputError("The coherence must lie between 0 and 1.")
 
 
 def _filled(corners: NDArray[np.float64], lattice: Lattice) -> NDArray[np.float64]:
