@@ -47,7 +47,7 @@ class Turning:
 def combined():
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "warp_motion", partial(warp_motion, effort=WarpEffort(cells=24, rounds=5)))
-        return drained(combined_motion(Turning(), ["a", "b"], [(1, 0)], 0.5, Control()))
+        return drained(combined_motion(Turning(), ["a", "b"], [(0, 1)], 0.5, Control()))
 
 
 def test_ends_are_those_of_the_first_motion(combined):

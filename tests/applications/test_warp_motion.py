@@ -31,7 +31,7 @@ def pair():
 
 @pytest.fixture(scope="module")
 def three():
-    return warp([LONG, TALL, CROSS], [(0, 1), (1, 2), (2, 0)])
+    return warp([LONG, TALL, CROSS], [(0, 1), (0, 2), (1, 2)])
 
 
 def spread(first, second):

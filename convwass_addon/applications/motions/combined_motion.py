@@ -87,7 +87,7 @@ def combined_motion(
     names : sequence of str
         Names of the shapes, for messages.
     pairs : sequence of (int, int)
-        Pairs of shapes that are blended with each other.
+        Pairs of shapes that are blended with each other, smaller index first.
     coherence, control
         As for :func:`.warp_motion.warp_motion`.
 
@@ -96,9 +96,8 @@ def combined_motion(
     InputError
         The coherence is not between 0 and 1.
     """
-    wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     warps = {}
-    for number, pair in enumerate(wanted):
+    for number, pair in enumerate(pairs):
         moved = guided.moved([0.5 * (index in pair) for index in range(len(names))])
         work = warp_motion(
             [moved[index].mesh for index in pair],
@@ -107,5 +106,5 @@ def combined_motion(
             coherence,
             control,
         )
-        warps[pair] = yield from within(work, number / len(wanted), (number + 1) / len(wanted))
+        warps[pair] = yield from within(work, number / len(pairs), (number + 1) / len(pairs))
     return CombinedMotion(guided, warps)

@@ -193,7 +193,8 @@ def guided_motion(
     names : sequence of str
         Names of the shapes, for messages.
     pairs : sequence of (int, int)
-        Shapes that occur together in a blend: neighbors on a path, all pairs of a triangle or a pad.
+        Shapes that occur together in a blend, smaller index first: neighbors on a path, all pairs of a triangle or a
+        pad; see :func:`.layouts.pairs_of`.
     settings : GuidedSettings, optional
         Settings of the motion.
     guides : sequence of mappings from int to int
@@ -218,7 +219,6 @@ def guided_motion(
     """
     settings = settings or GuidedSettings()
     check_guides(guides, shapes, names)
-    wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     yield Progress(0.0, Sentence("Reading the shapes"))
     carriers = []
     for shape, (mesh, name) in enumerate(zip(shapes, names, strict=True)):
@@ -226,13 +226,13 @@ def guided_motion(
         carriers.append(carrier_of(mesh, name, kept, settings.carrier_vertices, control))
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
     known: dict[tuple[int, int], GuidedPair] = {}
-    for number, pair in enumerate(wanted):
+    for number, pair in enumerate(pairs):
         # A canonical order, so that a pair has the same result whatever the order of the shapes.
         ordered = pair if _rank(carriers[pair[0]].mesh) <= _rank(carriers[pair[1]].mesh) else pair[::-1]
         one, other = (carriers[shape] for shape in ordered)
         marked = guide_pairs(guides, *ordered)
         places = np.stack([one.places(marked[:, 0]), other.places(marked[:, 1])], axis=1)
-        begin, end = (0.05 + 0.95 * share / len(wanted) for share in (number, number + 1))
+        begin, end = (0.05 + 0.95 * share / len(pairs) for share in (number, number + 1))
         there, back, best = yield from within(_deformed(one, other, places, settings, control), begin, end)
         deformations[ordered], deformations[ordered[::-1]] = there, back
         quality = map_quality(one, other, there).or_worse(map_quality(other, one, back))

@@ -22,7 +22,7 @@ class MotionRequest:
     shapes, names
         The inputs, oriented outward, and their names for messages.
     pairs : sequence of (int, int)
-        Pairs of inputs that occur together in a blend.
+        Pairs of inputs that occur together in a blend, smaller index first.
     kind : str
         "automatic", "guided", "warp" or "transport".
     coherence : float

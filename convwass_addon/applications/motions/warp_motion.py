@@ -154,7 +154,7 @@ def warp_motion(
     names : sequence of str
         Names of the shapes, for messages.
     pairs : sequence of (int, int)
-        Pairs of shapes that are blended with each other.
+        Pairs of shapes that are blended with each other, smaller index first.
     coherence : float
         0 to 1; see :class:`WarpMotion`.
     control : Control
@@ -184,17 +184,16 @@ def warp_motion(
     ]
     solids = [_filled(own[rest.mesh.faces], lattice) for own, rest in zip(points, rests, strict=True)]
     warped = [WarpedShape(own, solid) for own, solid in zip(points, solids, strict=True)]
-    wanted = sorted({(min(pair), max(pair)) for pair in pairs if pair[0] != pair[1]})
     courses: list[dict[int, Course]] = [{} for _ in shapes]
-    for number, (i, j) in enumerate(wanted):
-        begin, end = number / len(wanted), (number + _REGISTERED) / len(wanted)
+    for number, (i, j) in enumerate(pairs):
+        begin, end = number / len(pairs), (number + _REGISTERED) / len(pairs)
         flows = yield from within(registered(solids[i], solids[j], effort.rounds, control), begin, end)
         yield Progress(end, Sentence("Moving the shapes"))
         courses[i][j] = warped[i].course(flows.first, flows.second, control)
         courses[j][i] = warped[j].course(flows.second, flows.first, control)
     for shape, own in zip(warped, courses, strict=True):
         shape.take(own)
-    return WarpMotion(tuple(rests), tuple(warped), lattice, sizes, coherence, frozenset(wanted))
+    return WarpMotion(tuple(rests), tuple(warped), lattice, sizes, coherence, frozenset(pairs))
 
 
 def _sizes(shapes: Sequence[TriangleMesh]) -> NDArray[np.float64]:

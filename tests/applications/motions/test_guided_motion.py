@@ -126,7 +126,7 @@ def test_the_deformed_shapes_match(swing, own, other):
 def test_swapped_inputs_give_the_same_shapes(arms, ends, swing):
     reports = []
     guides = [{1 - shape: vertex for shape, vertex in guide.items()} for guide in ends]
-    back = noted(guided_motion(arms[::-1], ["other", "one"], [(1, 0)], QUICK, guides), reports)
+    back = noted(guided_motion(arms[::-1], ["other", "one"], [(0, 1)], QUICK, guides), reports)
     fractions = [report.fraction for report in reports]
     assert fractions == sorted(fractions)
     assert (fractions[0], fractions[-1]) == (0.0, 1.0)
