@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
@@ -64,9 +66,10 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
             layout.operator("convwass.bake_player", icon="RENDER_ANIMATION")
         if handle_velocity(morph) is not None:
             layout.operator("convwass.update_pad_velocity", icon="MOD_TIME")
-        # A volume or cache has replaced the frames, so no other output can be made.
-        if not any(ALONE_KEY in obj for obj in morph.objects):
-            _draw_outputs(layout, morph)
+        frames = frame_objects(morph)
+        # A volume or cache has replaced the frames, or one object shows all of them: no other output can be made.
+        if frames and not any(ALONE_KEY in obj for obj in frames):
+            _draw_outputs(layout, morph, frames)
         column = layout.column(align=True)
         row = column.row(align=True)
         row.operator("convwass.rebake_morph", icon="FILE_REFRESH")
@@ -91,24 +94,18 @@ class CONVWASS_PT_morph_diagnostics(Sidebar, bpy.types.Panel):
             draw_wrapped(self.layout, context, translated(note.sentence), icon)
 
 
-def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection) -> None:
+def _draw_outputs(layout: bpy.types.UILayout, morph: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> None:
     """Draw the buttons that make other outputs of a morph."""
     column = layout.column(align=True)
     # The baked objects are hidden while a player or pad shows the morph.
     if not shows_frames(morph):
         column.operator("convwass.remove_player", icon="LOOP_BACK")
-    else:
-        name, icon = ("player", "PLAY") if _is_animation(morph) else ("blend_pad", "EMPTY_AXIS")
+    elif len(frames) > 1:
+        name, icon = ("player", "PLAY") if frames[0].animation_data is not None else ("blend_pad", "EMPTY_AXIS")
         column.operator(f"convwass.make_{name}", icon=icon)
     column = layout.column(align=True)
     for name, icon in _WRITING:
         column.operator(name, icon=icon)
-
-
-def _is_animation(morph: bpy.types.Collection) -> bool:
-    """Return whether a morph is an animated path rather than a sheet."""
-    frame = next(iter(frame_objects(morph)), None)
-    return frame is not None and frame.animation_data is not None
 
 
 classes = (CONVWASS_PT_baked_morph, CONVWASS_PT_morph_diagnostics)

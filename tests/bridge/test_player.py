@@ -365,14 +365,27 @@ def test_a_second_player_is_refused(collection):
         make_player(collection)
 
 
-@pytest.mark.parametrize("blends", [triangle_blends(3, 3), single_blend([1, 1, 1], 3)], ids=["sheet", "single"])
-def test_only_paths_are_played(bare_scene, make_object, octahedron, blends, inventory):
+@pytest.mark.parametrize(
+    ("blends", "message"),
+    [
+        (triangle_blends(3, 3), "no morph along a path; for a sheet make a blend pad instead"),
+        (single_blend([1, 1, 1], 3), "consists of one mesh, so there is nothing to play; bake an animation"),
+    ],
+    ids=["sheet", "single"],
+)
+def test_only_paths_are_played(bare_scene, make_object, octahedron, blends, message, inventory):
     collection = bake(bare_scene, [make_object(name) for name in "ABC"], blends, octahedron)
     before = inventory()
-    with pytest.raises(InputError, match="no morph along a path"):
+    with pytest.raises(InputError, match=message):
         make_player(collection)
     assert inventory() == before
     assert not collection.hide_render
+
+
+def test_without_frames_there_is_nothing_to_play(collection):
+    bpy.data.batch_remove(frame_objects(collection))
+    with pytest.raises(InputError, match="contains no frames of a morph"):
+        make_player(collection)
 
 
 def test_unknown_inputs_are_named(collection):

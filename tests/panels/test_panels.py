@@ -234,6 +234,20 @@ def test_objects_that_show_all_frames_have_no_other_buttons(baked):
     assert ("operator", "convwass.delete_morph") in drawn
 
 
+def test_a_single_blend_is_neither_played_nor_a_pad(shapes):
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=24)
+    offered = [name for kind, name in draw_all() if kind == "operator"]
+    assert "convwass.make_volume" in offered
+    assert not {"convwass.make_player", "convwass.make_blend_pad"} & set(offered)
+
+
+def test_a_morph_whose_frames_are_files_has_no_other_output(baked, tmp_path):
+    bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    offered = {name for kind, name in draw_all() if kind == "operator"}
+    assert "convwass.rebake_morph" in offered
+    assert not offered & {"convwass.make_player", "convwass.make_blend_pad", "convwass.make_volume"}
+
+
 def test_a_baked_morph_shows_its_buttons_and_its_diagnostics(baked):
     assert ("operator", "convwass.delete_morph") in draw_all()
     assert ("operator", "convwass.make_player") in draw_all()

@@ -211,7 +211,13 @@ def pace(player: bpy.types.Object) -> float:
 def _path_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the frame objects of a path in order."""
     frames = frame_objects(collection)
-    if len(frames) < 2 or not all(_is_on_path(obj) for obj in frames):
+    if not frames:
+        raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
+    if len(frames) < 2:
+        raise InputError(
+            "{name} consists of one mesh, so there is nothing to play; bake an animation.", name=collection.name
+        )
+    if not all(_is_on_path(obj) for obj in frames):
         raise InputError(
             "{name} holds no morph along a path; for a sheet make a blend pad instead.", name=collection.name
         )
