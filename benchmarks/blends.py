@@ -71,8 +71,7 @@ def read_meshes(paths: Sequence[str | Path]) -> tuple[TriangleMesh, ...]:
     for path in paths:
         (obj,) = import_objects(Path(path), None)
         mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
-        size = float(np.ptp(mesh.bounds, axis=0).max())
-        shapes.append(TriangleMesh(mesh.vertices / size, mesh.faces))
+        shapes.append(TriangleMesh(mesh.vertices / mesh.longest_side, mesh.faces))
     return tuple(shapes)
 
 

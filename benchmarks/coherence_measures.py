@@ -187,7 +187,7 @@ def limb_errors(meshes: Sequence[TriangleMesh], times: Sequence[float], limb: Li
         limb_tip(end.mesh, end.joints, limb.root) - _expected(end.joints, limb.root, f)
         for end, f in zip(ends, factors, strict=True)
     ]
-    diagonal = max(float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))) for mesh in (meshes[0], meshes[-1]))
+    diagonal = max(mesh.diagonal for mesh in (meshes[0], meshes[-1]))
     full, lengths, tips = _full_factors(limb, factors), [], []
     for mesh, t in zip(meshes, times, strict=True):
         reached = np.clip(t + _LAGS, 0.0, 1.0)

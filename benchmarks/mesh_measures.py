@@ -102,7 +102,7 @@ class MeshFigures:
     def of(cls, played: PlayedKeys, target: TriangleMesh) -> MeshFigures:
         """Measure keys that lead to `target`; both shapes face outward."""
         first, last = played.mesh, played.at(1.0)
-        diagonal = float(np.linalg.norm(np.ptp(target.bounds, axis=0)))
+        diagonal = target.diagonal
         finder = ClosestPointFinder(target.corners)
         found = finder.find(last.vertices)
         distances, areas = found.distances / diagonal, last.vertex_areas

@@ -103,7 +103,7 @@ def _head(mesh: TriangleMesh) -> Part:
 
 
 def _whole(mesh: TriangleMesh) -> Part:
-    return Part(mesh.bounds.mean(axis=0), 1.05 * float(np.ptp(mesh.bounds, axis=0).max()))
+    return Part(mesh.bounds.mean(axis=0), 1.05 * mesh.longest_side)
 
 
 def tiled(
@@ -127,7 +127,7 @@ def tiled(
         with Studio() as studio, TemporaryDirectory() as folder:
             studio.show(frame_object(frame, material))
             depth = studio.build([frame.vertices], view)
-            away = float(np.ptp(frame.bounds, axis=0).max())
+            away = frame.longest_side
             studio.look_flat(Pose(part.middle + 3.0 * away * view.axes[2], view), width, depth)
             studio.set_quality((size, size), _SAMPLES)
             studio.render(Path(folder) / "tile.png")

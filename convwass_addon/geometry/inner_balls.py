@@ -137,7 +137,7 @@ def _shrunk_radii(
     mesh: TriangleMesh, points: NDArray[np.float64], normals: NDArray[np.float64], tree: cKDTree
 ) -> NDArray[np.float64]:
     """Shrink a ball at each of some points of a surface until no sample is inside; return the radii."""
-    radii = np.full(len(points), 0.5 * float(np.linalg.norm(np.ptp(mesh.bounds, axis=0))))
+    radii = np.full(len(points), 0.5 * mesh.diagonal)
     active = np.arange(len(radii))
     for _ in range(_ROUNDS):
         centers = points[active] - radii[active, None] * normals[active]

@@ -49,7 +49,7 @@ def mean_value_coordinates(points: ArrayLike, mesh: TriangleMesh) -> NDArray[np.
     wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     weights = np.zeros((len(wanted), len(mesh.vertices)))
     closest = ClosestPointFinder(mesh.corners).find(wanted)
-    on_surface = closest.distances <= _ON_SURFACE * _size(mesh)
+    on_surface = closest.distances <= _ON_SURFACE * mesh.diagonal
     on = np.flatnonzero(on_surface)
     np.add.at(weights, (on[:, None], mesh.faces[closest.triangles[on]]), closest.shares[on])
     off = np.flatnonzero(~on_surface)
@@ -168,10 +168,6 @@ def _log_sum(logs: NDArray[np.float64]) -> tuple[float, NDArray[np.float64]]:
     terms = np.exp(logs - top)
     total = terms.sum()
     return float(top + np.log(total)), terms / total
-
-
-def _size(mesh: TriangleMesh) -> float:
-    return float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
 
 
 def _chunks(indices: NDArray[np.int64], faces: int) -> Iterator[NDArray[np.int64]]:

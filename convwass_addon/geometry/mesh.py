@@ -70,6 +70,16 @@ class TriangleMesh:
         used = np.ascontiguousarray(self.vertices.compress(in_use, axis=0).T)
         return np.stack([used.min(axis=1), used.max(axis=1)])
 
+    @property
+    def longest_side(self) -> float:
+        """Longest side of the bounds."""
+        return float(np.ptp(self.bounds, axis=0).max())
+
+    @property
+    def diagonal(self) -> float:
+        """Diagonal of the bounds."""
+        return float(np.linalg.norm(np.ptp(self.bounds, axis=0)))
+
     @cached_property
     def area(self) -> float:
         """Surface area."""

@@ -82,7 +82,7 @@ class Inside:
         self._mesh = mesh
         self._closest = ClosestPointFinder(mesh.corners)
         self._normals = triangle_normals(mesh.corners)
-        self._size = float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))
+        self._size = mesh.diagonal
 
     def winding(self, points: ArrayLike) -> NDArray[np.float64]:
         """Winding numbers about points, (k, 3)."""

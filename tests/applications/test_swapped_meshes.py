@@ -60,7 +60,7 @@ def test_the_mesh_of_a_ring_closes_its_hole_and_becomes_a_ball(ring_to_ball):
     assert result.time == 1.0 and result.second is None and result.paths == [result.first]
     assert result.first.times[-1] == 1.0 and result.first.positions.shape[1] == len(ring.vertices)
     last = TriangleMesh(result.first.positions[-1], ring.faces)
-    gap = VisibleGap.between(last, other).most / np.linalg.norm(np.ptp(other.bounds, axis=0))
+    gap = VisibleGap.between(last, other).most / other.diagonal
     assert gap < 0.01 and result.gap == pytest.approx(gap)
     assert result.record()["shapes"][0]["score"] is None
 

@@ -20,6 +20,8 @@ def test_measures_of_a_box():
     np.testing.assert_allclose(centroid(mesh), (5, -4, 2), atol=1e-12)
     np.testing.assert_allclose(mesh.moved((1, 1, 1)).bounds, mesh.bounds + 1)
     assert mesh.flipped().volume == pytest.approx(-6)
+    upright = box((1, 2, 3), center=(5, -4, 2))
+    assert (upright.longest_side, upright.diagonal) == pytest.approx((3, 14**0.5))
 
 
 def test_areas_of_vertices_are_thirds_of_triangles():

@@ -7,8 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import numpy as np
-
 from ...errors import InputError
 from ...geometry.edges import edge_use, topology
 from ...geometry.mesh import TriangleMesh
@@ -75,12 +73,12 @@ def check_shape(mesh: TriangleMesh) -> ShapeFindings:
 
 
 def _is_clear(outward: TriangleMesh) -> bool:
-    cell = float(np.ptp(outward.bounds, axis=0).max()) / _RESOLUTION
+    cell = outward.longest_side / _RESOLUTION
     return outward.volume > _CLEAR_CELLS * cell**3
 
 
 def _has_volume(mesh: TriangleMesh) -> bool:
-    if not np.ptp(mesh.bounds, axis=0).max() > 0.0:
+    if not mesh.longest_side > 0.0:
         return False
     lattice = Lattice.around([mesh], _RESOLUTION, _SIGMA)
     try:

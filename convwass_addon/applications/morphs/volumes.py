@@ -186,7 +186,7 @@ def voxelized(
 
 def _refusal(outward: TriangleMesh, name: str, lattice: Lattice, thickness: float) -> InputError:
     """Return the error for a shape that fills too few cells: it encloses nothing, or the others are much larger."""
-    extent = float(np.ptp(outward.bounds, axis=0).max())
+    extent = outward.longest_side
     if extent > 0.0:
         alone = extent / max(lattice.shape)  # the size of a cell if there were no other shape
         if thickness > 0 or solid_volume(outward) >= LEAST_CELLS * alone**3:

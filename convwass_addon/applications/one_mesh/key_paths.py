@@ -179,7 +179,7 @@ def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control:
     samples = way.sampled(_SAMPLES, control)
     if demands.symmetry is not None:
         samples = way.symmetrized(samples, demands.symmetry, control)
-    diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
+    diagonal = way.target.diagonal
     pieces = _pieces(samples, way.mesh, demands.error * diagonal, control)
     positions = pieces.positions
     if demands.symmetry is not None:
@@ -205,7 +205,7 @@ def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float,
 def _judged(way: GuidedWay, path: KeyPath, control: Control) -> KeyPath:
     """Return a path with the figures of its last key."""
     final, folds = TriangleMesh(path.positions[-1], way.mesh.faces), way.folds
-    diagonal = float(np.linalg.norm(np.ptp(way.target.bounds, axis=0)))
+    diagonal = way.target.diagonal
     distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
     turned = folds.agreements(final.vertices, control) < 0.0
     poor = distances > _FAR

@@ -124,7 +124,7 @@ def swapped_meshes(
         VisibleGap.between(TriangleMesh(points[swap], mesh.faces), moments[swap].surface, control)
         for mesh, points in zip(meshes, (forward, backward), strict=True)
     ]
-    size = _diagonal(moments[swap].surface)
+    size = moments[swap].surface.diagonal
     gap = max(own.most for own in gaps) / size
     if gap > _MOST:
         raise InputError(
@@ -137,10 +137,10 @@ def swapped_meshes(
         )
     first = last = None
     if swap > 0:
-        pieces = _pieces(forward[: swap + 1], error * _diagonal(meshes[1]))
+        pieces = _pieces(forward[: swap + 1], error * meshes[1].diagonal)
         first = _key_path(pieces, names[1], gaps[0], size)
     if swap < _STEPS:
-        pieces = _pieces(backward[swap:][::-1], error * _diagonal(meshes[0]))
+        pieces = _pieces(backward[swap:][::-1], error * meshes[0].diagonal)
         last = _key_path(pieces, names[0], gaps[1], size)
     return SwappedMeshes(first, last, swap / _STEPS, gap)
 
@@ -210,8 +210,3 @@ def _key_path(pieces: FittedPieces, name: str, gap: VisibleGap, size: float) -> 
     poor = np.flatnonzero(gap.outside > _FAR * size)
     distances = (gap.mean / size, gap.most / size)
     return KeyPath(name, times, pieces.positions, None, pieces.deviation / size, *distances, turned=0, poor=poor)
-
-
-def _diagonal(mesh: TriangleMesh) -> float:
-    """Return the diagonal of the bounding box."""
-    return float(np.linalg.norm(np.ptp(mesh.bounds, axis=0)))

@@ -70,7 +70,7 @@ class SkeletonBody:
     @property
     def size(self) -> float:
         """Diagonal of the surface's bounding box."""
-        return float(np.linalg.norm(np.ptp(self.surface.bounds, axis=0)))
+        return self.surface.diagonal
 
 
 def skeleton_body(

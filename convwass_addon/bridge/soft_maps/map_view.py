@@ -98,7 +98,7 @@ def show_distribution(
             object=source.name,
         )
     away = np.linalg.norm(source_mesh.vertices - source_mesh.vertices[vertex], axis=1)
-    spot = np.exp(-0.5 * (away / (_SPOT * np.linalg.norm(np.ptp(source_mesh.bounds, axis=0)))) ** 2)
+    spot = np.exp(-0.5 * (away / (_SPOT * source_mesh.diagonal)) ** 2)
     for obj, values in ((source, spot), (target, as_weights(density))):
         write_colors(obj, DISTRIBUTION, heat_colors(values))
         show_colors(obj, DISTRIBUTION)
