@@ -11,6 +11,7 @@ from scipy.sparse.csgraph import connected_components
 
 from .edges import EdgeUse, edge_use, face_components
 from .mesh import TriangleMesh
+from .solid_angles import winding_numbers
 
 # Sample points per component for deciding whether it lies inside the others.
 _PROBES = 9
@@ -87,21 +88,9 @@ def _disagreeing_faces(
 def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) -> bool:
     """Return whether most of a component lies inside the solid of the others."""
     own = np.unique(mesh.faces[pieces == piece])
-    others = mesh.corners[pieces != piece]
+    others = TriangleMesh(mesh.vertices, mesh.faces[pieces != piece])
     low, high = mesh.vertices[own].min(axis=0), mesh.vertices[own].max(axis=0)
-    if not len(others) or (others.min(axis=(0, 1)) > high).any() or (others.max(axis=(0, 1)) < low).any():
+    if not len(others.faces) or (others.bounds[0] > high).any() or (others.bounds[1] < low).any():
         return False
     probes = mesh.vertices[own[np.linspace(0, len(own) - 1, _PROBES).astype(int)]]
-    return float(np.median([winding_number(others, probe) for probe in probes])) > 0.5
-
-
-def winding_number(corners: NDArray[np.float64], point: NDArray[np.float64]) -> float:
-    """Generalized winding number of triangles `corners`, (m, 3, 3), around one point.
-
-    The sum of signed solid angles over 4 pi (Van Oosterom and Strackee 1983; Jacobson et al. 2013).
-    """
-    a, b, c = np.moveaxis(corners - point, 1, 0)
-    la, lb, lc = (np.linalg.norm(x, axis=1) for x in (a, b, c))
-    numerator = np.einsum("ij,ij->i", a, np.cross(b, c))
-    dots = np.einsum("ij,ij->i", a, b) * lc + np.einsum("ij,ij->i", b, c) * la + np.einsum("ij,ij->i", c, a) * lb
-    return float(np.arctan2(numerator, la * lb * lc + dots).sum() / (2.0 * np.pi))
+    return float(np.median(winding_numbers(probes, others))) > 0.5

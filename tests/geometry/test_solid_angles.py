@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.orientation import winding_number
 from convwass_addon.geometry.solid_angles import Inside, winding_numbers
 from tests.shapes import ball, box, joined, torus, with_faces
 
@@ -21,8 +20,13 @@ def test_winding_numbers_count_the_surrounding_solids():
 def test_many_points_equal_single_points():
     mesh = torus(segments=(30, 20))
     points = np.random.default_rng(0).uniform(-1.5, 1.5, (500, 3))
-    expected = [winding_number(mesh.corners, point) for point in points]
+    expected = [winding_numbers(point, mesh)[0] for point in points]
     np.testing.assert_allclose(winding_numbers(points, mesh), expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("sides", [1, 2, 5])
+def test_a_side_of_a_cube_is_a_sixth_of_all_directions(sides):
+    np.testing.assert_allclose(winding_numbers(np.zeros(3), with_faces(box(), slice(0, 2 * sides))), sides / 6)
 
 
 def test_open_bodies_have_an_inside():
