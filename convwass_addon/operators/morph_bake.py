@@ -91,19 +91,19 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
         self._computing = self._preferred()
         chosen = self._chosen(context)
-        weights = chosen.weights if self.layout == "BLEND" else None
         guides = self._guides(context, [obj.name for obj in chosen.objects])
-        request = self.request(weights)
-        blends = request.blends(len(chosen.objects))
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
+        if self.output == "SHAPE_KEYS":
+            return self._shape_keys(context, chosen.objects, guides, first_frame)
+        request = self.request(chosen.weights if self.layout == "BLEND" else None)
+        request.check_output()
+        blends = request.blends(len(chosen.objects))
         are_plain = all(is_plain(shape_source(obj, self.grouping)) for obj in chosen.objects)
         are_flat = are_plain and asks_for_flat(chosen.objects, depsgraph, self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")
         refuse_following(are_flat and self.follow == "FOLLOW")
         if self.output in ("VOLUME", "CACHE"):
             absolute_folder(self.folder)
-        if self.output == "SHAPE_KEYS":
-            return self._shape_keys(context, chosen.objects, guides, first_frame)
         if are_flat:
             if guides:
                 self.report({"INFO"}, rpt_("Flat shapes do not support guides"))
@@ -132,7 +132,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.one_mesh.swap_job import SwapJob
 
         refuse_one_mesh(objects)
-        request = replace(self.request(), guides=[guide.as_dict() for guide in guides])
+        request = replace(self.request(), layout=self.used_layout, guides=[guide.as_dict() for guide in guides])
         depsgraph, job = context.evaluated_depsgraph_get(), SwapJob if self.two_meshes else ShapeKeyJob
         return job(context.scene, depsgraph, objects, request, self.solver_settings(), first_frame)
 

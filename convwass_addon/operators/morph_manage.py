@@ -14,6 +14,7 @@ from bpy.props import EnumProperty, StringProperty
 from ..bridge.active import active_object, selected_objects
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.morph_guides import guides_of_entries
+from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import delete_morph
 from ..bridge.morphs.stand_ins import shown_morph
 from ..bridge.morphs.stored import (
@@ -180,6 +181,9 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
             "{name} contains fractional frames made with --at; recompute them on the command line.", name=morph.name
         )
     known = {name: value for name, value in stored_arguments(stored.settings).items() if value is not None}
+    if MorphRequest(layout=known.get("layout", "PATH"), output=known.get("output", "OBJECTS")).output_problem:
+        # Earlier versions made objects then.
+        known["output"] = "OBJECTS"
     weights = stored.records[0]["weights"] if known.get("layout") == "BLEND" and stored.records else []
     return {
         **known,

@@ -27,6 +27,7 @@ from ..operators.morph_manage import CONVWASS_OT_select_morph_inputs, active_mor
 from ..properties.morph_inputs import CONVWASS_PG_morph
 from ..properties.morphs import MorphProperties
 from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
+from ..translations import translated
 from .from_schema import draw_settings
 from .sidebar import Sidebar, draw_wrapped, fill_operator
 
@@ -59,7 +60,7 @@ class CONVWASS_UL_inputs(bpy.types.UIList):
         if item.warns:
             icon = "ERROR" if item.verdict in ("NO_VOLUME", "UNUSABLE") else "INFO"
             named.operator(CONVWASS_OT_check_morph_inputs.bl_idname, text="", icon=icon, emboss=False).index = index
-        if data.layout == "BLEND":
+        if data.used_layout == "BLEND":
             weight = named.row(align=True)
             weight.ui_units_x = 3.0
             weight.prop(item, "weight", text="")
@@ -91,10 +92,11 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         flat = bool(shapes) and all(obj is not None and _is_flat(obj, settings.grouping) for obj in shapes)
 
         column = layout.column()
-        column.prop(settings, "layout")
-        if settings.layout == "PATH":
+        if settings.output != "SHAPE_KEYS":
+            column.prop(settings, "layout")
+        if settings.used_layout == "PATH":
             column.prop(settings, "frames")
-        elif settings.layout != "BLEND":
+        elif settings.used_layout != "BLEND":
             column.prop(settings, "steps")
         # The layout does not depend on the selection, so that buttons do not move under the mouse.
         column.prop(settings, "flat_resolution" if flat else "resolution")
@@ -104,12 +106,14 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
             _draw_memory(column, context, [obj for obj in shapes if obj is not None], settings.resolution)
         draw_settings(column, settings, MorphSettings, "motion")
 
-        needed = _NEEDED.get(settings.layout)
+        needed, problem = _NEEDED.get(settings.used_layout), settings.request().output_problem
         row = layout.row()
         row.scale_y = 1.6
-        row.enabled = count >= 2 if needed is None else count == needed
+        row.enabled = problem is None and (count >= 2 if needed is None else count == needed)
         operator = row.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
         fill_operator(operator, settings, MorphProperties)
+        if problem is not None:
+            draw_wrapped(layout, context, translated(problem), "INFO")
         # For fewer selected shapes, the selection box shows a hint.
         if needed is not None and count != needed and (count >= 2 or settings.inputs):
             text = iface_("This layout requires {:d} shapes, not {:d}").format(needed, count)
@@ -145,7 +149,7 @@ def _draw_selection(
         text = iface_("{:d} selected objects: {:d} shapes").format(objects, len(shapes))
         box.label(text=text, icon="INFO", translate=False)
     if len(shapes) < 2:
-        box.label(text=_hint(context, settings.layout), icon="INFO", translate=False)
+        box.label(text=_hint(context, settings.used_layout), icon="INFO", translate=False)
         # After a bake, a frame is selected and the shapes are hidden.
         if active_morph(context) is not None:
             box.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
@@ -232,14 +236,17 @@ class CONVWASS_PT_morph_timing(_Subpanel, bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.scene.convwass_morph.layout == "PATH"
+        return context.scene.convwass_morph.used_layout == "PATH"
 
     def draw_settings(self, layout, settings):
-        layout.prop(settings, "follow")
+        of_frames = settings.output != "SHAPE_KEYS"
+        if of_frames:
+            layout.prop(settings, "follow")
         layout.prop(settings, "start")
         if settings.start == "CUSTOM":
             layout.prop(settings, "frame_start", text="Frame")
-        layout.prop(settings, "frame_step")
+        if of_frames:
+            layout.prop(settings, "frame_step")
         layout.prop(settings, "fit_range")
 
 

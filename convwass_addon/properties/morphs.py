@@ -33,6 +33,11 @@ class MorphProperties(SolverProperties):
         """Return the request stored with a morph, in addition to the solver settings; `weights` for a single blend."""
         return MorphRequest(**values_of(self, MorphRequest), words=self.words, weights=weights)
 
+    @property
+    def used_layout(self) -> str:
+        """The layout; one shape after another for shape keys, whatever layout is set."""
+        return "PATH" if self.output == "SHAPE_KEYS" else self.layout
+
     def first_frame(self, scene: bpy.types.Scene) -> int:
         """Return the scene frame at which the morph starts."""
         if self.start == "CUSTOM":

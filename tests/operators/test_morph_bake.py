@@ -326,3 +326,42 @@ def test_the_object_menu_offers_bakes_and_live_morph(registered_addon):
             draw(SimpleNamespace(layout=layout), bpy.context)
     commands = ("convwass.bake_morph", "convwass.live_morph", "convwass.bake_textures")
     assert layout.drawn == [("operator", command) for command in commands]
+
+
+@pytest.mark.parametrize(
+    ("count", "layout", "output", "message"),
+    [
+        (2, "BLEND", "PLAYER", "A single blend is one mesh, so there is nothing to play"),
+        (2, "BLEND", "CACHE", "A cache requires an animation"),
+        (3, "TRIANGLE", "CACHE", "A cache requires an animation"),
+    ],
+)
+def test_an_output_that_the_layout_cannot_have_is_refused(tmp_path, count, layout, output, message):
+    two_shapes()
+    if count == 3:
+        add("cone")
+    bpy.ops.object.select_all(action="SELECT")
+    before = census()
+    with pytest.raises(RuntimeError, match=message):
+        bpy.ops.convwass.bake_morph(layout=layout, output=output, resolution=16, folder=str(tmp_path))
+    assert census() == before
+
+
+def test_a_single_blend_of_an_earlier_version_can_be_baked_again():
+    """It was made with the output Player, which then was ignored."""
+    two_shapes()
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=16)
+    morph = morph_collection()
+    morph["convwass_morph"] = morph["convwass_morph"].replace('"output": "OBJECTS"', '"output": "PLAYER"')
+    assert stored_settings(morph)["output"] == "PLAYER"
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert stored_settings(morph)["output"] == "OBJECTS"
+
+
+def test_shape_keys_have_no_layout():
+    """Two shapes are no triangle, but the panel does not show the layout that is set."""
+    cube, ball = (add("ico_sphere", subdivisions=2, location=(x, 0, 0)) for x in (0, 3))
+    cube.select_set(True)
+    ball.scale.z = 1.3
+    assert bpy.ops.convwass.bake_morph(layout="TRIANGLE", output="SHAPE_KEYS", frames=5) == {"FINISHED"}
+    assert bpy.context.object.data.shape_keys is not None

@@ -206,17 +206,35 @@ def test_every_setting_is_shown(shapes, layout):
     settings().layout = layout
     settings().start, settings().entropy_limit, settings().output = "CUSTOM", "NUMBER", "CACHE"
     drawn = {name for kind, name in draw_all() if kind == "prop"}
-    for output in ("SHAPE_KEYS", "PLAYER"):
-        settings().output = output
-        drawn |= {name for kind, name in draw_all() if kind == "prop"}
     from convwass_addon.properties.morphs import MorphProperties
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
     only |= dict.fromkeys(("frame_step", "start", "frame_start", "fit_range", "follow"), ("PATH",))
+    settings().output = "PLAYER"
+    drawn |= {name for kind, name in draw_all() if kind == "prop"}
+    # Shape keys have a time in every layout.
+    settings().output = "SHAPE_KEYS"
+    drawn |= {name for kind, name in draw_all() if kind == "prop"} - only.keys()
     flat = {"flat_resolution", "words", "flat_output", "grays"}
     every = {name for base in MorphProperties.__mro__ for name in vars(base).get("__annotations__", {})}
     assert len(every) > 30
     assert {name for name in every if layout in only.get(name, LAYOUTS)} - flat == drawn & every
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_shape_keys_have_frames_and_no_layout(shapes, layout):
+    settings().layout, settings().output = layout, "SHAPE_KEYS"
+    drawn = draw_all()
+    assert {("prop", "frames"), ("prop", "start")} <= set(drawn)
+    assert not {("prop", "layout"), ("prop", "steps"), ("prop", "weight"), ("prop", "frame_step")} & set(drawn)
+    assert "This layout requires" not in " ".join(text for _, text in drawn)
+
+
+def test_an_output_that_the_layout_cannot_have_is_explained(shapes):
+    settings().layout, settings().output = "BLEND", "PLAYER"
+    assert "there is nothing to play" in " ".join(text for _, text in draw_all())
+    settings().output = "OBJECTS"
+    assert "there is nothing to play" not in " ".join(text for _, text in draw_all())
 
 
 def test_pictures_have_settings_for_grays_and_folder(shapes):

@@ -7,7 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 from ...applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
+from ...errors import InputError
 from ...schema import Choice, Settings, setting
+from ...sentence import Sentence
 from .stored import FIRST_FRAMES
 
 DEFAULT_FOLDER = "//convwass"
@@ -33,7 +35,7 @@ class MorphRequest(Settings):
     layout: str = setting(
         "PATH",
         "Layout",
-        "The kind of morph to make",
+        "The kind of morph to make; not used for shape keys",
         choices=(
             Choice("PATH", "Animation", "Morph the shapes one after another, with one mesh per frame"),
             Choice("GRID", "Grid of Four", "Blend four shapes on a square sheet, with one shape per corner"),
@@ -284,6 +286,24 @@ class MorphRequest(Settings):
     weights: list[float] | None = None
     guides: list[dict[str, object]] = field(default_factory=list)
     at: list[float] | None = None
+
+    def check_output(self) -> None:
+        """Raise InputError if a morph in this layout cannot have the requested output."""
+        if self.layout == "BLEND" and self.output == "PLAYER":
+            raise InputError(
+                "A single blend is one mesh, so there is nothing to play; choose another layout or output."
+            )
+        if self.layout != "PATH" and self.output == "CACHE":
+            raise InputError("A cache requires an animation; choose another layout or output.")
+
+    @property
+    def output_problem(self) -> Sentence | None:
+        """The message of `check_output`, or None."""
+        try:
+            self.check_output()
+        except InputError as error:
+            return error.sentence
+        return None
 
     def blends(self, count: int) -> list[Blend]:
         """Return the blends of `count` shapes in this layout; raises InputError if the count does not suit it.
