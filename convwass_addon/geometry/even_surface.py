@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
+from .boxes import padded_box
 from .cubic_sampling import cubic_samples
 from .dual_surface import DualSurface, dual_surface
-from .isosurface import LevelSurface, bounding_box
+from .isosurface import LevelSurface
 from .mesh import TriangleMesh
 from .quad_cleaning import without_short_edges
 
@@ -55,7 +56,7 @@ def even_surface(surface: LevelSurface, density: NDArray[np.floating]) -> LevelS
         Triangles 2 i and 2 i + 1 of its mesh form a quad (a, b, c, d) as (a, b, c) and (a, c, d). A few single
         triangles may follow the quads.
     """
-    box, low = _surroundings(density, surface.level)
+    box, low = padded_box(density, density > surface.level, _MARGIN, 0.0)
     dual = without_short_edges(dual_surface(surface.mesh.moved(-low - 0.5), box > surface.level))
     points, normals = _evened(dual, straightened(box, surface.level))
     mesh = TriangleMesh(points + (low + 0.5), _triangles(points, dual))
@@ -79,16 +80,6 @@ def straightened(density: NDArray[np.floating], level: float) -> NDArray[np.floa
         result += np.float32(coefficient)
     result *= excess
     return result
-
-
-def _surroundings(density: NDArray[np.floating], level: float) -> tuple[NDArray[np.floating], NDArray[np.int64]]:
-    """Return the box of samples around the surface, with zeros beyond the grid, and its first sample, (3,)."""
-    low, high = bounding_box(density > level)
-    low, high = low - _MARGIN, high + _MARGIN
-    box = np.zeros(high - low, density.dtype)
-    source = tuple(slice(max(a, 0), min(b, n)) for a, b, n in zip(low, high, density.shape, strict=True))
-    box[tuple(slice(s.start - a, s.stop - a) for s, a in zip(source, low, strict=True))] = density[source]
-    return box, low
 
 
 def _evened(dual: DualSurface, field: NDArray[np.float32]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

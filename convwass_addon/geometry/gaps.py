@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion
 from skimage.segmentation import watershed
 
+from .boxes import Box, box_around
 from .bumps import around
-from .isosurface import bounding_box
 
 # Cells examined on either side of a gap.
 _WIDEST_GAP = 10
@@ -81,11 +81,10 @@ def densest_gaps(density: NDArray[np.floating], labels: NDArray[np.int32], lowes
     return gaps
 
 
-def _around_smaller(labels: NDArray[np.int32]) -> tuple[slice, ...]:
+def _around_smaller(labels: NDArray[np.int32]) -> Box:
     """Return the box of all components but the largest, and of the gaps around them."""
     sizes = np.bincount(labels.ravel())
-    low, high = bounding_box((labels > 0) & (labels != 1 + int(np.argmax(sizes[1:]))))
-    return tuple(slice(max(a - _LONGEST, 0), b + _LONGEST) for a, b in zip(low, high, strict=True))
+    return box_around((labels > 0) & (labels != 1 + int(np.argmax(sizes[1:]))), _LONGEST)
 
 
 def _contacts(basins: NDArray[np.int32], density: NDArray[np.floating]):

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from skimage.measure import marching_cubes
 
 from ..errors import InputError
+from .boxes import padded_box
 from .mesh import TriangleMesh
 
 # Relative tolerance of the enclosed volume.
@@ -61,16 +62,11 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
             level=level,
             largest=float(density.max()),
         )
-    low, high = bounding_box(density > level)
-    # The surface extends one cell further on every side; beyond the grid these cells are zero.
-    box = np.zeros(high - low + 2, density.dtype)
-    source = tuple(slice(max(a - 1, 0), min(b + 1, n)) for a, b, n in zip(low, high, density.shape, strict=True))
-    offset = np.array([s.start for s in source]) - (low - 1)
-    target = tuple(slice(o, o + s.stop - s.start) for o, s in zip(offset, source, strict=True))
-    box[target] = density[source]
+    # The surface extends one cell further on every side.
+    box, low = padded_box(density, density > level, 1, 0.0)
     vertices, faces, _, _ = marching_cubes(_excess(box, level), 0.0, gradient_direction="ascent")
     # Marching cubes places samples at integer coordinates; here a sample is the center of its cell.
-    return LevelSurface(TriangleMesh.from_arrays(vertices + (low - 1) + 0.5, faces), level)
+    return LevelSurface(TriangleMesh.from_arrays(vertices + low + 0.5, faces), level)
 
 
 def surface_enclosing(density: NDArray[np.floating], volume: float, shortfall: float | None = None) -> LevelSurface:
@@ -228,13 +224,3 @@ def _excess(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
         np.maximum(highest[lower], inside[upper], out=highest[lower])
         np.maximum(highest[upper], inside[lower], out=highest[upper])
     return np.where(is_inside, inside, np.minimum(excess, -_CLEARANCE * highest))
-
-
-def bounding_box(inside: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the first cell along each of d axes, (d,), and the one after the last, (d,), of the True cells."""
-    spans = []
-    for axis in range(inside.ndim):
-        along = np.flatnonzero(inside.any(axis=tuple(a for a in range(inside.ndim) if a != axis)))
-        spans.append((along[0], along[-1] + 1))
-    low, high = np.array(spans).T
-    return low, high

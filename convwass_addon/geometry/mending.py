@@ -15,12 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
+from .boxes import Box, box_around
 from .connectivity import Connectivity
 from .dilation import dilated
 from .even_surface import even_surface
 from .handle_places import RAISED, TriedPlaces
 from .handle_removal import GENTLE, Effort, remove_handles
-from .isosurface import LevelSurface, as_floats, bounding_box, estimate_shortfall, level_enclosing, surface_enclosing
+from .isosurface import LevelSurface, as_floats, estimate_shortfall, level_enclosing, surface_enclosing
 from .level_topology import euler_number, hollows_below, pieces_above
 from .piece_joining import DEEPEST_GAP, join_pieces
 from .saddle_smoothing import smoothed_at_saddles
@@ -105,7 +106,7 @@ def mended_surface(
     """
     density = as_floats(density)
     # Parts thinner than the deepest gap are irrelevant.
-    box, low = _box_of_interest(density, volume)
+    box = _box_of_interest(density, volume)
     given = np.array(density[box], order="C")
     work = _Work(given.copy(), volume, most, _SPONGE, effort, control)
     level = work.level
@@ -123,7 +124,8 @@ def mended_surface(
     surface = even_surface(best.mending.surface, best.density)
     repaired = density.copy()
     repaired[box] = best.density
-    return replace(best.mending, surface=LevelSurface(surface.mesh.moved(low), surface.level), density=repaired)
+    placed = LevelSurface(surface.mesh.moved([span.start for span in box]), surface.level)
+    return replace(best.mending, surface=placed, density=repaired)
 
 
 @dataclass(frozen=True)
@@ -239,13 +241,11 @@ class _Work:
         return hollows.count
 
 
-def _box_of_interest(density: NDArray[np.floating], volume: float) -> tuple[tuple[slice, ...], NDArray[np.int64]]:
-    """Return the box of all cells that repairs can depend on, and its lower corner."""
+def _box_of_interest(density: NDArray[np.floating], volume: float) -> Box:
+    """Return the box of all cells that repairs can depend on."""
     positive = density[density > 0]
     rank = max(len(positive) - 1 - int(volume), 0)
     level = np.partition(positive, rank)[rank] if len(positive) else 0.0
     if level <= 0.0:
-        return (slice(None),) * 3, np.zeros(3, np.int64)
-    low, high = bounding_box(density > DEEPEST_GAP / 2 * level)
-    low, high = np.maximum(low - 1, 0), np.minimum(high + 1, density.shape)
-    return tuple(slice(a, b) for a, b in zip(low, high, strict=True)), low
+        return tuple(slice(0, size) for size in density.shape)
+    return box_around(density > DEEPEST_GAP / 2 * level, 1)

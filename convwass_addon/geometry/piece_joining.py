@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation
 
+from .boxes import Box, grown_box
 from .gap_bridging import growing_tip, raised_along, way_across
 from .gaps import densest_gaps
 from .handle_places import RAISED
@@ -149,16 +150,15 @@ def _limit(
     density: NDArray[np.floating],
     level: float,
     cells: NDArray[np.int64],
-    most: Callable[[tuple[slice, ...]], NDArray[np.floating]],
+    most: Callable[[Box], NDArray[np.floating]],
 ) -> None:
     """Limit the density of cells, (n, 3), and of empty cells next to them, to values given for a box, in place."""
-    box = tuple(slice(max(a - 1, 0), b + 2) for a, b in zip(cells.min(axis=0), cells.max(axis=0), strict=True))
+    box = grown_box(tuple(map(slice, cells.min(axis=0), cells.max(axis=0) + 1)), density.shape, 1)
     inner = density[box]
     inside = np.zeros(inner.shape, bool)
     inside[tuple((cells - [span.start for span in box]).T)] = True
     touched = inside | (binary_dilation(inside) & (inner <= level))
-    clipped_box = tuple(slice(span.start, span.start + size) for span, size in zip(box, inner.shape, strict=True))
-    inner[touched] = np.minimum(inner, most(clipped_box).astype(density.dtype))[touched]
+    inner[touched] = np.minimum(inner, most(box).astype(density.dtype))[touched]
 
 
 @dataclass(frozen=True)
@@ -191,6 +191,6 @@ class _Bridge:
             _limit(density, level, self.branch, lambda about: np.maximum(self._most(about, level), level / 2))
         return np.argwhere(is_new) + [span.start for span in box]
 
-    def _most(self, box: tuple[slice, ...], level: float) -> NDArray[np.float64]:
+    def _most(self, box: Box, level: float) -> NDArray[np.float64]:
         length = float(np.linalg.norm(self.branch - self.way[0], axis=1).max()) + 1.0
         return level * growing_tip(box, self.way[0], self.grown * length)

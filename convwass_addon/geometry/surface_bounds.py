@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from .boxes import Box, box_around
 from .closest_points import ClosestPointFinder
 from .near import capped_distances
 from .occupancy import occupancy
@@ -59,9 +60,7 @@ class SurfaceBounds:
         outward, inward = (capped_distances(cells, reach + _BEYOND) for cells in (inside, ~inside))
         return cls(corners, gaussian_filter(np.where(inside, -inward, outward), _SMOOTH), reach)
 
-    def limited(
-        self, density: NDArray[np.floating], level: float, box: tuple[slice, ...] | None = None
-    ) -> NDArray[np.floating]:
+    def limited(self, density: NDArray[np.floating], level: float, box: Box | None = None) -> NDArray[np.floating]:
         """Return a density whose level set at `level` stays within reach of the surface.
 
         Parameters
@@ -70,7 +69,7 @@ class SurfaceBounds:
             Nonnegative.
         level : float
             Level of the surface.
-        box : tuple of slice, optional
+        box : Box, optional
             Part of the grid that the density covers.
         """
         distances = self.distances if box is None else self.distances[box]
@@ -90,10 +89,10 @@ class SurfaceBounds:
 
 def cells_changed(before: NDArray[np.floating], after: NDArray[np.floating], level: float) -> int:
     """Count the cells that are on another side of a level set, or beside which it has moved; two (nx, ny, nz)."""
-    different = np.nonzero(before != after)
-    if not len(different[0]):
+    different = before != after
+    if not different.any():
         return 0
-    box = tuple(slice(max(int(own.min()) - 1, 0), int(own.max()) + 2) for own in different)
+    box = box_around(different, 1)
     before, after = before[box] - level, after[box] - level
     changed = (before > 0.0) != (after > 0.0)
     for axis in range(before.ndim):

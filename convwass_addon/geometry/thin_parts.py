@@ -18,9 +18,8 @@ from scipy.ndimage import distance_transform_edt, find_objects, gaussian_filter,
 from scipy.special import ndtr
 
 from ..errors import InputError
+from .boxes import Box, box_around
 from .near import capped_squares
-
-Box = tuple[slice, ...]
 
 # Values are relative to the mean density of the solid's cells. Below this, a cell is empty.
 _NEGLIGIBLE = 1e-6
@@ -193,7 +192,7 @@ def lost_parts(density: NDArray[np.floating], shown: NDArray[np.bool_], reach: f
         raise InputError("What a surface shows must be some of the cells of its density.")
     volume = float(np.count_nonzero(shown))
     solid = _in_solids(density, volume)
-    box = _box((solid > _NEGLIGIBLE) | shown, 1)
+    box = box_around((solid > _NEGLIGIBLE) | shown, 1)
     values, inside = solid[box], shown[box]
     # The surface lies about half a cell beyond the centers of the cells inside.
     away = capped_squares(inside, reach + 0.5)
@@ -236,7 +235,7 @@ def _raised(
     `thick` returns the least typical density of thick parts for some densities, at most `_FLAT`.
     """
     result = np.zeros(solid.shape, np.float32)
-    box = _box(solid > _NEGLIGIBLE, 0)
+    box = box_around(solid > _NEGLIGIBLE, 0)
     values = np.where(solid[box] > _NEGLIGIBLE, solid[box], np.float32(0.0))
     around = gaussian_filter(values, _AROUND, truncate=_TRUNCATE, mode="constant")
     typical = gaussian_filter(values * values, _AROUND, truncate=_TRUNCATE, mode="constant")
@@ -271,15 +270,6 @@ def _in_solids(density: NDArray[np.floating], volume: float) -> NDArray[np.float
     return relative
 
 
-def _box(wanted: NDArray[np.bool_], margin: int) -> Box:
-    """Return the bounding box of True cells with a margin, clipped to the array."""
-    spans = []
-    for axis, size in enumerate(wanted.shape):
-        along = np.flatnonzero(wanted.any(axis=tuple(a for a in range(wanted.ndim) if a != axis)))
-        spans.append(slice(max(int(along[0]) - margin, 0), min(int(along[-1]) + 1 + margin, size)))
-    return tuple(spans)
-
-
 def _labelled_parts(
     values: NDArray[np.float32], away: NDArray[np.integer], far: NDArray[np.bool_], reach: float
 ) -> _Parts:
@@ -287,7 +277,7 @@ def _labelled_parts(
     seeds = far & (values > _PART)
     if not seeds.any():
         return _Parts.none()
-    box = _box(seeds, int(np.ceil(reach)) + 1)
+    box = box_around(seeds, int(np.ceil(reach)) + 1)
     cores, _ = label(seeds[box], np.ones((3, 3, 3)))
     distance, nearest = distance_transform_edt(cores == 0, return_indices=True)
     rim = (distance <= reach) & (distance**2 < away[box])

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ...geometry.isosurface import bounding_box
+from ...geometry.boxes import bounding_box, padded_box
 from ...geometry.marching_cubes import marching_cubes
 from ...geometry.mesh import TriangleMesh
 from ...one_line import one_line
@@ -202,14 +202,9 @@ class MixedField:
 
     def surface(self) -> TriangleMesh:
         """Extract the surface by marching cubes, in cells of the common grid, closed and oriented outward."""
-        low, high = bounding_box(self.values > self.level)
-        begin, end = np.maximum(low - 1, 0), np.minimum(high + 1, self.values.shape)
-        sample = self.values[tuple(slice(a, b) for a, b in zip(begin, end, strict=True))]
-        missing = [(int(a > b), int(c > d)) for a, b, c, d in zip(begin, low - 1, high + 1, end, strict=True)]
-        if np.any(missing):
-            sample = np.pad(sample, missing, constant_values=np.float32(OUTSIDE))
+        sample, low = padded_box(self.values, self.values > self.level, 1, OUTSIDE)
         # Marching cubes places samples at integer coordinates; here they are at cell centers.
-        return marching_cubes(sample, self.level).moved(self.low + low - 0.5)
+        return marching_cubes(sample, self.level).moved(self.low + low + 0.5)
 
 
 def mixed(fields: Sequence[LevelField], shares: Sequence[float]) -> MixedField:

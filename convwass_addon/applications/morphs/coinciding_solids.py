@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
-from ...geometry.isosurface import bounding_box
+from ...geometry.boxes import box_around
 from ...geometry.plane_depths import plane_depths
 from ...geometry.thin_parts import normalized_solid
 from .growing_parts import extended, growing_in_place
@@ -130,9 +130,7 @@ def _agreement(depths: NDArray[np.float32], weights: Sequence[float]) -> NDArray
     if not apart.any():
         return agreement
     # Means of the spread exceed it only as far from these cells as the smoothing reaches.
-    low, high = bounding_box(apart)
-    reach = int(_TRUNCATE * _SMOOTH + 0.5)
-    outer = tuple(slice(max(a - 2 * reach, 0), b + 2 * reach) for a, b in zip(low, high, strict=True))
+    outer = box_around(apart, 2 * int(_TRUNCATE * _SMOOTH + 0.5))
     smooth, about = (
         gaussian_filter(values[outer].astype(np.float32), _SMOOTH, truncate=_TRUNCATE) for values in (spread, near)
     )

@@ -12,17 +12,12 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
 from ...errors import InputError
+from ...geometry.boxes import Box, box_around
 from ...geometry.connectivity import Connectivity
 from ...geometry.even_surface import even_surface
 from ...geometry.face_size import with_face_size
 from ...geometry.handle_removal import GENTLE, Effort
-from ...geometry.isosurface import (
-    LevelSurface,
-    bounding_box,
-    level_enclosing,
-    surface_at_level,
-    surface_enclosing,
-)
+from ...geometry.isosurface import LevelSurface, level_enclosing, surface_at_level, surface_enclosing
 from ...geometry.mending import Mending, mended_surface
 from ...geometry.surface_bounds import SurfaceBounds, cells_changed
 from ...geometry.thin_parts import locally_normalized, lost_parts
@@ -260,14 +255,14 @@ class _Prepared:
     ----------
     density : (mx, my, mz) float32
         Restricted to a box, in the unit given below.
-    box : tuple of slice
+    box : Box
         The box on the density's grid.
     unit : float
         One, or the maximum of the density.
     """
 
     density: NDArray[np.float32]
-    box: tuple[slice, ...]
+    box: Box
     unit: float
 
     @classmethod
@@ -276,9 +271,7 @@ class _Prepared:
         peak = float(density.max())
         if not 0.0 < peak < np.inf:
             raise InputError("A density without mass has no surface.")
-        low, high = bounding_box(density > _NEGLIGIBLE * peak)
-        margin = int(np.ceil(_EXTRACTION_REACH * EXTRACTION_BLUR))
-        box = tuple(slice(max(a - margin, 0), b + margin) for a, b in zip(low, high, strict=True))
+        box = box_around(density > _NEGLIGIBLE * peak, int(np.ceil(_EXTRACTION_REACH * EXTRACTION_BLUR)))
         blurred = gaussian_filter((density[box] / peak).astype(np.float32), EXTRACTION_BLUR, truncate=_EXTRACTION_REACH)
         if settings.thin_parts:
             return cls(locally_normalized(blurred, volume), box, 1.0)

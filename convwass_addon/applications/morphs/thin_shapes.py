@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.isosurface import bounding_box
+from ...geometry.boxes import box_around
 from ...geometry.near import capped_squares
 from ...geometry.thin_parts import LostPart, lost_parts
 from .diagnostics import KEPT_CELLS, LEAST_SHARE
@@ -39,8 +39,7 @@ def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
         Ready for JSON: ``share``, their fraction of the shape, and ``parts``, thinnest first, with thickness and length
         in cells.
     """
-    low, high = bounding_box(occupancy > 0.0) if occupancy.any() else (np.zeros(3, int), np.array(occupancy.shape))
-    filled = np.asarray(occupancy[tuple(map(slice, low, high))], dtype=np.float64)
+    filled = np.asarray(occupancy[box_around(occupancy > 0.0, 0)] if occupancy.any() else occupancy, dtype=np.float64)
     inside = np.pad(filled > 0.5, 1)
     # Depth of the axis of a rod that is just thick enough.
     deepest = (KEPT_CELLS + 1.0) / 2.0
