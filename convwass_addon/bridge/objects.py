@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
@@ -279,15 +279,6 @@ def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
             "{name} has points but no faces, so it has no volume; choose an object with a surface.", name=name
         )
     raise InputError("{name} is an empty mesh; choose an object with a surface.", name=name)
-
-
-def hide(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
-    """Hide objects in renders and in all view layers."""
-    for obj in objects:
-        obj.hide_render = True
-        for layer in scene.view_layers:
-            if is_in(layer, obj):
-                obj.hide_set(True, view_layer=layer)
 
 
 def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:

@@ -75,13 +75,13 @@ def chosen_inputs(
     return ChosenInputs(objects, numbers)
 
 
-def baked_inputs(morph: bpy.types.Collection, weights: str = "") -> ChosenInputs:
+def baked_inputs(morph: bpy.types.Collection | bpy.types.Object, weights: str = "") -> ChosenInputs:
     """Return the shapes that a morph was baked from.
 
     Parameters
     ----------
-    morph : bpy.types.Collection
-        A baked morph.
+    morph : bpy.types.Collection or bpy.types.Object
+        A baked morph, or an object with shape keys.
     weights : str
         As for `chosen_inputs`; empty for equal weights.
 

@@ -62,7 +62,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     )
     replaces: StringProperty(
         name="Replaces",
-        description="Name of the collection of a morph whose frames are replaced; empty for a new morph",
+        description="Name of the morph that is replaced, which is a collection or an object with shape keys; empty for "
+        "a new morph",
         options={"SKIP_SAVE"},
     )
     following: StringProperty(
@@ -120,10 +121,14 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     def _chosen(self, context: bpy.types.Context) -> ChosenInputs:
         """Return the shapes to morph; raises InputError as `chosen_inputs`."""
-        replaced = bpy.data.collections.get(self.replaces)
+        replaced = self.replaced()
         if replaced is not None and not self.inputs.strip():
             return baked_inputs(replaced, self.weights)
         return chosen_inputs(context, self, self.inputs, self.weights)
+
+    def replaced(self) -> bpy.types.Collection | bpy.types.Object | None:
+        """Return what the bake replaces, or None."""
+        return (bpy.data.objects if self.output == "SHAPE_KEYS" else bpy.data.collections).get(self.replaces)
 
     def _shape_keys(
         self, context: bpy.types.Context, objects: list[bpy.types.Object], guides: list[NamedGuide], first_frame: int

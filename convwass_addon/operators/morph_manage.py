@@ -27,6 +27,7 @@ from ..bridge.morphs.stored import (
     stored_settings,
 )
 from ..bridge.objects import is_in
+from ..bridge.one_mesh.records import baked_keys
 from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
@@ -45,6 +46,17 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
     # Frames that are hidden are in a collection of their own.
     candidates = [one.get(FRAMES_KEY, one) if one else None for one in candidates]
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
+
+
+def active_bake(context: bpy.types.Context) -> bpy.types.Collection | bpy.types.Object | None:
+    """Return what stores the bake of the active object: its morph, or an object with shape keys; or None."""
+    return baked_keys(active_object(context)) or active_morph(context)
+
+
+def baked_blocks() -> list[bpy.types.Collection | bpy.types.Object]:
+    """Return everything in the file that can be baked again: morphs, and objects with shape keys."""
+    keyed = (obj for obj in bpy.data.objects if MORPH_KEY in obj and obj.users_scene)
+    return [*(collection for collection in bpy.data.collections if MORPH_KEY in collection), *keyed]
 
 
 def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
@@ -78,14 +90,27 @@ class OnActiveMorph:
         return True
 
 
-class CONVWASS_OT_select_morph_inputs(OnActiveMorph, bpy.types.Operator):
+class _OnActiveBake:
+    """Base of operators on a baked morph or on an object with shape keys."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        if active_bake(context) is None:
+            cls.poll_message_set("Select an object of a baked morph")
+            return False
+        return True
+
+
+class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):
     """Show and select the shapes of the active morph, and load its settings"""
 
     bl_idname = "convwass.select_morph_inputs"
     bl_label = "Select Inputs"
 
     def execute(self, context):
-        morph = active_morph(context)
+        morph = active_bake(context)
         try:
             inputs, stored = stored_inputs(morph), stored_settings(morph)
             with refusing_damage(morph.name):
@@ -122,7 +147,7 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
     )
     morphs: StringProperty(
         name="Morphs",
-        description="Names of the collections of morphs to bake instead, one per line",
+        description="Names of morphs to bake instead, which are collections or objects with shape keys, one per line",
         options={"SKIP_SAVE"},
     )
 
@@ -130,7 +155,7 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
     def poll(cls, context):
         if not is_free_to_bake(cls, context):
             return False
-        if not any(MORPH_KEY in collection for collection in bpy.data.collections):
+        if not baked_blocks():
             cls.poll_message_set("Bake a morph first")
             return False
         return True
@@ -149,8 +174,9 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
             return {"CANCELLED"}
         try:
             for name, following in planned(names):
+                block = next(one for one in baked_blocks() if one.name == name)
                 with refusing_damage(name):
-                    bpy.ops.convwass.bake_morph(how, following=following, **_arguments(bpy.data.collections[name]))
+                    bpy.ops.convwass.bake_morph(how, following=following, **_arguments(block))
         except ConvwassError as error:
             return refuse(self, error)
         except RuntimeError as error:
@@ -160,17 +186,17 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
 
     def _wanted(self, context: bpy.types.Context) -> list[str]:
         """Return the names of the morphs to bake."""
-        there = [collection for collection in bpy.data.collections if MORPH_KEY in collection]
+        there = baked_blocks()
         if self.morphs:
             names = self.morphs.split("\n")
-            return [collection.name for collection in there if collection.name in names]
+            return [block.name for block in there if block.name in names]
         if self.which == "ACTIVE":
-            active = active_morph(context)
+            active = active_bake(context)
             return [] if active is None else [active.name]
-        return [collection.name for collection in there if self.which == "ALL" or changed_inputs(collection)]
+        return [block.name for block in there if self.which == "ALL" or changed_inputs(block)]
 
 
-def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
+def _arguments(morph: bpy.types.Collection | bpy.types.Object) -> dict[str, object]:
     """Return the arguments of Bake Morph to bake a morph again; raises InputError if its shapes were deleted.
 
     Damaged data raises Python's own errors, which `refusing_damage` converts.
@@ -196,14 +222,20 @@ def _arguments(morph: bpy.types.Collection) -> dict[str, object]:
     }
 
 
-class CONVWASS_OT_delete_morph(OnActiveMorph, bpy.types.Operator):
+class CONVWASS_OT_delete_morph(_OnActiveBake, bpy.types.Operator):
     """Delete the active morph and its meshes, and show the shapes that it has hidden"""
 
     bl_idname = "convwass.delete_morph"
     bl_label = "Delete Morph"
 
     def execute(self, context):
-        delete_morph(active_morph(context))
+        from ..bridge.one_mesh.replaced_keys import delete_keys
+
+        bake = active_bake(context)
+        if isinstance(bake, bpy.types.Object):
+            delete_keys(bake)
+        else:
+            delete_morph(bake)
         return {"FINISHED"}
 
 

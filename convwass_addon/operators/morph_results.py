@@ -91,7 +91,7 @@ class FrameResults:
         """Put the frames into the scene, convert them to the requested output, and report."""
         collection = self.job.finish(self.operator.hide_inputs)
         _fit_range(self.operator, self.job, scene)
-        replaced = bpy.data.collections.get(self.operator.replaces)
+        replaced = self.operator.replaced()
         if replaced is not None:
             collection = replace_bake(replaced, collection)
         select_only(context, frame_objects(collection)[:1])
@@ -99,8 +99,7 @@ class FrameResults:
         shown = main_object(collection)
         select_only(context, [] if shown is None else [shown])
         self._report(collection)
-        if self.operator.following:
-            bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=self.operator.following)
+        _bake_following(self.operator)
 
     def _report(self, collection: bpy.types.Collection) -> None:
         """Show the most important message: errors of the solver, notices, the size, or a summary."""
@@ -187,14 +186,24 @@ class ShapeKeyResults:
 
     def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         """Put the mesh into the scene and report how well it arrives."""
-        obj = self.job.finish(self.operator.hide_inputs)
+        from ..bridge.one_mesh.replaced_keys import following_notices
+
+        (obj,) = self._in_place_of_old([self.job.finish(self.operator.hide_inputs)])
         _fit_range(self.operator, self.job, scene)
         select_only(context, [obj])
         count = sum(len(path.times) for path in self.job.paths)
         farthest = max(path.distance_95 for path in self.job.paths)
         text = rpt_("{:s}: {:d} shape keys; 95 % of the mesh ends within {:.2%} of the other shape")
         warnings = [*self.job.notices, *(_poor_notice(path) for path in self.job.paths if len(path.poor))]
-        tell(self.operator, text.format(obj.name, count, farthest), (), warnings)
+        tell(self.operator, text.format(obj.name, count, farthest), (), [*warnings, *following_notices(obj)])
+        _bake_following(self.operator)
+
+    def _in_place_of_old(self, made: list[bpy.types.Object]) -> list[bpy.types.Object]:
+        """Let the objects of the last bake, if it is to be replaced, have the new meshes; return what shows them."""
+        from ..bridge.one_mesh.replaced_keys import replace_keys
+
+        replaced = self.operator.replaced()
+        return made if replaced is None else replace_keys(replaced, made)
 
 
 @dataclass(frozen=True)
@@ -211,13 +220,20 @@ class SwapResults(ShapeKeyResults):
 
     def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         """Put both meshes into the scene and report how well they fit each other."""
-        made = self.job.finish(self.operator.hide_inputs)
+        made = self._in_place_of_old(self.job.finish(self.operator.hide_inputs))
         _fit_range(self.operator, self.job, scene)
         select_only(context, made)
         found = self.job.found
         text = rpt_("{:s} replaces {:s} at {:.2f}; 98 % of both are within {:.2%} of the morph there")
         warnings = [*self.job.notices, *(_poor_notice(path) for path in found.paths if len(path.poor))]
         tell(self.operator, text.format(made[1].name, made[0].name, found.time, found.gap), (), warnings)
+        _bake_following(self.operator)
+
+
+def _bake_following(operator: bpy.types.Operator) -> None:
+    """Start the next one of several bakes in the background."""
+    if operator.following:
+        bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=operator.following)
 
 
 def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob | SwapJob, scene: bpy.types.Scene) -> None:

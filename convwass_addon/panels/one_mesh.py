@@ -8,10 +8,16 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.active import active_object
-from ..bridge.one_mesh.records import has_key_record, key_records, shared_slider
+from ..bridge.morphs.changes import changed_inputs
+from ..bridge.one_mesh.records import baked_keys, has_key_record, key_records, shared_slider
 from ..errors import ConvwassError
 from ..operators.attached_parts import CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad
 from ..operators.morph_export import CONVWASS_OT_export_morph
+from ..operators.morph_manage import (
+    CONVWASS_OT_delete_morph,
+    CONVWASS_OT_rebake_morph,
+    CONVWASS_OT_select_morph_inputs,
+)
 from ..operators.texture_bake import CONVWASS_OT_bake_textures
 from ..properties.one_mesh import TextureProperties
 from ..translations import translated
@@ -52,6 +58,10 @@ class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
         if len(records) in (2, 3):
             column.operator(CONVWASS_OT_make_key_pad.bl_idname, icon="EMPTY_AXIS")
         column.operator(CONVWASS_OT_export_morph.bl_idname, icon="EXPORT")
+        bake = baked_keys(obj)
+        # Objects of earlier versions do not store how they were made.
+        if bake is not None:
+            _draw_bake(layout, context, bake)
 
 
 class CONVWASS_PT_textures(Sidebar, bpy.types.Panel):
@@ -70,6 +80,18 @@ class CONVWASS_PT_textures(Sidebar, bpy.types.Panel):
             layout.prop(settings, name)
         operator = layout.operator(CONVWASS_OT_bake_textures.bl_idname, icon="TEXTURE")
         fill_operator(operator, settings, TextureProperties)
+
+
+def _draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, bake: bpy.types.Object) -> None:
+    """Draw the buttons that bake an object again or delete it."""
+    changed = changed_inputs(bake)
+    if changed:
+        text = iface_("Changed since it was baked: {:s}").format(", ".join(changed))
+        draw_wrapped(layout, context, text, "ERROR")
+    column = layout.column(align=True)
+    column.operator(CONVWASS_OT_rebake_morph.bl_idname, icon="FILE_REFRESH")
+    column.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
+    column.operator(CONVWASS_OT_delete_morph.bl_idname, icon="TRASH")
 
 
 classes = (CONVWASS_PT_one_mesh, CONVWASS_PT_textures)

@@ -387,7 +387,6 @@ def delete_morph():
         ({"output": "OBJECTS"}, None),
         ({"output": "PLAYER"}, "MESH"),
         ({"output": "PLAYER", "layout": "TRIANGLE", "steps": 2, "inputs": "A,B,C"}, "EMPTY"),
-        ({"output": "PLAYER", "layout": "BLEND"}, None),
     ],
 )
 def test_the_output_is_made_of_the_morph(shapes, arguments, kind):

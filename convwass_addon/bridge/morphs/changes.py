@@ -20,10 +20,10 @@ SIGNATURES_KEY = "convwass_signatures"
 _TOLERANCE = 1e-5
 
 
-def store_signatures(collection: bpy.types.Collection, signatures: list[list[float]]) -> None:
-    """Store the signatures of a morph's inputs with its collection."""
+def store_signatures(block: bpy.types.Collection | bpy.types.Object, signatures: list[list[float]]) -> None:
+    """Store the signatures of a morph's inputs with it."""
     finite = [[number if math.isfinite(number) else 0.0 for number in one] for one in signatures]
-    collection[SIGNATURES_KEY] = json.dumps(finite)
+    block[SIGNATURES_KEY] = json.dumps(finite)
 
 
 def signature(source: ShapeSource) -> list[float]:
@@ -55,11 +55,11 @@ def _counts(obj: bpy.types.Object) -> list[int]:
     return [0, 0]
 
 
-def changed_inputs(collection: bpy.types.Collection) -> list[str]:
+def changed_inputs(block: bpy.types.Collection | bpy.types.Object) -> list[str]:
     """Return the names of inputs that are missing or have changed; empty if unknown."""
     try:
-        known = json.loads(collection.get(SIGNATURES_KEY, "[]"))
-        stored = stored_morph(collection)
+        known = json.loads(block.get(SIGNATURES_KEY, "[]"))
+        stored = stored_morph(block)
         grouping = stored.settings.get("grouping", OBJECTS)
     except (ValueError, TypeError, RecursionError, ConvwassError):
         # A damaged description is reported where it is used.

@@ -17,7 +17,7 @@ from ..shape_sources import OBJECTS, shape_source
 from .stored import MORPH_KEY, stored_morph
 
 HIDDEN_KEY = "convwass_hidden"
-"""Custom property of a morph's collection: JSON of the objects that its bake has hidden, and where."""
+"""Custom property of a morph's collection or of an object with shape keys: JSON of what its bake has hidden."""
 
 
 @dataclass(frozen=True)
@@ -44,14 +44,14 @@ class HiddenObject:
         return HiddenObject(self.name, self.in_renders and not other.in_renders, left)
 
 
-def hide_shapes(collection: bpy.types.Collection, objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
+def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> None:
     """Hide objects in renders and in the view layers of a scene while a morph shows them.
 
     What is hidden already stays so when the morph is deleted, unless other morphs have hidden it.
 
     Parameters
     ----------
-    collection : bpy.types.Collection
+    morph : bpy.types.ID
         The morph, with which the objects are remembered.
     objects : iterable of bpy.types.Object
         The objects of its shapes; none if they are to stay visible.
@@ -60,15 +60,15 @@ def hide_shapes(collection: bpy.types.Collection, objects: Iterable[bpy.types.Ob
     """
     hidden = []
     for obj in objects:
-        _release(_shown(obj), _others(collection))
-        hidden.append(_to_hide(collection, obj, scene))
+        _release(_shown(obj), _others(morph))
+        hidden.append(_to_hide(morph, obj, scene))
         obj.hide_render = True
         for layer in _layers(obj, [scene]):
             obj.hide_set(True, view_layer=layer)
-    _store(collection, hidden)
+    _store(morph, hidden)
 
 
-def take_hidden(old: bpy.types.Collection, new: bpy.types.Collection) -> None:
+def take_hidden(old: bpy.types.ID, new: bpy.types.ID) -> None:
     """Store with a morph what its new bake has hidden, or else what its last one has and is hidden still."""
     found = _hidden_by(new)
     if not found:
@@ -78,15 +78,15 @@ def take_hidden(old: bpy.types.Collection, new: bpy.types.Collection) -> None:
     _store(old, found)
 
 
-def copy_hidden(source: bpy.types.Collection, target: bpy.types.Collection) -> None:
+def copy_hidden(source: bpy.types.ID, target: bpy.types.ID) -> None:
     """Store with a morph that it needs the same objects hidden as another one."""
     _store(target, _hidden_by(source))
 
 
-def hidden_only_by(collection: bpy.types.Collection) -> list[HiddenObject]:
+def hidden_only_by(morph: bpy.types.ID) -> list[HiddenObject]:
     """Return what a morph hides and no other morph does."""
-    found = _hidden_by(collection)
-    for other in _others(collection):
+    found = _hidden_by(morph)
+    for other in _others(morph):
         for theirs in _hidden_by(other):
             found = [own.without(theirs) if own.name == theirs.name else own for own in found]
     return found
@@ -104,17 +104,17 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
                 obj.hide_set(False, view_layer=layer)
 
 
-def _to_hide(collection: bpy.types.Collection, obj: bpy.types.Object, scene: bpy.types.Scene) -> HiddenObject:
+def _to_hide(morph: bpy.types.ID, obj: bpy.types.Object, scene: bpy.types.Scene) -> HiddenObject:
     """Return where a morph hides an object that the user does not hide himself."""
     now = _shown(obj)
-    claims = [one for other in _others(collection) for one in _hidden_by(other) if one.name == now.name]
+    claims = [one for other in _others(morph) for one in _hidden_by(other) if one.name == now.name]
     in_renders = now.in_renders or any(claim.in_renders for claim in claims)
     names = [layer.name for layer in _layers(obj, [scene])]
     taken = {name for claim in claims for name in claim.layers}
     return HiddenObject(now.name, in_renders, tuple(name for name in names if name in now.layers or name in taken))
 
 
-def _release(shown: HiddenObject, morphs: Iterable[bpy.types.Collection]) -> None:
+def _release(shown: HiddenObject, morphs: Iterable[bpy.types.ID]) -> None:
     """Let morphs forget that they hide an object where it is shown, since the user wanted to see it."""
     for morph in morphs:
         before = _hidden_by(morph)
@@ -129,10 +129,10 @@ def _shown(obj: bpy.types.Object) -> HiddenObject:
     return HiddenObject(ObjectName.of(obj), not obj.hide_render, tuple(layer.name for layer in layers))
 
 
-def _others(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
+def _others(morph: bpy.types.ID) -> list[bpy.types.ID]:
     """Return all other morphs of the file; shapes of linked ones are in another file."""
-    morphs = [other for other in bpy.data.collections if MORPH_KEY in other and other.library is None]
-    return [other for other in morphs if other != collection]
+    morphs = [other for other in (*bpy.data.collections, *bpy.data.objects) if MORPH_KEY in other]
+    return [other for other in morphs if other.library is None and other != morph]
 
 
 def _layers(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> list[bpy.types.ViewLayer]:
@@ -140,19 +140,19 @@ def _layers(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> list[bp
     return [layer for scene in scenes for layer in scene.view_layers if is_in(layer, obj)]
 
 
-def _hidden_by(collection: bpy.types.Collection) -> list[HiddenObject]:
+def _hidden_by(morph: bpy.types.ID) -> list[HiddenObject]:
     """Return what a morph hides; all of its shapes if that is damaged, or was not stored by an earlier version."""
     try:
-        return [_read(entry) for entry in json.loads(collection[HIDDEN_KEY])]
+        return [_read(entry) for entry in json.loads(morph[HIDDEN_KEY])]
     except (LookupError, TypeError, ValueError, RecursionError):
         layers = {layer.name for scene in bpy.data.scenes for layer in scene.view_layers}
-        return [HiddenObject(ObjectName.of(part), True, tuple(layers)) for part in _parts(collection)]
+        return [HiddenObject(ObjectName.of(part), True, tuple(layers)) for part in _parts(morph)]
 
 
-def _parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+def _parts(morph: bpy.types.ID) -> list[bpy.types.Object]:
     """Return the objects of the shapes of a morph that still exist; none if its description is damaged."""
     try:
-        stored = stored_morph(collection)
+        stored = stored_morph(morph)
     except ConvwassError:
         return []
     grouping = stored.settings.get("grouping", OBJECTS)
@@ -166,6 +166,6 @@ def _read(entry: dict[str, object]) -> HiddenObject:
     return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), tuple(layers))
 
 
-def _store(collection: bpy.types.Collection, hidden: Sequence[HiddenObject]) -> None:
+def _store(morph: bpy.types.ID, hidden: Sequence[HiddenObject]) -> None:
     entries = [{**vars(one.name), "in_renders": one.in_renders, "layers": list(one.layers)} for one in hidden]
-    collection[HIDDEN_KEY] = json.dumps(entries)
+    morph[HIDDEN_KEY] = json.dumps(entries)

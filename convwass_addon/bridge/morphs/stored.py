@@ -21,7 +21,7 @@ from ..shape_sources import OBJECTS, shape_source
 SCHEMA = 1
 
 MORPH_KEY = "convwass_morph"
-"""Custom property of a morph's collection: JSON of a `StoredMorph` with the schema number."""
+"""Custom property of a morph's collection or of an object with shape keys: JSON of a `StoredMorph` with the schema."""
 
 WEIGHTS_KEY = "convwass_weights"
 """Custom property of a frame object: one weight per input."""
@@ -76,12 +76,12 @@ class StoredMorph:
         return objects_named([ObjectName(*both) for both in zip(self.inputs, libraries, strict=True)])
 
 
-def store(collection: bpy.types.Collection, morph: StoredMorph) -> None:
-    """Store the description of a bake with its collection."""
-    collection[MORPH_KEY] = json.dumps({"schema": SCHEMA, **vars(morph)}, allow_nan=False)
+def store(block: bpy.types.Collection | bpy.types.Object, morph: StoredMorph) -> None:
+    """Store the description of a bake with its collection, or with its object with shape keys."""
+    block[MORPH_KEY] = json.dumps({"schema": SCHEMA, **vars(morph)}, allow_nan=False)
 
 
-def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
+def stored_morph(block: bpy.types.Collection | bpy.types.Object) -> StoredMorph:
     """Read and check a description written by `store`.
 
     Raises
@@ -89,12 +89,12 @@ def stored_morph(collection: bpy.types.Collection) -> StoredMorph:
     InputError
         The collection is not a morph, or its description is damaged or from a newer version.
     """
-    text = collection.get(MORPH_KEY)
+    text = block.get(MORPH_KEY)
     if text is None:
         raise InputError(
-            "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=collection.name
+            "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=block.name
         )
-    with refusing_damage(collection.name):
+    with refusing_damage(block.name):
         return _checked(json.loads(text, parse_constant=_no_number))
 
 
@@ -119,7 +119,7 @@ def refusing_damage(name: str) -> Iterator[None]:
         ) from error
 
 
-def stored_settings(collection: bpy.types.Collection) -> dict[str, object]:
+def stored_settings(block: bpy.types.Collection | bpy.types.Object) -> dict[str, object]:
     """Return the settings that a morph was baked with.
 
     Raises
@@ -127,7 +127,7 @@ def stored_settings(collection: bpy.types.Collection) -> dict[str, object]:
     InputError
         As for `stored_morph`.
     """
-    return stored_morph(collection).settings
+    return stored_morph(block).settings
 
 
 def is_solid(collection: bpy.types.Collection) -> bool:
@@ -135,7 +135,7 @@ def is_solid(collection: bpy.types.Collection) -> bool:
     return "flat" not in stored_settings(collection)
 
 
-def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+def stored_inputs(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.types.Object]:
     """Return the objects that a morph was baked from, or that represent its shapes; they may be hidden.
 
     Raises
@@ -143,20 +143,20 @@ def stored_inputs(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     InputError
         As for `stored_morph`, or an object no longer exists.
     """
-    stored = stored_morph(collection)
+    stored = stored_morph(block)
     objects = stored.objects
     missing = dict.fromkeys(name for name, obj in zip(stored.inputs, objects, strict=True) if obj is None)
     if missing:
         raise InputError(
             "{name} was baked from {missing}, which no longer exists under that name; rename it back, or select the "
             "shapes and bake a new morph.",
-            name=collection.name,
+            name=block.name,
             missing=", ".join(missing),
         )
     return objects
 
 
-def stored_parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+def stored_parts(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.types.Object]:
     """Return all objects whose surfaces a morph was baked from.
 
     Raises
@@ -164,8 +164,8 @@ def stored_parts(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     InputError
         As `stored_inputs`.
     """
-    grouping = stored_settings(collection).get("grouping", OBJECTS)
-    return [part for root in stored_inputs(collection) for part in shape_source(root, grouping).parts]
+    grouping = stored_settings(block).get("grouping", OBJECTS)
+    return [part for root in stored_inputs(block) for part in shape_source(root, grouping).parts]
 
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:

@@ -6,10 +6,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 import bpy
 
+from ...applications.morphs.morph_settings import MorphSettings
 from ...errors import InputError
+from ..morphs.morph_request import MorphRequest
+from ..morphs.stored import MORPH_KEY, StoredMorph
+from ..object_names import library_of
 
 RECORD_KEY = "convwass_shape_keys"
 """Custom property of the object: JSON of the records of all paths."""
@@ -45,6 +50,15 @@ def key_names(name: str, count: int) -> list[str]:
     return [name] if count == 1 else [f"{name} {number}" for number in range(1, count + 1)]
 
 
+def described_bake(
+    inputs: Sequence[bpy.types.Object], request: MorphRequest, settings: MorphSettings, first_frame: int
+) -> StoredMorph:
+    """Return the description with which shape keys can be baked again; stored by :func:`.stored.store`."""
+    options = replace(request, layout="PATH", output="SHAPE_KEYS").as_dict()
+    libraries = [library_of(obj) for obj in inputs]
+    return StoredMorph([obj.name for obj in inputs], {**settings.as_dict(), **options}, first_frame, [], libraries)
+
+
 def store_records(obj: bpy.types.Object, records: Sequence[dict[str, object]]) -> None:
     """Store the records of the paths on the object."""
     obj[RECORD_KEY] = json.dumps(list(records))
@@ -56,3 +70,18 @@ def shared_slider(obj: bpy.types.Object) -> tuple[bpy.types.Object, str] | None:
     if swap is None or swap.get("object") is None or swap["slider"] not in swap["object"]:
         return None
     return swap["object"], swap["slider"]
+
+
+def baked_keys(obj: bpy.types.Object | None) -> bpy.types.Object | None:
+    """Return the object that stores how the keys of an object were made: itself, or the first one of two; or None."""
+    if obj is None:
+        return None
+    shared = shared_slider(obj)
+    own = obj if shared is None else shared[0]
+    return own if MORPH_KEY in own else None
+
+
+def objects_of(keyed: bpy.types.Object) -> list[bpy.types.Object]:
+    """Return an object with shape keys, and the one that replaces it, if there is one."""
+    others = (obj for obj in bpy.data.objects if obj != keyed and SWAP_KEY in obj)
+    return [keyed, *(obj for obj in others if obj[SWAP_KEY].get("object") == keyed)]

@@ -18,13 +18,17 @@ from ...applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
 from ...errors import ConvwassError, InputError
 from ...geometry.alignment import AlignedMeshes, aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
-from ..handles import Handle
+from ..handles import Handle, found
 from ..morphs.animated_inputs import animation_notices
+from ..morphs.changes import signature, store_signatures
+from ..morphs.hidden_inputs import hide_shapes
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
-from ..objects import hide, triangle_mesh
+from ..morphs.stored import store
+from ..objects import triangle_mesh
+from ..shape_sources import shape_source
 from .key_basis import KeyBasis
-from .records import key_records
+from .records import described_bake, key_records
 from .rest_mesh import armature_last
 from .shape_keys import animate_sliders, object_with_keys
 from .texture_looks import remember_shape
@@ -64,6 +68,8 @@ class ShapeKeyJob:
         first_frame: int,
     ) -> None:
         self._names = [obj.name for obj in inputs]
+        self._stored = described_bake(inputs, replace(request, two_meshes=False), settings, first_frame)
+        self._signatures = [signature(shape_source(obj)) for obj in inputs]
         with armature_last(inputs[0]):
             others = [triangle_mesh(obj, depsgraph) for obj in inputs[1:]]
             self._basis = KeyBasis.of(inputs[0], depsgraph, request.basis, settings.resolution)
@@ -131,8 +137,9 @@ class ShapeKeyJob:
         sliders = [record["name"] for record in key_records(obj)[-len(self.paths) :]]
         self._remember(obj, sliders)
         animate_sliders(obj, sliders, self._first, self._frames)
-        if hide_inputs:
-            hide((shape for handle in self._inputs if (shape := handle.find()) is not None), scene)
+        store(obj, self._stored)
+        store_signatures(obj, self._signatures)
+        hide_shapes(obj, found(self._inputs) if hide_inputs else (), scene)
         return obj
 
 

@@ -20,11 +20,14 @@ from ...geometry.alignment import aligned_meshes
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ..handles import Handle
 from ..morphs.animated_inputs import animation_notices
+from ..morphs.changes import signature, store_signatures
+from ..morphs.hidden_inputs import hide_shapes
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
-from ..objects import hide
+from ..morphs.stored import store
+from ..shape_sources import shape_source
 from .key_basis import KeyBasis
-from .records import key_records
+from .records import described_bake, key_records
 from .rest_mesh import armature_last
 from .shape_key_job import placements
 from .shape_keys import animate_sliders, object_with_keys
@@ -69,6 +72,8 @@ class SwapJob:
         if request.symmetric:
             raise InputError("Symmetric needs one mesh for both shapes; switch it or Two Meshes off.")
         self._names = [obj.name for obj in inputs]
+        self._stored = described_bake(inputs, replace(request, two_meshes=True), settings, first_frame)
+        self._signatures = [signature(shape_source(obj)) for obj in inputs]
         self._bases: list[KeyBasis] = []
         with armature_last(inputs[0]), armature_last(inputs[1]):
             try:
@@ -144,6 +149,7 @@ class SwapJob:
             made[1].matrix_world = Matrix(self._placement)
         slider = with_swap(made[0], made[1], tuple(sliders), self._names[1], self.found.time)
         animate_sliders(made[0], [slider], self._first, self._frames)
-        if hide_inputs:
-            hide(sources, scene)
+        store(made[0], self._stored)
+        store_signatures(made[0], self._signatures)
+        hide_shapes(made[0], sources if hide_inputs else (), scene)
         return made

@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Give objects with shape keys the meshes of a new bake, or delete them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import bpy
+
+from ...errors import InputError
+from ...sentence import Sentence
+from ..keyframes import curves_of
+from ..morphs.changes import SIGNATURES_KEY
+from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
+from ..morphs.stored import MORPH_KEY
+from .records import RECORD_KEY, SWAP_KEY, key_records, objects_of
+from .shape_keys import add_slider, slider_path
+from .texture_looks import SHAPES_KEY
+
+
+def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Move meshes and sliders of a new bake to the objects of the last one, and remove the new objects.
+
+    The objects keep their names, places, modifiers and the keys of their sliders, and their materials if the new mesh
+    has as many slots.
+
+    Parameters
+    ----------
+    old : bpy.types.Object
+        The object of the last bake, the first one of two.
+    new : sequence of bpy.types.Object
+        The objects of the new bake, in the same order.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        The objects that have the new meshes.
+    """
+    kept = dict(zip(new, objects_of(old), strict=False))
+    for own, before in kept.items():
+        _take_sliders(before, own)
+        _take_drivers(before, own)
+        _take_mesh(before, own)
+        _take_records(before, own)
+        if own.parent is not None and own.parent in kept:
+            before.matrix_local = own.matrix_local
+    found = [kept.get(own, own) for own in new]
+    for obj in found:
+        _read_from(obj, kept)
+    for own in [own for own in found if own not in kept.values() and own.parent in kept]:
+        own.parent = kept[own.parent]
+    _remove(list(kept))
+    return found
+
+
+def delete_keys(keyed: bpy.types.Object) -> None:
+    """Remove the objects of a bake, and show the shapes that it has hidden."""
+    hidden = hidden_only_by(keyed)
+    _remove(objects_of(keyed))
+    show_again(hidden)
+
+
+def following_notices(keyed: bpy.types.Object) -> list[Sentence]:
+    """Return a notice that attached parts still follow the keys of the last bake."""
+    names = [obj.name for obj in bpy.data.objects if obj != keyed and _follows(obj, keyed)]
+    if not names:
+        return []
+    return [Sentence("Attach {names} again, since their keys follow the last bake", {"names": ", ".join(names)})]
+
+
+def _follows(obj: bpy.types.Object, keyed: bpy.types.Object) -> bool:
+    """Return whether shape keys of another object are driven by an object's sliders."""
+    keys = obj.data.shape_keys if obj.type == "MESH" else None
+    return keys is not None and obj not in objects_of(keyed) and keyed in _read_by(keys)
+
+
+def _read_by(block: bpy.types.ID) -> list[bpy.types.ID | None]:
+    """Return the data-blocks that the drivers of another one read."""
+    drivers = block.animation_data.drivers if block.animation_data else ()
+    return [target.id for curve in drivers for own in curve.driver.variables for target in own.targets]
+
+
+def _sliders(obj: bpy.types.Object) -> list[str]:
+    """Return the names of the sliders of an object."""
+    try:
+        names = [record["name"] for record in key_records(obj)]
+    except InputError:
+        names = []
+    swap = obj.get(SWAP_KEY)
+    return list(dict.fromkeys([*names, *([swap["slider"]] if swap and swap.get("object") == obj else [])]))
+
+
+def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
+    """Give an object the sliders of a new one; those that it has keep their values and keys."""
+    for name in _sliders(before):
+        if name not in _sliders(own):
+            before.driver_remove(slider_path(name))
+            before.pop(name, None)
+    for name in _sliders(own):
+        if name in before:
+            continue
+        add_slider(before, name)
+        for curve in [curve for curve in curves_of(own) if curve.data_path == slider_path(name)]:
+            for point in curve.keyframe_points:
+                before[name] = point.co.y
+                before.keyframe_insert(slider_path(name), frame=point.co.x)
+        before[name] = own[name]
+
+
+def _take_drivers(before: bpy.types.Object, own: bpy.types.Object) -> None:
+    """Give an object the drivers of a new one."""
+    for curve in own.animation_data.drivers if own.animation_data else ():
+        before.driver_remove(curve.data_path)
+        data = before.animation_data or before.animation_data_create()
+        data.drivers.from_existing(src_driver=curve)
+
+
+def _take_mesh(before: bpy.types.Object, own: bpy.types.Object) -> None:
+    """Give an object the mesh of a new one."""
+    spare, mesh = before.data, own.data
+    if len(spare.materials) == len(mesh.materials):
+        for place, material in enumerate(spare.materials):
+            mesh.materials[place] = material
+    before.data = mesh
+    before.active_shape_key_index = 0
+    if spare.users == 0:
+        name = spare.name
+        bpy.data.meshes.remove(spare)
+        mesh.name = name
+
+
+def _take_records(before: bpy.types.Object, own: bpy.types.Object) -> None:
+    """Give an object what is stored with a new one."""
+    for key in (RECORD_KEY, SHAPES_KEY, SWAP_KEY, MORPH_KEY, SIGNATURES_KEY):
+        before.pop(key, None)
+        if key in own:
+            value = own[key]
+            before[key] = value.to_dict() if hasattr(value, "to_dict") else value
+    take_hidden(before, own)
+
+
+def _read_from(obj: bpy.types.Object, kept: Mapping[bpy.types.Object, bpy.types.Object]) -> None:
+    """Let an object and its keys read sliders from the objects that take the place of others."""
+    if SWAP_KEY in obj:
+        swap = obj[SWAP_KEY].to_dict()
+        obj[SWAP_KEY] = {**swap, "object": kept.get(swap["object"], swap["object"])}
+    for block in (obj, obj.data.shape_keys):
+        drivers = block.animation_data.drivers if block is not None and block.animation_data else ()
+        for target in (target for curve in drivers for own in curve.driver.variables for target in own.targets):
+            target.id = kept.get(target.id, target.id)
+
+
+def _remove(objects: Sequence[bpy.types.Object]) -> None:
+    """Remove objects with meshes and actions that nothing else uses."""
+    spare = {obj.data for obj in objects}
+    spare |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
+    bpy.data.batch_remove(list(objects))
+    bpy.data.batch_remove([block for block in spare if block.users == 0])

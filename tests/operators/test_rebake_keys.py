@@ -1,0 +1,275 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baking shape keys again, and deleting them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import numpy as np
+import pytest
+
+from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
+from convwass_addon.bridge.keyframes import curves_of
+from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.stored import stored_morph
+from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
+from convwass_addon.bridge.one_mesh.attached_parts import attach_parts
+from convwass_addon.bridge.one_mesh.records import SWAP_KEY, baked_keys, key_records, objects_of, shared_slider
+from convwass_addon.progress import Progress
+from convwass_addon.sentence import Sentence
+from tests.panels.fake_layout import FakeLayout
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+@pytest.fixture(autouse=True)
+def known_paths(monkeypatch):
+    """Vertices go straight to those of the other shape; two meshes are swapped halfway, which `at` changes."""
+    swap = SimpleNamespace(at=0.5)
+
+    def straight(shapes, names, demands, settings, guides, control):
+        yield Progress(0.5, Sentence("Half"))
+        return [
+            KeyPath(name, (1.0,), shape.vertices[None], 0.95, 0.001, 0.0, 0.0, 0)
+            for name, shape in zip(names[1:], shapes[1:], strict=True)
+        ]
+
+    def swapped(shapes, names, error, settings, guides, control, how):
+        yield Progress(0.5, Sentence("Half"))
+        paths = [
+            KeyPath(name, (1.0,), shape.vertices[None] + np.array([0.0, 0.0, 1.0]), None, 0.0, 0.0, 0.001, 0)
+            for name, shape in zip(names[::-1], shapes, strict=True)
+        ]
+        return SwappedMeshes(paths[0], paths[1] if swap.at < 1.0 else None, swap.at, 0.001)
+
+    monkeypatch.setattr(shape_key_job, "key_paths", straight)
+    monkeypatch.setattr(swap_job, "swapped_meshes", swapped)
+    return swap
+
+
+@pytest.fixture
+def shapes():
+    """Cubes A, B and C, of heights 2, 4 and 6."""
+    made = []
+    for name, height in zip("ABC", (1.0, 2.0, 3.0), strict=True):
+        bpy.ops.mesh.primitive_cube_add(scale=(1, 1, height))
+        bpy.context.object.name = name
+        made.append(bpy.context.object)
+    return made
+
+
+def bake(inputs="A,B,C", **options):
+    assert bpy.ops.convwass.bake_morph(inputs=inputs, output="SHAPE_KEYS", frames=10, **options) == {"FINISHED"}
+    return bpy.data.objects["A Morph"]
+
+
+def height(obj, **sliders):
+    for name, value in sliders.items():
+        obj[name] = value
+    obj.update_tag()
+    bpy.context.view_layer.update()
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    return np.ptp([vertex.co.z for vertex in mesh.vertices])
+
+
+def census():
+    kinds = ("objects", "meshes", "collections", "materials", "actions")
+    names = {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
+    return {**names, "shape_keys": len(bpy.data.shape_keys)}
+
+
+def test_the_object_stays_and_gets_the_changed_shapes(shapes):
+    obj = bake()
+    before = census()
+    assert changed_inputs(obj) == []
+    shapes[1].scale.z = 5.0
+    bpy.context.view_layer.update()
+    assert changed_inputs(obj) == ["B"]
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert census() == before
+    assert bpy.context.object == obj == bpy.data.objects["A Morph"]
+    obj.animation_data.action = None
+    assert height(obj, B=0.0, C=0.0) == pytest.approx(2.0)
+    assert height(obj, B=1.0, C=0.0) == pytest.approx(20.0)
+    assert height(obj, B=0.0, C=0.5) == pytest.approx(4.0)
+    assert changed_inputs(obj) == []
+    assert all(shape.hide_get() and shape.hide_render for shape in shapes)
+
+
+def test_keys_materials_modifiers_and_place_are_kept(shapes):
+    obj = bake()
+    obj["B"] = 0.75
+    obj.keyframe_insert('["B"]', frame=40)
+    obj.location.x, obj["Own"] = 7.0, "text"
+    obj.modifiers.new("Wires", "WIREFRAME")
+    obj.data.materials[0] = bpy.data.materials.new("Skin")
+    bpy.context.scene.collection.objects.unlink(obj)
+    home = bpy.data.collections.new("Home")
+    bpy.context.scene.collection.children.link(home)
+    home.objects.link(obj)
+    bpy.context.view_layer.objects.active = obj
+    curves = {curve.data_path: [point.co[:] for point in curve.keyframe_points] for curve in curves_of(obj)}
+    bpy.ops.convwass.rebake_morph()
+    again = {curve.data_path: [point.co[:] for point in curve.keyframe_points] for curve in curves_of(obj)}
+    assert again == curves
+    assert (obj.location.x, obj["Own"], obj.users_collection[0]) == (7.0, "text", home)
+    assert [modifier.name for modifier in obj.modifiers] == ["Wires"]
+    assert [material.name for material in obj.data.materials] == ["Skin"]
+
+
+def test_settings_are_those_of_the_bake(shapes):
+    obj = bake("A,B", key_error=1.5, layout="TRIANGLE", start="CUSTOM", frame_start=7)
+    before = stored_morph(obj)
+    assert (before.settings["key_error"], before.settings["layout"], before.first_frame) == (1.5, "PATH", 7)
+    bpy.context.scene.convwass_morph.key_error = 0.1
+    bpy.ops.convwass.rebake_morph()
+    after = stored_morph(obj)
+    same = {name: value for name, value in before.settings.items() if name not in ("start", "frame_start")}
+    assert {name: after.settings[name] for name in same} == same
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
+    assert bpy.context.scene.convwass_morph.output == "SHAPE_KEYS"
+    assert bpy.context.scene.convwass_morph.key_error == pytest.approx(1.5)
+    assert set(bpy.context.selected_objects) == set(shapes[:2])
+
+
+def test_a_shape_that_was_added_by_a_script_gets_a_slider_with_keys(shapes):
+    obj = bake("A,B")
+    bpy.ops.convwass.bake_morph(inputs="A,C", output="SHAPE_KEYS", frames=10, replaces=obj.name)
+    assert [record["name"] for record in key_records(obj)] == ["C"]
+    assert "B" not in obj and "C" in obj
+    (curve,) = (curve for curve in curves_of(obj) if curve.data_path == '["C"]')
+    assert [point.co[:] for point in curve.keyframe_points] == [(1.0, 0.0), (11.0, 1.0)]
+
+
+def test_a_missing_shape_is_named_and_the_object_kept(shapes):
+    obj = bake()
+    bpy.data.objects.remove(shapes[2])
+    bpy.context.view_layer.objects.active = obj
+    before = census()
+    with pytest.raises(RuntimeError, match="A Morph was baked from C, which no longer exists"):
+        bpy.ops.convwass.rebake_morph()
+    assert census() == before
+
+
+def test_all_are_baked_with_the_morphs_of_the_file(shapes):
+    obj = bake("A,B")
+    bpy.ops.convwass.bake_morph(inputs="A,B", motion="TRANSPORT", frames=2, resolution=32)
+    shapes[1].scale.z = 1.5
+    bpy.context.view_layer.update()
+    assert bpy.ops.convwass.rebake_morph(which="STALE") == {"FINISHED"}
+    assert not any(changed_inputs(block) for block in (obj, bpy.data.collections["Morph A to B"]))
+    assert bpy.ops.convwass.rebake_morph(which="STALE") == {"CANCELLED"}
+
+
+def test_attached_parts_are_to_be_attached_again(shapes, capfd):
+    obj = bake("A,B")
+    bpy.ops.mesh.primitive_cube_add(scale=(1.1, 1.1, 0.5))
+    shirt = bpy.context.object
+    shirt.name = "Shirt"
+    attach_parts(obj, [shirt], rigid=False)
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.convwass.rebake_morph()
+    assert "Attach Shirt again, since their keys follow the last bake" in capfd.readouterr().out
+    # The slider moves it still.
+    obj.animation_data.action = None
+    assert height(shirt) == pytest.approx(1.0)
+    height(obj, B=1.0)
+    assert height(shirt) > 1.5
+
+
+def test_two_meshes_are_baked_again_as_a_pair(shapes, known_paths):
+    first = bake("A,B", two_meshes=True)
+    (_, second) = objects_of(first)
+    first["B"] = 0.25
+    first.keyframe_insert('["B"]', frame=40)
+    before, points = census(), len(curves_of(first)[0].keyframe_points)
+    known_paths.at = 0.3
+    bpy.context.view_layer.objects.active = second
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert census() == before
+    assert objects_of(first) == [first, second]
+    assert shared_slider(first) == shared_slider(second) == (first, "B")
+    assert first[SWAP_KEY]["at"] == pytest.approx(0.3)
+    assert len(curves_of(first)[0].keyframe_points) == points
+    drivers = [*first.animation_data.drivers, *second.animation_data.drivers]
+    assert len(drivers) == 5
+    assert {target.id for curve in drivers for own in curve.driver.variables for target in own.targets} == {first}
+    first.animation_data.action = None
+    for value, shown in ((0.2, first), (0.4, second)):
+        first["B"] = value
+        first.update_tag()
+        bpy.context.view_layer.update()
+        assert [obj for obj in (first, second) if not obj.hide_render] == [shown]
+
+
+def test_a_mesh_that_no_longer_moves_loses_its_slider(shapes, known_paths):
+    first = bake("A,B", two_meshes=True)
+    (_, second) = objects_of(first)
+    assert "A" in second
+    known_paths.at = 1.0
+    bpy.ops.convwass.rebake_morph()
+    assert "A" not in second
+    assert len(second.animation_data.drivers) == 2
+
+
+def test_a_second_mesh_that_was_deleted_is_made_again(shapes):
+    first = bake("A,B", two_meshes=True)
+    bpy.data.objects.remove(objects_of(first)[1])
+    bpy.context.view_layer.objects.active = first
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    first, second = objects_of(first)
+    assert (first.name, second.name, second.parent) == ("A Morph", "B Morph", first)
+    assert shared_slider(second) == (first, "B")
+
+
+@pytest.mark.parametrize("two_meshes", [False, True])
+def test_deleting_them_shows_the_shapes(shapes, two_meshes):
+    before = census()
+    obj = bake("A,B", two_meshes=two_meshes)
+    assert baked_keys(objects_of(obj)[-1]) == obj
+    bpy.context.view_layer.objects.active = objects_of(obj)[-1]
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    assert {**census(), "materials": []} == {**before, "materials": []}
+    assert not any(shape.hide_get() or shape.hide_render for shape in shapes)
+
+
+def test_the_panel_has_the_buttons_of_what_stores_its_bake(shapes):
+    obj = bake("A,B")
+    bpy.context.view_layer.objects.active = obj
+    buttons = ("convwass.rebake_morph", "convwass.select_morph_inputs", "convwass.delete_morph")
+
+    def drawn():
+        shown = SimpleNamespace(layout=FakeLayout())
+        bpy.types.CONVWASS_PT_one_mesh.draw(shown, bpy.context)
+        return [text for _, text in shown.layout.drawn]
+
+    assert set(buttons) <= set(drawn())
+    shapes[1].scale.z = 9.0
+    bpy.context.view_layer.update()
+    assert "Changed since it was baked: B" in " ".join(drawn())
+    # As it was made by an earlier version.
+    del obj["convwass_morph"]
+    assert not set(buttons) & set(drawn())
+    with pytest.raises(RuntimeError, match="Select an object of a baked morph"):
+        bpy.ops.convwass.select_morph_inputs()
+
+
+def test_a_rigged_mesh_keeps_its_armature_and_groups(shapes):
+    bpy.ops.object.armature_add()
+    rig = bpy.context.object
+    body = shapes[0]
+    body.parent = rig
+    body.vertex_groups.new(name="Bone").add(range(8), 1.0, "REPLACE")
+    body.modifiers.new("Armature", "ARMATURE").object = rig
+    obj = bake("A,B")
+    obj.modifiers.new("Wires", "WIREFRAME")
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.convwass.rebake_morph()
+    assert [modifier.name for modifier in obj.modifiers] == ["Armature", "Wires"]
+    assert (obj.parent, obj.modifiers["Armature"].object) == (rig, rig)
+    assert [group.name for group in obj.vertex_groups] == ["Bone"]
+    assert {entry.weight for vertex in obj.data.vertices for entry in vertex.groups} == {1.0}
