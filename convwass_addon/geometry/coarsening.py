@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import closest_in_triangles
-from .edges import distinct_corners, vertex_components
+from .edges import distinct_corners, mesh_edges, vertex_components
 from .mesh import TriangleMesh
 
 # Rounds of Lloyd's algorithm, in which seeds move to the centers of their clusters.
@@ -206,10 +206,7 @@ class _Fine:
         faces = _without_duplicates((np.cumsum(is_used) - 1)[proper], len(used))
         points = mesh.vertices[used]
         control.check()
-        ends = np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1)
-        # Sorting directly: NumPy's unique takes several times as long for millions of numbers.
-        keys = np.sort(ends[:, 0] * len(used) + ends[:, 1])
-        edges = np.stack(np.divmod(keys[np.diff(keys, prepend=-1) > 0], len(used)), axis=1)
+        edges = mesh_edges(faces)
         lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
         control.check()
         # An edge of length zero must remain an edge of the sparse graph.

@@ -7,12 +7,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
+from .edges import face_components
 from .isosurface import LevelSurface
-from .mesh import TriangleMesh
 
 
 @dataclass(frozen=True, order=True)
@@ -33,7 +30,7 @@ class Connectivity:
     def of(cls, surface: LevelSurface) -> Connectivity:
         """Count from a closed manifold surface: every vertex is used, every edge has two triangles."""
         mesh = surface.mesh
-        volumes = np.bincount(_face_pieces(mesh), weights=mesh.face_volumes)
+        volumes = np.bincount(face_components(mesh.faces), weights=mesh.face_volumes)
         # A closed surface has three edges for every two triangles.
         euler = len(mesh.vertices) - len(mesh.faces) // 2
         bubbles = int((volumes < 0).sum())
@@ -56,13 +53,3 @@ class Connectivity:
         return Connectivity(
             max(self.pieces - most.pieces, 0), max(self.handles - most.handles, 0), max(self.bubbles - most.bubbles, 0)
         )
-
-
-def _face_pieces(mesh: TriangleMesh) -> NDArray[np.int32]:
-    """Label the triangles by connected component, (m,)."""
-    faces, corners = len(mesh.faces), len(mesh.vertices)
-    # The bipartite graph of triangles and vertices is already in CSR order.
-    ends = np.concatenate([np.arange(0, 3 * faces + 1, 3), np.full(corners, 3 * faces)]).astype(np.int32)
-    named = (mesh.faces.ravel() + faces).astype(np.int32)
-    graph = csr_array((np.ones(len(named), np.int8), named, ends), shape=(faces + corners,) * 2)
-    return connected_components(graph, directed=False)[1][:faces]

@@ -69,6 +69,12 @@ def edge_ends(faces: NDArray[np.int64], use: EdgeUse) -> NDArray[np.int64]:
     return np.stack([faces.ravel()[sides], np.roll(faces, -1, axis=1).ravel()[sides]], axis=1)
 
 
+def mesh_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the edges of `faces`, (m, 3), between different vertices, each once and sorted, smaller index first."""
+    ends = np.sort(edge_ends(faces, edge_use(faces)), axis=1)
+    return ends[ends[:, 0] < ends[:, 1]]
+
+
 @dataclass(frozen=True)
 class Topology:
     """Topological properties of a mesh.

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from .edges import distinct_corners, edge_use
+from .edges import EdgeUse, distinct_corners, edge_ends, edge_use
 from .mesh import TriangleMesh
 
 # Relative lower limit of the length of a line, because the sparse graph would drop lines of length zero.
@@ -28,9 +28,10 @@ def surface_graph(mesh: TriangleMesh) -> csr_array:
         Symmetric; one entry in each direction.
     """
     faces = mesh.faces[distinct_corners(mesh.faces)]
-    ends = np.unique(np.sort(np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]]]), axis=1), axis=0)
+    use = edge_use(faces)
+    ends = np.sort(edge_ends(faces, use), axis=1)
     lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
-    crossing, across = _lines_across(mesh.vertices, faces)
+    crossing, across = _lines_across(mesh.vertices, faces, use)
     rows, columns = np.concatenate([ends, crossing]).T
     values = np.maximum(np.concatenate([lengths, across]), _SHORTEST * np.sqrt(mesh.area))
     count = len(mesh.vertices)
@@ -59,10 +60,9 @@ def surface_distances(graph: csr_array, sources: ArrayLike, limit: float = np.in
 
 
 def _lines_across(
-    points: NDArray[np.float64], faces: NDArray[np.int64]
+    points: NDArray[np.float64], faces: NDArray[np.int64], use: EdgeUse
 ) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the ends of lines across edges, (k, 2), the smaller index first, and their lengths, (k,)."""
-    use = edge_use(faces)
     inner = use.start[use.count == 2]
     first, second = faces[use.face[inner]], faces[use.face[inner + 1]]
     shared = (first[:, :, None] == second[:, None]).any(axis=2)

@@ -7,7 +7,7 @@ import pytest
 
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid
-from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.edges import mesh_edges, topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.geometry.solid_angles import winding_numbers
@@ -50,6 +50,11 @@ def test_the_centroid_is_that_of_the_solid():
 def test_topology(mesh, components, euler, closed):
     found = topology(mesh)
     assert (piece_count(mesh), found.euler, found.closed) == (components, euler, closed)
+
+
+def test_edges_are_listed_once_and_in_order():
+    found = mesh_edges(np.array([(2, 1, 0), (1, 2, 3), (3, 3, 0), (2, 0, 1)]))
+    np.testing.assert_array_equal(found, [(0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)])
 
 
 def test_three_faces_on_an_edge_are_counted():

@@ -14,10 +14,10 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ...geometry.edges import mesh_edges
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ..soft_maps.guessed_pairs import far_apart
-from .mesh_parts import mesh_edges
 
 # Chosen by eye; `python3 run.py bench coherence` measures the effect.
 # Points coincide if their distance is at most this fraction of the surface's size (the square root of its area) or the

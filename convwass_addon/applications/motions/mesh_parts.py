@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Edges of meshes, submeshes, and vertices that move with others."""
+"""Submeshes, and vertices that move with others."""
 
 from __future__ import annotations
 
@@ -12,15 +12,6 @@ from ...geometry.rotations import nearest_rotations
 
 # Number of vertices that determine the motion of a part without counterpart.
 _AROUND = 40
-
-
-def mesh_edges(faces: NDArray[np.int64], further: NDArray[np.int64] | None = None) -> NDArray[np.int64]:
-    """Return the edges of triangles, and further pairs of vertices, without duplicates, (e, 2)."""
-    parts = [faces[:, [0, 1]], faces[:, [1, 2]], faces[:, [2, 0]], *([] if further is None else [further])]
-    edges = np.sort(np.concatenate(parts), axis=1)
-    edges = edges[edges[:, 0] < edges[:, 1]]
-    keys = np.unique(edges[:, 0] << 32 | edges[:, 1])
-    return np.stack([keys >> 32, keys & 0xFFFFFFFF], axis=1)
 
 
 def renumbered(faces: NDArray[np.int64], own: NDArray[np.int64], count: int) -> NDArray[np.int64]:

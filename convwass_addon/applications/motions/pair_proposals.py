@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.edges import mesh_edges
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.fusion import fused_choice
 from ...geometry.mesh import TriangleMesh
@@ -22,7 +23,6 @@ from ...progress import Control
 from ..workers import both_ways
 from .carriers import Carrier
 from .laid_meshes import Laid, Registered, home_distances, registered
-from .mesh_parts import mesh_edges
 from .mirrored_sides import MirroredSides
 
 # Stages of a registration: first close to the start, then as smooth as the surfaces permit. Tighter stages hardly

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPoints
+from ...geometry.edges import mesh_edges
 from ...geometry.hinged_poses import HingedPose, hinged_points
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
@@ -27,7 +28,6 @@ from ...geometry.swing_twist import divided_turns, inverse_turns, median_rotatio
 from ...progress import Control
 from .carriers import Carrier
 from .laid_meshes import Laid
-from .mesh_parts import mesh_edges
 
 # Size of the neighborhoods that rotate together, in sizes of the surface.
 _TURN_WIDTH = 0.03
@@ -173,7 +173,8 @@ def _vectors(
 ) -> NDArray[np.float64]:
     """Return vectors of rotations, (n, 3), before that of the whole body; they are close to guesses, if given."""
     shortest = rotation_vectors(rotation_matrices(-whole[None]) @ rotations)
-    edges = mesh_edges(source.mesh.faces, source.poisson.links.ends)
+    # A link is the edge of a triangle that repeats a vertex.
+    edges = mesh_edges(np.concatenate([source.mesh.faces, source.poisson.links.ends[:, [0, 1, 1]]]))
     return unwound(shortest, edges) if guesses is None else unwound_towards(shortest, guesses, edges)
 
 

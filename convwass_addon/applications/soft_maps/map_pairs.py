@@ -12,7 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from ...errors import InputError
-from ...geometry.edges import distinct_corners
+from ...geometry.edges import distinct_corners, mesh_edges
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from .map_sides import MapSide
@@ -105,8 +105,7 @@ def pair_notices(
 
 def edge_distances(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return the distances along edges from some vertices to all, (k, n)."""
-    ends = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
-    ends = np.unique(np.sort(ends[ends[:, 0] != ends[:, 1]], axis=1), axis=0)
+    ends = mesh_edges(mesh.faces)
     lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
     lengths = np.maximum(lengths, np.finfo(float).tiny)
     graph = coo_array((lengths, ends.T), shape=(len(mesh.vertices),) * 2).tocsr()
