@@ -11,11 +11,13 @@ nearest points with similar normals, from source to target and back.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPoints
 from .normals import triangle_normals, vertex_normals
 from .point_tree import point_tree
@@ -155,10 +157,12 @@ class Registration:
         self._facing = triangle_normals(target.mesh.corners)
         self._target_normals = vertex_normals(target.vertices, target.mesh.faces)
 
-    def advance(self, stage: Stage) -> None:
-        """Run one stage."""
-        for _ in range(stage.rounds):
-            self._step(stage)
+    def advance(self, stages: Sequence[Stage], control: Control = UNINTERRUPTED) -> None:
+        """Run some stages; `control` is checked in every round."""
+        for stage in stages:
+            for _ in range(stage.rounds):
+                control.check()
+                self._step(stage)
 
     def _step(self, stage: Stage) -> None:
         areas = self._source.areas

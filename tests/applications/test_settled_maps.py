@@ -7,6 +7,7 @@ import pytest
 
 from convwass_addon.applications.soft_maps.settled_maps import settled
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import UNINTERRUPTED
 from tests.applications.maps import turn
 from tests.shapes import ball
 
@@ -24,7 +25,7 @@ def test_a_map_that_misses_the_ends_is_stretched_back_to_them(is_mirrored):
     surface = TriangleMesh(vertices, EGG.faces[:, ::-1].copy() if is_mirrored else EGG.faces)
     middle = surface.vertices.mean(axis=0)
     shrunk = middle + 0.8 * (surface.vertices - middle)
-    found = settled(EGG, surface, shrunk, NO_PAIRS, is_mirrored)
+    found = settled(EGG, surface, shrunk, NO_PAIRS, is_mirrored, UNINTERRUPTED)
     before = np.linalg.norm(shrunk - vertices, axis=1).mean()
     after = np.linalg.norm(found - vertices, axis=1).mean()
     assert after < 0.15 * before

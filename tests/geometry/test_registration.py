@@ -8,10 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import vertex_normals
 from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, Registration, Stage
 from convwass_addon.geometry.unit_shape import UnitShape
+from tests.controls import CountingControl
 from tests.grids import figure, sheet
 from tests.shapes import ball, box
 
@@ -25,8 +27,7 @@ def bent(points, angle):
 
 
 def advanced(found, stages=BY_PAIRS + TO_THE_END):
-    for stage in stages:
-        found.advance(stage)
+    found.advance(stages)
     return found
 
 
@@ -156,3 +157,10 @@ def test_registrations_do_not_depend_on_earlier_ones(arms, give):
     source = UnitShape.of(mesh)
     found(source, 30.0)
     np.testing.assert_array_equal(found(source, 10.0), found(UnitShape.of(mesh), 10.0))
+
+
+def test_it_can_be_stopped_within_a_stage(arms):
+    source = UnitShape.of(arms[0])
+    found = Registration(source, source, np.empty((0, 2), np.int64), source.vertices)
+    with pytest.raises(Cancelled):
+        found.advance(TO_THE_END[:1], CountingControl(last=3))

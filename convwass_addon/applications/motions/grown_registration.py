@@ -26,10 +26,10 @@ _ENOUGH = 0.25
 # Advance of the front per step, in sizes of the surface, and the registration of what it has reached. Of the eight arms
 # of an octopus that changes its pose, six or seven find their places, and two neighboring ones are exchanged (the
 # benchmark's "octopus moves").
-_STEP, _STAGE = 0.03, Stage(100.0, 0.0, 0.05, 3)
+_STEP, _STAGES = 0.03, (Stage(100.0, 0.0, 0.05, 3),)
 # Closest points further away, in sizes, are ignored: they belong to parts that have not been reached.
 _REACH = 0.1
-_SETTLING = Stage(100.0, 0.0, 0.04, 4)
+_SETTLING = (Stage(100.0, 0.0, 0.04, 4),)
 # Number of vertices at the front that determine the motion of what lies beyond.
 _AT_FRONT = 24
 
@@ -62,15 +62,14 @@ def grown_points(own: Carrier, other: Carrier, control: Control) -> NDArray[np.f
     away = dijkstra(graph, indices=np.flatnonzero(core), min_only=True)
     farthest = away[np.isfinite(away)].max()
     for front in np.arange(0.0, farthest + _STEP, _STEP):
-        control.check()
         reached = away <= front
         laid.pulled = reached.astype(np.float64)
-        laid.advance(_STAGE)
+        laid.advance(_STAGES, control)
         beyond = ~reached & np.isfinite(away)
         if beyond.any():
             _lead_on(laid, shape.vertices, graph, reached, beyond)
     laid.pulled, laid.reach = np.ones(len(away)), np.inf
-    laid.advance(_SETTLING)
+    laid.advance(_SETTLING, control)
     return other.size * laid.points + center
 
 

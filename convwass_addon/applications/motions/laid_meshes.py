@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -97,10 +97,7 @@ def registered(
     ours = pairs[np.isin(pairs[:, 0], own)]
     ours = np.stack([np.searchsorted(own, ours[:, 0]), ours[:, 1]], axis=1)
     laid = Registration(shape, other, ours, (start.points[own] - center) / size, start.trust[own])
-    for stage in stages:
-        for _ in range(stage.rounds):
-            control.check()
-            laid.advance(replace(stage, rounds=1))
+    laid.advance(stages, control)
     return Registered(mesh, own, part.faces, target.mesh, size * laid.points + center, laid)
 
 

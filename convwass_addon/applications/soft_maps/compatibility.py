@@ -18,6 +18,7 @@ from ...geometry.closest_points import ClosestPoints
 from ...geometry.functional_map import spectral_match
 from ...geometry.surface_graph import surface_distances
 from ...geometry.unit_shape import UnitShape
+from ...progress import UNINTERRUPTED, Control
 from ..workers import both_ways
 from .map_sides import MapSide
 from .registered_maps import Overlay, overlaid
@@ -59,7 +60,11 @@ def compatibility(
 
 
 def comparison(
-    source: MapSide, target: MapSide, pairs: ArrayLike, settings: SoftMapSettings | None = None
+    source: MapSide,
+    target: MapSide,
+    pairs: ArrayLike,
+    settings: SoftMapSettings | None = None,
+    control: Control = UNINTERRUPTED,
 ) -> Comparison:
     """Compare two meshes of about a thousand vertices.
 
@@ -71,6 +76,8 @@ def comparison(
         Corresponding vertices, possibly none.
     settings : SoftMapSettings, optional
         Only its group_weight is used.
+    control : Control
+        Stops the work.
 
     Raises
     ------
@@ -88,7 +95,7 @@ def comparison(
     between = surface_distances(shapes[1].graph, np.arange(len(shapes[1].vertices)), limit=reach)
     between = np.minimum(between, reach).astype(np.float32)
     guess = _guess(shapes[1], costs, between[_spectral(*descriptors)])
-    overlay = overlaid(*shapes, marked, guess)
+    overlay = overlaid(*shapes, marked, guess, control)
     near = _cost_of_distance(_distances_to(overlay.images, shapes[1], between), _STEEPNESS)
     return Comparison(near + np.float32(_DESCRIPTORS) * costs + np.float32(1.0 - _DESCRIPTORS) * painted, overlay)
 

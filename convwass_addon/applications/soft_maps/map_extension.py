@@ -231,7 +231,7 @@ def _extended(
         )
     )
     entropy = -(shares * np.log(np.maximum(rows, 1e-30))).sum(axis=1)
-    images = settled(own.side.mesh, other.side.mesh, images, pairs, is_mirrored)
+    images = settled(own.side.mesh, other.side.mesh, images, pairs, is_mirrored, control)
     # Pairs are exact.
     images[pairs[:, 0]] = other.side.mesh.vertices[pairs[:, 1]]
     faces = faces_of(whole.mesh, vertices)

@@ -136,7 +136,7 @@ def _matched(
     pairs = np.stack(places, axis=1)
     yield Progress(_COARSE, Sentence("Comparing the shapes"))
     with one_blas_thread():
-        compared = comparison(sides[0].side, sides[1].side, pairs, settings)
+        compared = comparison(sides[0].side, sides[1].side, pairs, settings, control)
     yield Progress(_TOLD_APART, Sentence("Solving the map"))
     with one_blas_thread():
         rows, back = _solved(sides[0], sides[1], compared.costs, pairs, settings, control, mirrors)

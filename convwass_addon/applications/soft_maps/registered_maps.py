@@ -14,6 +14,7 @@ from ...geometry.closest_points import ClosestPoints
 from ...geometry.normals import vertex_normals
 from ...geometry.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
 from ...geometry.unit_shape import UnitShape
+from ...progress import Control
 
 # Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
 # Number of pairs that determine the rotation of one surface relative to the other.
@@ -57,7 +58,9 @@ class _Start:
     stages: tuple[Stage, ...]
 
 
-def overlaid(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], guess: NDArray[np.int64]) -> Overlay:
+def overlaid(
+    source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], guess: NDArray[np.int64], control: Control
+) -> Overlay:
     """Register the source to the target.
 
     Parameters
@@ -67,29 +70,29 @@ def overlaid(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64], gue
         Corresponding vertices.
     guess : (n0,) int64
         A target vertex for every source vertex, possibly wrong.
+    control : Control
+        Stops the work.
     """
     shapes = {False: source, True: source.mirrored()}
     best: dict[bool, tuple[float, Registration, str]] = {}
     for start in _starts(shapes, target, pairs, guess):
         found = Registration(shapes[start.is_mirrored], target, pairs, start.points)
-        for stage in start.stages:
-            found.advance(stage)
+        found.advance(start.stages, control)
         energy = found.energy()
         if start.is_mirrored not in best or energy < best[start.is_mirrored][0]:
             best[start.is_mirrored] = energy, found, start.name
-    is_mirrored = _is_mirrored({way: (energy, found) for way, (energy, found, _) in best.items()})
+    is_mirrored = _is_mirrored({way: (energy, found) for way, (energy, found, _) in best.items()}, control)
     _, found, name = best[is_mirrored]
-    for stage in TO_THE_END:
-        found.advance(stage)
+    found.advance(TO_THE_END, control)
     return Overlay(found.images(), found.energy(), name, is_mirrored)
 
 
-def _is_mirrored(best: dict[bool, tuple[float, Registration]]) -> bool:
+def _is_mirrored(best: dict[bool, tuple[float, Registration]], control: Control) -> bool:
     """Return whether the source should be mirrored; promising cases are refined before the decision."""
     if True not in best or best[False][0] < best[True][0]:
         return False
     for _, found in best.values():
-        found.advance(TO_THE_END[0])
+        found.advance(TO_THE_END[:1], control)
     return best[True][1].energy() < _MIRRORING * best[False][1].energy()
 
 

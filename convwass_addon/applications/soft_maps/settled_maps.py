@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...geometry.mesh import TriangleMesh
 from ...geometry.registration import SETTLING, Registration
 from ...geometry.unit_shape import UnitShape
+from ...progress import Control
 
 
 def settled(
@@ -21,6 +22,7 @@ def settled(
     images: NDArray[np.float64],
     pairs: NDArray[np.int64],
     is_mirrored: bool,
+    control: Control,
 ) -> NDArray[np.float64]:
     """Return improved images of a mesh's vertices, (n, 3), on or near a surface.
 
@@ -34,11 +36,12 @@ def settled(
         Corresponding vertices.
     is_mirrored : bool
         Whether the map reverses orientation.
+    control : Control
+        Stops the work.
     """
     own, other = UnitShape.of(mesh), UnitShape.of(surface)
     size = np.sqrt(surface.area)
     center = surface.vertices[0] - size * other.vertices[0]
     found = Registration(own.mirrored() if is_mirrored else own, other, pairs, (images - center) / size)
-    for stage in SETTLING:
-        found.advance(stage)
+    found.advance(SETTLING, control)
     return size * found.points + center
