@@ -9,17 +9,21 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial import cKDTree
 
 from ...errors import InputError
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.registration import Registration, Stage
+from ...geometry.rotations import nearest_rotations
 from ...geometry.surface_projection import drawn_along_normals
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .carriers import Carrier
-from .mesh_parts import renumbered, with_others
+
+# Number of vertices that determine the motion of a part without counterpart.
+_AROUND = 40
 
 
 @dataclass(frozen=True)
@@ -66,12 +70,12 @@ class Registered:
     @cached_property
     def points(self) -> NDArray[np.float64]:
         """Positions of all vertices, (n, 3); those that were not registered move with the others."""
-        return with_others(self.mesh.vertices, self.own, self.known)
+        return _with_others(self.mesh.vertices, self.own, self.known)
 
     def drawn(self, control: Control) -> NDArray[np.float64]:
         """Return these positions, (n, 3), moved to the target along the normals."""
         drawn = drawn_along_normals(TriangleMesh(self.known, self.faces), self.target, control)
-        return with_others(self.mesh.vertices, self.own, drawn)
+        return _with_others(self.mesh.vertices, self.own, drawn)
 
 
 def registered(
@@ -89,7 +93,7 @@ def registered(
     if not known.any():
         raise InputError("No point of {name} has a counterpart on {other}.", name=source.name, other=target.name)
     own = np.flatnonzero((labels >= 0) & np.isin(labels, labels[known]))
-    part = TriangleMesh(mesh.vertices[own], renumbered(mesh.faces, own, len(mesh.vertices)))
+    part = TriangleMesh(mesh.vertices[own], _renumbered(mesh.faces, own, len(mesh.vertices)))
     shape = source.unit if len(own) == len(mesh.vertices) else UnitShape.of(part)
     other = target.unit
     size = np.sqrt(target.mesh.area)
@@ -99,6 +103,34 @@ def registered(
     laid = Registration(shape, other, ours, (start.points[own] - center) / size, start.trust[own])
     laid.advance(stages, control)
     return Registered(mesh, own, part.faces, target.mesh, size * laid.points + center, laid)
+
+
+def _renumbered(faces: NDArray[np.int64], own: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return the triangles between some vertices, (f, 3), as indices in these."""
+    if len(own) == count:
+        return faces
+    place = np.full(count, -1, np.int64)
+    place[own] = np.arange(len(own))
+    kept = place[faces]
+    return kept[(kept >= 0).all(axis=1)]
+
+
+def _with_others(rest: NDArray[np.float64], own: NDArray[np.int64], moved: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Move all other vertices like the moved ones around each, by similarity transforms, (n, 3)."""
+    points = np.empty_like(rest)
+    points[own] = moved
+    others = np.setdiff1d(np.arange(len(rest)), own)
+    if not len(others):
+        return points
+    nearest = cKDTree(rest[own]).query(rest[others], min(_AROUND, len(own)))[1].reshape(len(others), -1)
+    before, after = rest[own][nearest], moved[nearest]
+    here, there = before.mean(axis=1), after.mean(axis=1)
+    before, after = before - here[:, None], after - there[:, None]
+    fitted = nearest_rotations(np.einsum("nki,nkj->ijn", after, before))
+    scales = fitted.traces / np.maximum(np.square(before).sum(axis=(1, 2)), np.finfo(float).tiny)
+    turned = np.einsum("ijn,nj->ni", fitted.rotations, rest[others] - here)
+    points[others] = there + np.maximum(scales, 0.0)[:, None] * turned
+    return points
 
 
 def home_distances(source: Carrier, target: Carrier, there: NDArray[np.float64], back: NDArray[np.float64]) -> NDArray:

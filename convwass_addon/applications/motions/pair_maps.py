@@ -18,9 +18,8 @@ from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..soft_maps.surface_maps import PointMap, SurfaceMap
 from .carriers import Carrier
 from .coinciding_places import coinciding_places
-from .height_groups import Groups, height_groups
 from .laid_meshes import Laid
-from .mirrored_sides import MirroredSides
+from .mirrored_sides import Groups, MirroredSides, height_groups
 
 # Chosen by eye; `python3 run.py bench coherence` measures what they give.
 # Guides are left out only if the map without them is better by more than this: in doubt, the user is right.

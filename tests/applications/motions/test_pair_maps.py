@@ -7,8 +7,7 @@ import numpy as np
 from assets.sculpting import ellipsoid, frustum, tube
 from benchmarks.sculptures import Sculpture
 from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.height_groups import height_groups
-from convwass_addon.applications.motions.mirrored_sides import MirroredSides
+from convwass_addon.applications.motions.mirrored_sides import MirroredSides, height_groups
 from convwass_addon.applications.motions.pair_maps import pair_map
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.geometry.mesh import TriangleMesh
