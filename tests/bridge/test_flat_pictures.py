@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.bridge.flat.gray_inputs import gray_inputs
 from convwass_addon.bridge.flat.picture_bake import pictures_of
 from convwass_addon.bridge.flat.picture_job import PictureJob
+from convwass_addon.bridge.morphs.disk_output import own_folder
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.written_files import WRITTEN_KEY, drop_surplus
 from convwass_addon.cli import main
@@ -249,3 +250,5 @@ def test_the_command_writes_pictures_next_to_the_blend(tmp_path, capsys):
     bpy.ops.wm.open_mainfile(filepath=str(target))
     (image,) = (image for image in bpy.data.images if image.source == "SEQUENCE")
     assert bpy.path.abspath(image.filepath) == str(files[0])
+    # Baked again in the window, they stay there.
+    assert own_folder("//out files", the_morph()) == files[0].parent
