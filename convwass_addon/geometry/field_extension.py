@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from .grid_halving import doubled, halved
+from .coarser_grid import doubled, halved
 
 # Blur widths in cells of the finest grid and of the coarser ones.
 _FINEST_WIDTH, _WIDTH = 0.7, 1.2
