@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import csr_array
 
 
-def resampled(
+def means_in_cells(
     values: NDArray[np.float64], corner: ArrayLike, pixel: float, shape: tuple[int, int]
 ) -> NDArray[np.float64]:
     """Means of an image over the cells of a grid, by the exact overlap areas of pixels and cells.

@@ -15,7 +15,7 @@ from convwass_addon.geometry.coverage import coverage
 from convwass_addon.geometry.fitting import fitted_beziers, fitted_polygons
 from convwass_addon.geometry.flat_mending import FlatConnectivity, holes_below, mended_outline, regions_above
 from convwass_addon.geometry.outlines import ring_area
-from convwass_addon.geometry.pixels import resampled
+from convwass_addon.geometry.pixels import means_in_cells
 from convwass_addon.geometry.planar_fill import filled_boundary
 from tests.flat_shapes import ellipse, rectangle
 
@@ -132,7 +132,7 @@ def test_a_rectangle_keeps_its_corners():
 
 def test_images_keep_their_mass_when_resampled():
     values = np.random.default_rng(1).random((13, 9))
-    found = resampled(values, (2.3, 4.6), 1.7, (40, 32))
+    found = means_in_cells(values, (2.3, 4.6), 1.7, (40, 32))
     assert found.sum() == pytest.approx(values.sum() * 1.7**2)
-    np.testing.assert_allclose(resampled(values, (0, 0), 1.0, (13, 9)), values)
-    assert resampled(values, (-50, 0), 1.0, (8, 8)).sum() == 0
+    np.testing.assert_allclose(means_in_cells(values, (0, 0), 1.0, (13, 9)), values)
+    assert means_in_cells(values, (-50, 0), 1.0, (8, 8)).sum() == 0

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.coverage import coverage
-from ...geometry.pixels import resampled
+from ...geometry.pixels import means_in_cells
 from ...geometry.planar_fill import Boundary, filled_boundary
 from .flat_shapes import FlatImage, FlatInput, FlatShape
 
@@ -101,7 +101,7 @@ class ImagePieces:
 
     def densities(self, corner: NDArray[np.float64], spacing: float, shape: tuple[int, int]) -> list[NDArray]:
         """Means over the cells, (nx, ny), by exact areas."""
-        return [resampled(self.values, (self.corner - corner) / spacing, self.pixel / spacing, shape)]
+        return [means_in_cells(self.values, (self.corner - corner) / spacing, self.pixel / spacing, shape)]
 
 
 def flat_pieces(shape: FlatInput, name: str, letters: Sequence[NDArray[np.int64]] | None) -> FlatPieces:

@@ -22,7 +22,7 @@ from ...sentence import Sentence
 from ..morphs.volumes import Lattice
 from .coherence import check_coherence, excess_at, way_at
 from .motion import MovedShape
-from .warp_registration import registered
+from .warp_registration import meeting_flows
 from .warped_shape import Course, WarpedShape
 
 # Blur, in cells, that determines the margin of the warp's grid.
@@ -187,7 +187,7 @@ def warp_motion(
     courses: list[dict[int, Course]] = [{} for _ in shapes]
     for number, (i, j) in enumerate(pairs):
         begin, end = number / len(pairs), (number + _REGISTERED) / len(pairs)
-        flows = yield from within(registered(solids[i], solids[j], effort.rounds, control), begin, end)
+        flows = yield from within(meeting_flows(solids[i], solids[j], effort.rounds, control), begin, end)
         yield Progress(end, Sentence("Moving the shapes"))
         courses[i][j] = warped[i].course(flows.first, flows.second, control)
         courses[j][i] = warped[j].course(flows.second, flows.first, control)

@@ -46,7 +46,7 @@ class MeetingFlows:
     second: StepFlow
 
 
-def registered(
+def meeting_flows(
     first: NDArray[np.float64], second: NDArray[np.float64], rounds: int, control: Control
 ) -> Work[MeetingFlows]:
     """Move two solids towards each other.
