@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_dilation, find_objects, gaussian_filter, label
 from skimage.graph import MCP_Geometric
 
+from .boxes import Box, grown_box
+
 # Components of an intersection are large from this fraction of the largest one on.
 _LARGE = 0.05
 # Distances are smoothed and extended beyond a part by a Gaussian of this many cells, truncated at so many deviations.
@@ -57,7 +59,7 @@ class SeparatePart:
 
     Attributes
     ----------
-    box : tuple of slice
+    box : Box
         Large enough for :class:`PartFronts`.
     cells : (mx, my, mz) bool
         The cells of the parts in the box.
@@ -65,7 +67,7 @@ class SeparatePart:
         How little the front of each part counts: 0 if fully, up to 1 if not at all.
     """
 
-    box: tuple[slice, ...]
+    box: Box
     cells: NDArray[np.bool_]
     without_front: NDArray[np.float32]
 
@@ -98,7 +100,7 @@ def separate_parts(
         # Distances may be a cell too short.
         without[name] = _without_front(largest, length if length < known - 1.0 else np.inf)
         if without[name] < 1.0:
-            boxes[name] = _grown(box, cells.shape, _MARGIN)
+            boxes[name] = grown_box(box, cells.shape, _MARGIN)
     if sum(names[box].size for box in boxes.values()) > cells.size:
         whole = tuple(slice(0, size) for size in cells.shape)
         return [SeparatePart(whole, cells & (without < 1.0)[names], without[names])]
@@ -221,19 +223,12 @@ def _layers(distances: NDArray[np.float32]) -> list[NDArray[np.int64]]:
     return np.split(cells, np.flatnonzero(np.diff((distances[cells] / _LAYER).astype(np.int64))) + 1)
 
 
-def _filled_around(solid: NDArray[np.bool_], box: tuple[slice, ...]) -> NDArray[np.float32]:
+def _filled_around(solid: NDArray[np.bool_], box: Box) -> NDArray[np.float32]:
     """Return the fraction of the space around every cell of a box that a solid fills."""
     width = max(_AROUND, _ABOUT * max(solid.shape))
-    outer = _grown(box, solid.shape, int(np.ceil(_REACH * width)))
+    outer = grown_box(box, solid.shape, int(np.ceil(_REACH * width)))
     filled = gaussian_filter(solid[outer].astype(np.float32), width, truncate=_REACH)
     return filled[tuple(slice(a.start - b.start, a.stop - b.start) for a, b in zip(box, outer, strict=True))]
-
-
-def _grown(box: tuple[slice, ...], shape: tuple[int, ...], margin: int) -> tuple[slice, ...]:
-    """Return a box with a margin of so many cells within a grid."""
-    return tuple(
-        slice(max(span.start - margin, 0), min(span.stop + margin, size)) for span, size in zip(box, shape, strict=True)
-    )
 
 
 def _smooth(values: NDArray[np.float32]) -> NDArray[np.float32]:
