@@ -20,6 +20,7 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.one_mesh import shape_key_job
+from convwass_addon.cli import program
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 from tests.clusters import local_cluster
@@ -457,6 +458,20 @@ def test_help_names_every_option(capsys):
     ):
         assert option in text
     assert "exit codes" in text
+
+
+@pytest.mark.parametrize(
+    "command", [command for command in program.COMMANDS if "in the project's folder" in command.description]
+)
+def test_examples_name_files_of_the_project(project, command):
+    """Files without a folder are written by another example, or by this one."""
+    block = command.description.partition("in the project's folder:\n")[2].partition("\n\n")[0]
+    lines = [line.split() for line in block.splitlines()]
+    assert lines
+    for words in lines:
+        assert program.command_line_parser("convwass").parse_args(words)
+        named = [word for word in words if "/" in word and not word.endswith("/")]
+        assert [word for word in named if not (project / word).is_file()] == []
 
 
 def test_as_a_module(shapes, tmp_path, project):

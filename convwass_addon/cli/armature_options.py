@@ -21,7 +21,7 @@ Joints of armatures are named after bones, such as Arm.L.head and Arm.L.tail; jo
 Pin the ends of limbs, and at least three joints of every loop. Positions are in world space, in scene units. Joints
 that are pinned in the .blend are pinned here too.
 
-examples:
+examples with your own files:
   armature spider.blend:Spider spider.blend:Rig --out fitted.blend
   armature spider.obj rigs.blend:Spider --pin Leg1.tail=0.9,1.2,0 Leg2.tail=1.3,0.5,0 Body.head --auto-weights
   armature tree.obj tree_lines.ply --place 0=0,0,-0.1 7=1.5,0.2,3 12=-1.1,0.4,2.8 --report tree.json

@@ -19,15 +19,19 @@ blur. The mesh is an object in a .blend, written file.blend:Object, with the mod
 or a file that Blender can import, which has no groups. Lengths are in scene units. By default, distances use 20
 substeps, and distances between groups a tolerance of 0.00001 and at most 1000 iterations.
 
-examples:
+examples in the project's folder:
+  density assets/shapes/cow.ply --from vertex:2697 --to vertex:2 --steps 24 --out flow.blend
+  density assets/shapes/cow.ply --blend vertex:2697=0.3,vertex:2=0.7 --out blend.blend
+  density assets/shapes/cow.ply --measure vertex:2697 vertex:2
+  density assets/shapes/cow.ply --distance-from 2697 --out distance.blend
+
+examples with your own files:
   density cow.blend:Cow --from Head --to Tail --steps 24 --out cow_flow.blend
   density cow.blend:Cow --through Head Belly Tail Head --entropy-limit off --out cow_flow.blend
   density cow.blend:Cow --blend Head=0.3,Tail=0.7 --out blend.blend
   density cow.blend:Cow --propagate Head=1 1=2 2=Tail 1=Ear --out between.blend
-  density cow.obj --from vertex:10 --to vertex:2500
   density cow.blend:Cow --measure Head Tail
   density cow.blend:Cow --matrix --json
-  density cow.obj --distance-from 10 --out distance.blend
 
 """
 

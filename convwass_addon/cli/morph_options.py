@@ -24,16 +24,20 @@ A shape is a file that Blender can import (OBJ, PLY, STL, glTF, FBX, USD, Alembi
 Shapes can also be flat, if all of them are. A flat shape is text:WORD, an SVG file, an image (PNG, JPEG, TIFF, BMP,
 WebP), whose silhouette is used, or a text, curve, drawing, image Empty or flat mesh in a .blend. The frames are curves.
 
-examples:
-  morph cow.obj duck.ply torus.stl --frames 24 --resolution 100 --out morph.blend --render
+examples in the project's folder:
+  morph assets/shapes/cow.ply assets/shapes/bird.ply assets/shapes/double_torus.ply --frames 24 --render
+  morph morph.blend:cow morph.blend:bird --motion transport --output player --out player.blend
+  morph assets/shapes/horse.ply assets/shapes/double_torus.ply assets/shapes/bird.ply --layout triangle --output pad
+  morph assets/shapes/cow.ply assets/shapes/bird.ply --weights 0.3,0.7 --export blend.ply
+  morph assets/shapes/horse.ply assets/shapes/cow.ply --cache frames --frames-range 0-11
+  morph assets/shapes/horse.ply assets/shapes/cow.ply --cache frames --at 7.35,8.5 --out between.blend
+  morph text:A text:B --frames 24 --scale equal-volume --out letters.blend
+  morph text:SUN text:ICE --words letters --out words.blend
+
+examples with your own files:
   morph scene.blend:Cube scene.blend:Suzanne --frames 48
-  morph text:A text:B logo.svg --frames 24 --scale equal-volume --out letters.blend
-  morph text:SPRING text:AUTUMN --words letters
-  morph a.obj b.obj c.obj d.obj --layout grid --steps 5 --out sheet.blend --render
-  morph a.obj b.obj c.obj --weights 0.2,0.3,0.5 --export blend.ply
-  morph a.obj b.obj --frames 240 --cache /shared/frames --frames-range 0-119
+  morph text:A logo.svg --out logo.blend
   morph a.obj b.obj --frames 240 --cache /shared/frames --scheduler tcp://192.168.1.10:8786
-  morph a.obj b.obj --frames 24 --cache frames --at 7.35,8.5 --out between.blend
 
 """
 

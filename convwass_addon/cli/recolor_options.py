@@ -16,13 +16,16 @@ RECOLOR_HELP = """Give images the palette of another image, or the barycenter of
 Several images, or the frames of a movie, are treated as one clip: all of them get the same color map, so that nothing
 flickers. --cube also writes the color map as a lookup table for other programs; --lut applies such a table.
 
-examples:
+examples in the project's folder:
+  recolor assets/shapes/cow_spotted.png --palette docs/pictures/recolor.jpg --out spotted.png --cube grade.cube
+  recolor assets/shapes/cow_spotted.png --lut grade.cube --out again.png
+  recolor assets/shapes/cow_spotted.png --palette docs/pictures/recolor.jpg --steps 8 --out sequence/
+
+examples with your own files:
   recolor photo.png --palette painting.jpg --out graded.png
   recolor shot.*.png --palette still.png --strength 0.7 --out graded/
   recolor shot.mp4 --palette still.png --out graded/
   recolor day.exr --palette dusk.exr night.exr --weights 0.7,0.3 --out between.exr
-  recolor photo.png --palette painting.jpg --steps 8 --out sequence/
-  recolor photo.png --palette painting.jpg --cube grade.cube
   recolor shot.*.png --lut grade.cube --out graded/
 
 """

@@ -21,14 +21,18 @@ REFLECT_HELP = """Blend two to four materials. A material is one of
   FILE.binary                         a measured material of the MERL database
   FILE.npz, FILE.lobes.exr            a table written by this command; only with other tables
 
-  convwass reflect principled:0.2 principled:0.6 --weights 0.5,0.5 --out half.npz
-  convwass reflect blinn:400 principled:0.7 --steps 9 --out path.exr
-  convwass reflect blinn:400 principled:0.4 principled:0.8 --pad 5 --out pad.blend
+examples:
+  reflect principled:0.2 principled:0.6 --weights 0.5,0.5 --out half.npz
+  reflect principled:0.2 principled:0.7 --rows 32 --steps 5 --out path.exr
+  reflect blinn:40 principled:0.4 principled:0.8 --rows 32 --pad 3 --out pad.blend
+
 """
 
 SKY_HELP = """Blend two or more equirectangular skies: suns move with their glow, everything else cross-fades.
 
-  convwass sky morning.exr noon.exr --steps 25 --out skies
+example with your own files:
+  sky morning.exr noon.exr --steps 25 --out skies
+
 """
 
 

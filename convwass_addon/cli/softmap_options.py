@@ -24,7 +24,10 @@ file that Blender can import. A pair such as 12:40 means that vertex 12 of SOURC
 Four pairs are enough for two poses of one mesh, about ten for meshes of different proportions. Mark the ends of limbs,
 on both the left and the right side.
 
-examples:
+example in the project's folder:
+  softmap assets/shapes/cow_spotted.obj assets/shapes/horse.ply --pairs 2697:2697 2:2 1930:1865 482:399 --transfer uvs
+
+examples with your own files:
   softmap fox.blend:Fox dog.blend:Dog --pairs 12:40 77:301 5:9 63:118 --transfer weights keys --out dog_rigged.blend
   softmap pets.blend:Fox pets.blend:Dog --pairs-from empties --transfer uvs colors
   softmap old.obj new.obj --pairs 12:40 77:301 --transfer uvs --report map.json
