@@ -92,6 +92,13 @@ def test_groups_empties_and_bones_of_the_file_are_used(people, word, read):
     np.testing.assert_allclose(points_from(people, word, read), expected, atol=1e-6)
 
 
+def test_a_tilde_is_the_home_folder(people, tmp_path, monkeypatch):
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("USERPROFILE", str(tmp_path))
+    (tmp_path / "guides.json").write_text('[{"points": {"Man": 3, "Woman": 3}}]')
+    assert len(points_from(people, "~/guides.json", imported_shape)) == 1
+
+
 def test_a_vertex_that_only_the_modifiers_make_is_refused(people, tmp_path):
     file = tmp_path / "guides.json"
     file.write_text('[{"points": {"Man": 3, "Woman": 40}}]')

@@ -130,12 +130,13 @@ def _guides_by_names(kind: str, originals: Mapping[str, bpy.types.Object]) -> li
 
 def _read_guides(path: str) -> list[NamedGuide]:
     """Read the guides of a JSON file."""
-    if not whole_path(path).exists():
+    file = whole_path(path)
+    if not file.exists():
         raise InputError(
             "--guides {word}: there is no such file; name groups, empties, bones or a JSON file.", word=path
         )
     try:
-        found = parsed_guides(Path(path).read_text(encoding="utf-8"))
+        found = parsed_guides(file.read_text(encoding="utf-8"))
     except (OSError, UnicodeDecodeError) as error:
         raise InputError("The guides in {path} cannot be read ({reason}).", path=path, reason=str(error)) from error
     if not found:
