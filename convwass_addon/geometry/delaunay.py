@@ -157,10 +157,12 @@ class _Flipping:
     def _measure(self, triangles: NDArray[np.int64]) -> None:
         """Update the areas and cotangents of some triangles from their side lengths."""
         lengths = self.lengths.reshape(-1, 3)[triangles]
-        areas = heron_areas(lengths)
         squares = lengths**2
+        # By rounding, three corners may come to lie on a line; then there is no triangulation.
+        with np.errstate(divide="ignore", invalid="ignore"):
+            areas = heron_areas(lengths)
+            cotangents = (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (4.0 * areas[:, None])
         self.areas[triangles] = areas
-        cotangents = (squares.sum(axis=1, keepdims=True) - 2.0 * squares) / (4.0 * areas[:, None])
         self.cotangents.reshape(-1, 3)[triangles] = cotangents
 
     def bad(self, sides: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -136,3 +136,11 @@ def test_flips_can_be_cancelled():
         flipped_to_delaunay(surface_of(STRETCHED), stop)
     with pytest.raises(Cancelled):
         tufted_laplacian(STRETCHED, stop)
+
+
+def test_corners_on_a_line_give_no_triangulation():
+    """Rounding may make one side longer than the other two together."""
+    long = np.nextafter(2.0, 3.0)
+    lengths = np.array([[1.0, 1.0, long], [1.0, 1.5, 1.0], [1.0, 1.5, 1.0], [long, 1.5, 1.5]])
+    faces = np.array([[0, 1, 2], [0, 3, 1], [1, 3, 2], [0, 2, 3]])
+    assert flipped_to_delaunay(closed_surface(faces, lengths)) is None
