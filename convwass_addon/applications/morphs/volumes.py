@@ -78,7 +78,11 @@ class Lattice:
         margin = 2 + int(np.ceil(2.0 * sigma))
         if resolution < 4 * margin:
             raise InputError(
-                "Resolution {resolution} is too coarse; use at least {least}.", resolution=resolution, least=4 * margin
+                "Resolution {resolution} is too coarse for a blur of {blur:.3g} cells; use at least {least}, or less "
+                "blur.",
+                resolution=resolution,
+                blur=sigma,
+                least=4 * margin,
             )
         centers = np.stack([centroid(shape) for shape in shapes])
         low = np.min([shape.bounds[0] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
