@@ -129,7 +129,7 @@ def _figures(
         "tips": len(others),
         "off": float(_off(motion, ends.tips)[:, others].mean()) if len(others) else 0.0,
         "score": pair.score,
-        "followed": pair.followed,
+        "followed": len(clicked) - pair.guides_left_out,
         "given": len(clicked),
         **seconds,
     }

@@ -97,7 +97,7 @@ def turned(ends: Ends) -> dict[str, dict[str, object]]:
         found[kind] = {
             **_figures(off, starts, wrong),
             "score": pair.score,
-            "followed": pair.followed,
+            "followed": len(clicked) - pair.guides_left_out,
             "given": len(clicked),
             **seconds,
         }

@@ -168,6 +168,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "transport", "reason": "SOLID"}, ["GOOD", "SOLID"]),
         ({"kind": "guided", "reason": "ASKED", "score": 0.91}, ["GOOD"]),
         ({"kind": "guided", "reason": "FITS", "score": 0.91, "turned": 90}, ["GOOD", "GUIDED", "TURNED"]),
+        ({"kind": "guided", "reason": "ASKED", "score": 0.91, "guides_left_out": 2}, ["GOOD", "GUIDES"]),
         ({"kind": "transport", "reason": "ASKED"}, ["GOOD"]),
     ],
 )
@@ -182,7 +183,7 @@ def test_every_template_can_be_filled():
     values = {"resolution": 64, "name": "{x}", "cells": 1.0, "better": 96, "frames": "1-2", "share": 0.1}
     values |= {"thickness": 1.0, "length": 3.0, "error": 0.1, "sigma": 2.0, "text": "x", "score": 0.8, "failure": "x"}
     values |= {"pieces": 3, "most": 1, "holes": 2, "materials": "x", "names": "x", "sockets": "x"}
-    values |= {"angle": 90.0, "detour": 1.7}
+    values |= {"angle": 90.0, "detour": 1.7, "count": 2}
     for kind in TEXTS:
         assert Diagnostic(kind, values).text
 

@@ -36,6 +36,7 @@ TEXTS: dict[str, str] = {
     "WARPED": "Warp was chosen: there is no good map between the shapes (agreement {score:.0%})",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
+    "GUIDES": "{count} of the guides were left out, because the shapes map better without them: check their points",
     "APART": "Transport was chosen: there is no good map between the shapes (agreement {score:.0%}, "
     "detour {detour:.1f}); guides may help",
     "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
@@ -75,7 +76,7 @@ SEVERITIES: dict[str, Severity] = {
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART"), "INFO"),
     **dict.fromkeys(("MERGED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
-    "NO_MOTION": "WARNING",
+    **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
     "LOOK_BLURRED": "INFO",
@@ -167,7 +168,7 @@ def diagnose(
         *_notices(figures),
         *dropped,
     ]
-    return [*(notes or [Diagnostic("GOOD", {})]), *_motion(figures), *_turned(figures)]
+    return [*(notes or [Diagnostic("GOOD", {})]), *_guides(figures), *_motion(figures), *_turned(figures)]
 
 
 def diagnostic_figures(record: Mapping[str, object]) -> dict[str, str | float]:
@@ -324,6 +325,11 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     if note is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})]
     return [Diagnostic(note, score)] if chosen.get("motion_score") is not None else []
+
+
+def _guides(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
+    count = int(max((_number(figure, "motion_guides_left_out") for figure in figures), default=0.0))
+    return [Diagnostic("GUIDES", {"count": count})] if count else []
 
 
 def _turned(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:

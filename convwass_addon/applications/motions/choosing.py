@@ -84,6 +84,8 @@ class MotionChoice:
         Largest detour of an uncertain map, see :func:`.map_detour.map_detour`.
     left : float or None
         Largest share of the distance between two shapes that the motion leaves, if it was measured.
+    guides_left_out : int
+        Number of guides without which two shapes map better, so that they were left out.
     """
 
     kind: str
@@ -94,11 +96,12 @@ class MotionChoice:
     turned: float = 0.0
     detour: float | None = None
     left: float | None = None
+    guides_left_out: int = 0
 
     def record(self) -> dict[str, object]:
         """Return the description of the motion for the record of every frame, ready for JSON."""
         known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
-        known |= {"detour": self.detour, "left": self.left}
+        known |= {"detour": self.detour, "left": self.left, "guides_left_out": self.guides_left_out or None}
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
 
@@ -116,7 +119,7 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
         return MotionChoice("warp", "ASKED", (yield from _warp(request, control)))
     if request.kind == "guided":
         guided = yield from _guided(request, control)
-        return MotionChoice("guided", "ASKED", guided, _score(guided), turned=_turned(guided))
+        return _mapped("ASKED", guided)
     return (yield from _automatic(request, control))
 
 
@@ -145,7 +148,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         return MotionChoice("transport", "FAILED", None, failure=str(error))
     score = _score(guided)
     if score >= TRUSTED:
-        return MotionChoice("guided", "FITS", guided, score, turned=_turned(guided))
+        return _mapped("FITS", guided)
     detour = max(pair.detour for pair in guided.pairs.values())
     far = detour > _DETOUR
     # Where bodies divide or join far from each other, a map tears something.
@@ -153,7 +156,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     if merges or score < DOUBTED or (far and divides and not request.guides):
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
-    alone = MotionChoice("guided", "PARTLY", guided, score, turned=_turned(guided), detour=detour)
+    alone = replace(_mapped("PARTLY", guided), detour=detour)
     if score < _UNSURE and not request.guides:
         better = _warped_instead
     elif far:
@@ -161,6 +164,12 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     else:
         better = _perhaps_warped
     return (yield from within(_unless_failing(better, alone, request, control), _GUIDED_SHARE, 1.0))
+
+
+def _mapped(reason: str, guided: GuidedMotion) -> MotionChoice:
+    """Return the choice of a guided motion."""
+    left_out = sum(pair.guides_left_out for pair in guided.pairs.values())
+    return MotionChoice("guided", reason, guided, _score(guided), turned=_turned(guided), guides_left_out=left_out)
 
 
 def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:

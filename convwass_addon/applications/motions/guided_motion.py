@@ -50,8 +50,8 @@ class GuidedPair:
     score : float
         Score of the map, 0 to 1; the confidence instead if the registered shapes coincide beyond doubt or the map was
         not used, and if that is more, the confidence times the share of the surface that keeps left and right.
-    followed : int
-        Number of guides that the map follows.
+    guides_left_out : int
+        Number of guides without which the shapes map better, so that they were left out.
     detour : float
         Length of the map over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
@@ -59,7 +59,7 @@ class GuidedPair:
     """
 
     score: float
-    followed: int
+    guides_left_out: int
     detour: float
     turn: float
 
@@ -237,7 +237,7 @@ def guided_motion(
         deformations[ordered], deformations[ordered[::-1]] = there, back
         quality = map_quality(one, other, there).or_worse(map_quality(other, one, back))
         score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
-        known[pair] = GuidedPair(score, followed=len(best.map.pairs), detour=best.detour, turn=best.turn)
+        known[pair] = GuidedPair(score, len(marked) - len(best.map.pairs), best.detour, best.turn)
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 

@@ -22,8 +22,8 @@ COMBINED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coheren
 WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence), sizes=np.ones(2))
 
 
-def guided_with(score, turn=0.0, detour=1.0):
-    pair = SimpleNamespace(score=score, turn=turn, detour=detour)
+def guided_with(score, turn=0.0, detour=1.0, left_out=0):
+    pair = SimpleNamespace(score=score, turn=turn, detour=detour, guides_left_out=left_out)
     return SimpleNamespace(pairs={(0, 1): pair}, with_coherence=lambda coherence: ("guided", coherence))
 
 
@@ -70,6 +70,14 @@ def test_automatic_follows_the_score_of_the_map(motions, score, kind, reason):
 def test_the_record_says_by_how_much_shapes_were_turned(motions):
     motions(guided_with(0.95, turn=-90.0))
     assert choice().record()["turned"] == 90
+
+
+@pytest.mark.parametrize(("kind", "score"), [("guided", 0.6), ("automatic", 0.95), ("automatic", 0.6)])
+def test_the_record_says_how_many_guides_were_left_out(motions, kind, score):
+    motions(guided_with(score, left_out=2))
+    assert choice(kind, guides=[{0: 7, 1: 7}]).record()["guides_left_out"] == 2
+    motions(guided_with(score))
+    assert "guides_left_out" not in choice(kind, guides=[{0: 7, 1: 7}]).record()
 
 
 def test_maps_that_make_detours_are_not_completed_by_a_warp(motions):
