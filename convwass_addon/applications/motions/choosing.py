@@ -51,8 +51,8 @@ _UNSURE = 0.4
 _DETOUR = 1.4
 # Connected components with at least this share of the area count as bodies.
 _BODY = 0.1
-# Cells of the grid on which distances are compared.
-_CELLS = 32
+# Cells of the grid on which distances are compared; with 32, shares differ by less than 0.006 on the benchmark.
+_CELLS = 24
 # Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
 # SciPy's eigensolvers raise RuntimeError if they do not converge.
 _FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)

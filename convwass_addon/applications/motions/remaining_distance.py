@@ -20,6 +20,8 @@ TIMES = (0.25, 0.5, 0.75)
 
 _MARGIN = 4.0
 _TOLERANCE, _MOST_ITERATIONS = 1e-2, 200
+# Equal solids are this many cells apart at most, within the tolerance.
+_NOTHING = 0.05
 
 
 def remaining_share(
@@ -71,4 +73,4 @@ def _distance(meshes: Sequence[TriangleMesh], cells: int, control: Control) -> f
     solids = [solid_or_shell_occupancy((mesh.corners - low) / spacing + _MARGIN, shape) for mesh in meshes]
     grid = Grid(shape, sigma=1.0)
     found = distance(*solids, grid, tolerance=_TOLERANCE, max_iterations=_MOST_ITERATIONS, control=control)
-    return found.length * spacing
+    return found.length * spacing if found.length > _NOTHING else 0.0

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from types import SimpleNamespace
 
 import pytest
 
@@ -38,3 +39,11 @@ def test_the_share_of_the_distance_that_a_motion_leaves(left):
     assert 0.5 in TIMES
     found = remaining_share(Closing(left), [two_balls(1.0), two_balls(2.0)])
     assert found == pytest.approx(left, rel=0.05)
+
+
+@pytest.mark.parametrize("cells", [20, 24, 32, 48])
+def test_equal_shapes_leave_nothing(cells):
+    """Rounding must not be compared with rounding."""
+    shapes = [two_balls(1.0)] * 2
+    still = SimpleNamespace(moved=lambda _weights: [MovedShape(shape, shape.vertices) for shape in shapes])
+    assert remaining_share(still, shapes, cells=cells) == 0.0
