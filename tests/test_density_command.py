@@ -224,12 +224,12 @@ def test_distances_from_a_vertex(files, tmp_path, capfd):
         (
             ["{in}/scene.blend:Ball", "--blend", "East=1,North=1", "--name", "East"],
             3,
-            "Ball already has a painted vertex group East; choose another name",
+            "Ball already has a vertex group East that is no result",
         ),
         (
             ["{in}/scene.blend:Ball", "--distance-from", "0", "--name", "North", "--out", "{in}/far.blend"],
             3,
-            "Ball already has a painted vertex group North",
+            "Ball already has a vertex group North that is no result",
         ),
         (["{in}/scene.blend:Ball", "--blend", "East=1"], 3, "at least two groups"),
         (["{in}/scene.blend:Ball", "--through", "East"], 3, "at least two groups"),

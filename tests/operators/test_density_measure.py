@@ -109,7 +109,7 @@ def test_distances_from_a_vertex_become_a_group(mode, capfd):
 def test_a_painted_group_is_not_replaced_by_distances():
     obj = ball()
     before = read_group(obj, "A")
-    with pytest.raises(RuntimeError, match="already has a painted vertex group A; choose another name"):
+    with pytest.raises(RuntimeError, match="already has a vertex group A that is no result"):
         call("distance_from_vertices", vertices="0", group="A")
     np.testing.assert_array_equal(read_group(obj, "A"), before)
     for _ in range(2):

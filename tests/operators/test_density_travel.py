@@ -239,7 +239,7 @@ def test_a_blend_lies_between(obj):
 
 def test_painted_groups_are_kept_and_blends_replaced(obj):
     before = read_group(obj, "A")
-    with pytest.raises(RuntimeError, match="already has a painted vertex group A; choose another name"):
+    with pytest.raises(RuntimeError, match="already has a vertex group A that is no result"):
         call("blend_densities", groups="A, B", group="A")
     np.testing.assert_array_equal(read_group(obj, "A"), before)
     obj.vertex_groups.new(name="Mix")
@@ -250,11 +250,25 @@ def test_painted_groups_are_kept_and_blends_replaced(obj):
     assert mixed[0] > 0.85 and mixed[1] < -0.85
 
 
+def test_a_group_painted_in_the_place_of_a_result_is_kept(obj):
+    call("blend_densities", groups="A, B")
+    obj.vertex_groups["Blend"].name = "Kept"
+    painted = obj.vertex_groups.new(name="Blend")
+    painted.add([0, 1, 2], 0.7, "REPLACE")
+    with pytest.raises(RuntimeError, match="vertex group Blend that is no result"):
+        call("blend_densities", groups="A, B")
+    obj.vertex_groups.remove(painted)
+    call("blend_densities", groups="A, B")
+    obj.vertex_groups["Blend"].add([0], 1.0, "REPLACE")
+    with pytest.raises(RuntimeError, match="or was changed since"):
+        call("blend_densities", groups="A, B")
+
+
 @pytest.mark.parametrize("damage", ["{", "3", 7])
 def test_damaged_names_of_results_protect_all_groups(obj, damage):
     call("blend_densities", groups="A, B")
     obj[RESULTS_KEY] = damage
-    with pytest.raises(RuntimeError, match="painted vertex group Blend"):
+    with pytest.raises(RuntimeError, match="vertex group Blend that is no result"):
         call("blend_densities", groups="A, B")
 
 
@@ -306,7 +320,7 @@ def test_a_painted_group_is_not_replaced_by_a_place_without_a_name(obj):
     call("add_density_stop", group="A")
     call("add_density_stop", which="EMPTY")
     call("add_density_stop", group="C")
-    with pytest.raises(RuntimeError, match="already has a painted vertex group Place 1"):
+    with pytest.raises(RuntimeError, match="already has a vertex group Place 1 that is no result"):
         call("propagate_densities")
 
 

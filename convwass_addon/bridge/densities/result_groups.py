@@ -4,16 +4,18 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 
 import bpy
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ..vertex_groups import read_group, write_group
 
 RESULTS_KEY = "convwass_results"
-"""Custom property of an object: JSON with the names of the groups that hold results."""
+"""Custom property of an object: JSON with a digest of the weights of every result, by the name of its group."""
 
 
 def require_unpainted(obj: bpy.types.Object, name: str) -> None:
@@ -22,11 +24,15 @@ def require_unpainted(obj: bpy.types.Object, name: str) -> None:
     Raises
     ------
     InputError
-        The group was painted, or the object is not a mesh.
+        The group was painted, also over an earlier result, or the object is not a mesh.
     """
-    if name in obj.vertex_groups and name not in _results(obj) and read_group(obj, name).any():
+    if name not in obj.vertex_groups:
+        return
+    weights = read_group(obj, name)
+    if weights.any() and _results(obj).get(name) != _digest(weights):
         raise InputError(
-            "{object} already has a painted vertex group {name}; choose another name for the result.",
+            "{object} already has a vertex group {name} that is no result, or was changed since; choose another name, "
+            "or delete the group.",
             object=obj.name,
             name=name,
         )
@@ -42,15 +48,19 @@ def write_result(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.ty
     """
     require_unpainted(obj, name)
     group = write_group(obj, name, weights)
-    there = [known for known in _results(obj) if known in obj.vertex_groups]
-    obj[RESULTS_KEY] = json.dumps(list(dict.fromkeys([*there, name])))
+    there = {known: digest for known, digest in _results(obj).items() if known in obj.vertex_groups}
+    obj[RESULTS_KEY] = json.dumps({**there, name: _digest(read_group(obj, name))})
     return group
 
 
-def _results(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the groups that hold results; none if the stored names are damaged."""
+def _results(obj: bpy.types.Object) -> dict[str, str]:
+    """Return the digests of the results by the names of their groups; none if what is stored is damaged."""
     try:
-        found = json.loads(obj.get(RESULTS_KEY, "[]"))
+        found = json.loads(obj.get(RESULTS_KEY, "{}"))
     except (TypeError, ValueError, RecursionError):
-        return []
-    return found if isinstance(found, list) else []
+        return {}
+    return found if isinstance(found, dict) else {}
+
+
+def _digest(weights: NDArray[np.float64]) -> str:
+    return hashlib.sha256(weights.astype("<f4").tobytes()).hexdigest()
