@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -153,7 +153,7 @@ class FrameResults:
         if files.output == "CACHE":
             options["kind"] = files.cache_format
         try:
-            with nullcontext() if scene == bpy.context.scene else _showing(scene, morph):
+            with _showing(scene, morph):
                 getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
             # What they read is not this bake.
@@ -250,7 +250,8 @@ def _poor_notice(path: KeyPath) -> Sentence:
 
 @contextmanager
 def _showing(scene: bpy.types.Scene, morph: bpy.types.Collection) -> Iterator[None]:
-    """Make a morph active for operators, although the window shows another scene."""
+    """Make a morph active for operators, although it is excluded from the view layer or in another scene."""
+    layer = bpy.context.view_layer if scene == bpy.context.scene else scene.view_layers[0]
     nothing = {"object": None, "active_object": None, "selected_objects": []}
-    with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0], collection=morph, **nothing):
+    with bpy.context.temp_override(scene=scene, view_layer=layer, collection=morph, **nothing):
         yield

@@ -200,6 +200,18 @@ def test_files_are_written_again_and_what_shows_them_is_kept(morph, tmp_path, op
         assert len(bpy.data.cache_files) == 1
 
 
+def test_a_morph_outside_the_view_layer_is_written_and_no_other_one(morph, tmp_path):
+    bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    other = bake()
+    kept = frame_objects(other)
+    bpy.context.view_layer.layer_collection.children[morph.name].exclude = True
+    bpy.context.view_layer.objects.active = kept[0]
+    assert bpy.ops.convwass.rebake_morph(morphs=morph.name) == {"FINISHED"}
+    assert frame_objects(other) == kept
+    assert sorted(obj.type for obj in morph.objects) == ["MESH", "VOLUME"]
+    assert len({path.parent for path in files_in(tmp_path)}) == 2
+
+
 def test_where_files_cannot_be_written_again_the_new_frames_are_shown(morph, tmp_path, monkeypatch, capfd):
     bpy.ops.convwass.make_volume(folder=str(tmp_path))
     monkeypatch.setitem(sys.modules, "openvdb", None)
