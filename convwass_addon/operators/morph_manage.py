@@ -21,6 +21,7 @@ from ..bridge.morphs.stored import (
     FRAMES_KEY,
     MORPH_KEY,
     refusing_damage,
+    sampled_from,
     stored_inputs,
     stored_morph,
     stored_parts,
@@ -193,7 +194,17 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
         if self.which == "ACTIVE":
             active = active_bake(context)
             return [] if active is None else [active.name]
-        return [block.name for block in there if self.which == "ALL" or changed_inputs(block)]
+        solved = [block for block in there if not _is_sampled(block)]
+        return [block.name for block in solved if self.which == "ALL" or changed_inputs(block)]
+
+
+def _is_sampled(block: bpy.types.Collection | bpy.types.Object) -> bool:
+    """Return whether the frames of a morph are what a player showed."""
+    try:
+        return sampled_from(block) is not None
+    except InputError:
+        # A damaged description is reported where it is used.
+        return False
 
 
 def _arguments(morph: bpy.types.Collection | bpy.types.Object) -> dict[str, object]:
@@ -205,6 +216,14 @@ def _arguments(morph: bpy.types.Collection | bpy.types.Object) -> dict[str, obje
     if stored.settings.get("at"):
         raise InputError(
             "{name} contains fractional frames made with --at; recompute them on the command line.", name=morph.name
+        )
+    source = sampled_from(morph)
+    if source is not None:
+        raise InputError(
+            "{name} contains what a player of {source} showed; bake {source} again, then bake or write the frames of "
+            "its player again.",
+            name=morph.name,
+            source=source,
         )
     known = {name: value for name, value in stored_arguments(stored.settings).items() if value is not None}
     if MorphRequest(layout=known.get("layout", "PATH"), output=known.get("output", "OBJECTS")).output_problem:

@@ -124,3 +124,17 @@ def test_a_pad_is_not_written(tmp_path):
     bpy.ops.convwass.remove_player()
     assert bpy.ops.convwass.make_volume(folder=str(tmp_path)) == {"FINISHED"}
     assert not any("convwass_weights" in obj for obj in bpy.data.objects)
+
+
+def test_frames_of_a_player_are_not_solved_again(player, tmp_path):
+    bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2)
+    bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    shown = bpy.context.object
+    (volume,) = (obj for obj in bpy.data.objects if obj.type == "VOLUME")
+    for which in ("ALL", "STALE"):
+        bpy.ops.convwass.rebake_morph(which=which)
+        assert volume.data.frame_duration == 9
+    bpy.context.view_layer.objects.active = shown
+    with pytest.raises(RuntimeError, match="bake Morph A to B again, then bake or write the frames of its player"):
+        bpy.ops.convwass.rebake_morph()
+    assert volume.data.frame_duration == 9

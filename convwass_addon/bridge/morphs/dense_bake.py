@@ -18,7 +18,7 @@ from ..keyframes import FrameRange, key_visibility
 from .hidden_inputs import copy_hidden
 from .player import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
-from .stored import FRAME_KEY, INDEX_KEY, WEIGHTS_KEY, store, stored_morph
+from .stored import FRAME_KEY, INDEX_KEY, SAMPLED_FROM, WEIGHTS_KEY, store, stored_morph
 
 
 def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.float64]:
@@ -61,7 +61,7 @@ def bake_player(
     Returns
     -------
     bpy.types.Collection
-        The new morph, with the settings of the old one.
+        The new morph, with the settings of the old one and `SAMPLED_FROM`.
 
     Raises
     ------
@@ -94,7 +94,8 @@ def bake_player(
         last = None if number == len(made) - 1 else first_frame + number
         key_visibility(obj, action, [FrameRange(first, last)])
     stored = stored_morph(source)
-    store(collection, replace(stored, first_frame=first_frame, records=[{} for _ in made]))
+    settings = {**stored.settings, SAMPLED_FROM: source.name}
+    store(collection, replace(stored, settings=settings, first_frame=first_frame, records=[{} for _ in made]))
     copy_hidden(source, collection)
     for home in [home for home in (scene.collection, *bpy.data.collections) if source in set(home.children)]:
         home.children.link(collection)

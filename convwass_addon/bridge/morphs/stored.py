@@ -41,6 +41,9 @@ DIAGNOSTICS_KEY = "convwass_health"
 FRAMES_KEY = "convwass_frames_of"
 """Custom property of the collection for the hidden frame objects of a morph: the morph's collection."""
 
+SAMPLED_FROM = "sampled_from"
+"""Setting of a morph whose frames are what a player showed: name of the morph that it played."""
+
 FIRST_FRAMES = (0, 1_048_574)
 """Lowest and highest start frame of a scene in Blender."""
 
@@ -128,6 +131,17 @@ def stored_settings(block: bpy.types.Collection | bpy.types.Object) -> dict[str,
         As for `stored_morph`.
     """
     return stored_morph(block).settings
+
+
+def sampled_from(block: bpy.types.Collection | bpy.types.Object) -> str | None:
+    """Return the name of the morph whose player showed the frames of a morph; None if they were solved.
+
+    Raises
+    ------
+    InputError
+        As for `stored_morph`.
+    """
+    return stored_settings(block).get(SAMPLED_FROM)
 
 
 def is_solid(collection: bpy.types.Collection) -> bool:
