@@ -8,7 +8,8 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
-from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects
+from convwass_addon.bridge.one_mesh.records import SWAP_KEY
 
 
 @pytest.fixture
@@ -56,6 +57,27 @@ def test_shapes_that_another_morph_hides_stay_hidden(shapes):
     assert hidden(*shapes) == [BOTH, NEITHER]
     delete(second)
     assert hidden(*shapes, bpy.data.objects["C"]) == [NEITHER] * 3
+
+
+def test_a_morph_whose_collection_is_in_no_scene_hides_nothing(shapes):
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.context.object.name = "C"
+    first, second = bake(), bake("A,C")
+    bpy.context.scene.collection.children.unlink(first)
+    first.use_fake_user = True
+    delete(second)
+    assert hidden(shapes[0], bpy.data.objects["C"]) == [NEITHER, NEITHER]
+
+
+def test_deleted_shape_keys_that_still_exist_hide_nothing(shapes):
+    morph = bake()
+    keyed = bpy.data.objects.new("Keys", bpy.data.meshes.new("Keys"))
+    for key in (MORPH_KEY, HIDDEN_KEY):
+        keyed[key] = morph[key]
+    # As in a bake of two meshes, which refer to each other.
+    keyed[SWAP_KEY] = {"object": keyed}
+    delete(morph)
+    assert hidden(*shapes) == [NEITHER, NEITHER]
 
 
 def test_what_the_user_has_hidden_stays_hidden(shapes):

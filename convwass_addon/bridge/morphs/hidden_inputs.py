@@ -130,8 +130,11 @@ def _shown(obj: bpy.types.Object) -> HiddenObject:
 
 
 def _others(morph: bpy.types.ID) -> list[bpy.types.ID]:
-    """Return all other morphs of the file; shapes of linked ones are in another file."""
-    morphs = [other for other in (*bpy.data.collections, *bpy.data.objects) if MORPH_KEY in other]
+    """Return all other morphs in the scenes of the file; shapes of linked ones are in another file."""
+    # Deleted ones may still exist if something refers to them; two meshes that replace each other always do.
+    collections = {own for scene in bpy.data.scenes for own in scene.collection.children_recursive}
+    objects = (obj for obj in bpy.data.objects if MORPH_KEY in obj and obj.users_scene)
+    morphs = [*(own for own in collections if MORPH_KEY in own), *objects]
     return [other for other in morphs if other.library is None and other != morph]
 
 
