@@ -37,8 +37,13 @@ from .reporting import refuse
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
-    """Return the morph of the active object, or the active collection if that is a morph."""
+    """Return the morph of the active object, or the active collection if that is a morph.
+
+    An active object with shape keys is a bake of its own, so that nothing acts on the morph in its place.
+    """
     active = active_object(context)
+    if baked_keys(active) is not None:
+        return None
     candidates = [
         shown_morph(active),
         *(active.users_collection if active else ()),

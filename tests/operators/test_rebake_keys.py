@@ -258,6 +258,19 @@ def test_the_panel_has_the_buttons_of_what_stores_its_bake(shapes):
         bpy.ops.convwass.select_morph_inputs()
 
 
+def test_the_panel_of_a_morph_is_not_shown_for_an_object_with_keys(shapes):
+    """Its buttons would act on the object."""
+    bpy.ops.convwass.bake_morph(inputs="A,C", motion="TRANSPORT", frames=2, resolution=32)
+    obj, layer = bake("A,B"), bpy.context.view_layer
+    layer.active_layer_collection = layer.layer_collection.children["Morph A to C"]
+    layer.objects.active = obj
+    assert not bpy.types.CONVWASS_PT_baked_morph.poll(bpy.context)
+    layer.objects.active = None
+    assert bpy.types.CONVWASS_PT_baked_morph.poll(bpy.context)
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    assert "A Morph" in bpy.data.objects and "Morph A to C" not in bpy.data.collections
+
+
 def test_a_rigged_mesh_keeps_its_armature_and_groups(shapes):
     bpy.ops.object.armature_add()
     rig = bpy.context.object
