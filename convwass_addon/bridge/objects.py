@@ -283,4 +283,5 @@ def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
 
 def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:
     """Return whether a view layer has an object; a linked object may share its name with another one."""
-    return obj.name in layer.objects and obj in set(layer.objects)
+    found = layer.objects.get(obj.name)
+    return found is not None and (found == obj or obj in set(layer.objects))

@@ -5,8 +5,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from functools import reduce
 
 import bpy
 
@@ -58,14 +60,15 @@ def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene:
     scene : bpy.types.Scene
         The scene that shows the morph.
     """
-    hidden = []
-    for obj in objects:
-        _release(_shown(obj), _others(morph))
-        hidden.append(_to_hide(morph, obj, scene))
+    shown = {obj: _shown(obj) for obj in objects}
+    others = _others(morph)
+    _release({now.name: now for now in shown.values()}, others)
+    claims = _claims(others)
+    _store(morph, [_to_hide(obj, now, claims.get(now.name, ()), scene) for obj, now in shown.items()])
+    for obj in shown:
         obj.hide_render = True
         for layer in _layers(obj, [scene]):
             obj.hide_set(True, view_layer=layer)
-    _store(morph, hidden)
 
 
 def take_hidden(old: bpy.types.ID, new: bpy.types.ID) -> None:
@@ -85,11 +88,8 @@ def copy_hidden(source: bpy.types.ID, target: bpy.types.ID) -> None:
 
 def hidden_only_by(morph: bpy.types.ID) -> list[HiddenObject]:
     """Return what a morph hides and no other morph does."""
-    found = _hidden_by(morph)
-    for other in _others(morph):
-        for theirs in _hidden_by(other):
-            found = [own.without(theirs) if own.name == theirs.name else own for own in found]
-    return found
+    claims = _claims(_others(morph))
+    return [reduce(HiddenObject.without, claims.get(own.name, ()), own) for own in _hidden_by(morph)]
 
 
 def show_again(hidden: Sequence[HiddenObject]) -> None:
@@ -104,21 +104,29 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
                 obj.hide_set(False, view_layer=layer)
 
 
-def _to_hide(morph: bpy.types.ID, obj: bpy.types.Object, scene: bpy.types.Scene) -> HiddenObject:
-    """Return where a morph hides an object that the user does not hide himself."""
-    now = _shown(obj)
-    claims = [one for other in _others(morph) for one in _hidden_by(other) if one.name == now.name]
-    in_renders = now.in_renders or any(claim.in_renders for claim in claims)
-    names = [layer.name for layer in _layers(obj, [scene])]
-    taken = {name for claim in claims for name in claim.layers}
-    return HiddenObject(now.name, in_renders, tuple(name for name in names if name in now.layers or name in taken))
+def _to_hide(
+    obj: bpy.types.Object, now: HiddenObject, claims: Iterable[HiddenObject], scene: bpy.types.Scene
+) -> HiddenObject:
+    """Return where a morph hides an object that is shown `now`, or hidden by other morphs, but not by the user."""
+    needed = [now, *claims]
+    layers = {name for one in needed for name in one.layers}
+    names = tuple(layer.name for layer in _layers(obj, [scene]) if layer.name in layers)
+    return HiddenObject(now.name, any(one.in_renders for one in needed), names)
 
 
-def _release(shown: HiddenObject, morphs: Iterable[bpy.types.ID]) -> None:
-    """Let morphs forget that they hide an object where it is shown, since the user wanted to see it."""
+def _claims(morphs: Iterable[bpy.types.ID]) -> Mapping[ObjectName, list[HiddenObject]]:
+    """Return where morphs hide each object."""
+    claims = defaultdict(list)
+    for one in (one for morph in morphs for one in _hidden_by(morph)):
+        claims[one.name].append(one)
+    return claims
+
+
+def _release(shown: Mapping[ObjectName, HiddenObject], morphs: Iterable[bpy.types.ID]) -> None:
+    """Let morphs forget that they hide objects where these are shown, since the user wanted to see them."""
     for morph in morphs:
         before = _hidden_by(morph)
-        after = [own.without(shown) if own.name == shown.name else own for own in before]
+        after = [own.without(shown[own.name]) if own.name in shown else own for own in before]
         if after != before:
             _store(morph, after)
 

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hiding shapes of many parts."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.morphs import hidden_inputs
+from convwass_addon.bridge.morphs.hidden_inputs import hidden_only_by, hide_shapes
+from convwass_addon.bridge.morphs.stored import MORPH_KEY
+from convwass_addon.bridge.objects import is_in
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+@pytest.fixture
+def parts():
+    """Six cubes."""
+    for _ in range(6):
+        bpy.ops.mesh.primitive_cube_add()
+    return list(bpy.context.scene.objects)
+
+
+def new_morph():
+    morph = bpy.data.collections.new("Morph")
+    bpy.context.scene.collection.children.link(morph)
+    morph[MORPH_KEY] = "{}"
+    return morph
+
+
+def test_other_morphs_are_read_as_often_for_many_parts_as_for_one(parts, monkeypatch):
+    other, morph = new_morph(), new_morph()
+    hide_shapes(other, parts, bpy.context.scene)
+    read, hidden_by = [], hidden_inputs._hidden_by
+    monkeypatch.setattr(hidden_inputs, "_hidden_by", lambda own: read.append(own) or hidden_by(own))
+    hide_shapes(morph, parts[:1], bpy.context.scene)
+    for_one = read.copy()
+    hide_shapes(morph, parts, bpy.context.scene)
+    assert for_one
+    assert read == 2 * for_one
+
+
+def test_parts_that_two_morphs_hide_are_hidden_only_by_neither(parts):
+    first, second = new_morph(), new_morph()
+    hide_shapes(first, parts[:4], bpy.context.scene)
+    hide_shapes(second, parts[2:], bpy.context.scene)
+    for morph, own in ((first, parts[:2]), (second, parts[4:])):
+        names = [one.name.name for one in hidden_only_by(morph) if one.in_renders and one.layers]
+        assert names == [obj.name for obj in own]
+
+
+def test_a_view_layer_is_not_listed_to_find_an_object(parts):
+    class Unlisted(dict):
+        def __iter__(self):
+            raise AssertionError("lists all objects")
+
+    layer = SimpleNamespace(objects=Unlisted({obj.name: obj for obj in parts[1:]}))
+    assert is_in(layer, parts[1])
+    assert not is_in(layer, parts[0])
