@@ -15,6 +15,7 @@ from ...errors import InputError
 from ..morphs.morph_request import MorphRequest
 from ..morphs.stored import MORPH_KEY, StoredMorph
 from ..object_names import library_of
+from ..shape_sources import OBJECTS
 
 RECORD_KEY = "convwass_shape_keys"
 """Custom property of the object: JSON of the records of all paths."""
@@ -54,7 +55,8 @@ def described_bake(
     inputs: Sequence[bpy.types.Object], request: MorphRequest, settings: MorphSettings, first_frame: int
 ) -> StoredMorph:
     """Return the description with which shape keys can be baked again; stored by :func:`.stored.store`."""
-    options = replace(request, layout="PATH", output="SHAPE_KEYS").as_dict()
+    # The vertices of a mesh are those of a single object.
+    options = replace(request, layout="PATH", output="SHAPE_KEYS", grouping=OBJECTS).as_dict()
     libraries = [library_of(obj) for obj in inputs]
     return StoredMorph([obj.name for obj in inputs], {**settings.as_dict(), **options}, first_frame, [], libraries)
 
