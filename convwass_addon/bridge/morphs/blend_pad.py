@@ -40,6 +40,9 @@ TEXT = 0.07
 COPY = 0.22
 """Size of the shapes at the corners, relative to the side of the pad."""
 
+PLACE_KEY = "convwass_place"
+"""Custom property of the lattice of a pad: the location where it was made."""
+
 
 @dataclass(frozen=True)
 class BlendPad:
@@ -142,6 +145,7 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST
     # The right and lower edges.
     corner = np.array([sheet.points[:, 0].max(), 0.0, sheet.points[:, 2].min()])
     pad.location = sheet.feet[0] - (GAP + 0.5) * np.array([sheet.size, 0.0, 0.0]) - corner
+    pad[PLACE_KEY] = pad.location
     # The initial position is the center.
     handle = _linked(home, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
     for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
@@ -164,6 +168,11 @@ def require_sheet(collection: bpy.types.Collection) -> None:
         Not a sheet, a sheet whose bake was stopped, or another object already shows it.
     """
     require_none(collection)
+    require_all_blends(collection)
+
+
+def require_all_blends(collection: bpy.types.Collection) -> None:
+    """Raise InputError if the frames of a morph, which a pad may show already, are no sheet or not all of it."""
     _sheet_blends(collection, frame_objects(collection))
 
 
