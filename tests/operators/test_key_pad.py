@@ -9,9 +9,11 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.moving_meshes import keyed_span
 from convwass_addon.bridge.one_mesh.records import key_records
+from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -24,17 +26,17 @@ def world(obj):
     return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
 
 
-def cube_with_targets(count):
+def cube_with_targets(count, names="ABC"):
     """A cube that each target moves along another axis."""
     bpy.ops.mesh.primitive_cube_add()
     source = bpy.context.object
     rest = world(source)
     paths = [
         KeyPath(name, (1.0,), (rest + shift)[None], 0.9, 0.0, 0.0, 0.0, 0)
-        for name, shift in list(zip("ABC", SHIFTS, strict=True))[:count]
+        for name, shift in zip(names[:count], SHIFTS[:count], strict=True)
     ]
     obj = object_with_keys(source, source.data.copy(), paths, bpy.context.scene)
-    animate_sliders(obj, "ABC"[:count], 1, 10)
+    animate_sliders(obj, names[:count], 1, 10)
     bpy.context.view_layer.objects.active = obj
     return obj, rest
 
@@ -85,3 +87,39 @@ def test_targets_can_be_added_to_a_mesh_that_has_some():
     more.update_tag()
     np.testing.assert_allclose(world(more), rest + np.array([0.25, 0.5, 1.0]), atol=1e-5)
     np.testing.assert_allclose(world(obj), rest + np.array([0.25, 0.0, 0.0]), atol=1e-5)
+
+
+def test_deleting_the_mesh_removes_its_pad():
+    obj, _ = cube_with_targets(2)
+    before = set(bpy.data.objects) - {obj}
+    bpy.ops.convwass.make_key_pad()
+    delete_keys(obj)
+    assert set(bpy.data.objects) == before
+    assert not [curve for curve in bpy.data.curves if curve.users == 0]
+
+
+def test_a_pad_that_drives_another_mesh_stays():
+    obj, _ = cube_with_targets(2)
+    bpy.ops.convwass.make_key_pad()
+    handle, copy = bpy.context.object, obj.copy()
+    bpy.context.scene.collection.objects.link(copy)
+    delete_keys(obj)
+    assert len(handle.parent.children) == 4
+    delete_keys(copy)
+    assert "Key Handle" not in bpy.data.objects
+
+
+def test_a_pad_stays_while_it_drives_a_slider_of_a_new_bake():
+    obj, _ = cube_with_targets(2)
+    bpy.ops.convwass.make_key_pad()
+    for names, stays in (("BC", True), ("DE", False)):
+        new, _ = cube_with_targets(2, names)
+        replace_keys(obj, [new])
+        assert ("Key Handle" in bpy.data.objects) == stays
+
+
+def test_sliders_that_a_new_bake_lacks_leave_no_keyframes():
+    obj, _ = cube_with_targets(2)
+    new, _ = cube_with_targets(2, "BC")
+    replace_keys(obj, [new])
+    assert {curve.data_path for curve in curves_of(obj)} == {'["B"]', '["C"]'}

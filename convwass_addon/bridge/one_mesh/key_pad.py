@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -15,9 +15,16 @@ from mathutils import Vector
 from ...errors import InputError
 from ..keyframes import remove_curve
 from ..morphs.blend_pad import GAP, SIDE, TEXT
+from ..morphs.removal import remove_objects
 from ..pad_handles import pad_handle
 from .records import key_records
 from .shape_keys import slider_path
+
+PAD_KEY = "convwass_key_pad"
+"""Custom property of a pad and of its handle and labels."""
+
+# Data-blocks that show objects without using them for anything.
+_PLACES = (bpy.types.Collection, bpy.types.Scene, bpy.types.Screen)
 
 # Corners of the pads in X and Z, relative to the side; the first one is the original mesh.
 _TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, math.sqrt(0.75)]])
@@ -71,10 +78,27 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     handle = pad_handle("Key Handle", 0.06 * side, points, pad)
     labels = [_label(text, point, side, pad) for text, point in zip((obj.name, *names), points, strict=True)]
     for made in (pad, handle, *labels):
+        made[PAD_KEY] = True
         scene.collection.objects.link(made)
     for name, expression in zip(names, _expressions(len(names), side), strict=True):
         _drive(obj, name, handle, expression)
     return KeyPad(pad, handle)
+
+
+def pads_of(blocks: Iterable[bpy.types.ID | None]) -> list[bpy.types.Object]:
+    """Return the pads of all handles among data-blocks; those of earlier versions are not recognized."""
+    handles = (block for block in blocks if isinstance(block, bpy.types.Object) and PAD_KEY in block)
+    parents = dict.fromkeys(handle.parent for handle in handles if handle.parent is not None)
+    return [parent for parent in parents if PAD_KEY in parent]
+
+
+def remove_idle_pads(pads: Iterable[bpy.types.Object]) -> None:
+    """Remove pads, with handles and labels, that neither drive anything nor are used otherwise."""
+    for pad in pads:
+        parts = [pad, *(child for child in pad.children if PAD_KEY in child)]
+        users = set().union(*bpy.data.user_map(subset=parts).values()).difference(parts)
+        if all(isinstance(user, _PLACES) for user in users):
+            remove_objects(parts)
 
 
 def _expressions(count: int, side: float) -> list[str]:

@@ -10,10 +10,11 @@ import bpy
 
 from ...errors import InputError
 from ...sentence import Sentence
-from ..keyframes import curves_of
+from ..keyframes import curves_of, remove_curve
 from ..morphs.changes import SIGNATURES_KEY
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
 from ..morphs.stored import MORPH_KEY
+from .key_pad import pads_of, remove_idle_pads
 from .records import RECORD_KEY, SWAP_KEY, key_records, objects_of
 from .shape_keys import add_slider, slider_path
 from .texture_looks import SHAPES_KEY
@@ -23,7 +24,7 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
     """Move meshes and sliders of a new bake to the objects of the last one, and remove the new objects.
 
     The objects keep their names, places, modifiers and the keys of their sliders, and their materials if the new mesh
-    has as many slots.
+    has as many slots. A pad that drives none of the sliders any more is removed.
 
     Parameters
     ----------
@@ -37,7 +38,7 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
     list of bpy.types.Object
         The objects that have the new meshes.
     """
-    kept = dict(zip(new, objects_of(old), strict=False))
+    kept, pads = dict(zip(new, objects_of(old), strict=False)), _pads(old)
     for own, before in kept.items():
         _take_sliders(before, own)
         _take_drivers(before, own)
@@ -51,13 +52,15 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
     for own in [own for own in found if own not in kept.values() and own.parent in kept]:
         own.parent = kept[own.parent]
     _remove(list(kept))
+    remove_idle_pads(pads)
     return found
 
 
 def delete_keys(keyed: bpy.types.Object) -> None:
-    """Remove the objects of a bake, and show the shapes that it has hidden."""
-    hidden = hidden_only_by(keyed)
+    """Remove the objects of a bake and their pad, and show the shapes that it has hidden."""
+    hidden, pads = hidden_only_by(keyed), _pads(keyed)
     _remove(objects_of(keyed))
+    remove_idle_pads(pads)
     show_again(hidden)
 
 
@@ -73,6 +76,11 @@ def _follows(obj: bpy.types.Object, keyed: bpy.types.Object) -> bool:
     """Return whether shape keys of another object are driven by an object's sliders."""
     keys = obj.data.shape_keys if obj.type == "MESH" else None
     return keys is not None and obj not in objects_of(keyed) and keyed in _read_by(keys)
+
+
+def _pads(keyed: bpy.types.Object) -> list[bpy.types.Object]:
+    """Return the pads that drive the sliders of a bake."""
+    return pads_of(block for obj in objects_of(keyed) for block in _read_by(obj))
 
 
 def _read_by(block: bpy.types.ID) -> list[bpy.types.ID | None]:
@@ -96,6 +104,7 @@ def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
     for name in _sliders(before):
         if name not in _sliders(own):
             before.driver_remove(slider_path(name))
+            remove_curve(before, slider_path(name))
             before.pop(name, None)
     for name in _sliders(own):
         if name in before:
