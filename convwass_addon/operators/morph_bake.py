@@ -14,6 +14,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..bridge.files import absolute_folder
+from ..bridge.handles import Handle
 from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, parsed_guides
 from ..bridge.shape_sources import is_plain, shape_source
 from ..errors import InputError
@@ -23,7 +24,7 @@ from ..properties.morphs import MorphProperties
 from ..translations import translated
 from .background import BackgroundOperator
 from .chosen_inputs import ChosenInputs, baked_inputs, chosen_inputs
-from .morph_manage import is_free_to_bake
+from .morph_manage import is_free_to_bake, is_own
 from .morph_results import FrameResults, ShapeKeyResults, SwapResults
 
 if TYPE_CHECKING:
@@ -68,7 +69,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     )
     following: StringProperty(
         name="Following",
-        description="Names of morphs to bake again after this one, one per line",
+        description="Session IDs of morphs to bake again after this one, one per line",
         options={"SKIP_SAVE"},
     )
 
@@ -91,6 +92,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         from ..bridge.morphs.job import MorphJob
 
         self._computing = self._preferred()
+        self._replaced = self._named()
         chosen = self._chosen(context)
         guides = self._guides(context, [obj.name for obj in chosen.objects])
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
@@ -127,8 +129,15 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return chosen_inputs(context, self, self.inputs, self.weights)
 
     def replaced(self) -> bpy.types.Collection | bpy.types.Object | None:
-        """Return what the bake replaces, or None."""
-        return (bpy.data.objects if self.output == "SHAPE_KEYS" else bpy.data.collections).get(self.replaces)
+        """Return what the bake replaces, which may have another name since the bake began; None if it was deleted."""
+        block = None if self._replaced is None else self._replaced.find()
+        return block if block is not None and is_own(block) else None
+
+    def _named(self) -> Handle | None:
+        """Return a handle of the local data that is to be replaced, or None."""
+        kind = "objects" if self.output == "SHAPE_KEYS" else "collections"
+        block = getattr(bpy.data, kind).get((self.replaces, None))
+        return None if block is None else Handle.of(kind, block)
 
     def _shape_keys(
         self, context: bpy.types.Context, objects: list[bpy.types.Object], guides: list[NamedGuide], first_frame: int

@@ -61,8 +61,13 @@ def active_bake(context: bpy.types.Context) -> bpy.types.Collection | bpy.types.
 
 def baked_blocks() -> list[bpy.types.Collection | bpy.types.Object]:
     """Return everything in the file that can be baked again: morphs, and objects with shape keys."""
-    keyed = (obj for obj in bpy.data.objects if MORPH_KEY in obj and obj.users_scene)
-    return [*(collection for collection in bpy.data.collections if MORPH_KEY in collection), *keyed]
+    return [block for block in (*bpy.data.collections, *bpy.data.objects) if MORPH_KEY in block and is_own(block)]
+
+
+def is_own(bake: bpy.types.Collection | bpy.types.Object) -> bool:
+    """Return whether a bake can be replaced: it is not linked, and if it is an object, it is in a scene."""
+    # An object that was deleted remains in the file while something refers to it.
+    return bake.library is None and (isinstance(bake, bpy.types.Collection) or bool(bake.users_scene))
 
 
 def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
@@ -156,6 +161,11 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
         description="Names of morphs to bake instead, which are collections or objects with shape keys, one per line",
         options={"SKIP_SAVE"},
     )
+    session_uids: StringProperty(
+        name="Session IDs",
+        description="Session IDs of morphs to bake instead, one per line, which tell data of the same name apart",
+        options={"SKIP_SAVE"},
+    )
 
     @classmethod
     def poll(cls, context):
@@ -168,20 +178,19 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
 
     def invoke(self, context, event):
         # In the background, each bake starts the next one.
-        return self._bake(context, "INVOKE_DEFAULT", lambda names: [(names[0], "\n".join(names[1:]))])
+        return self._bake(context, "INVOKE_DEFAULT", lambda blocks: [(blocks[0], _uids(blocks[1:]))])
 
     def execute(self, context):
-        return self._bake(context, "EXEC_DEFAULT", lambda names: [(name, "") for name in names])
+        return self._bake(context, "EXEC_DEFAULT", lambda blocks: [(block, "") for block in blocks])
 
     def _bake(self, context, how, planned):
-        names = self._wanted(context)
-        if not names:
+        blocks = self._wanted(context)
+        if not blocks:
             self.report({"INFO"}, rpt_("No morph needs to be baked again"))
             return {"CANCELLED"}
         try:
-            for name, following in planned(names):
-                block = next(one for one in baked_blocks() if one.name == name)
-                with refusing_damage(name):
+            for block, following in planned(blocks):
+                with refusing_damage(block.name):
                     bpy.ops.convwass.bake_morph(how, following=following, **_arguments(block))
         except ConvwassError as error:
             return refuse(self, error)
@@ -190,17 +199,37 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
             return {"CANCELLED"}
         return {"FINISHED"}
 
-    def _wanted(self, context: bpy.types.Context) -> list[str]:
-        """Return the names of the morphs to bake."""
+    def _wanted(self, context: bpy.types.Context) -> list[bpy.types.Collection | bpy.types.Object]:
+        """Return the morphs to bake."""
         there = baked_blocks()
+        if self.session_uids:
+            uids = self.session_uids.split("\n")
+            return [block for block in there if str(block.session_uid) in uids]
         if self.morphs:
             names = self.morphs.split("\n")
-            return [block.name for block in there if block.name in names]
+            return [block for block in there if block.name in names]
         if self.which == "ACTIVE":
             active = active_bake(context)
-            return [] if active is None else [active.name]
+            return [] if active is None else [active]
         solved = [block for block in there if not _is_sampled(block)]
-        return [block.name for block in solved if self.which == "ALL" or changed_inputs(block)]
+        return [block for block in solved if self.which == "ALL" or changed_inputs(block)]
+
+
+def _uids(blocks: Sequence[bpy.types.Collection | bpy.types.Object]) -> str:
+    """Return the session ids of some bakes, one per line."""
+    return "\n".join(str(block.session_uid) for block in blocks)
+
+
+def _require_own(bake: bpy.types.Collection | bpy.types.Object) -> None:
+    """Raise InputError if a bake cannot be replaced."""
+    if bake.library is not None:
+        raise InputError("{name} is linked from another file; open that file to bake it again.", name=bake.name)
+    if not is_own(bake):
+        raise InputError(
+            "{name}, which stores how both meshes were baked, was deleted; undo that, or press Select Inputs and bake "
+            "them anew.",
+            name=bake.name,
+        )
 
 
 def _is_sampled(block: bpy.types.Collection | bpy.types.Object) -> bool:
@@ -213,10 +242,11 @@ def _is_sampled(block: bpy.types.Collection | bpy.types.Object) -> bool:
 
 
 def _arguments(morph: bpy.types.Collection | bpy.types.Object) -> dict[str, object]:
-    """Return the arguments of Bake Morph to bake a morph again; raises InputError if its shapes were deleted.
+    """Return the arguments of Bake Morph to bake a morph again; raises InputError if it or its shapes are not there.
 
     Damaged data raises Python's own errors, which `refusing_damage` converts.
     """
+    _require_own(morph)
     stored, parts = stored_morph(morph), stored_parts(morph)
     if stored.settings.get("at"):
         raise InputError(

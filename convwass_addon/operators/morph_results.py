@@ -233,7 +233,7 @@ class SwapResults(ShapeKeyResults):
 def _bake_following(operator: bpy.types.Operator) -> None:
     """Start the next one of several bakes in the background."""
     if operator.following:
-        bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", morphs=operator.following)
+        bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", session_uids=operator.following)
 
 
 def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob | SwapJob, scene: bpy.types.Scene) -> None:

@@ -14,7 +14,7 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.changes import changed_inputs
-from convwass_addon.bridge.morphs.stored import stored_morph
+from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
 from convwass_addon.bridge.one_mesh.attached_parts import attach_parts
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY, baked_keys, key_records, objects_of, shared_slider
@@ -269,6 +269,34 @@ def test_the_panel_of_a_morph_is_not_shown_for_an_object_with_keys(shapes):
     assert bpy.types.CONVWASS_PT_baked_morph.poll(bpy.context)
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
     assert "A Morph" in bpy.data.objects and "Morph A to C" not in bpy.data.collections
+
+
+def test_a_morph_of_the_same_name_is_another_bake(shapes):
+    bpy.ops.convwass.bake_morph(inputs="A,C", motion="TRANSPORT", frames=2, resolution=32)
+    morph = bpy.data.collections["Morph A to C"]
+    morph.name = "A Morph"
+    obj, kept = bake("A,B"), frame_objects(morph)
+    shapes[1].scale.z = 5.0
+    bpy.context.view_layer.update()
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert changed_inputs(obj) == []
+    assert frame_objects(morph) == kept
+    assert bpy.ops.convwass.rebake_morph(session_uids=str(obj.session_uid)) == {"FINISHED"}
+    assert frame_objects(morph) == kept
+
+
+def test_two_meshes_whose_first_one_was_deleted_are_refused_in_words(shapes):
+    """Deleted as a user does it: the second one still refers to it."""
+    first = bake("A,B", two_meshes=True)
+    (_, second) = objects_of(first)
+    for collection in first.users_collection:
+        collection.objects.unlink(first)
+    bake("A,C")
+    bpy.context.view_layer.objects.active = second
+    with pytest.raises(RuntimeError, match="A Morph, which stores how both meshes were baked, was deleted"):
+        bpy.ops.convwass.rebake_morph()
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
 
 
 def test_a_rigged_mesh_keeps_its_armature_and_groups(shapes):

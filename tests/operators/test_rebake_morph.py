@@ -336,6 +336,35 @@ def test_damaged_libraries_are_refused_in_words(morph, libraries):
         bpy.ops.convwass.rebake_morph()
 
 
+@pytest.fixture
+def linked_morph(empty_scene, tmp_path):
+    """A linked morph, beside a local one of its name."""
+    bake()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    name = bake().name
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.collections = [name]
+    bpy.context.scene.collection.children.link(wanted.collections[0])
+    return wanted.collections[0]
+
+
+def test_a_linked_morph_is_not_baked_again(linked_morph):
+    local = bpy.data.collections[linked_morph.name, None]
+    kept = frame_objects(local)
+    bpy.context.view_layer.objects.active = frame_objects(linked_morph)[0]
+    with pytest.raises(RuntimeError, match=f"{local.name} is linked from another file; open that file"):
+        bpy.ops.convwass.rebake_morph()
+    assert frame_objects(local) == kept
+
+
+def test_all_morphs_are_those_of_the_file(linked_morph):
+    bpy.data.collections[linked_morph.name, None].name = "Own"
+    kept = frame_objects(linked_morph)
+    assert bpy.ops.convwass.rebake_morph(which="ALL") == {"FINISHED"}
+    assert frame_objects(linked_morph) == kept
+
+
 def test_spaces_around_names_belong_to_them(morph):
     first, second = shapes(morph)
     first.name, second.name = " A ", "B, left"
