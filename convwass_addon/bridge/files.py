@@ -71,6 +71,21 @@ def checked_folder(folder: str | Path) -> Path:
     return target
 
 
+def creatable_folder(folder: str | Path) -> Path:
+    """Return the absolute path of an output folder, which need not exist, and neither do those that contain it.
+
+    Raises
+    ------
+    InputError
+        As for `absolute_folder`, or the folder cannot be created or written.
+    """
+    target = absolute_folder(folder)
+    there = next((own for own in (target, *target.parents) if os.path.exists(own)), None)
+    if there is None or not there.is_dir() or not os.access(there, os.W_OK):
+        raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target))
+    return target
+
+
 def made_folder(folder: str | Path) -> Path:
     """Return the absolute path of an output folder; its last part is created if missing.
 

@@ -13,7 +13,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..bridge.files import absolute_folder
+from ..bridge.files import creatable_folder
 from ..bridge.handles import Handle
 from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, parsed_guides
 from ..bridge.shape_sources import is_plain, shape_source
@@ -105,8 +105,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         are_flat = are_plain and asks_for_flat(chosen.objects, depsgraph, self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")
         refuse_following(are_flat and self.follow == "FOLLOW")
-        if self.output in ("VOLUME", "CACHE"):
-            absolute_folder(self.folder)
+        self._require_folder()
         if are_flat:
             if guides:
                 self.report({"INFO"}, rpt_("Flat shapes do not support guides"))
@@ -132,6 +131,16 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         """Return what the bake replaces, which may have another name since the bake began; None if it was deleted."""
         block = None if self._replaced is None else self._replaced.find()
         return block if block is not None and is_own(block) else None
+
+    def _require_folder(self) -> None:
+        """Raise InputError if the files of the morph could not be written after the bake."""
+        from ..bridge.morphs.disk_output import read_files, require_rewritable
+
+        replaced = self.replaced()
+        if replaced is not None and read_files(replaced) is not None:
+            require_rewritable(replaced)
+        elif self.output in ("VOLUME", "CACHE"):
+            creatable_folder(self.folder)
 
     def _named(self) -> Handle | None:
         """Return a handle of the local data that is to be replaced, or None."""

@@ -13,7 +13,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.frame_range import play_whole
-from ..bridge.morphs.disk_output import ReadFiles, packed_bytes, read_files, remove_disk_outputs
+from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
@@ -140,7 +140,7 @@ class FrameResults:
     def _hand_over(self, scene: bpy.types.Scene, morph: bpy.types.Collection) -> None:
         """Convert the morph to the requested output, or to that of the replaced morph.
 
-        If that fails, its meshes are kept.
+        If that fails, its meshes are kept, and so are objects that show the files of the replaced morph.
         """
         output, layout = self.operator.output, self.operator.layout
         files = read_files(morph) or ReadFiles(output, self.operator.folder, self.operator.cache_format)
@@ -156,9 +156,7 @@ class FrameResults:
             with _showing(scene, morph):
                 getattr(bpy.ops.convwass, name)(**options)
         except RuntimeError as error:
-            # What they read is not this bake.
-            remove_disk_outputs(morph)
-            self.operator.report({"WARNING"}, str(reason(error)))
+            self.operator.report({"WARNING"}, " ".join([str(reason(error)), *_outdated(morph)]))
 
 
 @dataclass(frozen=True)
@@ -228,6 +226,14 @@ class SwapResults(ShapeKeyResults):
         warnings = [*self.job.notices, *(_poor_notice(path) for path in found.paths if len(path.poor))]
         tell(self.operator, text.format(made[1].name, made[0].name, found.time, found.gap), (), warnings)
         _bake_following(self.operator)
+
+
+def _outdated(morph: bpy.types.Collection) -> list[str]:
+    """Return a message that an object shows the files of the last bake, if there is one."""
+    if not disk_outputs(morph):
+        return []
+    text = rpt_("{:s} still shows the last bake, beside the new meshes; select it and press Make Volume or Make Cache")
+    return [text.format(main_object(morph).name)]
 
 
 def _bake_following(operator: bpy.types.Operator) -> None:

@@ -212,14 +212,31 @@ def test_a_morph_outside_the_view_layer_is_written_and_no_other_one(morph, tmp_p
     assert len({path.parent for path in files_in(tmp_path)}) == 2
 
 
-def test_where_files_cannot_be_written_again_the_new_frames_are_shown(morph, tmp_path, monkeypatch, capfd):
+def test_where_files_cannot_be_written_again_what_shows_the_old_ones_is_kept(morph, tmp_path, monkeypatch, capfd):
     bpy.ops.convwass.make_volume(folder=str(tmp_path))
-    monkeypatch.setitem(sys.modules, "openvdb", None)
-    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
-    assert "this Blender lacks" in capfd.readouterr().out
-    assert not any("convwass_output" in obj for obj in bpy.data.objects)
-    assert bpy.context.object == frame_objects(morph)[0]
+    shown = bpy.context.object
+    with monkeypatch.context() as without:
+        without.setitem(sys.modules, "openvdb", None)
+        assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    printed = capfd.readouterr().out
+    assert "this Blender lacks" in printed
+    assert f"{shown.name} still shows the last bake, beside the new meshes" in printed
+    assert bpy.context.object == shown
     assert len(frame_objects(morph)) == 4
+    assert bpy.ops.convwass.make_volume(folder=str(tmp_path)) == {"FINISHED"}
+    assert bpy.context.object == shown
+    assert frame_objects(morph) == []
+
+
+def test_a_folder_that_is_missing_is_noticed_before_the_bake(morph, tmp_path):
+    folder = tmp_path / "drive"
+    bpy.ops.convwass.make_volume(folder=str(folder))
+    folder.rename(tmp_path / "elsewhere")
+    folder.write_text("")
+    known = [*morph.objects]
+    with pytest.raises(RuntimeError, match=f"cannot be written again, since {folder} is missing"):
+        bpy.ops.convwass.rebake_morph()
+    assert [*morph.objects] == known
 
 
 @pytest.mark.parametrize("between", ["NEAREST", "INTERPOLATED"])

@@ -16,6 +16,7 @@ import bpy
 
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
+from ..files import creatable_folder
 
 OUTPUT_KEY = "convwass_output"
 """Custom property of an object that shows a morph from files on disk: "volume" or "cache"."""
@@ -228,6 +229,28 @@ def read_files(morph: bpy.types.Collection) -> ReadFiles | None:
             kind = "alembic" if file.suffix == ".abc" else "usd"
             return ReadFiles(obj[OUTPUT_KEY].upper(), str(file.parent.parent), kind)
     return None
+
+
+def require_rewritable(morph: bpy.types.Collection) -> None:
+    """Check that files can be written beside those that show a morph, if there are any.
+
+    Raises
+    ------
+    InputError
+        Names the folder, and an object that reads the files.
+    """
+    read = read_files(morph)
+    if read is None:
+        return
+    try:
+        creatable_folder(read.folder)
+    except InputError as error:
+        raise InputError(
+            "The files that {name} shows cannot be written again, since {folder} is missing or cannot be written to; "
+            "bring it back, or delete {name} to get meshes.",
+            name=disk_outputs(morph)[0].name,
+            folder=read.folder,
+        ) from error
 
 
 def remove_disk_outputs(morph: bpy.types.Collection) -> None:
