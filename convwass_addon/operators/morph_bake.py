@@ -21,6 +21,7 @@ from ..errors import InputError
 from ..preferences import preferences
 from ..progress import Control, Work
 from ..properties.morphs import MorphProperties
+from ..sentence import Sentence
 from ..translations import translated
 from .background import BackgroundOperator
 from .chosen_inputs import ChosenInputs, baked_inputs, chosen_inputs
@@ -195,6 +196,15 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         # Previews are only useful if the user can see them and stop the bake.
         how = replace(self._computing, previews=self._in_background)
         return lambda control: self._job.steps(control, how)
+
+    def _waits_for(self, _context: bpy.types.Context) -> Sentence | None:
+        """Return a message if an object that gets another mesh is in Edit Mode, where Blender keeps its mesh."""
+        from ..bridge.one_mesh.records import objects_of
+
+        replaced = self.replaced()
+        if isinstance(replaced, bpy.types.Object) and any(obj.mode == "EDIT" for obj in objects_of(replaced)):
+            return Sentence("Done; leave Edit Mode to apply the result")
+        return None
 
     def _title(self) -> str:
         return rpt_("Baking morph")

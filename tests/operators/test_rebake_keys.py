@@ -20,9 +20,13 @@ from convwass_addon.bridge.one_mesh.attached_parts import attach_parts
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY, baked_keys, key_records, objects_of, shared_slider
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
+from tests.operators import test_previews
+from tests.operators.densities import started, until
 from tests.panels.fake_layout import FakeLayout
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
+
+context = test_previews.context
 
 
 @pytest.fixture(autouse=True)
@@ -297,6 +301,26 @@ def test_two_meshes_whose_first_one_was_deleted_are_refused_in_words(shapes):
     with pytest.raises(RuntimeError, match="A Morph, which stores how both meshes were baked, was deleted"):
         bpy.ops.convwass.rebake_morph()
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+
+
+@pytest.mark.parametrize(("edited", "slider"), [("A Morph", 0.0), ("B Morph", 1.0)])
+def test_in_edit_mode_the_result_waits(shapes, context, edited, slider):
+    first = bake("A,B", two_meshes=True)
+    first.animation_data.action = None
+    height(first, B=slider)
+    before = [obj.data.session_uid for obj in objects_of(first)]
+    settings = bpy.context.scene.convwass_morph
+    settings.output, settings.two_meshes, settings.frames = "SHAPE_KEYS", True, 10
+    pressed = test_previews.Pressed()
+    pressed.replaces = first.name
+    assert started(pressed, context)
+    bpy.context.view_layer.objects.active = bpy.data.objects[edited]
+    bpy.ops.object.mode_set(mode="EDIT")
+    progress = context.window_manager.convwass_progress
+    assert until(pressed, context, lambda: "leave Edit Mode" in progress.message) == {"PASS_THROUGH"}
+    bpy.ops.object.mode_set(mode="OBJECT")
+    assert until(pressed, context) == {"FINISHED"}
+    assert not set(before) & {obj.data.session_uid for obj in objects_of(first)}
 
 
 def test_a_rigged_mesh_keeps_its_armature_and_groups(shapes):
