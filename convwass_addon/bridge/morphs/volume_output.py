@@ -29,6 +29,9 @@ from .stored import frame_objects, shown_frames, stored_morph
 
 GRID_NAME = "density"
 
+OFFSET_KEY = "convwass_offset"
+"""Custom property of a Volume object: by how much it is shifted along all axes."""
+
 # Cells over which coverage is averaged: this limits how far other levels can move the surface.
 _BLUR = 1.0
 _MARGIN = 4
@@ -140,18 +143,26 @@ def _objects(
 ) -> bpy.types.Object:
     """Let the objects of a volume read files, and return the mesh object; missing ones are created.
 
-    The Volume object is hidden and shifted along all axes.
+    A new Volume object is hidden. It is shifted along all axes; one that exists stays where its user has moved it.
     """
     there = {obj.type: obj for obj in disk_outputs(collection)}
     volume = there.get("VOLUME") or _volume_object(collection)
     _read(volume.data, files, scene_frames)
-    volume.location = 3 * [offset]
+    shift = offset - volume.get(OFFSET_KEY, offset)
+    volume.location = [place + shift for place in volume.location]
+    volume[OFFSET_KEY] = offset
     shown = there.get("MESH") or _mesh_object(collection, volume)
+    if "VOLUME" not in there:
+        _hide(volume)
+    return shown
+
+
+def _hide(volume: bpy.types.Object) -> None:
+    """Hide a new object in the viewport; its surface is shown instead."""
     bpy.context.view_layer.update()
     for layer in bpy.context.scene.view_layers:
         if volume.name in layer.objects:
             volume.hide_set(True, view_layer=layer)
-    return shown
 
 
 def _read(data: bpy.types.Volume, files: list[Path], scene_frames: range) -> None:
@@ -166,6 +177,7 @@ def _volume_object(collection: bpy.types.Collection) -> bpy.types.Object:
     name = f"{collection.name} Volume"
     volume = bpy.data.objects.new(name, bpy.data.volumes.new(name))
     volume[OUTPUT_KEY] = "volume"
+    volume[OFFSET_KEY] = 0.0
     volume.hide_render = True
     collection.objects.link(volume)
     return volume
