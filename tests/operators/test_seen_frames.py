@@ -9,7 +9,10 @@ import pytest
 
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.player import is_player, morph_value
-from convwass_addon.bridge.morphs.seen_frames import shows_as_baked
+from convwass_addon.bridge.morphs.seen_frames import seen_frames, shows_as_baked
+from convwass_addon.bridge.morphs.stand_ins import shown_morph
+from convwass_addon.errors import InputError
+from convwass_addon.progress import drained
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -104,6 +107,16 @@ def test_an_error_leaves_the_player_as_it_was(player, tmp_path, monkeypatch):
     assert {block.name for block in bpy.data.user_map()} == before
     assert not player.hide_viewport
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_player_in_an_excluded_collection_is_named(player, tmp_path):
+    bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2)
+    morph = shown_morph(player)
+    bpy.context.view_layer.layer_collection.children[morph.name].exclude = True
+    with pytest.raises(InputError, match=rf"{player.name} is not in the view layer ViewLayer.*include its collection"):
+        drained(seen_frames(morph, player))
+    bpy.context.view_layer.layer_collection.children[morph.name].exclude = False
+    assert drained(seen_frames(morph, player)).player == player
 
 
 def test_without_keys_there_is_nothing_to_write(player, tmp_path):

@@ -12,6 +12,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ...errors import InputError
 from ...progress import Work
 from ..keyframes import curves_of
 from ..sequence import MODIFIER
@@ -73,18 +74,33 @@ def seen_frames(morph: bpy.types.Collection, active: bpy.types.Object | None = N
     Raises
     ------
     InputError
-        As :func:`.dense_bake.bake_player`.
+        The player is in a collection that is excluded from the view layer, or as :func:`.dense_bake.bake_player`.
     """
     players = [obj for obj in stand_ins(morph) if obj.users_scene and is_player(obj)]
     if all(shows_as_baked(player) for player in players):
         return SeenFrames(morph)
     player = active if active in players else players[0]
+    _require_evaluated(player)
     render = bpy.context.scene.render
     first, last = keyed_span(player)
     rate = render.fps / render.fps_base
     with _visible(player):
         made = yield from bake_player(player, sample_times(first, last, rate, rate), first)
     return SeenFrames(made, player)
+
+
+def _require_evaluated(player: bpy.types.Object) -> None:
+    """Raise InputError if Blender does not evaluate a player because its collection is excluded."""
+    layer = bpy.context.view_layer
+    # A script may have excluded it just now.
+    layer.update()
+    if player.name not in layer.objects:
+        raise InputError(
+            "{player} is not in the view layer {layer}, so it shows nothing that could be written; include its "
+            "collection there.",
+            player=player.name,
+            layer=layer.name,
+        )
 
 
 @contextmanager
