@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import sys
+
 import bpy
 import numpy as np
 import pytest
@@ -398,11 +400,10 @@ def test_the_output_is_made_of_the_morph(shapes, arguments, kind):
     assert kind is None or bpy.context.object.type == kind
 
 
-def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path):
-    """A folder cannot be made inside of a file."""
-    (tmp_path / "file").touch()
-    folder = str(tmp_path / "file" / "folder")
-    made = bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", output="CACHE", folder=folder)
+def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "openvdb", None)
+    folder = str(tmp_path / "folder")
+    made = bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", output="VOLUME", folder=folder)
     assert made == {"FINISHED"}
     assert len(frame_objects(morph_collection())) == 3
 
@@ -418,6 +419,9 @@ def test_a_folder_that_cannot_be_is_refused_before_the_bake(shapes, tmp_path, ou
         bpy.ops.convwass.bake_morph(
             motion="TRANSPORT", **QUICK, inputs="A,B", output=output, folder=str(tmp_path / "file")
         )
+    inside = str(tmp_path / "file" / "folder")
+    with pytest.raises(RuntimeError, match=f"{inside} cannot be written to; choose another one"):
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", output=output, folder=inside)
     assert len(bpy.data.objects) == known
 
 

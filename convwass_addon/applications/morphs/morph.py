@@ -110,9 +110,9 @@ def morph(
     if workers is not None and workers < 1:
         raise InputError("There must be at least one worker.")
     for shape, name in zip(shapes, names, strict=True):
+        refuse_far(shape)
         if not shape.area > 0.0:
             raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
-        refuse_far(shape)
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
     runs = runs_of(blends, wanted)
     pairs = pairs_of(blends) if pairs is None else pairs
