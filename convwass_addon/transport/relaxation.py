@@ -14,6 +14,8 @@ _LARGEST = 1.9
 _GROWING = 0.995
 # Rates this close to one are noise; the factor for them would be the largest anyway.
 _LARGEST_RATE = 0.9999
+# Errors that grow by more than this from almost nothing are as bad as any; their squares must be finite.
+_HUGE = 1e100
 
 
 class AdaptiveRelaxation:
@@ -49,7 +51,9 @@ class AdaptiveRelaxation:
         ready = live & (self._age >= _SWEEPS) & measurable
         if not ready.any():
             return
-        rate = np.sqrt(self._history[2, ready] / self._history[0, ready])
+        with np.errstate(over="ignore"):
+            growth = self._history[2, ready] / self._history[0, ready]
+        rate = np.sqrt(np.minimum(growth, _HUGE))
         factor = self.factors[ready]
         unrelaxed = np.minimum((rate + factor - 1.0) ** 2 / (rate * factor**2), _LARGEST_RATE)
         best = np.minimum(2.0 / (1.0 + np.sqrt(1.0 - unrelaxed)), _LARGEST)
