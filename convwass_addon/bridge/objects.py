@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
@@ -279,6 +279,11 @@ def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
             "{name} has points but no faces, so it has no volume; choose an object with a surface.", name=name
         )
     raise InputError("{name} is an empty mesh; choose an object with a surface.", name=name)
+
+
+def layers_with(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> list[bpy.types.ViewLayer]:
+    """Return the view layers of scenes that contain an object."""
+    return [layer for scene in scenes for layer in scene.view_layers if is_in(layer, obj)]
 
 
 def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:

@@ -21,7 +21,7 @@ from ...geometry.polygons import Polygons
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
-from ..objects import is_in, write_mesh
+from ..objects import is_in, layers_with, write_mesh
 from ..shape_sources import OBJECTS, shape_source
 from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
@@ -212,8 +212,8 @@ class MorphBake:
         scene = self._living(self._scene)
         for handle in [own for shape in self._inputs for own in shape.objects]:
             obj = handle.find()
-            for layer in scene.view_layers if obj is not None else ():
-                if is_in(layer, obj) and not obj.hide_get(view_layer=layer):
+            for layer in layers_with(obj, [scene]) if obj is not None else ():
+                if not obj.hide_get(view_layer=layer):
                     self._hidden.append(_Hidden(handle, layer.name, obj.select_get(view_layer=layer)))
                     obj.hide_set(True, view_layer=layer)
 

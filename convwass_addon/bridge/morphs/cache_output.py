@@ -12,7 +12,7 @@ import bpy
 from ...errors import ConvwassError, InputError
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
-from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
+from .disk_output import OUTPUT_KEY, DiskOutput, cache_readers, disk_outputs, for_blender
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
 from .stored import frame_objects, shown_frames
@@ -48,8 +48,8 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     except ConvwassError:
         file.unlink(missing_ok=True)
         raise
-    _reader(shown).cache_file.filepath = for_blender(file)
-    before = next((obj for obj in disk_outputs(collection) if _reader(obj) is not None), None)
+    cache_readers(shown)[0].cache_file.filepath = for_blender(file)
+    before = next(filter(cache_readers, disk_outputs(collection)), None)
     return DiskOutput(_named(collection, shown) if before is None else _reading_as(before, shown), (file,))
 
 
@@ -65,7 +65,7 @@ def _named(collection: bpy.types.Collection, shown: bpy.types.Object) -> bpy.typ
 
 def _reading_as(shown: bpy.types.Object, imported: bpy.types.Object) -> bpy.types.Object:
     """Let an object read what an imported one does, which is removed."""
-    modifier, other = _reader(shown), _reader(imported)
+    modifier, other = cache_readers(shown)[0], cache_readers(imported)[0]
     spare = [imported.data, modifier.cache_file]
     modifier.cache_file = other.cache_file
     modifier.object_path = other.object_path
@@ -74,11 +74,6 @@ def _reading_as(shown: bpy.types.Object, imported: bpy.types.Object) -> bpy.type
     bpy.data.objects.remove(imported)
     bpy.data.batch_remove([block for block in spare if block is not None and block.users == 0])
     return shown
-
-
-def _reader(obj: bpy.types.Object) -> bpy.types.MeshSequenceCacheModifier | None:
-    """Return the modifier of an object that reads a file, or None."""
-    return next((modifier for modifier in obj.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"), None)
 
 
 def require_animation(collection: bpy.types.Collection) -> None:
@@ -110,7 +105,7 @@ def _read_back(file: Path, kind: str) -> bpy.types.Object:
                 "{file} could not be read back: {reason}", file=str(file), reason=reason(error)
             ) from error
         made = [obj for obj in bpy.data.objects if obj not in existing]
-        cached = [obj for obj in made if any(m.type == "MESH_SEQUENCE_CACHE" for m in obj.modifiers)]
+        cached = list(filter(cache_readers, made))
         if not cached:
             bpy.data.batch_remove(made)
             raise ConvwassError("{file} would contain no animated mesh; choose another output.", file=str(file))

@@ -201,6 +201,15 @@ def disk_outputs(morph: bpy.types.Collection) -> list[bpy.types.Object]:
     return [obj for obj in morph.objects if OUTPUT_KEY in obj]
 
 
+def cache_readers(obj: bpy.types.Object) -> list[bpy.types.MeshSequenceCacheModifier]:
+    """Return the modifiers of an object that read Alembic or USD files."""
+    return [modifier for modifier in obj.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"]
+
+
+def _cache_files(obj: bpy.types.Object) -> list[bpy.types.CacheFile]:
+    return [modifier.cache_file for modifier in cache_readers(obj) if modifier.cache_file]
+
+
 @dataclass(frozen=True)
 class ReadFiles:
     """The files that show a morph, and how they can be written again.
@@ -223,8 +232,7 @@ class ReadFiles:
 def read_files(morph: bpy.types.Collection) -> ReadFiles | None:
     """Return the files that the objects of a morph read, or None."""
     for obj in disk_outputs(morph):
-        caches = [m.cache_file for m in obj.modifiers if m.type == "MESH_SEQUENCE_CACHE" and m.cache_file]
-        for block in [obj.data] if obj.type == "VOLUME" else caches:
+        for block in [obj.data] if obj.type == "VOLUME" else _cache_files(obj):
             file = whole_path(bpy.path.abspath(block.filepath))
             kind = "alembic" if file.suffix == ".abc" else "usd"
             return ReadFiles(obj[OUTPUT_KEY].upper(), str(file.parent.parent), kind)
@@ -256,10 +264,7 @@ def require_rewritable(morph: bpy.types.Collection) -> None:
 def remove_disk_outputs(morph: bpy.types.Collection) -> None:
     """Remove the objects of :func:`disk_outputs` and data that only they use; the files are kept."""
     objects = disk_outputs(morph)
-    caches = {
-        m.cache_file for obj in objects for m in obj.modifiers if m.type == "MESH_SEQUENCE_CACHE" and m.cache_file
-    }
-    spare = {obj.data for obj in objects if obj.data} | caches
+    spare = {obj.data for obj in objects if obj.data} | {file for obj in objects for file in _cache_files(obj)}
     bpy.data.batch_remove(objects)
     bpy.data.batch_remove([block for block in spare if block.users == 0])
 

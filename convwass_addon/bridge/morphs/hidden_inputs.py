@@ -14,7 +14,7 @@ import bpy
 
 from ...errors import ConvwassError
 from ..object_names import ObjectName, objects_named
-from ..objects import is_in
+from ..objects import layers_with
 from ..shape_sources import OBJECTS, shape_source
 from .stored import MORPH_KEY, stored_morph
 
@@ -67,7 +67,7 @@ def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene:
     _store(morph, [_to_hide(obj, now, claims.get(now.name, ()), scene) for obj, now in shown.items()])
     for obj in shown:
         obj.hide_render = True
-        for layer in _layers(obj, [scene]):
+        for layer in layers_with(obj, [scene]):
             obj.hide_set(True, view_layer=layer)
 
 
@@ -99,7 +99,7 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
             continue
         if own.in_renders:
             obj.hide_render = False
-        for layer in _layers(obj, bpy.data.scenes):
+        for layer in layers_with(obj, bpy.data.scenes):
             if layer.name in own.layers:
                 obj.hide_set(False, view_layer=layer)
 
@@ -110,7 +110,7 @@ def _to_hide(
     """Return where a morph hides an object that is shown `now`, or hidden by other morphs, but not by the user."""
     needed = [now, *claims]
     layers = {name for one in needed for name in one.layers}
-    names = tuple(layer.name for layer in _layers(obj, [scene]) if layer.name in layers)
+    names = tuple(layer.name for layer in layers_with(obj, [scene]) if layer.name in layers)
     return HiddenObject(now.name, any(one.in_renders for one in needed), names)
 
 
@@ -133,7 +133,7 @@ def _release(shown: Mapping[ObjectName, HiddenObject], morphs: Iterable[bpy.type
 
 def _shown(obj: bpy.types.Object) -> HiddenObject:
     """Return where an object is shown now, and can be hidden."""
-    layers = [layer for layer in _layers(obj, bpy.data.scenes) if not obj.hide_get(view_layer=layer)]
+    layers = [layer for layer in layers_with(obj, bpy.data.scenes) if not obj.hide_get(view_layer=layer)]
     return HiddenObject(ObjectName.of(obj), not obj.hide_render, tuple(layer.name for layer in layers))
 
 
@@ -144,11 +144,6 @@ def _others(morph: bpy.types.ID) -> list[bpy.types.ID]:
     objects = (obj for obj in bpy.data.objects if MORPH_KEY in obj and obj.users_scene)
     morphs = [*(own for own in collections if MORPH_KEY in own), *objects]
     return [other for other in morphs if other.library is None and other != morph]
-
-
-def _layers(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> list[bpy.types.ViewLayer]:
-    """Return the view layers of scenes that contain an object."""
-    return [layer for scene in scenes for layer in scene.view_layers if is_in(layer, obj)]
 
 
 def _hidden_by(morph: bpy.types.ID) -> list[HiddenObject]:

@@ -15,6 +15,7 @@ from mathutils import Matrix
 from ...errors import InputError
 from ...progress import Work
 from ..keyframes import curves_of
+from ..objects import is_in
 from ..sequence import MODIFIER
 from .dense_bake import bake_player, sample_times
 from .player import interpolation, is_player, morph_value, playback_item, shown_value, speed
@@ -94,7 +95,7 @@ def _require_evaluated(player: bpy.types.Object) -> None:
     layer = bpy.context.view_layer
     # A script may have excluded it just now.
     layer.update()
-    if player.name not in layer.objects:
+    if not is_in(layer, player):
         raise InputError(
             "{player} is not in the view layer {layer}, so it shows nothing that could be written; include its "
             "collection there.",

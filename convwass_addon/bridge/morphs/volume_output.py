@@ -21,7 +21,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
-from ..objects import triangle_mesh
+from ..objects import layers_with, triangle_mesh
 from ..openvdb_module import openvdb_module
 from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
 from .materials import morph_material
@@ -160,9 +160,8 @@ def _objects(
 def _hide(volume: bpy.types.Object) -> None:
     """Hide a new object in the viewport; its surface is shown instead."""
     bpy.context.view_layer.update()
-    for layer in bpy.context.scene.view_layers:
-        if volume.name in layer.objects:
-            volume.hide_set(True, view_layer=layer)
+    for layer in layers_with(volume, [bpy.context.scene]):
+        volume.hide_set(True, view_layer=layer)
 
 
 def _read(data: bpy.types.Volume, files: list[Path], scene_frames: range) -> None:
