@@ -25,6 +25,13 @@ class FrameRange:
     last: int | None
 
 
+def driver_targets(block: bpy.types.ID | None) -> list[bpy.types.DriverTarget]:
+    """Return what the drivers of a data-block read; nothing without a data-block."""
+    data = None if block is None else block.animation_data
+    drivers = () if data is None else data.drivers
+    return [target for curve in drivers for variable in curve.driver.variables for target in variable.targets]
+
+
 def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Sequence[FrameRange]) -> None:
     """Show an object in viewport and render only in the given frames.
 

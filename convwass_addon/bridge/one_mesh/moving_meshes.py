@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
 from ...errors import InputError
-from ..keyframes import curves_of
+from ..keyframes import curves_of, driver_targets
 from ..morphs.appearance import seen_colors
 
 # Above this value sRGB is a power law, below it is linear (IEC 61966-2-1).
@@ -61,8 +61,7 @@ def _with_drivers(obj: bpy.types.Object) -> list[bpy.types.ID]:
         if block is None or block in found:
             continue
         found.append(block)
-        drivers = block.animation_data.drivers if block.animation_data else ()
-        waiting += [target.id for curve in drivers for own in curve.driver.variables for target in own.targets]
+        waiting += [target.id for target in driver_targets(block)]
     return found
 
 

@@ -10,7 +10,7 @@ import bpy
 
 from ...errors import InputError
 from ...sentence import Sentence
-from ..keyframes import curves_of, remove_curve
+from ..keyframes import curves_of, driver_targets, remove_curve
 from ..morphs.changes import SIGNATURES_KEY
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
 from ..morphs.stored import MORPH_KEY
@@ -75,18 +75,12 @@ def following_notices(keyed: bpy.types.Object) -> list[Sentence]:
 def _follows(obj: bpy.types.Object, keyed: bpy.types.Object) -> bool:
     """Return whether shape keys of another object are driven by an object's sliders."""
     keys = obj.data.shape_keys if obj.type == "MESH" else None
-    return keys is not None and obj not in objects_of(keyed) and keyed in _read_by(keys)
+    return obj not in objects_of(keyed) and any(target.id == keyed for target in driver_targets(keys))
 
 
 def _pads(keyed: bpy.types.Object) -> list[bpy.types.Object]:
     """Return the pads that drive the sliders of a bake."""
-    return pads_of(block for obj in objects_of(keyed) for block in _read_by(obj))
-
-
-def _read_by(block: bpy.types.ID) -> list[bpy.types.ID | None]:
-    """Return the data-blocks that the drivers of another one read."""
-    drivers = block.animation_data.drivers if block.animation_data else ()
-    return [target.id for curve in drivers for own in curve.driver.variables for target in own.targets]
+    return pads_of(target.id for obj in objects_of(keyed) for target in driver_targets(obj))
 
 
 def _sliders(obj: bpy.types.Object) -> list[str]:
@@ -155,8 +149,7 @@ def _read_from(obj: bpy.types.Object, kept: Mapping[bpy.types.Object, bpy.types.
         swap = obj[SWAP_KEY].to_dict()
         obj[SWAP_KEY] = {**swap, "object": kept.get(swap["object"], swap["object"])}
     for block in (obj, obj.data.shape_keys):
-        drivers = block.animation_data.drivers if block is not None and block.animation_data else ()
-        for target in (target for curve in drivers for own in curve.driver.variables for target in own.targets):
+        for target in driver_targets(block):
             target.id = kept.get(target.id, target.id)
 
 

@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...applications.one_mesh.key_paths import KeyPath
+from ..keyframes import driver_targets
 from ..morphs.bake import assign_default_material
 from .records import RECORD_KEY, has_key_record, key_names, key_records, store_records
 
@@ -104,10 +105,9 @@ def _copy_with_modifiers(source: bpy.types.Object, mesh: bpy.types.Mesh, modifie
 
 def _own_drivers(keys: bpy.types.Key, source: bpy.types.Object, obj: bpy.types.Object) -> None:
     """Let drivers of copied shape keys read the copied object instead of its source."""
-    for curve in keys.animation_data.drivers if keys.animation_data else ():
-        for target in (target for variable in curve.driver.variables for target in variable.targets):
-            if target.id == source:
-                target.id = obj
+    for target in driver_targets(keys):
+        if target.id == source:
+            target.id = obj
 
 
 def key_expressions(times: Sequence[float]) -> list[str]:
