@@ -46,13 +46,15 @@ def objects_named(names: Sequence[ObjectName]) -> list[bpy.types.Object | None]:
 
     If a library was moved or an object was made local, the only other object of the name is taken.
     """
-    wanted = {name.name for name in names}
-    # Deleted objects may still exist if something refers to them.
-    there = [obj for obj in bpy.data.objects if obj.name in wanted and obj.users_scene]
-    found = {name: next(filter(name.is_of, there), None) for name in names}
-    spare = [obj for obj in there if obj not in found.values()]
+    there: dict[str, list[bpy.types.Object]] = {name.name: [] for name in names}
+    for obj in bpy.data.objects:
+        # Deleted objects may still exist if something refers to them.
+        if obj.name in there and obj.users_scene:
+            there[obj.name].append(obj)
+    found = {name: next(filter(name.is_of, there[name.name]), None) for name in names}
+    taken = set(found.values())
     for name in [name for name, obj in found.items() if obj is None]:
-        others = [obj for obj in spare if obj.name == name.name]
+        others = [obj for obj in there[name.name] if obj not in taken]
         found[name] = others[0] if len(others) == 1 else None
     return [found[name] for name in names]
 

@@ -92,26 +92,20 @@ class OnActiveMorph:
     """Base of operators on a baked morph."""
 
     bl_options = {"REGISTER", "UNDO"}
+    subject = staticmethod(active_morph)
 
     @classmethod
     def poll(cls, context):
-        if active_morph(context) is None:
+        if cls.subject(context) is None:
             cls.poll_message_set("Select an object of a baked morph")
             return False
         return True
 
 
-class _OnActiveBake:
+class _OnActiveBake(OnActiveMorph):
     """Base of operators on a baked morph or on an object with shape keys."""
 
-    bl_options = {"REGISTER", "UNDO"}
-
-    @classmethod
-    def poll(cls, context):
-        if active_bake(context) is None:
-            cls.poll_message_set("Select an object of a baked morph")
-            return False
-        return True
+    subject = staticmethod(active_bake)
 
 
 class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):

@@ -11,10 +11,9 @@ from math import prod
 import numpy as np
 from numpy.typing import NDArray
 
+from ..geometry.boxes import Box, box_around
 from ..geometry.dilation import dilated
 from .log_range import LOG_NOTHING
-
-Box = tuple[slice, ...]
 
 
 class Region:
@@ -50,12 +49,7 @@ class Region:
     @cached_property
     def box(self) -> Box:
         """The smallest box of the array that holds all elements."""
-        spans = []
-        for axis in range(self.inside.ndim):
-            others = tuple(a for a in range(self.inside.ndim) if a != axis)
-            along = np.flatnonzero(self.inside.any(axis=others))
-            spans.append(slice(int(along[0]), int(along[-1]) + 1))
-        return tuple(spans)
+        return box_around(self.inside, 0)
 
     @property
     def box_cells(self) -> int:
