@@ -79,6 +79,16 @@ def height(obj, **sliders):
     return np.ptp([vertex.co.z for vertex in mesh.vertices])
 
 
+def rigged(body):
+    """Bind a cube to an armature of one bone."""
+    bpy.ops.object.armature_add()
+    rig = bpy.context.object
+    body.parent = rig
+    body.vertex_groups.new(name="Bone").add(range(8), 1.0, "REPLACE")
+    body.modifiers.new("Armature", "ARMATURE").object = rig
+    return rig
+
+
 def census():
     kinds = ("objects", "meshes", "collections", "materials", "actions")
     names = {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
@@ -324,12 +334,7 @@ def test_in_edit_mode_the_result_waits(shapes, context, edited, slider):
 
 
 def test_a_rigged_mesh_keeps_its_armature_and_groups(shapes):
-    bpy.ops.object.armature_add()
-    rig = bpy.context.object
-    body = shapes[0]
-    body.parent = rig
-    body.vertex_groups.new(name="Bone").add(range(8), 1.0, "REPLACE")
-    body.modifiers.new("Armature", "ARMATURE").object = rig
+    rig = rigged(shapes[0])
     obj = bake("A,B")
     obj.modifiers.new("Wires", "WIREFRAME")
     bpy.context.view_layer.objects.active = obj
@@ -338,3 +343,25 @@ def test_a_rigged_mesh_keeps_its_armature_and_groups(shapes):
     assert (obj.parent, obj.modifiers["Armature"].object) == (rig, rig)
     assert [group.name for group in obj.vertex_groups] == ["Bone"]
     assert {entry.weight for vertex in obj.data.vertices for entry in vertex.groups} == {1.0}
+
+
+def test_a_rigged_mesh_that_a_bake_has_hidden_is_shown_by_the_next_one(shapes):
+    rigged(shapes[0])
+    bake("A,B")
+    assert shapes[0].hide_render
+    assert bpy.ops.convwass.bake_morph(inputs="A,C", output="SHAPE_KEYS", frames=10) == {"FINISHED"}
+    assert not bpy.context.object.hide_render
+
+
+def test_a_mesh_made_from_one_of_two_rigged_meshes_is_a_bake_of_its_own(shapes):
+    rigged(shapes[1])
+    first = bake("A,B", two_meshes=True)
+    (_, second) = objects_of(first)
+    bpy.ops.convwass.bake_morph(inputs="B Morph,C", output="SHAPE_KEYS", frames=10)
+    obj = bpy.context.object
+    assert baked_keys(obj) == obj
+    assert not obj.hide_viewport
+    assert [record["name"] for record in key_records(obj)] == ["A", "C"]
+    assert objects_of(first) == [first, second]
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    assert {"A Morph", "B Morph"} < set(bpy.data.objects.keys())

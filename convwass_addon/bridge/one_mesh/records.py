@@ -12,6 +12,7 @@ import bpy
 
 from ...applications.morphs.morph_settings import MorphSettings
 from ...errors import InputError
+from ..morphs.changes import SIGNATURES_KEY
 from ..morphs.morph_request import MorphRequest
 from ..morphs.stored import MORPH_KEY, StoredMorph
 from ..object_names import library_of
@@ -20,8 +21,14 @@ from ..shape_sources import OBJECTS
 RECORD_KEY = "convwass_shape_keys"
 """Custom property of the object: JSON of the records of all paths."""
 
+SHAPES_KEY = "convwass_shapes"
+"""Custom property of the object: the other shapes by the names of their sliders."""
+
 SWAP_KEY = "convwass_swap"
 """Custom property of both objects: the first one (`object`), the name of its slider, and its value `at` the swap."""
+
+BAKE_KEYS = (RECORD_KEY, SHAPES_KEY, SWAP_KEY, MORPH_KEY, SIGNATURES_KEY)
+"""All custom properties that a bake stores, apart from what it has hidden."""
 
 
 def has_key_record(obj: bpy.types.Object | None) -> bool:

@@ -11,13 +11,10 @@ import bpy
 from ...errors import InputError
 from ...sentence import Sentence
 from ..keyframes import curves_of, driver_targets, remove_curve
-from ..morphs.changes import SIGNATURES_KEY
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
-from ..morphs.stored import MORPH_KEY
 from .key_pad import pads_of, remove_idle_pads
-from .records import RECORD_KEY, SWAP_KEY, key_records, objects_of
+from .records import BAKE_KEYS, SWAP_KEY, key_records, objects_of
 from .shape_keys import add_slider, slider_path
-from .texture_looks import SHAPES_KEY
 
 
 def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
@@ -135,7 +132,7 @@ def _take_mesh(before: bpy.types.Object, own: bpy.types.Object) -> None:
 
 def _take_records(before: bpy.types.Object, own: bpy.types.Object) -> None:
     """Give an object what is stored with a new one."""
-    for key in (RECORD_KEY, SHAPES_KEY, SWAP_KEY, MORPH_KEY, SIGNATURES_KEY):
+    for key in BAKE_KEYS:
         before.pop(key, None)
         if key in own:
             value = own[key]

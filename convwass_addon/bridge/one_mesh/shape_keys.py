@@ -13,7 +13,8 @@ import numpy as np
 from ...applications.one_mesh.key_paths import KeyPath
 from ..keyframes import driver_targets
 from ..morphs.bake import assign_default_material
-from .records import RECORD_KEY, has_key_record, key_names, key_records, store_records
+from ..morphs.hidden_inputs import HIDDEN_KEY
+from .records import BAKE_KEYS, has_key_record, key_names, key_records, store_records
 
 POOR = "{name} poor"
 """Name of the attribute that marks vertices which are not where they should be in a shape."""
@@ -64,11 +65,12 @@ def object_with_keys(
 
 def _kept_sliders(source: bpy.types.Object, obj: bpy.types.Object) -> list[dict[str, object]]:
     """Give a copy with the shape keys of `source` its sliders too; return their records."""
+    records = key_records(source) if has_key_record(source) else []
     if obj.data.shape_keys is None:
-        obj.pop(RECORD_KEY, None)
+        for record in records:
+            obj.pop(record["name"], None)
         return []
     _own_drivers(obj.data.shape_keys, source, obj)
-    records = key_records(source) if has_key_record(source) else []
     for name in (record["name"] for record in records):
         add_slider(obj, name)
         obj[name] = source.get(name, 0.0)
@@ -94,10 +96,13 @@ def _add_path(obj: bpy.types.Object, path: KeyPath, slider: str) -> None:
 
 
 def _copy_with_modifiers(source: bpy.types.Object, mesh: bpy.types.Mesh, modifiers: Sequence[str]) -> bpy.types.Object:
-    """Copy an object with its parent, vertex groups and some of its modifiers, but without its animation."""
+    """Copy an object with its parent, vertex groups and some of its modifiers, but visible and without animation."""
     obj = source.copy()
     obj.data = mesh
     obj.animation_data_clear()
+    obj.hide_viewport = obj.hide_render = False
+    for key in (*BAKE_KEYS, HIDDEN_KEY):
+        obj.pop(key, None)
     for modifier in [own for own in obj.modifiers if own.name not in modifiers]:
         obj.modifiers.remove(modifier)
     return obj

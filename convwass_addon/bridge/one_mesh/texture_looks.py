@@ -19,10 +19,8 @@ from ...geometry.closest_points import ClosestPointFinder
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
 from ..objects import evaluated_object, triangle_mesh
-from .records import key_names, key_records
+from .records import SHAPES_KEY, key_names, key_records
 
-SHAPES_KEY = "convwass_shapes"
-"""Custom property of the object: the other shapes by the names of their sliders."""
 SLOTS = "convwass_slots"
 """Face attribute with the material slots from before the first baking."""
 BAKED = "convwass_baked"
