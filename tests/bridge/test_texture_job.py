@@ -199,6 +199,15 @@ def test_baking_again_replaces_images_with_those_of_the_original_materials(ball)
     assert principled(again.material).inputs["Base Color"].default_value[0] == pytest.approx(1.0)
 
 
+def test_a_mesh_to_which_shapes_are_added_keeps_those_that_it_has(ball):
+    rest = triangle_mesh(ball, bpy.context.evaluated_depsgraph_get()).vertices
+    path = KeyPath("Small", (1.0,), 0.5 * rest[None], 0.9, 0.0, 0.0, 0.003, 0)
+    more = object_with_keys(ball, ball.data.copy(), [path], bpy.context.scene)
+    remember_shape(more, "Small", sphere("Small", 24, plain_material("Green", (0.0, 1.0, 0.0)), 0.5), np.eye(4))
+    bpy.context.view_layer.update()
+    assert len(baked(more).images) == 2 * 3
+
+
 def test_images_can_be_written_to_a_folder(ball, tmp_path):
     found = baked(ball, texture_folder=str(tmp_path / "textures"))
     assert sorted(file.name for file in (tmp_path / "textures").iterdir()) == sorted(file.name for file in found.files)
