@@ -10,7 +10,8 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
+from convwass_addon.bridge.one_mesh.replaced_keys import replace_keys
+from convwass_addon.bridge.one_mesh.shape_keys import drive_key, object_with_keys
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -83,3 +84,46 @@ def test_parts_that_cannot_follow_are_refused(body, hat):
     assert len(hat.data.shape_keys.key_blocks) == 2
     select(body)
     assert not bpy.ops.convwass.attach_parts.poll()
+
+
+def test_parts_that_follow_again_lose_keys_that_the_body_no_longer_has(body, hat):
+    before = world(hat)
+    select(hat, body)
+    bpy.ops.convwass.attach_parts()
+    rest = world(body)
+    source = bpy.data.objects.new("Source", body.data.copy())
+    source.shape_key_clear()
+    new = object_with_keys(
+        source, source.data.copy(), [KeyPath("Up", (1.0,), 3.0 * rest[None], 0.9, 0.0, 0.0, 0.0, 0)], bpy.context.scene
+    )
+    replace_keys(body, [new])
+    bpy.ops.convwass.attach_parts()
+    assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent", "Up"]
+    body["Up"] = 1.0
+    body.update_tag()
+    np.testing.assert_allclose(world(hat), 3.0 * before, atol=1e-5)
+
+
+def test_keys_of_the_user_stay_although_the_slider_drives_them(body, hat):
+    """Also one that has the name of a key of the body."""
+    for name in ("Dent", "Up 1"):
+        key = hat.data.shape_keys.key_blocks.get(name) or hat.shape_key_add(name=name, from_mix=False)
+        drive_key(body, key, "Up", "v * v")
+        key.data[0].co.x += 1.0
+    before = [point.co[:] for name in ("Dent", "Up 1") for point in hat.data.shape_keys.key_blocks[name].data]
+    select(hat, body)
+    for _ in range(2):
+        bpy.ops.convwass.attach_parts()
+    keys = hat.data.shape_keys.key_blocks
+    assert sorted(key.name for key in keys) == ["Basis", "Dent", "Up 1", "Up 1.001", "Up 2"]
+    assert [point.co[:] for name in ("Dent", "Up 1") for point in keys[name].data] == before
+
+
+def test_a_mesh_that_keeps_its_form_has_nothing_to_follow(body, hat):
+    """One of two meshes that replace each other."""
+    still = object_with_keys(body, body.data.copy(), [], bpy.context.scene)
+    still["convwass_shape_keys"] = "[]"
+    select(hat, still)
+    with pytest.raises(RuntimeError, match="keeps its form, so there are no keys to follow"):
+        bpy.ops.convwass.attach_parts()
+    assert len(hat.data.shape_keys.key_blocks) == 2

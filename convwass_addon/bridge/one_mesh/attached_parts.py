@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Container, Iterable
 
 import bpy
 import numpy as np
@@ -16,7 +16,7 @@ from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from .records import key_names, key_records
-from .shape_keys import drive_key, key_expressions
+from .shape_keys import drive_key, is_key_expression, key_expressions
 
 
 def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, rigid: bool) -> list[Sentence]:
@@ -45,6 +45,8 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
         An object is not a mesh or linked from another file, or the body has no such keys. Nothing is changed then.
     """
     records, parts = key_records(body), list(parts)
+    if not records:
+        raise InputError("{name} keeps its form, so there are no keys to follow; parent parts to it.", name=body.name)
     for part in parts:
         if part.type != "MESH" or not len(part.data.vertices):
             raise InputError("{name} is not a mesh with vertices; convert it first.", name=part.name)
@@ -80,6 +82,7 @@ def _follow(
     attached = Attachment.of(points, surface)
     labels = _components(part.data, points) if rigid else None
     inverse = part.matrix_world.inverted_safe()
+    _remove_other_keys(part, body, {name for record in records for name in _names(record)})
     for record in records:
         for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
             moved = attached.followed(_placed(_points(blocks[name].data), body.matrix_world))
@@ -105,15 +108,30 @@ def _own_mesh(part: bpy.types.Object) -> list[Sentence]:
     return notices
 
 
+def _remove_other_keys(part: bpy.types.Object, body: bpy.types.Object, names: Container[str]) -> None:
+    """Remove keys that follow a body, unless they have one of these names: their body has other keys now."""
+    for key in [key for key in part.data.shape_keys.key_blocks if key.name not in names]:
+        if _is_following(key, body):
+            key.driver_remove("value")
+            part.shape_key_remove(key)
+
+
 def _key(part: bpy.types.Object, body: bpy.types.Object, name: str) -> bpy.types.ShapeKey:
     """Return the existing key of that name that follows the body, without its driver, or a new key."""
     key = part.data.shape_keys.key_blocks.get(name)
-    data = part.data.shape_keys.animation_data
-    curve = data.drivers.find(f'key_blocks["{bpy.utils.escape_identifier(name)}"].value') if key and data else None
-    if curve is not None and any(target.id == body for own in curve.driver.variables for target in own.targets):
+    if key is not None and _is_following(key, body):
         key.driver_remove("value")
         return key
     return part.shape_key_add(name=name, from_mix=False)
+
+
+def _is_following(key: bpy.types.ShapeKey, body: bpy.types.Object) -> bool:
+    """Return whether a key was made to follow a body; a user may have driven others by its sliders, too."""
+    data = key.id_data.animation_data
+    curve = None if data is None else data.drivers.find(f"{key.path_from_id()}.value")
+    if curve is None or not is_key_expression(curve.driver.expression):
+        return False
+    return any(target.id == body for own in curve.driver.variables for target in own.targets)
 
 
 def _names(record: dict[str, object]) -> list[str]:

@@ -133,6 +133,11 @@ def key_expressions(times: Sequence[float]) -> list[str]:
     return found
 
 
+def is_key_expression(expression: str) -> bool:
+    """Return whether an expression may be one of `key_expressions`."""
+    return expression.startswith("max(0, min((v - ")
+
+
 def animate_sliders(obj: bpy.types.Object, names: Sequence[str], first: int, frames: int) -> None:
     """Key the sliders such that the mesh takes the shapes one after another, `frames` scene frames apart."""
     for number, name in enumerate(names):
