@@ -12,6 +12,7 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, rest_mesh
 from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
+from convwass_addon.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -104,6 +105,33 @@ def test_new_shape_keys_begin_at_the_visible_shape(rigged):
     np.testing.assert_allclose(slide(obj, 1.0), wider(before), atol=1e-5)
     obj.data.shape_keys.key_blocks["Bent"].value = 0.0
     assert np.linalg.norm(slide(obj, 1.0) - wider(before), axis=1).max() == pytest.approx(0.5, abs=1e-5)
+
+
+def only_active(obj):
+    obj.show_only_shape_key = True
+
+
+def absolute(obj):
+    obj.data.shape_keys.use_relative = False
+
+
+@pytest.mark.parametrize(("odd", "message"), [(only_active, "unpin it"), (absolute, "make them Relative")])
+def test_shape_keys_that_show_no_others_are_refused(rigged, odd, message):
+    bar, _ = rigged
+    bar.shape_key_add(name="Basis")
+    bar.shape_key_add(name="Bent")
+    bar.active_shape_key_index = 1
+    odd(bar)
+    before = len(bpy.data.meshes)
+    with pytest.raises(InputError, match=f"^Bar .*{message}"):
+        keyed(bar, wider)
+    assert len(bpy.data.meshes) == before
+    # Applied with a modifier, they are what is seen.
+    bar.modifiers.new("Finer", "SUBSURF").levels = 1
+    bar.modifiers.move(1, 0)
+    obj, rest = keyed(bar, wider)
+    with armature_last(obj):
+        np.testing.assert_allclose(slide(obj, 1.0), wider(rest.seen), atol=1e-5)
 
 
 def test_modifiers_before_the_armature_are_applied_and_named(rigged):

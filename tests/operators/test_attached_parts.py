@@ -81,6 +81,10 @@ def test_parts_that_cannot_follow_are_refused(body, hat):
     select(bpy.context.object, hat, body)
     with pytest.raises(RuntimeError, match="is not a mesh"):
         bpy.ops.convwass.attach_parts()
+    hat.data.shape_keys.use_relative = False
+    select(hat, body)
+    with pytest.raises(RuntimeError, match="Hat has absolute shape keys"):
+        bpy.ops.convwass.attach_parts()
     assert len(hat.data.shape_keys.key_blocks) == 2
     select(body)
     assert not bpy.ops.convwass.attach_parts.poll()

@@ -16,7 +16,7 @@ from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from .records import key_names, key_records
-from .shape_keys import drive_key, is_key_expression, key_expressions
+from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
 
 
 def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, rigid: bool) -> list[Sentence]:
@@ -42,7 +42,8 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
     Raises
     ------
     InputError
-        An object is not a mesh or linked from another file, or the body has no such keys. Nothing is changed then.
+        The body has no such keys; or an object is not a mesh, is linked from another file, or would show no further
+        keys. Nothing is changed then.
     """
     records, parts = key_records(body), list(parts)
     if not records:
@@ -52,6 +53,7 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
             raise InputError("{name} is not a mesh with vertices; convert it first.", name=part.name)
         if part.library is not None or part.data.library is not None:
             raise InputError("{name} is linked from another file; make it local first.", name=part.name)
+        require_mixable_keys(part)
     blocks = body.data.shape_keys.key_blocks
     missing = [name for record in records for name in _names(record) if name not in blocks]
     if missing:

@@ -22,6 +22,7 @@ from ...errors import InputError
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..objects import evaluated_object, frozen_copy, triangle_mesh
+from .shape_keys import require_mixable_keys
 
 # Vertices that the pose flattens more than this have no inverse.
 _LEAST = 1e-6
@@ -103,7 +104,7 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
     Raises
     ------
     InputError
-        As :func:`..objects.frozen_copy`, or the pose flattens parts of the mesh.
+        As :func:`..objects.frozen_copy`, the pose flattens parts of the mesh, or its own keys admit no others.
     """
     place, seen = armature_place(obj), triangle_mesh(obj, depsgraph).vertices
     before = [own.name for own in list(obj.modifiers)[:place] if own.show_viewport]
@@ -113,6 +114,8 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
         notices.append(Sentence("The modifiers of {name} ({modifiers}) are applied to the copy.", values))
         if obj.data.shape_keys is not None:
             notices.append(Sentence("The shape keys of {name} are applied to the copy, too.", {"name": obj.name}))
+    else:
+        require_mixable_keys(obj)
     if place is None:
         return RestMesh(_world_copy(obj, depsgraph, apply=bool(before)), seen, None, (), notices)
     kept = tuple(own.name for own in list(obj.modifiers)[place:])

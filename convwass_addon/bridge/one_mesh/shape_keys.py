@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...applications.one_mesh.key_paths import KeyPath
+from ...errors import InputError
 from ..keyframes import driver_targets
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
@@ -102,7 +103,7 @@ def _copy_with_modifiers(source: bpy.types.Object, mesh: bpy.types.Mesh, modifie
     obj = source.copy()
     obj.data = mesh
     obj.animation_data_clear()
-    obj.hide_viewport = obj.hide_render = False
+    obj.hide_viewport = obj.hide_render = obj.show_only_shape_key = False
     for key in (*BAKE_KEYS, HIDDEN_KEY):
         obj.pop(key, None)
     for modifier in [own for own in obj.modifiers if own.name not in modifiers]:
@@ -164,6 +165,15 @@ def add_slider(obj: bpy.types.Object, name: str) -> None:
     """Add a custom property from 0 to 1 to an object."""
     obj[name] = 0.0
     obj.id_properties_ui(name).update(min=0.0, max=1.0, description="Progress towards this shape")
+
+
+def require_mixable_keys(obj: bpy.types.Object) -> None:
+    """Raise InputError if further shape keys of an object would have no effect."""
+    keys = obj.data.shape_keys
+    if keys is not None and not keys.use_relative:
+        raise InputError("{name} has absolute shape keys, which cannot be mixed; make them Relative.", name=obj.name)
+    if keys is not None and obj.show_only_shape_key:
+        raise InputError("{name} shows its active shape key only; unpin it in the list of shape keys.", name=obj.name)
 
 
 def drive_key(obj: bpy.types.Object, key: bpy.types.ShapeKey, slider: str, expression: str) -> None:
