@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import bpy
 import numpy as np
 import pytest
@@ -83,6 +85,20 @@ def test_vertices_that_do_not_arrive_are_marked(cube):
     obj = object_with_keys(cube, cube.data.copy(), [path], bpy.context.scene)
     assert [entry.value for entry in obj.data.attributes["Up poor"].data] == [n in (2, 5) for n in range(8)]
     assert key_records(obj)[0]["poor"] == 2
+
+
+def test_sliders_of_long_names_are_shortened(cube):
+    """Blender admits 63 bytes in names of custom properties and shape keys, and more in those of objects."""
+    rest = evaluated(cube).astype(float)
+    for shift in (1, 2):
+        path = path_to("ü" * 60, (0.5, 1.0), [moved(rest, 0, 0, 1), moved(rest, 0, 0, shift)])
+        path = replace(path, poor=np.array([2]))
+        cube = object_with_keys(cube, cube.data.copy(), [path], bpy.context.scene)
+    first, second = (record["name"] for record in key_records(cube))
+    assert (first, second) == ("ü" * 24, f"{'ü' * 24}.001")
+    assert {f"{first} poor", f"{second} poor"} < set(cube.data.attributes.keys())
+    assert slide(cube, **{first: 1.0, second: 0.0}) == pytest.approx(moved(rest, 0, 0, 1), abs=1e-5)
+    assert slide(cube, **{first: 0.0, second: 1.0}) == pytest.approx(moved(rest, 0, 0, 2), abs=1e-5)
 
 
 def test_shapes_follow_each_other_in_time(cube):

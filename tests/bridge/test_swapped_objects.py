@@ -13,6 +13,7 @@ from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.one_mesh import swap_job
 from convwass_addon.bridge.one_mesh.moving_meshes import sampled_vertices
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY, shared_slider
+from convwass_addon.bridge.one_mesh.swapped_objects import with_swap
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 
@@ -122,3 +123,10 @@ def test_what_two_meshes_cannot_do_is_refused(shapes, options, message):
     with pytest.raises(RuntimeError, match=message):
         bpy.ops.convwass.bake_morph(**{"inputs": "Cup,Ball", **QUICK, **options})
     assert len(bpy.data.meshes) == before
+
+
+def test_the_slider_of_a_mesh_that_keeps_its_form_has_a_name_of_its_own(shapes):
+    cup, ball = shapes
+    cup["Ball"] = "mine"
+    assert with_swap(cup, ball, (None, None), "Ball", 0.5) == "Ball.001"
+    assert (cup["Ball"], cup["Ball.001"]) == ("mine", 0.0)

@@ -20,6 +20,9 @@ from .records import BAKE_KEYS, SHAPES_KEY, has_key_record, key_names, key_recor
 POOR = "{name} poor"
 """Name of the attribute that marks vertices which are not where they should be in a shape."""
 
+# Bytes of the name of a shape in those of its slider, keys and attribute; Blender admits 63 with what is added to them.
+_LONGEST = 48
+
 
 def object_with_keys(
     source: bpy.types.Object,
@@ -57,7 +60,7 @@ def object_with_keys(
     if mesh.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)
     for path in paths:
-        name = _free_name(obj, path)
+        name = free_slider(obj, path.name, len(path.times))
         _add_path(obj, path, name)
         records.append({**path.record(), "name": name})
     store_records(obj, records)
@@ -80,11 +83,23 @@ def _kept_sliders(source: bpy.types.Object, obj: bpy.types.Object) -> list[dict[
     return records
 
 
-def _free_name(obj: bpy.types.Object, path: KeyPath) -> str:
-    """Return the name of a path, with a number if the object has such a slider or such keys already."""
-    taken = set(obj.keys()) | {key.name for key in obj.data.shape_keys.key_blocks}
-    tried = chain([path.name], (f"{path.name}.{number:03d}" for number in count(1)))
-    return next(name for name in tried if not taken.intersection([name, *key_names(name, len(path.times))]))
+def free_slider(obj: bpy.types.Object, name: str, keys: int = 0) -> str:
+    """Return the name of a shape as that of a slider, shortened, with a number if the object has such a name already.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        The object to get the slider.
+    name : str
+        Name of the shape.
+    keys : int
+        Number of shape keys that are named after the slider.
+    """
+    own = obj.data.shape_keys
+    taken = set(obj.keys()) | ({key.name for key in own.key_blocks} if own is not None else set())
+    short = name.encode()[:_LONGEST].decode(errors="ignore")
+    tried = chain([short], (f"{short}.{number:03d}" for number in count(1)))
+    return next(each for each in tried if not taken.intersection([each, *key_names(each, keys)]))
 
 
 def _add_path(obj: bpy.types.Object, path: KeyPath, slider: str) -> None:

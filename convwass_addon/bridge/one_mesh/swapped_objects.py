@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from .records import SWAP_KEY
-from .shape_keys import add_slider, drive, slider_path
+from .shape_keys import add_slider, drive, free_slider, slider_path
 
 
 def with_swap(
@@ -25,14 +25,14 @@ def with_swap(
         The slider of each object that leads towards the other one; None for an object that keeps its form. That of the
         second object is driven backward.
     name : str
-        Name of a slider for a first object that keeps its form.
+        Name of the second shape, after which the slider of a first object that keeps its form is named.
     time : float
         Value of the slider at which the second object replaces the first one: if it is 0, the first one is shown at 0
         only.
     """
     own, other = sliders
     if own is None:
-        own = name
+        own = free_slider(first, name)
         add_slider(first, own)
     if other is not None:
         drive(second.driver_add(slider_path(other)), first, own, "1 - v")
