@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .group_users import kept_group_users
 from .mesh_checks import readable_mesh, writable_mesh
 from .sequence import frame_group, own_geometry
 
@@ -62,7 +63,7 @@ def read_groups(obj: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float
 
 
 def write_group(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.types.VertexGroup:
-    """Write a group, creating it if necessary. Its position in the list and all other groups are kept.
+    """Write a group, creating it if necessary. Its position in the list, its users and all other groups are kept.
 
     Parameters
     ----------
@@ -83,8 +84,9 @@ def write_group(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.typ
     require_unlocked(obj, [name])
     active, active_attribute = obj.vertex_groups.active_index, mesh.attributes.active_index
     try:
-        _convert(obj, mesh, values)
-        _take_the_place(obj, obj.vertex_groups[-1], name)
+        with kept_group_users(mesh):
+            _convert(obj, mesh, values)
+            _take_the_place(obj, obj.vertex_groups[-1], name)
     finally:
         mesh.attributes.active_index = active_attribute
         obj.vertex_groups.active_index = max(active, 0)

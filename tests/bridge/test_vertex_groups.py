@@ -85,6 +85,25 @@ def test_names_that_are_too_long(obj):
     assert group_names(obj) == []
 
 
+@pytest.mark.parametrize("written", ["First", "Second"])
+def test_particles_and_simulations_keep_their_groups(obj, bare_scene, written):
+    twin = obj.copy()
+    bare_scene.collection.objects.link(twin)
+    used = []
+    for place, name in enumerate(("First", "Second")):
+        write_group(obj, name, WEIGHTS)
+        for own in (obj, twin):
+            own.modifiers.new(f"Hair {place}", "PARTICLE_SYSTEM")
+            used.append((own.particle_systems[place], "vertex_group_density", name))
+    cloth, soft = (obj.modifiers.new(kind, kind) for kind in ("CLOTH", "SOFT_BODY"))
+    used += [(cloth.settings, "vertex_group_mass", "First"), (soft.settings, "vertex_group_goal", "Second")]
+    used.append((cloth.collision_settings, "vertex_group_self_collisions", "First"))
+    for owner, place, name in used:
+        setattr(owner, place, name)
+    write_group(obj, written, 1 - WEIGHTS)
+    assert [getattr(owner, place) for owner, place, _ in used] == [name for *_, name in used]
+
+
 def test_missing_groups_are_named(obj):
     with pytest.raises(InputError, match="A has no vertex group Head; it has: none"):
         read_group(obj, "Head")
