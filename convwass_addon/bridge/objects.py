@@ -141,14 +141,19 @@ def frozen_copy(
         bpy.data.meshes.remove(mesh)
         raise
     mesh.name = obj.name
-    for place, slot in enumerate(obj.material_slots[: len(mesh.materials)]):
-        if slot.link == "OBJECT":
-            mesh.materials[place] = slot.material
+    take_own_materials(mesh, obj)
     mesh.transform(world)
     if np.linalg.det(matrix[:3, :3]) < 0:
         mesh.flip_normals()
     mesh.update()
     return mesh
+
+
+def take_own_materials(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> None:
+    """Give a copy of an object's mesh the materials that the object has in place of those of its mesh."""
+    for place, slot in enumerate(obj.material_slots[: len(mesh.materials)]):
+        if slot.link == "OBJECT":
+            mesh.materials[place] = slot.material
 
 
 def write_mesh(mesh_data: bpy.types.Mesh, mesh: TriangleMesh, polygons: Polygons | None = None) -> None:

@@ -82,6 +82,15 @@ def test_gltf_has_the_keys_as_morph_targets_and_an_animation_of_their_weights(ke
     np.testing.assert_allclose(weights, [[0, 0], [0.5, 0], [1, 0], [0.5, 0.5], [0, 1]], atol=1e-6)
 
 
+@pytest.mark.parametrize("file", ["keys.glb", "keys_mesh.glb"])
+def test_files_have_the_material_that_the_object_has_in_place_of_that_of_its_mesh(keyed, tmp_path, file):
+    (slot,) = keyed.material_slots
+    slot.link, slot.material = "OBJECT", bpy.data.materials.new("Own")
+    export_shape_keys(keyed, (tmp_path / "keys").with_suffix(".glb" if file == "keys.glb" else ".json"))
+    head, _ = read_glb(tmp_path / file)
+    assert [material["name"] for material in head["materials"]] == ["Own"]
+
+
 def test_fbx_keeps_the_keys(keyed, tmp_path):
     (file,) = export_shape_keys(keyed, tmp_path / "keys.fbx")
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)

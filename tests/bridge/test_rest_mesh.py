@@ -107,6 +107,19 @@ def test_new_shape_keys_begin_at_the_visible_shape(rigged):
     assert np.linalg.norm(slide(obj, 1.0) - wider(before), axis=1).max() == pytest.approx(0.5, abs=1e-5)
 
 
+@pytest.mark.parametrize("with_keys", [False, True])
+def test_materials_of_the_object_itself_are_kept(rigged, with_keys):
+    bar, _ = rigged
+    bar.modifiers.clear()
+    if with_keys:
+        bar.shape_key_add(name="Basis")
+    bar.data.materials.append(bpy.data.materials.new("Of Mesh"))
+    (slot,) = bar.material_slots
+    slot.link, slot.material = "OBJECT", bpy.data.materials.new("Of Object")
+    obj, _ = keyed(bar, wider)
+    assert [own.material.name for own in obj.material_slots] == ["Of Object"]
+
+
 def only_active(obj):
     obj.show_only_shape_key = True
 

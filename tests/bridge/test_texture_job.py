@@ -199,6 +199,13 @@ def test_baking_again_replaces_images_with_those_of_the_original_materials(ball)
     assert principled(again.material).inputs["Base Color"].default_value[0] == pytest.approx(1.0)
 
 
+def test_the_material_that_the_object_has_in_place_of_that_of_its_mesh_is_baked(ball):
+    (slot,) = ball.material_slots
+    slot.link, slot.material = "OBJECT", plain_material("Green", (0.0, 1.0, 0.0))
+    found = principled(baked(ball, texture_looks="START").material)
+    assert found.inputs["Base Color"].default_value[:3] == pytest.approx((0.0, 1.0, 0.0), abs=1e-4)
+
+
 def test_a_mesh_to_which_shapes_are_added_keeps_those_that_it_has(ball):
     rest = triangle_mesh(ball, bpy.context.evaluated_depsgraph_get()).vertices
     path = KeyPath("Small", (1.0,), 0.5 * rest[None], 0.9, 0.0, 0.0, 0.003, 0)

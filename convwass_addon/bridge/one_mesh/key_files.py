@@ -26,6 +26,7 @@ from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
+from ..objects import take_own_materials
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
@@ -106,6 +107,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         scene.frame_start, scene.frame_end = 0, len(frames) - 1
         scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
         mesh = obj.data.copy()
+        take_own_materials(mesh, obj)
         plain = _assign_plain_material(mesh, obj)
         copy = bpy.data.objects.new(obj.name, mesh)
         copy.matrix_world = obj.matrix_world
@@ -222,9 +224,11 @@ def _write_textures(obj: bpy.types.Object, frames: range, target: Path) -> list[
 def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
     """Return a copy of an object's mesh, modifiers applied, without shape keys."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    return bpy.data.meshes.new_from_object(
+    mesh = bpy.data.meshes.new_from_object(
         obj.evaluated_get(depsgraph), preserve_all_data_layers=True, depsgraph=depsgraph
     )
+    take_own_materials(mesh, obj)
+    return mesh
 
 
 def _require(finished: set[str], draft: Path, target: Path) -> None:

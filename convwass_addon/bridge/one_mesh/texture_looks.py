@@ -18,7 +18,7 @@ from ...errors import ConvwassError, InputError
 from ...geometry.closest_points import ClosestPointFinder
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
-from ..objects import evaluated_object, triangle_mesh
+from ..objects import evaluated_object, take_own_materials, triangle_mesh
 from .records import SHAPES_KEY, key_names, key_records
 
 SLOTS = "convwass_slots"
@@ -172,9 +172,7 @@ def end_look(
     except InputError:
         bpy.data.meshes.remove(onto.mesh.find())
         raise
-    for place, slot in enumerate(shape.material_slots[: len(mesh.materials)]):
-        if slot.link == "OBJECT":
-            mesh.materials[place] = slot.material
+    take_own_materials(mesh, shape)
     assign_default_material(mesh)
     reach = float(record.get("distance_95", 0.0)) * diagonal
     return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, tuple(shape.color)), reach)
@@ -217,6 +215,7 @@ def _posed(
         with evaluated_object(copy, depsgraph) as evaluated:
             frozen = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
             world = np.array(evaluated.matrix_world, dtype=np.float64)
+        take_own_materials(frozen, obj)
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(mesh)
