@@ -25,6 +25,7 @@ from convwass_addon.bridge.densities.density_player import (
 )
 from convwass_addon.bridge.densities.density_store import DENSITIES_KEY, StoredDensity, store_density, stored_density
 from convwass_addon.bridge.heat_map import heat_colors
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.errors import InputError
 
@@ -217,6 +218,24 @@ def test_objects_that_share_the_mesh(obj, densities, bare_scene):
         np.testing.assert_allclose(values_of(one, NAME), wanted, atol=1e-4)  # noqa: F821
     remove_density(obj)
     np.testing.assert_allclose(values_of(twin, NAME), wanted, atol=1e-4)  # noqa: F821
+
+
+@pytest.mark.parametrize("has_other_keys", [False, True])
+def test_linked_duplicates_keep_their_keys(obj, densities, bare_scene, has_other_keys):
+    if has_other_keys:
+        obj.keyframe_insert("location", frame=5)
+    animate_density(obj, densities, TIMES, keys=KEYS)
+    middle = values_at(obj, NAME, 15)  # noqa: F821
+    removed, keyed_again = obj.copy(), obj.copy()
+    for twin in (removed, keyed_again):
+        bare_scene.collection.objects.link(twin)
+    assert removed.animation_data.action == obj.animation_data.action
+    remove_density(removed)
+    animate_density(keyed_again, densities, TIMES, keys=[DensityKey(100, 0.0), DensityKey(200, 1.0)])
+    np.testing.assert_allclose(values_at(obj, NAME, 15), middle, atol=1e-4)  # noqa: F821
+    np.testing.assert_allclose(values_at(keyed_again, NAME, 15), densities[0] / densities.max(), atol=1e-4)  # noqa: F821
+    assert len(curves_of(removed)) == (3 if has_other_keys else 0)
+    assert len(bpy.data.actions) == 2 + has_other_keys
 
 
 def test_copies_with_a_mesh_of_their_own_keep_their_frames(obj, densities, bare_scene):

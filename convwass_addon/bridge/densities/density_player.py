@@ -189,7 +189,7 @@ def _key(value: NodeInput, keys: Sequence[DensityKey], easing: str) -> None:
     for key in keys:
         value.set(float(key.value))
         value.owner.keyframe_insert(value.path, frame=key.frame)
-    curve = _channels(value).fcurves.find(value.data_path)
+    curve = _curve(value)
     for point in curve.keyframe_points:
         point.interpolation = EASINGS[easing]
         point.easing = "EASE_IN_OUT"
@@ -197,17 +197,24 @@ def _key(value: NodeInput, keys: Sequence[DensityKey], easing: str) -> None:
 
 
 def _unkey(value: NodeInput) -> None:
-    """Remove the keys of a value; other animation of the object is kept."""
+    """Remove the keys of a value; other animation of the object, and that of its linked duplicates, is kept."""
+    if not _curve(value):
+        return
+    data = value.modifier.id_data.animation_data
+    if len(data.action_slot.users()) > 1:
+        slot, data.action = data.action_slot.identifier, data.action.copy()
+        data.action_slot = data.action.slots[slot]
+    bag, action = _channels(value), data.action
+    bag.fcurves.remove(_curve(value))
+    if not bag.fcurves:
+        data.action = None
+        if not action.users:
+            bpy.data.actions.remove(action)
+
+
+def _curve(value: NodeInput) -> bpy.types.FCurve | None:
     bag = _channels(value)
-    curve = bag.fcurves.find(value.data_path) if bag else None
-    if curve:
-        bag.fcurves.remove(curve)
-        data = value.modifier.id_data.animation_data
-        action = data.action
-        if not bag.fcurves:
-            data.action = None
-            if not action.users:
-                bpy.data.actions.remove(action)
+    return bag.fcurves.find(value.data_path) if bag else None
 
 
 def _channels(value: NodeInput) -> bpy.types.ActionChannelbag | None:
