@@ -53,6 +53,19 @@ def require_uv_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
         )
 
 
+def add_uv_map(mesh: bpy.types.Mesh, name: str, owner: str) -> bpy.types.MeshUVLoopLayer:
+    """Add a UV map to a mesh, and return it; its name gets a number if the mesh has such a map.
+
+    Raises
+    ------
+    InputError
+        The mesh, which messages call `owner`, has as many as Blender allows.
+    """
+    if len(mesh.uv_layers) == _MOST_MAPS:
+        raise InputError("{name} has eight UV maps; delete one.", name=owner)
+    return mesh.uv_layers.new(name=name, do_init=False)
+
+
 def write_uvs(obj: bpy.types.Object, name: str, loops: NDArray[np.int64], places: NDArray[np.float64]) -> None:
     """Write a UV map, creating it if necessary.
 

@@ -162,6 +162,19 @@ def test_textures_of_a_mesh_with_keys_hold_its_frames(keyed, tmp_path, octahedro
     np.testing.assert_allclose(places, y_up(points[0])[vertices], atol=1e-6)
 
 
+def test_textures_have_a_uv_map_of_their_own(keyed, tmp_path, octahedron):
+    keyed.data.uv_layers.new(name="VAT", do_init=False)
+    files = export_shape_keys(keyed, tmp_path / "keys.json")
+    record = json.loads(files[0].read_text())
+    assert record["texture_coordinates"] == {"name": "VAT.001", "index": 1}
+    vertices, places = glb_vertices(record, tmp_path)
+    np.testing.assert_allclose(places, y_up(octahedron.vertices)[vertices], atol=1e-6)
+    while len(keyed.data.uv_layers) < 8:
+        keyed.data.uv_layers.new(do_init=False)
+    with pytest.raises(InputError, match="Shape Morph has eight UV maps; delete one"):
+        export_shape_keys(keyed, tmp_path / "keys.json")
+
+
 def test_an_object_without_animation_or_another_ending_is_refused(keyed, make_object, tmp_path):
     with pytest.raises(InputError, match="end in"):
         export_shape_keys(keyed, tmp_path / "keys.stl")

@@ -248,6 +248,11 @@ def test_what_cannot_be_baked_is_refused_and_leaves_nothing(ball, inventory):
         ball.data.uv_layers.remove(ball.data.uv_layers[0])
     with pytest.raises(InputError, match="no UV map"):
         job(ball, texture_uvs="OWN")
+    while len(ball.data.uv_layers) < 8:
+        ball.data.uv_layers.new(do_init=False)
+    with pytest.raises(InputError, match=r"^Ball Morph has eight UV maps"):
+        job(ball)
+    ball.data.uv_layers.remove(ball.data.uv_layers[0])
     assert inventory() == before
     bpy.data.objects.remove(shape)
     with pytest.raises(InputError, match="not in this file"):

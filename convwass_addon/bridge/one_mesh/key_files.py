@@ -215,7 +215,7 @@ def _write_textures(obj: bpy.types.Object, frames: range, target: Path) -> list[
     mesh = _without_keys(obj)
     plain = _assign_plain_material(mesh, obj)
     try:
-        return write_moving_mesh(mesh, moving, target, render.fps / render.fps_base)
+        return write_moving_mesh(mesh, obj.name, moving, target, render.fps / render.fps_base)
     finally:
         bpy.data.meshes.remove(mesh)
         bpy.data.batch_remove(plain)

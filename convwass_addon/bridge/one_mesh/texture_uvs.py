@@ -12,6 +12,7 @@ from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ..morphs.appearance import render_uv_map
 from ..scratch_scene import scratch_scene
+from ..uv_maps import add_uv_map
 
 BAKED_UVS = "Baked"
 """Name of new UV maps."""
@@ -39,14 +40,14 @@ def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str) -> str:
     Raises
     ------
     InputError
-        There is no UV map, and `how` is "OWN".
+        There is no UV map, and `how` is "OWN"; or there are eight, and a new one is needed.
     """
     own = render_uv_map(mesh)
     if own is None and how == "OWN":
         raise InputError("{name} has no UV map; unwrap it, or choose a new UV map.", name=name)
     if own is not None and (how == "OWN" or (how == "AUTO" and _is_usable(mesh, own.name))):
         return own.name
-    return _unwrapped(mesh)
+    return _unwrapped(mesh, name)
 
 
 def texture_pixels(mesh: bpy.types.Mesh, uv_map: str, size: int) -> UvPixels:
@@ -82,13 +83,11 @@ def _is_usable(mesh: bpy.types.Mesh, uv_map: str) -> bool:
     return 0.0 < area <= (1.0 + _OVERLAP) * covered + 1.0 / _SIZE
 
 
-def _unwrapped(mesh: bpy.types.Mesh) -> str:
+def _unwrapped(mesh: bpy.types.Mesh, owner: str) -> str:
     """Add a UV map with Smart UV Project; the UV map of renders remains."""
     shown = render_uv_map(mesh)
     name = "" if shown is None else shown.name
-    made = mesh.uv_layers.new(name=BAKED_UVS, do_init=False)
-    if made is None:
-        raise InputError("{name} has eight UV maps; delete one.", name=mesh.name)
+    made = add_uv_map(mesh, BAKED_UVS, owner)
     made_name = made.name
     mesh.uv_layers.active = made
     for own in ("vertices", "edges", "polygons"):

@@ -19,21 +19,24 @@ from ...drafts import written_whole
 from ...errors import ConvwassError
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..scratch_scene import scratch_scene
+from ..uv_maps import add_uv_map
 from .moving_meshes import MovingVertices
 
 UV_MAP = "VAT"
-"""Name of the UV map with the positions of vertices in the textures."""
+"""Name of the UV map with the positions of vertices in the textures, with a number if the mesh has such a map."""
 
 _EXR = ImageFormat("OPEN_EXR", "RGB", "32")
 
 
-def write_moving_mesh(mesh: bpy.types.Mesh, moving: MovingVertices, target: Path, fps: float) -> list[Path]:
+def write_moving_mesh(mesh: bpy.types.Mesh, name: str, moving: MovingVertices, target: Path, fps: float) -> list[Path]:
     """Write a mesh of constant topology with textures of its vertices.
 
     Parameters
     ----------
     mesh : bpy.types.Mesh
         Has as many vertices as `moving`. It is written in its first frame, with another UV map, and modified.
+    name : str
+        What messages call it.
     moving : MovingVertices
         Positions of the vertices in all frames.
     target : Path
@@ -49,7 +52,7 @@ def write_moving_mesh(mesh: bpy.types.Mesh, moving: MovingVertices, target: Path
     Raises
     ------
     InputError
-        Too many vertices and frames for a texture.
+        Too many vertices and frames for a texture, or there are eight UV maps.
     ConvwassError
         A file could not be written.
     """
@@ -58,8 +61,8 @@ def write_moving_mesh(mesh: bpy.types.Mesh, moving: MovingVertices, target: Path
     mesh.update()
     vertices = np.empty(len(mesh.loops), np.int32)
     mesh.loops.foreach_get("vertex_index", vertices)
-    _add_coordinates(mesh, animation.grid.coordinates()[vertices])
-    return _written(animation, mesh, target, fps)
+    uv_map = _add_coordinates(mesh, animation.grid.coordinates()[vertices], name)
+    return _written(animation, mesh, target, fps, uv_map)
 
 
 def write_changing_mesh(animation: VertexAnimation, target: Path, fps: float) -> list[Path]:
@@ -85,20 +88,21 @@ def write_changing_mesh(animation: VertexAnimation, target: Path, fps: float) ->
         upright = VertexAnimation(
             y_up(animation.points), y_up(animation.normals), animation.colors, changing=animation.changing
         )
-        _add_coordinates(mesh, upright.grid.coordinates())
-        return _written(upright, mesh, target, fps)
+        uv_map = _add_coordinates(mesh, upright.grid.coordinates(), mesh.name)
+        return _written(upright, mesh, target, fps, uv_map)
     finally:
         bpy.data.meshes.remove(mesh)
 
 
-def _add_coordinates(mesh: bpy.types.Mesh, coordinates: NDArray[np.float64]) -> None:
-    """Add the UV map to the corners, (k, 2); V points up in Blender, and down in glTF."""
-    layer = mesh.uv_layers.new(name=UV_MAP, do_init=False)
+def _add_coordinates(mesh: bpy.types.Mesh, coordinates: NDArray[np.float64], owner: str) -> str:
+    """Add the UV map to the corners, (k, 2), and return its name; V points up in Blender, and down in glTF."""
+    layer = add_uv_map(mesh, UV_MAP, owner)
     upward = np.stack([coordinates[:, 0], 1.0 - coordinates[:, 1]], axis=1)
     layer.uv.foreach_set("vector", np.ascontiguousarray(upward, dtype=np.float32).ravel())
+    return layer.name
 
 
-def _written(animation: VertexAnimation, mesh: bpy.types.Mesh, target: Path, fps: float) -> list[Path]:
+def _written(animation: VertexAnimation, mesh: bpy.types.Mesh, target: Path, fps: float, uv_map: str) -> list[Path]:
     """Write the textures, the mesh and the description, in glTF's axes."""
     grid, bounds = animation.grid, animation.bounds
     files = {name: target.with_name(f"{target.stem}_{name}") for name in ("positions.png", "positions.exr")}
@@ -119,7 +123,7 @@ def _written(animation: VertexAnimation, mesh: bpy.types.Mesh, target: Path, fps
         "frames": grid.frames,
         "frames_per_second": fps,
         "texture": {"width": grid.width, "height": grid.height, "rows_per_frame": grid.rows},
-        "texture_coordinates": {"name": UV_MAP, "index": mesh.uv_layers.find(UV_MAP)},
+        "texture_coordinates": {"name": uv_map, "index": mesh.uv_layers.find(uv_map)},
         "bounds": {"low": bounds[0].tolist(), "high": bounds[1].tolist()},
         "axes": "right-handed, Y up, as in glTF",
         "files": {name.replace(".", "_"): file.name for name, file in files.items()},
