@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -32,7 +33,7 @@ from .background import BackgroundOperator
 from .density_changes import changed_inputs
 from .density_targets import OnDensity, chosen_density, density_property
 from .object_job import ObjectJob
-from .reporting import refuse
+from .reporting import listed, refuse, tell
 
 
 class _BakeJob(ObjectJob):
@@ -114,9 +115,9 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
 
     def _finish(self, context, job):
         if self.output == "IMAGES":
-            self._remember(job)
+            left = self._remember(job)
             text = rpt_("{:d} images in {:s}").format(len(job.made), bpy.path.abspath(self.folder))
-            self.report({"INFO"}, text)
+            tell(self, text, _left_notice(left))
         else:
             self.report({"INFO"}, job.made[0])
         return {"FINISHED"}
@@ -129,11 +130,25 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
         self.report({"WARNING"}, text)
         return True
 
-    def _remember(self, job: _BakeJob) -> None:
-        """Store the paths of the images with the object."""
+    def _remember(self, job: _BakeJob) -> list[str]:
+        """Store the paths of the images with the object; return the names of others in the folder, of an earlier bake.
+
+        Images of earlier bakes stay stored, so that no other density overwrites them.
+        """
+        from ..bridge.densities.density_images import IMAGES
+
         obj = job.target()
         known = stored_or_new(obj, self._name)
-        store_density(obj, self._name, replace(known, outputs={**known.outputs, "images": job.made}))
+        left = [path for path in known.outputs.get(IMAGES, ()) if path not in job.made and Path(path).is_file()]
+        store_density(obj, self._name, replace(known, outputs={**known.outputs, IMAGES: [*job.made, *left]}))
+        return [Path(path).name for path in left if Path(path).parent == Path(job.made[0]).parent]
+
+
+def _left_notice(left: Sequence[str]) -> list[Sentence]:
+    """Return a notice about images of an earlier bake in the same folder, which a viewer would show, too."""
+    if not left:
+        return []
+    return [Sentence("The folder also contains images of an earlier bake: {files}.", {"files": listed(left)})]
 
 
 class CONVWASS_OT_remove_density(OnDensity, bpy.types.Operator):

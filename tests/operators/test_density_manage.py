@@ -73,6 +73,35 @@ def test_steps_become_images(obj, tmp_path):
         call("bake_density", output="IMAGES", folder=str(folder), uv_map="Nobody")
 
 
+def bake_images(folder, **arguments):
+    return call("bake_density", output="IMAGES", folder=str(folder), size=16, **arguments)
+
+
+def test_images_of_another_object_are_not_overwritten(obj, tmp_path):
+    assert bake_images(tmp_path) == {"FINISHED"}
+    before = {path: path.read_bytes() for path in tmp_path.iterdir()}
+    ball(location=(5, 0, 0))
+    call("interpolate_density", groups="B, A", steps=4, blur=0.3)
+    with pytest.raises(
+        RuntimeError, match=r"Density\.0000\.png is an image of a density of Sphere and would be overwr"
+    ):
+        bake_images(tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == before
+    assert bake_images(tmp_path, file_format="OPEN_EXR") == {"FINISHED"}
+    bpy.context.view_layer.objects.active = obj
+    assert bake_images(tmp_path) == {"FINISHED"}
+
+
+def test_images_that_a_shorter_bake_leaves_are_named(obj, tmp_path, capfd):
+    bake_images(tmp_path / "elsewhere")
+    bake_images(tmp_path)
+    assert "earlier" not in capfd.readouterr().out
+    call("interpolate_density", groups="A, B", steps=2, blur=0.3)
+    bake_images(tmp_path)
+    assert "images of an earlier bake: Density.0003.png, Density.0004.png" in capfd.readouterr().out
+    assert len(stored_density(obj, "Density").outputs["images"]) == 10
+
+
 def test_materials_show_it(obj):
     assert call("show_density_material", kind="MOSS", threshold=0.4) == {"FINISHED"}
     assert obj.active_material.name == "Density Moss"

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -19,6 +19,10 @@ from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh
 from ..numbered_files import numbered_paths
 from .density_nodes import NAME
+from .density_store import outputs_of_others, stored_or_new
+
+IMAGES = "images"
+"""Key of the paths stored with an object."""
 
 DEPTHS = {"PNG": "16", "OPEN_EXR": "32"}
 """File formats and their bits per channel."""
@@ -79,8 +83,8 @@ def write_step_images(
     Raises
     ------
     InputError
-        There is no UV map or an empty one, the mesh is in Edit Mode, or the folder cannot be written. Raised before the
-        first step.
+        There is no UV map or an empty one, the mesh is in Edit Mode, the folder cannot be written, or another density
+        has its images there. Raised before the first step.
     ConvwassError
         An image could not be written.
     """
@@ -94,7 +98,20 @@ def write_step_images(
     scale = 1.0 / largest if settings.file_format == "PNG" and largest > 0.0 else 1.0
     suffix = SUFFIXES[settings.file_format]
     paths = numbered_paths(target, f"{bpy.path.clean_name(name)}.", suffix, range(len(frames)))
+    _require_own(obj, name, paths)
     return _written(pixels, frames * scale, paths, settings)
+
+
+def _require_own(obj: bpy.types.Object, name: str, paths: Sequence[Path]) -> None:
+    """Raise InputError if files are images of another density in the .blend file, but not of this one."""
+    wanted = set(map(str, paths)).difference(stored_or_new(obj, name).outputs.get(IMAGES, ()))
+    for other, path in outputs_of_others(obj, name, IMAGES):
+        if path in wanted:
+            raise InputError(
+                "{file} is an image of a density of {object} and would be overwritten; choose another folder.",
+                file=path,
+                object=other.name,
+            )
 
 
 def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:

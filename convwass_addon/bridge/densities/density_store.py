@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import bpy
@@ -90,6 +91,14 @@ def stored_or_new(obj: bpy.types.Object, name: str) -> StoredDensity:
         return stored_density(obj, name)
     except InputError:
         return StoredDensity()
+
+
+def outputs_of_others(obj: bpy.types.Object, name: str, kind: str) -> Iterator[tuple[bpy.types.Object, str]]:
+    """Yield the outputs of a kind that the other densities in the file have, each with the object it belongs to."""
+    for other in bpy.data.objects:
+        for own in _readable_names(other) if DENSITIES_KEY in other else ():
+            if (other, own) != (obj, name):
+                yield from ((other, output) for output in stored_density(other, own).outputs.get(kind, ()))
 
 
 def _write(obj: bpy.types.Object, densities: dict[str, StoredDensity]) -> None:
