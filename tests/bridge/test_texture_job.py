@@ -199,6 +199,22 @@ def test_baking_again_replaces_images_with_those_of_the_original_materials(ball)
     assert principled(again.material).inputs["Base Color"].default_value[0] == pytest.approx(1.0)
 
 
+@pytest.mark.parametrize("how", ["AUTO", "NEW"])
+def test_baking_again_replaces_the_uv_map_that_the_first_baking_has_made(ball, how):
+    ball.data.uv_layers.new(name="Baked", do_init=False)
+    uvs = np.array([corner.vector for corner in ball.data.uv_layers[0].uv])
+    # The halves overlap.
+    ball.data.uv_layers[0].uv.foreach_set("vector", (uvs % [0.5, 1.0]).ravel())
+    before = {layer.name: np.array([corner.vector for corner in layer.uv]) for layer in ball.data.uv_layers}
+    for _ in range(3):
+        assert baked(ball, texture_uvs=how).uv_map == "Baked.001"
+    assert baked(ball, texture_uvs="OWN").uv_map == ball.data.uv_layers[0].name
+    assert baked(ball, texture_uvs=how).uv_map == "Baked.001"
+    assert ball.data.uv_layers.keys() == [*before, "Baked.001"]
+    for name, own in before.items():
+        np.testing.assert_array_equal([corner.vector for corner in ball.data.uv_layers[name].uv], own)
+
+
 def test_the_material_that_the_object_has_in_place_of_that_of_its_mesh_is_baked(ball):
     (slot,) = ball.material_slots
     slot.link, slot.material = "OBJECT", plain_material("Green", (0.0, 1.0, 0.0))

@@ -109,9 +109,10 @@ class TextureJob:
         self._baked: list[_Baked] = []
         self.notices: list[Sentence] = []
         sliders = [record["name"] for record in key_records(obj)]
-        prepared = _without_keys(obj)
+        made, prepared = _made_uv_map(obj.data), _without_keys(obj)
         try:
-            self._uv_map = baked_uv_map(prepared, obj.name, settings.texture_uvs)
+            self._uv_map = baked_uv_map(prepared, obj.name, settings.texture_uvs, made)
+            self._made = made or (self._uv_map if self._uv_map not in obj.data.uv_layers else "")
             self._uvs = loop_uvs(prepared, self._uv_map)
             if settings.texture_looks != "END":
                 self._looks.append(start_look(obj, prepared, scene, depsgraph))
@@ -226,7 +227,7 @@ class TextureJob:
         constants = {own: ChannelImages((), values[0]) for own, values in self._values.items() if own not in made}
         sliders = [look.slider for look in self._looks]
         material = baked_material(f"{obj.name} Baked", constants | made, sliders, self._uv_map)
-        material[BAKED] = True
+        material[BAKED] = self._made
         _assign_baked_material(obj.data, material, self._uv_map, self._uvs)
         images = [image for own in made.values() for image in own.images]
         return BakedTextures(images, material, [self._stored(image) for image in images if self._folder], self._uv_map)
@@ -302,6 +303,13 @@ def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
         mesh.attributes[SLOTS].data.foreach_get("value", slots)
         mesh.polygons.foreach_set("material_index", slots)
     return mesh
+
+
+def _made_uv_map(mesh: bpy.types.Mesh) -> str:
+    """Return the name of the UV map that an earlier baking has made, or an empty one."""
+    names = (material[BAKED] for material in mesh.materials if material is not None and BAKED in material)
+    # Earlier versions stored True.
+    return next((name for name in names if isinstance(name, str) and name in mesh.uv_layers), "")
 
 
 def _assign_baked_material(

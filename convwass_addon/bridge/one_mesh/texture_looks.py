@@ -24,7 +24,7 @@ from .records import SHAPES_KEY, key_names, key_records
 SLOTS = "convwass_slots"
 """Face attribute with the material slots from before the first baking."""
 BAKED = "convwass_baked"
-"""Custom property of materials that show baked images."""
+"""Custom property of materials that show baked images: the UV map that was made for them, or an empty text."""
 
 # The mesh must end within this multiple of the distance in its record, plus a share of the shape's diagonal.
 _SLACK, _LEAST = 3.0, 0.01

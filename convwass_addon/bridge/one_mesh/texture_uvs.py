@@ -25,7 +25,7 @@ _GAP = 0.005
 _SLACK = 1e-3
 
 
-def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str) -> str:
+def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str, made: str = "") -> str:
     """Return the name of a UV map in which every face has its own place; unwraps the mesh if it has none.
 
     Parameters
@@ -36,6 +36,8 @@ def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str) -> str:
         What messages call it.
     how : "AUTO", "OWN" or "NEW"
         With "AUTO", the UV map of renders is used if it lies in the image and does not overlap itself.
+    made : str
+        Name of a UV map that an earlier call has made, which another new one replaces.
 
     Raises
     ------
@@ -47,7 +49,7 @@ def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str) -> str:
         raise InputError("{name} has no UV map; unwrap it, or choose a new UV map.", name=name)
     if own is not None and (how == "OWN" or (how == "AUTO" and _is_usable(mesh, own.name))):
         return own.name
-    return _unwrapped(mesh, name)
+    return _unwrapped(mesh, name, made)
 
 
 def texture_pixels(mesh: bpy.types.Mesh, uv_map: str, size: int) -> UvPixels:
@@ -83,11 +85,11 @@ def _is_usable(mesh: bpy.types.Mesh, uv_map: str) -> bool:
     return 0.0 < area <= (1.0 + _OVERLAP) * covered + 1.0 / _SIZE
 
 
-def _unwrapped(mesh: bpy.types.Mesh, owner: str) -> str:
-    """Add a UV map with Smart UV Project; the UV map of renders remains."""
+def _unwrapped(mesh: bpy.types.Mesh, owner: str, before: str) -> str:
+    """Add or replace a UV map with Smart UV Project; the UV map of renders remains."""
     shown = render_uv_map(mesh)
     name = "" if shown is None else shown.name
-    made = add_uv_map(mesh, BAKED_UVS, owner)
+    made = mesh.uv_layers.get(before) or add_uv_map(mesh, BAKED_UVS, owner)
     made_name = made.name
     mesh.uv_layers.active = made
     for own in ("vertices", "edges", "polygons"):
