@@ -20,7 +20,7 @@ from convwass_addon.bridge.densities.density_outputs import (
 from convwass_addon.bridge.densities.density_player import animate_density, density_value, remove_density
 from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.heat_map import heat_colors, heat_stops
-from convwass_addon.bridge.vertex_groups import group_names, read_groups
+from convwass_addon.bridge.vertex_groups import group_names, read_group, read_groups, write_group
 from convwass_addon.errors import InputError
 
 DENSITIES = np.array([[0, 0, 4.0, 1, 2, 3], [8, 0, 0, 0, 0, 0], [1, 2, 1, 2, 1, 2]])
@@ -66,6 +66,22 @@ def test_one_group_for_each_step(obj):
     assert group_names(obj) == ["Own", *names[:2]]
     assert stored_density(obj, NAME).outputs == {"groups": names[:2]}
     np.testing.assert_allclose(read_groups(obj, names[:2]), DENSITIES[:2] / 8, rtol=1e-6)
+
+
+def test_painted_groups_stop_all(obj):
+    write_group(obj, "Density.001", np.full(6, 0.5))
+    with pytest.raises(InputError, match=r"A already has a vertex group Density\.001 that is no result"):
+        write_step_groups(obj, DENSITIES)
+    assert group_names(obj) == ["Density.001"]
+    np.testing.assert_array_equal(read_group(obj, "Density.001"), 0.5)
+
+
+def test_groups_of_a_removed_density_are_replaced(obj):
+    animate_density(obj, DENSITIES, [0, 0.5, 1])
+    names = write_step_groups(obj, DENSITIES)
+    remove_density(obj)
+    write_step_groups(obj, DENSITIES[::-1])
+    np.testing.assert_allclose(read_groups(obj, names), DENSITIES[::-1] / 8)
 
 
 def test_a_locked_group_stops_all(obj):

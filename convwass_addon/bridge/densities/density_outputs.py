@@ -14,10 +14,11 @@ from ...errors import InputError
 from ..heat_map import heat_colors
 from ..mesh_checks import writable_mesh
 from ..node_inputs import node_input
-from ..vertex_groups import as_weights, require_unlocked, write_group
+from ..vertex_groups import as_weights, require_unlocked
 from .density_nodes import COLORS, NAME, color_name
 from .density_player import density_modifier, density_value
 from .density_store import store_density, stored_or_new
+from .result_groups import replace_by_result, require_unpainted
 
 GROUPS, COLOR_ATTRIBUTES = "groups", "colors"
 """Keys of the outputs stored with an object."""
@@ -31,7 +32,7 @@ def step_name(name: str, step: int) -> str:
 def write_step_groups(obj: bpy.types.Object, densities: ArrayLike, name: str = NAME) -> list[str]:
     """Write one vertex group per step; the maximum over all groups is 1.
 
-    Groups previously written under this name are replaced; surplus ones are removed.
+    Groups previously written under this name are replaced; surplus ones are removed. Painted groups are not replaced.
 
     Parameters
     ----------
@@ -50,15 +51,17 @@ def write_step_groups(obj: bpy.types.Object, densities: ArrayLike, name: str = N
     Raises
     ------
     InputError
-        As `write_group`.
+        As `write_group`, or a group of such a name was painted; nothing is written then.
     """
     mesh = writable_mesh(obj)
     weights = _checked(densities, len(mesh.vertices))
     names = [step_name(name, step) for step in range(len(weights))]
     # Checked before anything is written.
     require_unlocked(obj, names)
+    for own in set(names).difference(stored_or_new(obj, name).outputs.get(GROUPS, ())):
+        require_unpainted(obj, own)
     for own, values in zip(names, weights, strict=True):
-        write_group(obj, own, values)
+        replace_by_result(obj, own, values)
     for stale in _written(obj, name, GROUPS, names):
         if stale in obj.vertex_groups:
             obj.vertex_groups.remove(obj.vertex_groups[stale])

@@ -47,6 +47,17 @@ def write_result(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.ty
         As for `require_unpainted` and `write_group`; nothing is written then.
     """
     require_unpainted(obj, name)
+    return replace_by_result(obj, name, weights)
+
+
+def replace_by_result(obj: bpy.types.Object, name: str, weights: ArrayLike) -> bpy.types.VertexGroup:
+    """Write a group as `write_result` does, whatever it holds.
+
+    Raises
+    ------
+    InputError
+        As for `write_group`.
+    """
     group = write_group(obj, name, weights)
     there = {known: digest for known, digest in _results(obj).items() if known in obj.vertex_groups}
     obj[RESULTS_KEY] = json.dumps({**there, name: _digest(read_group(obj, name))})
