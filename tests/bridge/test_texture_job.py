@@ -237,6 +237,15 @@ def test_images_can_be_written_to_a_folder(ball, tmp_path):
     assert len(found.files) == 2 and all(file.stat().st_size > 0 for file in found.files)
 
 
+def test_images_that_cannot_be_written_leave_nothing(ball, tmp_path, inventory):
+    before = inventory()
+    (tmp_path / "Ball_Morph_Large_Base_Color.png").mkdir()
+    with pytest.raises(InputError, match=r"Large_Base_Color\.png could not be written"):
+        baked(ball, texture_folder=str(tmp_path))
+    assert inventory() == before
+    assert [own.name for own in ball.data.materials] == ["Red"]
+
+
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 def test_gltf_files_contain_the_images_of_a_single_look(ball, tmp_path):
     texture = bpy.data.images.new("Dots", 4, 4)

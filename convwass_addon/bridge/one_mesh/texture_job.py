@@ -217,20 +217,25 @@ class TextureJob:
         Raises
         ------
         ConvwassError
-            The mesh was deleted, or its faces have changed.
+            The mesh was deleted, or its faces have changed; or an image could not be written. The mesh is not changed.
         """
         obj = self._obj.find()
         if obj is None or len(obj.data.loops) != len(self._uvs):
             raise ConvwassError("The mesh was deleted or changed during the baking; start again.")
         self.discard()
         made = {channel: self._images(obj.name, channel) for channel in self._baked[0].pixels}
+        images = [image for own in made.values() for image in own.images]
+        try:
+            files = [self._stored(image) for image in images if self._folder]
+        except BaseException:
+            bpy.data.batch_remove(images)
+            raise
         constants = {own: ChannelImages((), values[0]) for own, values in self._values.items() if own not in made}
         sliders = [look.slider for look in self._looks]
         material = baked_material(f"{obj.name} Baked", constants | made, sliders, self._uv_map)
         material[BAKED] = self._made
         _assign_baked_material(obj.data, material, self._uv_map, self._uvs)
-        images = [image for own in made.values() for image in own.images]
-        return BakedTextures(images, material, [self._stored(image) for image in images if self._folder], self._uv_map)
+        return BakedTextures(images, material, files, self._uv_map)
 
     def _images(self, name: str, channel: Channel) -> ChannelImages:
         """Create the images of a channel, or a value if it turns out to be the same everywhere."""
