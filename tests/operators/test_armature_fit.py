@@ -187,6 +187,18 @@ def test_automatic_weights(rig, capfd):
     assert "Rig is posed, but the fit applies to its rest position" in capfd.readouterr().out
 
 
+def test_weights_leave_a_body_with_another_parent_in_place(rig):
+    body, root = own().body, bpy.data.objects.new("Root", None)
+    bpy.context.collection.objects.link(root)
+    root.location, body.location, body.parent = (5, 1, 0), (-5, -1, 0), root
+    bpy.context.view_layer.update()
+    before = np.array(body.matrix_world)
+    assert call("fit_armature", auto_weights=True) == {"FINISHED"}
+    assert body.parent == rig
+    bpy.context.view_layer.update()
+    np.testing.assert_allclose(np.array(body.matrix_world), before, atol=1e-5)
+
+
 def test_weights_without_a_solution_are_reported(rig, monkeypatch, capfd):
     monkeypatch.setattr(armature_fit, "bind_with_weights", lambda body, rig: 7)
     call("fit_armature", auto_weights=True)

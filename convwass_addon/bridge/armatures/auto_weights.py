@@ -35,7 +35,8 @@ def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
     chosen = {"active_object": rig, "object": rig, "selected_objects": [rig, body]}
     try:
         with bpy.context.temp_override(**chosen, selected_editable_objects=[rig, body]):
-            bpy.ops.object.parent_set(type="ARMATURE_AUTO", keep_transform=False)
+            # A body that had another parent would jump otherwise.
+            bpy.ops.object.parent_set(type="ARMATURE_AUTO", keep_transform=True)
     except RuntimeError as error:
         raise InputError(
             "{body} could not be bound to {rig}: {reason}",
