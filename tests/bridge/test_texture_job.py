@@ -237,6 +237,14 @@ def test_images_can_be_written_to_a_folder(ball, tmp_path):
     assert len(found.files) == 2 and all(file.stat().st_size > 0 for file in found.files)
 
 
+def test_each_of_two_meshes_has_its_own_look_only(ball):
+    ball["convwass_swap"] = {"object": ball, "slider": "Large", "at": 0.5}
+    for looks in ("ALL", "END"):
+        with pytest.raises(InputError, match="Ball Morph is one of two meshes"):
+            job(ball, texture_looks=looks)
+    assert principled(baked(ball, texture_looks="START").material).inputs["Base Color"].default_value[0] == 1.0
+
+
 def test_images_that_cannot_be_written_leave_nothing(ball, tmp_path, inventory):
     before = inventory()
     (tmp_path / "Ball_Morph_Large_Base_Color.png").mkdir()

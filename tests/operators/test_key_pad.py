@@ -75,6 +75,22 @@ def test_another_number_of_targets_is_refused():
         bpy.ops.convwass.make_key_pad()
 
 
+def test_a_mesh_of_another_file_is_refused(tmp_path):
+    """Blender would not save its drivers and images."""
+    obj, _ = cube_with_targets(2)
+    bpy.data.libraries.write(str(tmp_path / "mesh.blend"), {obj})
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "mesh.blend"), link=True) as (_, wanted):
+        wanted.objects = ["Cube Morph"]
+    (linked,) = wanted.objects
+    bpy.context.scene.collection.objects.link(linked)
+    bpy.context.view_layer.objects.active = linked
+    for press in (bpy.ops.convwass.make_key_pad, bpy.ops.convwass.bake_textures):
+        with pytest.raises(RuntimeError, match="linked from another file"):
+            press()
+    assert bpy.data.objects[:] == [linked]
+
+
 def test_targets_can_be_added_to_a_mesh_that_has_some():
     """The copy keeps keys and sliders, and a target with an existing name gets a new one."""
     obj, rest = cube_with_targets(2)

@@ -15,6 +15,7 @@ from ...errors import InputError
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
+from ..mesh_checks import writable_mesh
 from .records import key_names, key_records
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
 
@@ -51,8 +52,7 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
     for part in parts:
         if part.type != "MESH" or not len(part.data.vertices):
             raise InputError("{name} is not a mesh with vertices; convert it first.", name=part.name)
-        if part.library is not None or part.data.library is not None:
-            raise InputError("{name} is linked from another file; make it local first.", name=part.name)
+        writable_mesh(part)
         require_mixable_keys(part)
     blocks = body.data.shape_keys.key_blocks
     missing = [name for record in records for name in _names(record) if name not in blocks]

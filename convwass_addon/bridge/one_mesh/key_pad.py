@@ -14,6 +14,7 @@ from mathutils import Vector
 
 from ...errors import InputError
 from ..keyframes import remove_curve
+from ..mesh_checks import writable_mesh
 from ..morphs.blend_pad import GAP, SIDE, TEXT
 from ..morphs.removal import remove_objects
 from ..pad_handles import pad_handle
@@ -63,8 +64,9 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     Raises
     ------
     InputError
-        Any other number of shapes.
+        Any other number of shapes, or the object is linked from another file.
     """
+    writable_mesh(obj)
     names = [record["name"] for record in key_records(obj)]
     if len(names) not in (2, 3):
         raise InputError("A pad needs two or three other shapes; {name} has {count}.", name=obj.name, count=len(names))

@@ -18,8 +18,9 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..files import absolute_folder
 from ..handles import Handle
+from ..mesh_checks import writable_mesh
 from .moving_meshes import srgb
-from .records import key_records
+from .records import SWAP_KEY, key_records
 from .texture_baking import TextureSize, baked_pixels
 from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, shown_channel
 from .texture_looks import BAKED, SLOTS, Look, end_look, start_look
@@ -96,13 +97,18 @@ class TextureJob:
     Raises
     ------
     InputError
-        A shape was deleted, the mesh does not reach it, there is no UV map although it was asked for, or the folder
-        cannot be used.
+        A shape was deleted, the mesh does not reach it or is linked or one of two, there is no UV map although it was
+        asked for, or the folder cannot be used.
     """
 
     def __init__(
         self, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, obj: bpy.types.Object, settings: TextureSettings
     ) -> None:
+        writable_mesh(obj)
+        if SWAP_KEY in obj and settings.texture_looks != "START":
+            raise InputError(
+                "{name} is one of two meshes, each of which has its own look; set Looks to First Shape.", name=obj.name
+            )
         self._folder = absolute_folder(settings.texture_folder) if settings.texture_folder else None
         self._obj, self._settings = Handle.of("objects", obj), settings
         self._looks: list[Look] = []
