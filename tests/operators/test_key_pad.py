@@ -75,6 +75,26 @@ def test_another_number_of_targets_is_refused():
         bpy.ops.convwass.make_key_pad()
 
 
+def test_the_pad_that_there_is_stays_when_the_button_is_pressed_again():
+    obj, _ = cube_with_targets(2)
+    bpy.ops.convwass.make_key_pad()
+    handle = bpy.context.object
+    handle.keyframe_insert("location", frame=4)
+    before = bpy.data.objects[:]
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.convwass.make_key_pad() == {"FINISHED"}
+    assert bpy.context.object == handle
+    assert bpy.data.objects[:] == before
+    assert keyed_span(obj) == range(4, 5)
+    # As after a bake of other shapes.
+    obj.driver_remove('["A"]')
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.convwass.make_key_pad()
+    assert len(bpy.data.objects) == len(before)
+    (variable, _) = obj.animation_data.drivers.find('["A"]').driver.variables
+    assert variable.targets[0].id == bpy.context.object
+
+
 def test_a_mesh_of_another_file_is_refused(tmp_path):
     """Blender would not save its drivers and images."""
     obj, _ = cube_with_targets(2)

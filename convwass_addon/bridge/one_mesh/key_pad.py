@@ -13,7 +13,7 @@ import numpy as np
 from mathutils import Vector
 
 from ...errors import InputError
-from ..keyframes import remove_curve
+from ..keyframes import driver_targets, remove_curve
 from ..mesh_checks import writable_mesh
 from ..morphs.blend_pad import GAP, SIDE, TEXT
 from ..morphs.removal import remove_objects
@@ -51,6 +51,8 @@ class KeyPad:
 def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     """Make an Empty on a pad drive the sliders of an object; their keyframes are removed.
 
+    A pad that drives all sliders already is returned unchanged, and one that drives some of them is replaced.
+
     Drivers are simple expressions, so the file does not need the add-on. Outside of the pad, the weights of its edge
     are used.
 
@@ -70,6 +72,10 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     names = [record["name"] for record in key_records(obj)]
     if len(names) not in (2, 3):
         raise InputError("A pad needs two or three other shapes; {name} has {count}.", name=obj.name, count=len(names))
+    before = pads_of(target.id for target in driver_targets(obj))
+    known = _driving_pad(obj, names)
+    if known is not None:
+        return known
     size = max(obj.dimensions)
     side = SIDE * size
     corners = _TRIANGLE if len(names) == 2 else _SQUARE
@@ -84,7 +90,18 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
         scene.collection.objects.link(made)
     for name, expression in zip(names, _expressions(len(names), side), strict=True):
         _drive(obj, name, handle, expression)
+    remove_idle_pads(before)
     return KeyPad(pad, handle)
+
+
+def _driving_pad(obj: bpy.types.Object, names: Sequence[str]) -> KeyPad | None:
+    """Return the pad whose handle drives all sliders of an object, if there is one."""
+    drivers = obj.animation_data.drivers if obj.animation_data else ()
+    of_sliders = [curve for curve in drivers if curve.data_path in map(slider_path, names)]
+    read = [{target.id for own in curve.driver.variables for target in own.targets} for curve in of_sliders]
+    shared = set.intersection(*read) if len(read) == len(names) else set()
+    handle = next((own for own in shared if own is not None and PAD_KEY in own and own.parent is not None), None)
+    return None if handle is None else KeyPad(handle.parent, handle)
 
 
 def pads_of(blocks: Iterable[bpy.types.ID | None]) -> list[bpy.types.Object]:
