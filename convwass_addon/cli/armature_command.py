@@ -13,7 +13,7 @@ from ..applications.skeletons.inner_points import InnerPointFinder
 from ..applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
 from ..applications.whole_paths import path_with_suffix
-from ..bridge.armatures.auto_weights import bind_with_weights
+from ..bridge.armatures.auto_weights import bind_with_weights, require_bindable
 from ..bridge.armatures.fit_notices import short_notice, unweighted_notice
 from ..bridge.armatures.fit_request import FitRequest
 from ..bridge.armatures.pins import pin_joints, with_pins
@@ -22,7 +22,6 @@ from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
 from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
 from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
-from ..bridge.mesh_checks import writable_mesh
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
@@ -89,11 +88,7 @@ def _check(pair: BodyAndRig, has_weights: bool) -> None:
         raise InputError("{object} is not a skeleton; name an armature or a mesh of edges.", object=pair.rig.name)
     require_movable(pair.rig)
     if has_weights:
-        if pair.rig.type != "ARMATURE":
-            raise InputError(
-                "{object} is not an armature, so it cannot provide weights; switch them off.", object=pair.rig.name
-            )
-        writable_mesh(pair.body)
+        require_bindable(pair.body, pair.rig)
 
 
 def _with_pins(options: Namespace, rig: RigGraph, finder: InnerPointFinder) -> RigGraph:

@@ -10,10 +10,9 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
-from ..bridge.armatures.auto_weights import bind_with_weights
+from ..bridge.armatures.auto_weights import bind_with_weights, require_bindable
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.handles import Handle
-from ..bridge.mesh_checks import writable_mesh
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.armatures import FitProperties, chosen_rig
@@ -154,10 +153,8 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
 
 
 def _require_bindable(body: bpy.types.Object, rig: bpy.types.Object) -> None:
-    """Raise InputError if the objects cannot be bound with weights."""
-    if rig.type != "ARMATURE":
-        raise InputError("{object} is not an armature, so it cannot provide weights; switch them off.", object=rig.name)
-    writable_mesh(body)
+    """Raise InputError if the objects cannot be bound with weights in their modes."""
+    require_bindable(body, rig)
     if rig.mode == "EDIT":
         raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=rig.name)
 

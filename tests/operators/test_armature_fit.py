@@ -230,6 +230,17 @@ def test_weights_ask_for_object_mode(rig):
 
 
 def test_impossible_parents_are_reported(rig):
+    link = bpy.data.objects.new("Link", None)
+    bpy.context.collection.objects.link(link)
+    rig.parent, link.parent = link, own().body
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError, match="Rig is a child of Tube and cannot become its parent; clear its own parent"):
+        call("fit_armature", auto_weights=True)
+    assert world_ends(rig)["B.tail"] == pytest.approx((1.8, 3, 0))
+
+
+def test_what_blender_does_not_bind_is_reported(rig, monkeypatch):
+    monkeypatch.setattr(armature_fit, "require_bindable", lambda body, rig: None)
     rig.parent = own().body
     bpy.context.view_layer.update()
     with pytest.raises(RuntimeError, match="Tube could not be bound to Rig"):

@@ -7,7 +7,27 @@ from __future__ import annotations
 import bpy
 
 from ...errors import InputError
+from ..mesh_checks import writable_mesh
 from ..operator_errors import reason
+
+
+def require_bindable(body: bpy.types.Object, rig: bpy.types.Object) -> None:
+    """Check that a body can be bound to a rig, before the rig is changed.
+
+    Raises
+    ------
+    InputError
+        The rig is no armature or a child of the body, or the body cannot be written.
+    """
+    if rig.type != "ARMATURE":
+        raise InputError("{object} is not an armature, so it cannot provide weights; switch them off.", object=rig.name)
+    writable_mesh(body)
+    if rig in body.children_recursive:
+        raise InputError(
+            "{rig} is a child of {body} and cannot become its parent; clear its own parent: Object > Parent.",
+            rig=rig.name,
+            body=body.name,
+        )
 
 
 def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
