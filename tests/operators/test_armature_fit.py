@@ -164,6 +164,16 @@ def test_a_mesh_of_edges(asked):
         call("fit_armature", auto_weights=True)
 
 
+def test_a_mesh_of_edges_with_shape_keys(asked):
+    edges = lines([(0.2, 0, 0), (1, 5, 0), (3.8, 0, 0)], [(0, 1), (1, 2)])
+    choose(tube(), edges)
+    call("pin_joints", joints="0, 2")
+    edges.shape_key_add(name="Basis")
+    with pytest.raises(RuntimeError, match="Lines has shape keys, which hold its joints in place"):
+        call("fit_armature")
+    assert not asked
+
+
 def test_automatic_weights(rig, capfd):
     body = own().body
     body.vertex_groups.new(name="Mask").add([0, 1, 2], 0.5, "REPLACE")

@@ -100,6 +100,11 @@ def require_movable(obj: bpy.types.Object) -> None:
             "Object > Relations > Make Local.",
             object=obj.name,
         )
+    if obj.type == "MESH" and obj.data.shape_keys:
+        raise InputError(
+            "{object} has shape keys, which hold its joints in place; apply or delete them: Object Data > Shape Keys.",
+            object=obj.name,
+        )
     shown = obj.name in bpy.context.view_layer.objects and obj.visible_get()
     if obj.type == "ARMATURE" and not shown:
         raise InputError(
