@@ -175,6 +175,28 @@ def test_textures_have_a_uv_map_of_their_own(keyed, tmp_path, octahedron):
         export_shape_keys(keyed, tmp_path / "keys.json")
 
 
+@pytest.mark.parametrize("place", ["object", "collection"])
+def test_a_mesh_that_is_disabled_in_viewports_moves_in_files(keyed, tmp_path, place):
+    """Blender evaluates neither its drivers nor its modifiers."""
+    keyed.modifiers.new("Finer", "SUBSURF").levels = 1
+
+    def written():
+        export_shape_keys(keyed, tmp_path / "keys.glb")
+        (record, *_) = export_shape_keys(keyed, tmp_path / "keys.json")
+        return read_glb(tmp_path / "keys.glb")[1], decoded(json.loads(record.read_text()), tmp_path)[1]
+
+    shown = written()
+    home = bpy.data.collections.new("Home")
+    bpy.context.scene.collection.children.link(home)
+    home.objects.link(keyed)
+    bpy.context.scene.collection.objects.unlink(keyed)
+    (keyed if place == "object" else home).hide_viewport = True
+    hidden = written()
+    assert hidden[0] == shown[0]
+    np.testing.assert_array_equal(hidden[1], shown[1])
+    assert (keyed.hide_viewport, keyed.users_collection) == (place == "object", (home,))
+
+
 def test_an_object_without_animation_or_another_ending_is_refused(keyed, make_object, tmp_path):
     with pytest.raises(InputError, match="end in"):
         export_shape_keys(keyed, tmp_path / "keys.stl")

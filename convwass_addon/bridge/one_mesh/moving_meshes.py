@@ -68,24 +68,25 @@ def _with_drivers(obj: bpy.types.Object) -> list[bpy.types.ID]:
 def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: range) -> MovingVertices:
     """Read the vertices of an object, with modifiers, in every frame; restores the current frame of the scene.
 
+    The object must be visible in all of them (`never_hidden`).
+
     Raises
     ------
     InputError
         A modifier changes the number of vertices over time.
     """
     own, points, normals = scene.frame_current, [], []
-    with _never_hidden(obj):
-        try:
-            for frame in frames:
-                scene.frame_set(frame)
-                evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-                mesh = evaluated.to_mesh()
-                matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-                points.append(_placed(_read(mesh.vertices, "co"), matrix))
-                normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
-                evaluated.to_mesh_clear()
-        finally:
-            scene.frame_set(own)
+    try:
+        for frame in frames:
+            scene.frame_set(frame)
+            evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            mesh = evaluated.to_mesh()
+            matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+            points.append(_placed(_read(mesh.vertices, "co"), matrix))
+            normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
+            evaluated.to_mesh_clear()
+    finally:
+        scene.frame_set(own)
     if len({len(one) for one in points}) > 1:
         raise InputError(
             "The number of vertices of {name} changes over time; remove the modifier that changes it.", name=obj.name
@@ -94,17 +95,21 @@ def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: rang
 
 
 @contextmanager
-def _never_hidden(obj: bpy.types.Object) -> Iterator[None]:
-    """Show an object in all frames, also where drivers hide it: Blender does not evaluate hidden objects."""
+def never_hidden(obj: bpy.types.Object, scene: bpy.types.Scene) -> Iterator[None]:
+    """Show an object in all frames, also where it, its collections or drivers hide it: Blender evaluates no others."""
     drivers = obj.animation_data.drivers if obj.animation_data else ()
     muted = [curve for curve in drivers if curve.data_path == "hide_viewport" and not curve.mute]
-    hidden = obj.hide_viewport
+    hidden, visitor = obj.hide_viewport, obj not in set(scene.collection.objects)
     for curve in muted:
         curve.mute = True
     obj.hide_viewport = False
+    if visitor:
+        scene.collection.objects.link(obj)
     try:
         yield
     finally:
+        if visitor:
+            scene.collection.objects.unlink(obj)
         obj.hide_viewport = hidden
         for curve in muted:
             curve.mute = False
