@@ -53,6 +53,13 @@ def test_images_without_pixels_are_refused(tmp_path, noise):
         image_pixels.read_picture(image, image_of("Mask", np.ones((3, 3, 4))))
 
 
+def test_images_with_tiles_are_refused():
+    tiled = bpy.data.images.new("Skin", 4, 4, tiled=True)
+    tiled.tiles.new(1002)
+    with pytest.raises(InputError, match="Skin has UDIM tiles"):
+        image_pixels.read_picture(tiled)
+
+
 def test_masks_are_gray_values(noise):
     values = np.ones((4, 6, 4), np.float32)
     values[..., :3] = np.linspace(0, 1.2, 24).reshape(4, 6, 1)

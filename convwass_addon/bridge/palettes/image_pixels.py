@@ -26,7 +26,7 @@ def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None) ->
     Raises
     ------
     InputError
-        No pixels, an unsupported color space, or a mask of another size.
+        No pixels, tiles, an unsupported color space, or a mask of another size.
     """
     pixels = read_pixels(image)
     return Picture(pixels, image_format(image), None if mask is None else _mask(mask, image))
@@ -38,8 +38,14 @@ def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
     Raises
     ------
     InputError
-        No pixels in memory: the file is missing, or the image is a render that is only displayed.
+        No pixels in memory: the file is missing, or the image is a render that is only displayed. Or the image has UDIM
+        tiles, of which Blender provides only the first.
     """
+    if image.source == "TILED":
+        raise InputError(
+            "{image} has UDIM tiles, which are images of their own; open the files of the tiles as single images.",
+            image=image.name,
+        )
     width, height = image.size
     # Accessing a pixel loads the file.
     if not width * height or not len(image.pixels):
