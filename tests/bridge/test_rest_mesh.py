@@ -90,6 +90,27 @@ def test_keys_come_before_the_armature(rigged, angle):
     np.testing.assert_allclose(moved[far], (wider(rest.seen) - rest.seen)[far], atol=1e-5)
 
 
+@pytest.mark.parametrize("invert", [False, True])
+def test_a_vertex_group_limits_the_armature(rigged, invert):
+    bar, rig = rigged
+    group, modifier = bar.vertex_groups.new(name="Limit"), bar.modifiers["Rig"]
+    for vertex in list(bar.data.vertices)[::2]:
+        group.add([vertex.index], (vertex.index % 5) / 4, "REPLACE")
+    modifier.vertex_group, modifier.invert_vertex_group = "Limit", invert
+    pose(rig, 0.5)
+    obj, rest = keyed(bar, wider)
+    np.testing.assert_allclose(slide(obj, 1.0), wider(rest.seen), atol=1e-5)
+
+
+def test_bendy_bones_are_reported_where_they_are_posed(rigged):
+    bar, rig = rigged
+    rig.data.bones["Upper"].bbone_segments = 4
+    assert keyed(bar, wider)[1].notices == []
+    pose(rig, 0.5)
+    (notice,) = keyed(bar, wider)[1].notices
+    assert str(notice).startswith("Bar is posed by bendy bones")
+
+
 def test_new_shape_keys_begin_at_the_visible_shape(rigged):
     bar, _ = rigged
     bar.modifiers.clear()

@@ -165,16 +165,28 @@ def at_rest(obj: bpy.types.Object, mesh: bpy.types.Mesh, seen: NDArray[np.float6
 
 
 def _approximate(obj: bpy.types.Object, place: int) -> list[Sentence]:
-    """Return a notice if the armature of an object, its modifier at `place`, does not blend transforms linearly."""
+    """Return a notice if the armature of an object, its modifier at `place`, does not just mix transforms of bones."""
     modifier = obj.modifiers[place]
-    if not (modifier.use_deform_preserve_volume and _is_posed(modifier.object)):
+    rig = modifier.object
+    if not _is_posed(rig):
         return []
-    return [
-        Sentence(
-            "{name} is posed with Preserve Volume; at joints its keys are approximate. Use the rest pose.",
-            {"name": obj.name},
-        )
-    ]
+    if modifier.use_deform_preserve_volume:
+        return [
+            Sentence(
+                "{name} is posed with Preserve Volume; at joints its keys are approximate. Use the rest pose.",
+                {"name": obj.name},
+            )
+        ]
+    if modifier.use_bone_envelopes or any(
+        bone.bbone_segments > 1 and bone.use_deform and bone.name in obj.vertex_groups for bone in rig.data.bones
+    ):
+        return [
+            Sentence(
+                "{name} is posed by bendy bones or envelopes; its keys are approximate. Use the rest pose.",
+                {"name": obj.name},
+            )
+        ]
+    return []
 
 
 def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply: bool) -> bpy.types.Mesh:
@@ -216,10 +228,21 @@ def _skinning(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy.typ
         weights = [(each.weight, bones[each.group]) for each in vertex.groups if each.group in bones]
         total = sum(weight for weight, _ in weights)
         if total > 0.0:
-            linear[vertex.index] = sum(weight / total * motion for weight, motion in weights) @ own
+            share = _influence(obj, modifier, vertex)
+            skinned = sum(weight / total * motion for weight, motion in weights)
+            linear[vertex.index] = (share * skinned + (1.0 - share) * np.eye(4)) @ own
     if (np.linalg.svd(linear[:, :3, :3], compute_uv=False)[:, -1] < _LEAST).any():
         raise InputError("The pose of {name} flattens parts of it; use the rest pose.", name=obj.name)
     return linear
+
+
+def _influence(obj: bpy.types.Object, modifier: bpy.types.Modifier, vertex: bpy.types.MeshVertex) -> float:
+    """Return how much an armature moves a vertex, by the vertex group that limits its modifier, if any."""
+    group = obj.vertex_groups.get(modifier.vertex_group)
+    if group is None:
+        return 1.0
+    weight = next((each.weight for each in vertex.groups if each.group == group.index), 0.0)
+    return 1.0 - weight if modifier.invert_vertex_group else weight
 
 
 def _bone_motion(rig: bpy.types.Object, bone: bpy.types.PoseBone) -> object:
