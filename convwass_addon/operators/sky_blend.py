@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import bpy
@@ -13,6 +14,7 @@ from bpy.props import StringProperty
 from numpy.typing import NDArray
 
 from ..applications.skies.sky_settings import SkySettings
+from ..applications.whole_paths import share_a_place
 from ..bridge.handles import Handle
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Request, Work, within
@@ -20,7 +22,7 @@ from ..properties.light import SkyProperties
 from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
-from .reporting import tell
+from .reporting import listed, tell
 
 if TYPE_CHECKING:
     from ..applications.skies.sky_frames import SkyFrame
@@ -131,6 +133,7 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
 
     def _begin(self, context):
         from ..bridge.skies.sky_sequence import SkyFiles, fitting_height
+        from ..bridge.skies.world_skies import shown_files
 
         worlds = self._chosen(context)
         if self.frame_end <= self.frame_start:
@@ -138,6 +141,13 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         settings = self.sky_settings()
         height = fitting_height(self.width, settings)
         files = SkyFiles(self.folder, self.frame_start, self.frame_end - self.frame_start + 1)
+        for world in worlds:
+            if share_a_place(files.paths, shown_files(world)):
+                raise InputError(
+                    "The images of {world} in {folder} would be overwritten; choose another folder.",
+                    world=world.name,
+                    folder=str(files.paths[0].parent),
+                )
         return SkyJob(worlds, height, files, settings)
 
     def _chosen(self, context: bpy.types.Context) -> list[bpy.types.World]:
@@ -155,7 +165,7 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         return rpt_("Blending skies")
 
     def _finish(self, context, job):
-        from ..bridge.skies.world_skies import sequence_world
+        from ..bridge.skies.world_skies import sequence_world, shown_files
 
         job.files.finish()
         name = "{} {}".format(rpt_("Sky"), "-".join(job.names))
@@ -163,8 +173,18 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         self._own_scene(context).world = world
         text = rpt_("{:s} shows {:d} skies from {:s}")
         paths = job.files.paths
-        tell(self, text.format(world.name, len(paths), str(paths[0].parent)), (), job.notices())
+        others = [own for own in bpy.data.worlds if own != world and share_a_place(paths, shown_files(own))]
+        warnings = [*job.notices(), *_replaced_notice(others)]
+        tell(self, text.format(world.name, len(paths), str(paths[0].parent)), (), warnings)
         return {"FINISHED"}
+
+
+def _replaced_notice(worlds: Sequence[bpy.types.World]) -> list[Sentence]:
+    """Return a notice about worlds that show the new images instead of their own."""
+    if not worlds:
+        return []
+    names = {"worlds": listed([world.name for world in worlds])}
+    return [Sentence("These worlds show the new images, too, which have replaced theirs: {worlds}.", names)]
 
 
 def _named(name: str) -> bpy.types.World:

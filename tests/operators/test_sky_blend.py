@@ -72,6 +72,28 @@ def test_the_worlds_of_the_panel_are_the_default(worlds):
     assert blend(worlds, worlds="", frame_end=5) == {"FINISHED"}
 
 
+@pytest.mark.parametrize("source", ["FILE", "SEQUENCE"])
+def test_the_images_of_the_chosen_worlds_are_not_overwritten(worlds, source):
+    blend(worlds)
+    if source == "FILE":
+        texture = next(node for node in bpy.data.worlds["0"].node_tree.nodes if node.type == "TEX_ENVIRONMENT")
+        texture.image.filepath = str(worlds / "sky.0006.exr")
+    before = {path: path.read_bytes() for path in worlds.iterdir()}
+    chosen = "0, 1" if source == "FILE" else "Sky 0-1, 1"
+    with pytest.raises(RuntimeError, match=rf"The images of {chosen.split(',')[0]} in .* would be overwritten"):
+        blend(worlds, worlds=chosen, frame_start=6, frame_end=8)
+    assert {path: path.read_bytes() for path in worlds.iterdir()} == before
+    assert blend(worlds, worlds=chosen, frame_start=7, frame_end=8) == {"FINISHED"}
+
+
+def test_worlds_whose_images_were_replaced_are_named(worlds, capfd):
+    blend(worlds)
+    blend(worlds)
+    assert "replaced" not in capfd.readouterr().out
+    blend(worlds, worlds="1, 0")
+    assert "show the new images, too, which have replaced theirs: Sky 0-1" in capfd.readouterr().out
+
+
 def test_a_sky_without_a_sun_is_reported(worlds, tmp_path):
     write_sky(tmp_path / "in.1.exr", np.full((64, 128, 3), 0.3, np.float32))
     bpy.data.worlds["1"].node_tree.nodes["Environment Texture"].image.reload()

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +15,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..keyframes import make_linear
+from ...applications.whole_paths import whole_path
+from ..keyframes import curves_of, make_linear
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
@@ -105,6 +107,31 @@ def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
         bpy.data.scenes.remove(scene)
         bpy.data.objects.remove(camera)
         bpy.data.cameras.remove(data)
+
+
+def shown_files(world: bpy.types.World) -> set[Path]:
+    """Return the files of the environment images of a world, those of all frames of a sequence."""
+    tree = shown_tree(world)
+    nodes = [node for node in tree.nodes if node.type == "TEX_ENVIRONMENT"] if tree is not None else []
+    return {file for node in nodes for file in _files(node)}
+
+
+def _files(texture: bpy.types.Node) -> list[Path]:
+    image, user = texture.image, texture.image_user
+    if image is None or not image.filepath or image.packed_file is not None:
+        return []
+    path = whole_path(bpy.path.abspath(image.filepath, library=image.library))
+    number = re.search(r"([0-9]+)[^0-9]*$", path.stem)
+    if image.source != "SEQUENCE" or number is None:
+        return [path]
+    place = f"{texture.path_from_id()}.image_user.frame_offset"
+    keys = [key for curve in curves_of(texture.id_data) if curve.data_path == place for key in curve.keyframe_points]
+    offsets = [round(key.co[1]) for key in keys] or [user.frame_offset]
+    digits = number.end(1) - number.start(1)
+    return [
+        path.with_name(f"{path.stem[: number.start(1)]}{own:0{digits}d}{path.name[number.end(1) :]}")
+        for own in range(min(offsets) + 1, max(offsets) + user.frame_duration + 1)
+    ]
 
 
 def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.World:
