@@ -49,7 +49,7 @@ def with_shape_keys(
     if request.two_meshes:
         return _with_two_meshes(inputs, options, request, settings, target)
     job = ShapeKeyJob(scene, depsgraph, inputs, request, settings, scene.frame_start)
-    obj = _finished(job)
+    (obj,) = _finished(job)
     record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
     besides = []
     if options.textures:
@@ -74,7 +74,7 @@ def _with_two_meshes(
     return Answer.of_files(record, [save_blend(target)])
 
 
-def _finished(job: ShapeKeyJob | SwapJob) -> bpy.types.Object | list[bpy.types.Object]:
+def _finished(job: ShapeKeyJob | SwapJob) -> list[bpy.types.Object]:
     """Run a job with a progress bar, and return what it made."""
     try:
         with ProgressBar("Making shape keys") as bar:

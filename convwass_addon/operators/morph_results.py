@@ -183,25 +183,24 @@ class ShapeKeyResults:
         return False
 
     def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Put the mesh into the scene and report how well it arrives."""
-        from ..bridge.one_mesh.replaced_keys import following_notices
+        """Put the objects into the scene, or their meshes into those of the replaced bake, and report."""
+        from ..bridge.one_mesh.replaced_keys import following_notices, replace_keys
 
-        (obj,) = self._in_place_of_old([self.job.finish(self.operator.hide_inputs)])
+        made, replaced = self.job.finish(self.operator.hide_inputs), self.operator.replaced()
+        shown = made if replaced is None else replace_keys(replaced, made)
         _fit_range(self.operator, self.job, scene)
-        select_only(context, [obj])
+        select_only(context, shown)
+        poor = [_poor_notice(path) for path in self.job.paths if len(path.poor)]
+        tell(self.operator, self._summary(shown), (), [*self.job.notices, *poor, *following_notices(shown)])
+        _bake_following(self.operator)
+
+    def _summary(self, shown: list[bpy.types.Object]) -> str:
+        """Return how well the mesh arrives, as text."""
+        (obj,) = shown
         count = sum(len(path.times) for path in self.job.paths)
         farthest = max(path.distance_95 for path in self.job.paths)
         text = rpt_("{:s}: {:d} shape keys; 95 % of the mesh ends within {:.2%} of the other shape")
-        warnings = [*self.job.notices, *(_poor_notice(path) for path in self.job.paths if len(path.poor))]
-        tell(self.operator, text.format(obj.name, count, farthest), (), [*warnings, *following_notices(obj)])
-        _bake_following(self.operator)
-
-    def _in_place_of_old(self, made: list[bpy.types.Object]) -> list[bpy.types.Object]:
-        """Let the objects of the last bake, if it is to be replaced, have the new meshes; return what shows them."""
-        from ..bridge.one_mesh.replaced_keys import replace_keys
-
-        replaced = self.operator.replaced()
-        return made if replaced is None else replace_keys(replaced, made)
+        return text.format(obj.name, count, farthest)
 
 
 @dataclass(frozen=True)
@@ -216,16 +215,11 @@ class SwapResults(ShapeKeyResults):
 
     job: SwapJob
 
-    def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
-        """Put both meshes into the scene and report how well they fit each other."""
-        made = self._in_place_of_old(self.job.finish(self.operator.hide_inputs))
-        _fit_range(self.operator, self.job, scene)
-        select_only(context, made)
-        found = self.job.found
+    def _summary(self, shown: list[bpy.types.Object]) -> str:
+        """Return how well both meshes fit each other, as text."""
+        first, second = shown
         text = rpt_("{:s} replaces {:s} at {:.2f}; 98 % of both are within {:.2%} of the morph there")
-        warnings = [*self.job.notices, *(_poor_notice(path) for path in found.paths if len(path.poor))]
-        tell(self.operator, text.format(made[1].name, made[0].name, found.time, found.gap), (), warnings)
-        _bake_following(self.operator)
+        return text.format(second.name, first.name, self.job.found.time, self.job.found.gap)
 
 
 def _outdated(morph: bpy.types.Collection) -> list[str]:

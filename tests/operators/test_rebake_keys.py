@@ -195,6 +195,18 @@ def test_attached_parts_are_to_be_attached_again(shapes, capfd):
     assert height(shirt) > 1.5
 
 
+@pytest.mark.parametrize("body", ["A Morph", "B Morph"])
+def test_parts_attached_to_one_of_two_meshes_are_to_be_attached_again(shapes, capfd, body):
+    first = bake("A,B", two_meshes=True)
+    bpy.ops.mesh.primitive_cube_add()
+    shirt = bpy.context.object
+    shirt.name = "Shirt"
+    attach_parts(bpy.data.objects[body], [shirt], rigid=False)
+    bpy.context.view_layer.objects.active = first
+    bpy.ops.convwass.rebake_morph()
+    assert "Attach Shirt again, since their keys follow the last bake" in capfd.readouterr().out
+
+
 def test_two_meshes_are_baked_again_as_a_pair(shapes, known_paths):
     first = bake("A,B", two_meshes=True)
     (_, second) = objects_of(first)

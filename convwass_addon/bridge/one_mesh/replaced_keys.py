@@ -61,18 +61,18 @@ def delete_keys(keyed: bpy.types.Object) -> None:
     show_again(hidden)
 
 
-def following_notices(keyed: bpy.types.Object) -> list[Sentence]:
-    """Return a notice that attached parts still follow the keys of the last bake."""
-    names = [obj.name for obj in bpy.data.objects if obj != keyed and _follows(obj, keyed)]
+def following_notices(keyed: Sequence[bpy.types.Object]) -> list[Sentence]:
+    """Return a notice that parts attached to objects with new keys still follow the keys of the last bake."""
+    names = [obj.name for obj in bpy.data.objects if obj not in keyed and _follows(obj, keyed)]
     if not names:
         return []
     return [Sentence("Attach {names} again, since their keys follow the last bake", {"names": ", ".join(names)})]
 
 
-def _follows(obj: bpy.types.Object, keyed: bpy.types.Object) -> bool:
-    """Return whether shape keys of another object are driven by an object's sliders."""
+def _follows(obj: bpy.types.Object, keyed: Sequence[bpy.types.Object]) -> bool:
+    """Return whether shape keys of another object are driven by sliders of some objects."""
     keys = obj.data.shape_keys if obj.type == "MESH" else None
-    return obj not in objects_of(keyed) and any(target.id == keyed for target in driver_targets(keys))
+    return any(target.id in keyed for target in driver_targets(keys))
 
 
 def _pads(keyed: bpy.types.Object) -> list[bpy.types.Object]:

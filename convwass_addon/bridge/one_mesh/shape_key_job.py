@@ -15,26 +15,21 @@ from ...applications.morphs.computation import Computation
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.motions.guided_settings import GuidedSettings
 from ...applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
-from ...errors import ConvwassError, InputError
+from ...errors import InputError
 from ...geometry.alignment import AlignedMeshes, aligned_meshes
-from ...progress import UNINTERRUPTED, Control, Progress, Work
-from ..handles import Handle, found
-from ..morphs.animated_inputs import animation_notices
-from ..morphs.changes import signature, store_signatures
-from ..morphs.hidden_inputs import hide_shapes
+from ...progress import UNINTERRUPTED, Control, Work
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
-from ..morphs.stored import store
 from ..objects import triangle_mesh
-from ..shape_sources import shape_source
 from .key_basis import KeyBasis
-from .records import described_bake, key_records
+from .key_job import KeyJob
+from .records import key_records
 from .rest_mesh import armature_last
-from .shape_keys import animate_sliders, object_with_keys
+from .shape_keys import object_with_keys
 from .texture_looks import remember_shape
 
 
-class ShapeKeyJob:
+class ShapeKeyJob(KeyJob):
     """Computes shape keys. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
@@ -67,17 +62,16 @@ class ShapeKeyJob:
         settings: MorphSettings,
         first_frame: int,
     ) -> None:
-        self._names = [obj.name for obj in inputs]
-        self._stored = described_bake(inputs, replace(request, two_meshes=False), settings, first_frame)
-        self._signatures = [signature(shape_source(obj)) for obj in inputs]
+        super().__init__(scene, inputs, replace(request, two_meshes=False), settings, first_frame)
         with armature_last(inputs[0]):
             others = [triangle_mesh(obj, depsgraph) for obj in inputs[1:]]
-            self._basis = KeyBasis.of(inputs[0], depsgraph, request.basis, settings.resolution)
-            self._shapes = [self._basis.shape, *others]
+            basis = KeyBasis.of(inputs[0], depsgraph, request.basis, settings.resolution)
+            self._bases.append(basis)
+            self._shapes = [basis.shape, *others]
             try:
                 self._guides = guides_of_shapes(guides_of_entries(request.guides), inputs, self._shapes, depsgraph)
                 laid = aligned_meshes(self._shapes, request.alignment, request.scaling, self._names)
-                symmetry = self._basis.rest.symmetry(inputs[0]) if request.symmetric else None
+                symmetry = basis.rest.symmetry(inputs[0]) if request.symmetric else None
             except InputError:
                 self.discard()
                 raise
@@ -86,10 +80,7 @@ class ShapeKeyJob:
         self._placements = placements(laid)
         self._settings = GuidedSettings(coherence=settings.coherence)
         self._demands = KeyDemands(request.key_error / 100.0, symmetry)
-        self._frames, self._first = request.frames, first_frame
-        self._scene = Handle.of("scenes", scene)
-        self._inputs = [Handle.of("objects", obj) for obj in inputs]
-        self.notices = [*animation_notices(inputs, scene.frame_current), *self._basis.rest.notices]
+        self.notices.extend(basis.rest.notices)
         self.paths: list[KeyPath] = []
 
     def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
@@ -97,13 +88,6 @@ class ShapeKeyJob:
         self.paths = yield from key_paths(
             self._shapes, self._names, self._demands, self._settings, self._guides, control
         )
-
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: the file is only changed at the end."""
-
-    def discard(self) -> None:
-        """Remove the prepared copy."""
-        self._basis.discard()
 
     def _remember(self, obj: bpy.types.Object, sliders: Sequence[str]) -> None:
         """Store the shapes that still exist on an object with sliders to them."""
@@ -117,7 +101,7 @@ class ShapeKeyJob:
         """First and last scene frame of the animation."""
         return (self._first, self._first + self._frames * len(self.paths))
 
-    def finish(self, hide_inputs: bool) -> bpy.types.Object:
+    def finish(self, hide_inputs: bool) -> list[bpy.types.Object]:
         """Create the object, and hide the inputs if requested.
 
         Raises
@@ -125,22 +109,14 @@ class ShapeKeyJob:
         ConvwassError
             The first shape or the scene was deleted, or the copied mesh was removed by undo.
         """
-        source, mesh, scene = self._inputs[0].find(), self._basis.mesh.find(), self._scene.find()
-        if source is None or mesh is None or scene is None:
-            raise ConvwassError(
-                "The first shape was deleted, or its creation undone, during the computation; start again."
-            )
-        paths = [
-            replace(path, positions=self._basis.key_coordinates(path.positions, self._move)) for path in self.paths
-        ]
-        obj = object_with_keys(source, mesh, paths, scene, self._basis.rest.modifiers)
+        scene, (source,), (mesh,) = self._found()
+        (basis,) = self._bases
+        paths = [replace(path, positions=basis.key_coordinates(path.positions, self._move)) for path in self.paths]
+        obj = object_with_keys(source, mesh, paths, scene, basis.rest.modifiers)
         sliders = [record["name"] for record in key_records(obj)[-len(self.paths) :]]
         self._remember(obj, sliders)
-        animate_sliders(obj, sliders, self._first, self._frames)
-        store(obj, self._stored)
-        store_signatures(obj, self._signatures)
-        hide_shapes(obj, found(self._inputs) if hide_inputs else (), scene)
-        return obj
+        self._complete(obj, sliders, scene, hide=hide_inputs)
+        return [obj]
 
 
 def placements(laid: AlignedMeshes) -> list[NDArray[np.float64]]:

@@ -15,26 +15,21 @@ from ...applications.morphs.computation import Computation
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.one_mesh.key_paths import KeyPath
 from ...applications.one_mesh.swapped_meshes import SwappedMeshes, swapped_meshes
-from ...errors import ConvwassError, InputError
+from ...errors import InputError
 from ...geometry.alignment import aligned_meshes
-from ...progress import UNINTERRUPTED, Control, Progress, Work
-from ..handles import Handle
-from ..morphs.animated_inputs import animation_notices
-from ..morphs.changes import signature, store_signatures
-from ..morphs.hidden_inputs import hide_shapes
+from ...progress import UNINTERRUPTED, Control, Work
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
-from ..morphs.stored import store
-from ..shape_sources import shape_source
 from .key_basis import KeyBasis
-from .records import described_bake, key_records
+from .key_job import KeyJob
+from .records import key_records
 from .rest_mesh import armature_last
 from .shape_key_job import placements
-from .shape_keys import animate_sliders, object_with_keys
+from .shape_keys import object_with_keys
 from .swapped_objects import with_swap
 
 
-class SwapJob:
+class SwapJob(KeyJob):
     """Computes shape keys of two meshes. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
@@ -71,10 +66,7 @@ class SwapJob:
             raise InputError("Two Meshes needs two shapes; there are {count}.", count=len(inputs))
         if request.symmetric:
             raise InputError("Symmetric needs one mesh for both shapes; switch it or Two Meshes off.")
-        self._names = [obj.name for obj in inputs]
-        self._stored = described_bake(inputs, replace(request, two_meshes=True), settings, first_frame)
-        self._signatures = [signature(shape_source(obj)) for obj in inputs]
-        self._bases: list[KeyBasis] = []
+        super().__init__(scene, inputs, replace(request, two_meshes=True), settings, first_frame)
         with armature_last(inputs[0]), armature_last(inputs[1]):
             try:
                 for obj in inputs:
@@ -95,10 +87,6 @@ class SwapJob:
         # Meshes follow the matter of the blends, which is stored with the attributes that they carry.
         self._settings = replace(settings, carry=True)
         self._error = request.key_error / 100.0
-        self._frames, self._first = request.frames, first_frame
-        self._scene = Handle.of("scenes", scene)
-        self._inputs = [Handle.of("objects", obj) for obj in inputs]
-        self.notices = animation_notices(inputs, scene.frame_current)
         for basis in self._bases:
             self.notices.extend(basis.rest.notices)
         self.found: SwappedMeshes | None = None
@@ -108,14 +96,6 @@ class SwapJob:
         self.found = yield from swapped_meshes(
             self._shapes, self._names, self._error, self._settings, self._guides, control, how or Computation()
         )
-
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: the file is only changed at the end."""
-
-    def discard(self) -> None:
-        """Remove the prepared copies."""
-        for basis in self._bases:
-            basis.discard()
 
     @property
     def paths(self) -> list[KeyPath]:
@@ -135,10 +115,7 @@ class SwapJob:
         ConvwassError
             A shape or the scene was deleted, or the copied meshes were removed by undo.
         """
-        scene, sources = self._scene.find(), [handle.find() for handle in self._inputs]
-        meshes = [basis.mesh.find() for basis in self._bases]
-        if scene is None or None in sources or None in meshes:
-            raise ConvwassError("A shape was deleted, or its creation undone, during the computation; start again.")
+        scene, sources, meshes = self._found()
         made, sliders = [], []
         for number, path in enumerate((self.found.first, self.found.second)):
             basis, move = self._bases[number], self._moves[number]
@@ -148,8 +125,5 @@ class SwapJob:
         if not np.allclose(self._placement, np.eye(4)):
             made[1].matrix_world = Matrix(self._placement)
         slider = with_swap(made[0], made[1], tuple(sliders), self._names[1], self.found.time)
-        animate_sliders(made[0], [slider], self._first, self._frames)
-        store(made[0], self._stored)
-        store_signatures(made[0], self._signatures)
-        hide_shapes(made[0], sources if hide_inputs else (), scene)
+        self._complete(made[0], [slider], scene, hide=hide_inputs)
         return made

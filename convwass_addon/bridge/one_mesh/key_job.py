@@ -1,0 +1,81 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the jobs have in common that make shape keys of one mesh or of two."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import bpy
+
+from ...applications.morphs.morph_settings import MorphSettings
+from ...errors import ConvwassError
+from ...progress import Progress
+from ..handles import Handle, found
+from ..morphs.animated_inputs import animation_notices
+from ..morphs.changes import signature, store_signatures
+from ..morphs.hidden_inputs import hide_shapes
+from ..morphs.morph_request import MorphRequest
+from ..morphs.stored import store
+from ..shape_sources import shape_source
+from .key_basis import KeyBasis
+from .records import described_bake
+from .shape_keys import animate_sliders
+
+
+class KeyJob:
+    """Base of jobs that make shape keys; they add the meshes that get keys to `_bases`.
+
+    Parameters
+    ----------
+    scene : bpy.types.Scene
+        The scene to add objects to.
+    inputs : sequence of bpy.types.Object
+        The shapes, of which the first ones get keys.
+    request : MorphRequest
+        Stored for another bake; `frames` is used.
+    settings : MorphSettings
+        Stored, too.
+    first_frame : int
+        Scene frame at which the morph starts.
+    """
+
+    def __init__(
+        self,
+        scene: bpy.types.Scene,
+        inputs: Sequence[bpy.types.Object],
+        request: MorphRequest,
+        settings: MorphSettings,
+        first_frame: int,
+    ) -> None:
+        self._names = [obj.name for obj in inputs]
+        self._stored = described_bake(inputs, request, settings, first_frame)
+        self._signatures = [signature(shape_source(obj)) for obj in inputs]
+        self._frames, self._first = request.frames, first_frame
+        self._scene = Handle.of("scenes", scene)
+        self._inputs = [Handle.of("objects", obj) for obj in inputs]
+        self._bases: list[KeyBasis] = []
+        self.notices = animation_notices(inputs, scene.frame_current)
+
+    def write(self, report: Progress[object]) -> None:
+        """Do nothing: the file is only changed at the end."""
+
+    def discard(self) -> None:
+        """Remove the prepared copies."""
+        for basis in self._bases:
+            basis.discard()
+
+    def _found(self) -> tuple[bpy.types.Scene, list[bpy.types.Object], list[bpy.types.Mesh]]:
+        """Return the scene, the shapes that get keys and their copies; raises ConvwassError if one was removed."""
+        scene, meshes = self._scene.find(), [basis.mesh.find() for basis in self._bases]
+        sources = [handle.find() for handle in self._inputs[: len(meshes)]]
+        if scene is None or None in sources or None in meshes:
+            raise ConvwassError("A shape was deleted, or its creation undone, during the computation; start again.")
+        return scene, sources, meshes
+
+    def _complete(self, obj: bpy.types.Object, sliders: Sequence[str], scene: bpy.types.Scene, *, hide: bool) -> None:
+        """Animate the sliders of the first object, store with it how it was made, and hide the shapes if requested."""
+        animate_sliders(obj, sliders, self._first, self._frames)
+        store(obj, self._stored)
+        store_signatures(obj, self._signatures)
+        hide_shapes(obj, found(self._inputs) if hide else (), scene)
