@@ -45,9 +45,11 @@ def absolute_folder(folder: str | Path) -> Path:
     Raises
     ------
     InputError
-        The path is relative to an unsaved file, or is a file.
+        The path is empty, relative to an unsaved file, or a file.
     """
     text = str(folder)
+    if not text.strip():
+        raise InputError("Choose a folder for the files.")
     if text.startswith("//") and not bpy.data.filepath:
         raise InputError(
             "Save the file first, since {folder} is relative to it, or choose an absolute path.", folder=text

@@ -143,6 +143,8 @@ def test_folders_are_checked(tmp_path):
         (tmp_path / "file", "is a file"),
         (tmp_path / "none" / "new", "does not exist"),
         ("//x", "Save the file"),
+        ("", "Choose a folder"),
+        (" ", "Choose a folder"),
     ):
         with pytest.raises(InputError, match=said):
             checked_folder(str(wrong))
