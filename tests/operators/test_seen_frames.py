@@ -8,9 +8,11 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.morphs.player import is_player, morph_value
+from convwass_addon.bridge.morphs.player import MATERIAL, OVERRIDE, is_player, morph_value
 from convwass_addon.bridge.morphs.seen_frames import seen_frames, shows_as_baked
 from convwass_addon.bridge.morphs.stand_ins import shown_morph
+from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.bridge.sequence import MODIFIER
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
 
@@ -71,6 +73,14 @@ def test_what_counts_as_a_change(player):
     assert not shows_as_baked(player)
     player.modifiers.remove(modifier)
     assert shows_as_baked(player)
+    override = node_input(player.modifiers[MODIFIER], OVERRIDE)
+    override.set(True)
+    assert not shows_as_baked(player)
+    override.set(False)
+    player.material_slots[0].link = "OBJECT"
+    assert not shows_as_baked(player)
+    player.material_slots[0].link = "DATA"
+    assert shows_as_baked(player)
     (curve,) = (own for own in curves_of(player) if own.data_path == morph_value(player).data_path)
     curve.keyframe_points[0].interpolation = "SINE"
     assert not shows_as_baked(player)
@@ -94,6 +104,20 @@ def test_a_retimed_player_is_exported_as_it_plays(player, tmp_path):
     assert len(list(tmp_path.glob("*.obj"))) == 9
     assert {block.name for block in bpy.data.user_map()} == before
     assert player.hide_get() and not player.hide_viewport
+
+
+@pytest.mark.parametrize("place", ["modifier", "slot"])
+def test_a_player_is_exported_with_the_material_that_it_shows(player, tmp_path, place):
+    gold = bpy.data.materials.new("Gold")
+    if place == "modifier":
+        node_input(player.modifiers[MODIFIER], OVERRIDE).set(True)
+        node_input(player.modifiers[MODIFIER], MATERIAL).set(gold)
+    else:
+        for slot in player.material_slots:
+            slot.link, slot.material = "OBJECT", gold
+    assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / "morph.obj")) == {"FINISHED"}
+    files = sorted(tmp_path.glob("*.obj"))
+    assert len(files) == 5 and all("usemtl Gold" in file.read_text() for file in files)
 
 
 def test_an_error_leaves_the_player_as_it_was(player, tmp_path, monkeypatch):

@@ -15,6 +15,7 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..keyframes import FrameRange, key_visibility
+from ..objects import take_own_materials
 from .hidden_inputs import copy_hidden
 from .player import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
@@ -108,6 +109,7 @@ def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     evaluated = player.evaluated_get(depsgraph)
     mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    take_own_materials(mesh, player)
     mesh.name = f"Frame {number + 1:04d}"
     obj = bpy.data.objects.new(mesh.name, mesh)
     obj.matrix_world = evaluated.matrix_world

@@ -177,6 +177,11 @@ def speed(player: bpy.types.Object) -> NodeInput | None:
     return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], SPEED)
 
 
+def override(player: bpy.types.Object) -> NodeInput:
+    """Return the input of a player that makes it show a single material."""
+    return node_input(player.modifiers[MODIFIER], OVERRIDE)
+
+
 def playback(player: bpy.types.Object) -> NodeInput:
     """Return the input of a player for values beyond the last shape and before the first."""
     return node_input(player.modifiers[MODIFIER], PLAYBACK)

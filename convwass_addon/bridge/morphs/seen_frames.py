@@ -18,7 +18,7 @@ from ..keyframes import curves_of
 from ..objects import is_in
 from ..sequence import MODIFIER
 from .dense_bake import bake_player, sample_times
-from .player import interpolation, is_player, morph_value, playback_item, shown_value, speed
+from .player import interpolation, is_player, morph_value, override, playback_item, shown_value, speed
 from .removal import remove_bake
 from .retiming import keyed_span
 from .stand_ins import shown_morph, stand_ins
@@ -57,8 +57,8 @@ class SeenFrames:
 def seen_frames(morph: bpy.types.Collection, active: bpy.types.Object | None = None) -> Work[SeenFrames]:
     """Return the frames of a morph as they are seen.
 
-    If a player shows them as they were baked, they are those of the bake. If it was retimed, moved or modified, a morph
-    is made with a frame for every scene frame from its first key to its last.
+    If a player shows them as they were baked, they are those of the bake. If it was retimed, moved, modified or has
+    materials of its own, a morph is made with a frame for every scene frame from its first key to its last.
 
     Parameters
     ----------
@@ -119,7 +119,7 @@ def _visible(player: bpy.types.Object) -> Iterator[None]:
 
 def shows_as_baked(player: bpy.types.Object) -> bool:
     """Return whether a player shows every baked frame at its time and place, and nothing else."""
-    return _is_in_place(player) and _plays_as_baked(player)
+    return _is_in_place(player) and not _has_own_look(player) and _plays_as_baked(player)
 
 
 def _is_in_place(player: bpy.types.Object) -> bool:
@@ -128,6 +128,11 @@ def _is_in_place(player: bpy.types.Object) -> bool:
     moves = [curve for curve in curves_of(player) if curve.data_path not in own]
     changes = [modifier for modifier in player.modifiers if modifier.name != MODIFIER]
     return not (moves or changes or player.constraints or player.parent) and player.matrix_basis == Matrix()
+
+
+def _has_own_look(player: bpy.types.Object) -> bool:
+    """Return whether a player shows other materials than the baked frames."""
+    return override(player).get() or any(slot.link == "OBJECT" for slot in player.material_slots)
 
 
 def _plays_as_baked(player: bpy.types.Object) -> bool:
