@@ -144,3 +144,10 @@ def test_missing_skies_and_single_steps_are_refused(tmp_path, capfd):
     assert not (tmp_path / "out").exists()
     assert cli.main(["sky", str(tmp_path / "a.exr"), "--out", str(tmp_path / "out")]) == 3
     assert "at least two images" in capfd.readouterr().err
+
+
+def test_black_skies_are_named(tmp_path, gray_skies, capfd):
+    write_sky(tmp_path / "night.exr", np.zeros((32, 64, 3), np.float32))
+    assert cli.main(["sky", gray_skies[0], str(tmp_path / "night.exr"), "--out", str(tmp_path / "out")]) == 3
+    assert "The sky of night.exr has no light." in capfd.readouterr().err
+    assert not (tmp_path / "out").exists()

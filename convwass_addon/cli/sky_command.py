@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from argparse import Namespace
 
+from ..applications.skies.sky_frames import require_light
 from ..applications.skies.sky_settings import SkySettings
 from ..bridge.skies.sky_pixels import read_sky_file, resized
 from ..bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
@@ -36,6 +37,8 @@ def run_sky(options: Namespace) -> Answer:
     files = SkyFiles(options.out, options.first, options.steps)
     refuse_overwriting(options.skies, files.paths)
     skies = [read_sky_file(path) for path in options.skies]
+    for path, sky in zip(options.skies, skies, strict=True):
+        require_light(sky, path.name)
     height = fitting_height(options.width or skies[0].shape[1], settings)
     records = []
     try:

@@ -93,12 +93,15 @@ class SkyJob:
                 self.ends.append(found.frame)
 
     def _sky(self, place: int) -> NDArray[np.float64]:
+        from ..applications.skies.sky_frames import require_light
         from ..bridge.skies.world_skies import world_sky
 
         world = self._worlds[place].find()
         if world is None:
             raise InputError("There is no world {name}.", name=self.names[place])
-        return world_sky(world, self._height)
+        sky = world_sky(world, self._height)
+        require_light(sky, world.name)
+        return sky
 
     def discard(self) -> None:
         """Remove the files written so far; older files are kept."""

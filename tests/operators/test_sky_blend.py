@@ -100,6 +100,15 @@ def test_a_sky_without_a_sun_is_reported(worlds, tmp_path):
     assert blend(worlds, frame_end=5) == {"FINISHED"}
 
 
+@pytest.mark.parametrize(("value", "problem"), [(0.0, "has no light"), (np.nan, "has pixels that are no numbers")])
+def test_a_sky_that_cannot_be_blended_is_named(worlds, tmp_path, value, problem):
+    write_sky(tmp_path / "in.1.exr", np.full((64, 128, 3), value, np.float32))
+    bpy.data.worlds["1"].node_tree.nodes["Environment Texture"].image.reload()
+    with pytest.raises(RuntimeError, match=f"The sky of 1 {problem}"):
+        blend(worlds, worlds="0, 0, 1")
+    assert not worlds.exists()
+
+
 def test_angles_are_those_of_the_application_and_frames_have_ends():
     own = bpy.context.scene.convwass_sky
     default = SkySettings()

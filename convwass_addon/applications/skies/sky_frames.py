@@ -154,6 +154,28 @@ class Skies:
         }
 
 
+def require_light(image: ArrayLike, name: str) -> None:
+    """Check that a sky has light, and only numbers.
+
+    Parameters
+    ----------
+    image : (rows, columns, 3)
+        Radiance.
+    name : str
+        Name of the sky in error messages.
+
+    Raises
+    ------
+    InputError
+        The sky is black, or a pixel is not finite.
+    """
+    values = np.asarray(image)
+    if not np.isfinite(values).all():
+        raise InputError("The sky of {name} has pixels that are no numbers.", name=name)
+    if not (values > 0.0).any():
+        raise InputError("The sky of {name} has no light.", name=name)
+
+
 def _checked(image: ArrayLike, rows: int) -> NDArray[np.float64]:
     values = np.asarray(image, dtype=np.float64)
     if values.ndim != 3 or values.shape[2] != 3 or values.shape[1] != 2 * values.shape[0]:
