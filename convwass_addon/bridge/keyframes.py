@@ -112,6 +112,14 @@ def remove_curve(block: bpy.types.ID, path: str) -> None:
         bag.fcurves.remove(curve)
 
 
+def clear_animation(block: bpy.types.ID) -> None:
+    """Remove the keyframes and drivers of a data-block, and its action unless something else uses it."""
+    action = None if block.animation_data is None else block.animation_data.action
+    block.animation_data_clear()
+    if action is not None and not action.users:
+        bpy.data.actions.remove(action)
+
+
 def make_linear(block: bpy.types.ID) -> None:
     """Set linear interpolation for all keys, regardless of the user's default."""
     for curve in curves_of(block):

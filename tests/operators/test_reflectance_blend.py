@@ -15,7 +15,7 @@ from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materials
 from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
 from tests.lights import only, principled
-from tests.operators.densities import ESCAPE, TIMER, Pressed, started, window_context
+from tests.operators.densities import ESCAPE, TIMER, Pressed, inventory, started, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -63,6 +63,15 @@ def test_a_path_makes_both_materials_and_keys_them(sun):
 
 def node_path(material):
     return material.node_tree.nodes[GROUP].path_from_id()
+
+
+@pytest.mark.usefixtures("metals", "sun")
+def test_the_same_blend_again_leaves_nothing_behind():
+    blend()
+    before = inventory()
+    assert blend(blends=4) == {"FINISHED"}
+    assert {name for kind, name in before[0] if kind == "ACTION"} == {"Blend A-BAction", "Blend A-B fittedAction"}
+    assert inventory() == before
 
 
 @pytest.mark.usefixtures("metals")

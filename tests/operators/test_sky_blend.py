@@ -20,6 +20,7 @@ from tests.operators.densities import (
     ESCAPE,
     TIMER,
     Pressed,
+    inventory,
     show_other_scene,
     started,
     until,
@@ -88,7 +89,9 @@ def test_the_images_of_the_chosen_worlds_are_not_overwritten(worlds, source):
 
 def test_worlds_whose_images_were_replaced_are_named(worlds, capfd):
     blend(worlds)
+    before = inventory()
     blend(worlds)
+    assert inventory() == before
     assert "replaced" not in capfd.readouterr().out
     blend(worlds, worlds="1, 0")
     assert "show the new images, too, which have replaced theirs: Sky 0-1" in capfd.readouterr().out

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.reflectance.materials import Ggx
-from ..keyframes import curves_of, make_linear
+from ..keyframes import clear_animation, curves_of, make_linear
 from ..node_trees import own_tree
 from .frame_span import Frames
 from .lobe_images import lobe_image
@@ -129,7 +129,7 @@ def emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTre
     tree = own_tree(material)
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
     images = _images_of(tree)
-    tree.animation_data_clear()
+    clear_animation(tree)
     tree.nodes.clear()
     for group in groups:
         images |= _images_of(group)

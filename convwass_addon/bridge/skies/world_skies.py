@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.whole_paths import whole_path
-from ..keyframes import curves_of, make_linear
+from ..keyframes import clear_animation, curves_of, make_linear
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
@@ -150,7 +150,7 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
     world = next(own, None) or bpy.data.worlds.new(name)
     world[RESULT_OF] = name
     if world.node_tree is not None:
-        world.node_tree.animation_data_clear()
+        clear_animation(world.node_tree)
     if world.node_tree is None:  # Blender 4.5; later versions create nodes automatically and deprecate this property
         world.use_nodes = True
     tree = world.node_tree
