@@ -10,6 +10,7 @@ import sys
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
@@ -264,3 +265,19 @@ def test_a_cache_may_be_written_again_while_it_is_shown(collection, tmp_path, ki
         assert shown_heights(shown, 4)[1] == pytest.approx(2, abs=1e-5)
     shown = second.shown.evaluated_get(bpy.context.evaluated_depsgraph_get())
     assert "displayColor" in shown.to_mesh().attributes
+
+
+def test_duplicates_show_a_cache_that_is_written_again(collection, tmp_path, inventory):
+    folders = [tmp_path / name for name in ("first", "second")]
+    for folder in folders:
+        folder.mkdir()
+    first = as_cache(collection, folders[0], "alembic").shown
+    twin = first.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    before = inventory()
+    for obj in frame_objects(collection):
+        obj.data.transform(Matrix.Translation((0.0, 0.0, 1.0)))
+    as_cache(collection, folders[1], "alembic")
+    assert [kind for kind, _ in inventory()].count("CACHEFILE") == [kind for kind, _ in before].count("CACHEFILE") == 1
+    for shown in (first, twin):
+        assert shown_heights(shown, 4)[1] == pytest.approx(3, abs=1e-5)

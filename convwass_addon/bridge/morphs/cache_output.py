@@ -64,11 +64,14 @@ def _named(collection: bpy.types.Collection, shown: bpy.types.Object) -> bpy.typ
 
 
 def _reading_as(shown: bpy.types.Object, imported: bpy.types.Object) -> bpy.types.Object:
-    """Let an object read what an imported one does, which is removed."""
-    modifier, other = cache_readers(shown)[0], cache_readers(imported)[0]
-    spare = [imported.data, modifier.cache_file]
-    modifier.cache_file = other.cache_file
-    modifier.object_path = other.object_path
+    """Let an object and its duplicates read what an imported one does, which is removed."""
+    own, other = cache_readers(shown)[0], cache_readers(imported)[0]
+    before = own.cache_file
+    spare = [imported.data, before]
+    readers = [reader for obj in bpy.data.objects for reader in cache_readers(obj)]
+    for reader in [own] if before is None else [reader for reader in readers if reader.cache_file == before]:
+        reader.cache_file = other.cache_file
+        reader.object_path = other.object_path
     # The old file must not be removed while it is evaluated.
     bpy.context.evaluated_depsgraph_get().update()
     bpy.data.objects.remove(imported)
