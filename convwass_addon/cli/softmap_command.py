@@ -18,7 +18,6 @@ from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
 from ..applications.whole_paths import path_with_suffix
-from ..bridge.blend_files import listed_names
 from ..bridge.color_attributes import color_names
 from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
@@ -27,7 +26,7 @@ from ..bridge.soft_maps.carried_keys import CarriedKeys
 from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
 from ..bridge.soft_maps.map_shape_keys import key_names
-from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried
+from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried, require_names
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
 from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap
@@ -94,7 +93,8 @@ def run_softmap(options: Namespace) -> Answer:
     ends = _opened_ends(options)
     pairs = _pairs(options, ends)
     way = _way(options, request, ends)
-    _require_names(options, way.giver)
+    known = [name for kind in dict.fromkeys(options.transfer) for name in _NAMES[kind](way.giver)]
+    require_names(way.giver, known, options.names)
     # These check what is transferred, before the work begins.
     _parts(options, request, way)
     found = _solved(options, ends, pairs, settings)
@@ -167,19 +167,6 @@ def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMa
     if options.repair is None:
         return found
     return repaired_map(found, *(reading.mesh for reading in ends.readings), options.repair)
-
-
-def _require_names(options: Namespace, giver: bpy.types.Object) -> None:
-    """Raise InputError if a name belongs to nothing of the kinds to be transferred."""
-    known = [name for kind in dict.fromkeys(options.transfer) for name in _NAMES[kind](giver)]
-    unknown = [name for name in options.names if name not in known]
-    if known and unknown:
-        raise InputError(
-            "{object} has no {names} to transfer; it has: {known}.",
-            object=giver.name,
-            names=unknown[0],
-            known=listed_names(known),
-        )
 
 
 def _parts(options: Namespace, request: TransferRequest, way: TransferEnds) -> dict[str, CarriedPart]:

@@ -8,11 +8,15 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_, pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
+from ..bridge.color_attributes import color_names
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.soft_maps.carried_groups import CarriedGroups
-from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried
+from ..bridge.soft_maps.map_shape_keys import key_names
+from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried, require_names
 from ..bridge.soft_maps.map_weights import WeightRules
 from ..bridge.soft_maps.resting_surface import resting_mesh
+from ..bridge.uv_maps import uv_names
+from ..bridge.vertex_groups import group_names
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.soft_maps import TRANSFERRED, TransferProperties
@@ -23,6 +27,9 @@ from .object_job import ObjectJob
 from .reporting import listed, tell
 from .soft_map_job import require_same_mesh
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, reshaped_notices
+
+# The names of the data of every kind.
+_NAMES = {"GROUPS": group_names, "KEYS": key_names, "UVS": uv_names, "COLORS": color_names}
 
 
 class TransferJob(ObjectJob):
@@ -92,6 +99,8 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
         self._remarks = reshaped_notices(way)
         # Attributes cannot be read in Edit Mode.
         with edit_mode_left(context):
+            known = [name for kind, *_ in TRANSFERRED if kind in self.what for name in _NAMES[kind](giver)]
+            require_names(giver, known, split_names(self.names))
             return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver)))
 
     def _steps(self):

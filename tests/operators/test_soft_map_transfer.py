@@ -41,6 +41,17 @@ def halves(obj):
     return {"Left": 1 - share, "Right": share}
 
 
+def test_unknown_names_are_refused(pair):
+    giver, receiver = pair
+    paint(giver, **halves(giver))
+    giver.data.uv_layers[0].name = "Map"
+    with pytest.raises(RuntimeError, match="Cow has no Rihgt to transfer; it has: Left, Map, Right"):
+        call("transfer_by_map", what={"GROUPS", "UVS"}, names="Left, Map, Rihgt")
+    assert receiver.vertex_groups.keys() == []
+    assert call("transfer_by_map", what={"GROUPS", "UVS"}, names="Left, Map") == {"FINISHED"}
+    assert receiver.vertex_groups.keys() == ["Left"]
+
+
 def add_armature(obj, *names):
     armature = bpy.data.objects.new("Armature", bpy.data.armatures.new("Armature"))
     bpy.context.collection.objects.link(armature)

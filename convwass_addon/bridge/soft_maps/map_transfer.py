@@ -106,6 +106,33 @@ def all_carried(parts: Collection[CarriedPart], control: Control = UNINTERRUPTED
         control.check()
 
 
+def require_names(giver: bpy.types.Object, known: Sequence[str], names: Sequence[str]) -> None:
+    """Check that names belong to some of the data to be transferred.
+
+    Parameters
+    ----------
+    giver : bpy.types.Object
+        The object to read from.
+    known : sequence of str
+        The data that it has, of all kinds to be transferred.
+    names : sequence of str
+        The names to check.
+
+    Raises
+    ------
+    InputError
+        A name is unknown. Without any data, nothing is checked: that has messages of its own.
+    """
+    unknown = [name for name in names if name not in known]
+    if known and unknown:
+        raise InputError(
+            "{object} has no {names} to transfer; it has: {known}.",
+            object=giver.name,
+            names=unknown[0],
+            known=listed_names(known),
+        )
+
+
 def require_any(
     ends: TransferEnds, known: Sequence[str], names: Mapping[str, str] | Sequence[str], nothing: InputError
 ) -> None:
