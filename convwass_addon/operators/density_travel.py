@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING
 
@@ -22,6 +22,7 @@ from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.densities.result_groups import require_unpainted, write_result
 from ..bridge.frame_range import play_from_start
 from ..bridge.mesh_checks import writable_mesh
+from ..bridge.morphs.stored import FIRST_FRAMES
 from ..bridge.vertex_groups import group_names, read_groups, require_unlocked
 from ..errors import InputError
 from ..progress import Control
@@ -68,6 +69,7 @@ class CONVWASS_OT_interpolate_density(
         obj = context.object
         writable_mesh(obj)
         stops = named_stops(self.chosen_stops(context, self.steps, self.frames, "", self.first, self.second))
+        _require_frames(stops.frames)
         require_free(obj, self.density)
         self._stops, self._settings = stops, self.density_settings(self.steps)
         weights = read_groups(obj, stops.names)
@@ -94,6 +96,16 @@ class CONVWASS_OT_interpolate_density(
         text = text.format(self.density, len(frames.times) - 1, stops.frames[0], stops.frames[-1])
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
         return {"FINISHED"}
+
+
+def _require_frames(frames: Sequence[float]) -> None:
+    """Raise InputError if a frame is outside of the frames that a scene may have."""
+    last = FIRST_FRAMES[1]
+    far = next((frame for frame in frames if abs(frame) > last), None)
+    if far is not None:
+        raise InputError(
+            "The frames must lie between {first} and {last}, not at {frame:g}.", first=-last, last=last, frame=far
+        )
 
 
 def _path(weights, names, frames, settings, surface: Surface, control: Control):

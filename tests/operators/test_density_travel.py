@@ -173,6 +173,7 @@ def test_undo_takes_it_away(obj):
         ({"groups": "A, Nobody"}, "no vertex group Nobody"),
         ({**PAIR, "frames": "1, x"}, "Frames and weights must be numbers"),
         ({**PAIR, "frames": "9, 3"}, "each later than the one before"),
+        ({**PAIR, "frames": "1, 1e30"}, "must lie between -1048574 and 1048574, not at 1e[+]30"),
         ({**PAIR, "frames": "1, 2, 3"}, "2 groups and 3 key times"),
         ({**PAIR, "density": "A"}, "already has a vertex group or an attribute A"),
         ({**PAIR, "density": ""}, "cannot be the name of a density"),
