@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Literal
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
@@ -24,6 +25,9 @@ _PLACES = 17
 
 MESHED = ("MESH", "FONT", "CURVE")
 """Object types that Blender can convert to possibly solid meshes."""
+
+# Relative difference of scales that single precision makes.
+_UNEVEN = 1e-5
 
 FLATTENED = 1e-6
 """Ratio of the smallest to the largest scale at which an object counts as flattened; single precision gives 1e-7."""
@@ -132,7 +136,7 @@ def frozen_copy(
         As for `triangle_mesh`, but coordinates are not checked.
     """
     with _evaluated(obj, depsgraph, kinds) as evaluated:
-        matrix = _checked_matrix(evaluated)
+        _checked_matrix(evaluated)
         world = evaluated.matrix_world.copy()
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
@@ -142,11 +146,56 @@ def frozen_copy(
         raise
     mesh.name = obj.name
     take_own_materials(mesh, obj)
-    mesh.transform(world)
-    if np.linalg.det(matrix[:3, :3]) < 0:
-        mesh.flip_normals()
+    transform_mesh(mesh, world)
     mesh.update()
     return mesh
+
+
+def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix, *, shape_keys: bool = False) -> None:
+    """Transform a mesh with its custom normals; faces that point outward still do if the matrix mirrors them.
+
+    Parameters
+    ----------
+    mesh : bpy.types.Mesh
+        The mesh.
+    matrix : Matrix
+        The transform.
+    shape_keys : bool
+        Whether to transform shape keys, too.
+    """
+    normals = _transformed_normals(mesh, matrix)
+    before = _corner_order(mesh) if normals is not None else None
+    mesh.transform(matrix, shape_keys=shape_keys)
+    if matrix.is_negative:
+        mesh.flip_normals()
+    if normals is not None:
+        placed = np.empty_like(normals)
+        placed[_corner_order(mesh)] = normals[before]
+        mesh.normals_split_custom_set(placed.tolist())
+
+
+def _transformed_normals(mesh: bpy.types.Mesh, matrix: Matrix) -> np.ndarray | None:
+    """Return the normals of the corners after a transform, (l, 3), if Blender would not keep custom ones.
+
+    It stores them relative to the surface, which only turns and scales evenly with them.
+    """
+    linear = np.array(matrix, dtype=np.float64)[:3, :3]
+    lengths = np.linalg.svd(linear, compute_uv=False)
+    is_even = lengths[-1] >= (1.0 - _UNEVEN) * lengths[0] and not matrix.is_negative
+    if is_even or not mesh.has_custom_normals:
+        return None
+    normals = np.empty(3 * len(mesh.loops), np.float32)
+    mesh.corner_normals.foreach_get("vector", normals)
+    turned = normals.reshape(-1, 3) @ np.linalg.inv(linear)
+    return turned / np.linalg.norm(turned, axis=1, keepdims=True)
+
+
+def _corner_order(mesh: bpy.types.Mesh) -> np.ndarray:
+    """Return the corners of a mesh by face and vertex, an order that flipping faces keeps, (l,)."""
+    counts, vertices = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.loops), np.int32)
+    mesh.polygons.foreach_get("loop_total", counts)
+    mesh.loops.foreach_get("vertex_index", vertices)
+    return np.lexsort((vertices, np.repeat(np.arange(len(counts)), counts)))
 
 
 def take_own_materials(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> None:

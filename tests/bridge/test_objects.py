@@ -9,8 +9,10 @@ import math
 import bpy
 import numpy as np
 import pytest
+from mathutils import Euler, Matrix
 
 from convwass_addon.bridge.objects import frozen_copy, triangle_mesh, write_mesh
+from convwass_addon.bridge.one_mesh.rest_mesh import rest_mesh
 from convwass_addon.errors import InputError
 
 VOLUME = 4.0 / 3.0
@@ -213,3 +215,31 @@ def test_frozen_copy_has_the_material_of_the_object(make_object, depsgraph):
     obj.material_slots[0].link = "OBJECT"
     obj.material_slots[0].material = material
     assert list(frozen_copy(obj, depsgraph).materials) == [material]
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (-2.0, 2.0, 2.0), (1.0, 2.0, -0.5), (-1.0, 2.0, -0.5)])
+@pytest.mark.parametrize("keys", [False, True])
+def test_custom_normals_are_those_of_the_object(make_object, depsgraph, scale, keys):
+    """Normals turn with the inverse transposed matrix, and stay at their vertex and face."""
+    obj = make_object("Gem")
+    obj.data.shade_smooth()
+    given = np.random.default_rng(3).normal(size=(len(obj.data.vertices), 3)) * 0.2
+    given += [vertex.co for vertex in obj.data.vertices]
+    obj.data.normals_split_custom_set_from_vertices((given / np.linalg.norm(given, axis=1, keepdims=True)).tolist())
+    if keys:
+        obj.shape_key_add(name="Basis")
+    obj.matrix_world = Matrix.LocRotScale((1.0, 2.0, 3.0), Euler((0.3, 0.4, 0.5)), scale)
+    bpy.context.view_layer.update()
+    expected = {
+        (polygon.index, obj.data.loops[loop].vertex_index): obj.data.corner_normals[loop].vector
+        for polygon in obj.data.polygons
+        for loop in polygon.loop_indices
+    }
+    mesh = rest_mesh(obj, depsgraph).mesh if keys else frozen_copy(obj, depsgraph)
+    inverse = np.linalg.inv(np.array(obj.matrix_world)[:3, :3])
+    for polygon in mesh.polygons:
+        for loop in polygon.loop_indices:
+            normal = np.array(expected[polygon.index, mesh.loops[loop].vertex_index]) @ inverse
+            found = np.array(mesh.corner_normals[loop].vector)
+            assert found @ normal / np.linalg.norm(normal) == pytest.approx(1.0, abs=1e-6)
+    assert not any(edge.use_edge_sharp for edge in mesh.edges)

@@ -21,7 +21,7 @@ from ...applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from ...errors import InputError
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
-from ..objects import evaluated_object, frozen_copy, take_own_materials, triangle_mesh
+from ..objects import evaluated_object, frozen_copy, take_own_materials, transform_mesh, triangle_mesh
 from .shape_keys import require_mixable_keys
 
 # Vertices that the pose flattens more than this have no inverse.
@@ -195,9 +195,7 @@ def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply:
         return frozen_copy(obj, depsgraph)
     mesh = obj.data.copy()
     take_own_materials(mesh, obj)
-    mesh.transform(obj.matrix_world, shape_keys=True)
-    if obj.matrix_world.is_negative:
-        mesh.flip_normals()
+    transform_mesh(mesh, obj.matrix_world, shape_keys=True)
     return mesh
 
 
