@@ -245,6 +245,16 @@ def test_each_of_two_meshes_has_its_own_look_only(ball):
     assert principled(baked(ball, texture_looks="START").material).inputs["Base Color"].default_value[0] == 1.0
 
 
+def test_images_beside_the_file_move_with_it(ball, tmp_path):
+    (tmp_path / "old").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "old" / "ball.blend"))
+    baked(ball, texture_folder="//textures")
+    bpy.ops.wm.save_mainfile()
+    (tmp_path / "old").rename(tmp_path / "new")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "new" / "ball.blend"))
+    assert [image.size[0] for image in bpy.data.images if len(image.pixels)] == [SIZE, SIZE]
+
+
 def test_images_that_cannot_be_written_leave_nothing(ball, tmp_path, inventory):
     before = inventory()
     (tmp_path / "Ball_Morph_Large_Base_Color.png").mkdir()

@@ -19,6 +19,7 @@ from ...sentence import Sentence
 from ..files import absolute_folder
 from ..handles import Handle
 from ..mesh_checks import writable_mesh
+from ..morphs.disk_output import for_blender
 from .moving_meshes import srgb
 from .records import SWAP_KEY, key_records
 from .texture_baking import TextureSize, baked_pixels
@@ -267,7 +268,7 @@ class TextureJob:
         """Write an image to the folder."""
         self._folder.mkdir(parents=True, exist_ok=True)
         file = self._folder / f"{bpy.path.clean_name(image.name)}.png"
-        image.filepath_raw, image.file_format = str(file), "PNG"
+        image.filepath_raw, image.file_format = for_blender(file), "PNG"
         try:
             image.save()
         except RuntimeError as error:
