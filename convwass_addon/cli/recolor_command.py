@@ -121,7 +121,7 @@ def _solved(options: Namespace, frames: Frames, settings: RecolorSettings) -> Re
         measured = []
         for place in range(len(frames.names)):
             with frames.read(place) as (picture, _image):
-                measured.append(picture.palette())
+                measured.append(picture.palette() if len(frames.names) == 1 else picture.palette_if_any())
         own = pooled_palette(measured)
         bar.show(0.5, "solving")
         wanted = []

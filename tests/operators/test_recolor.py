@@ -108,6 +108,16 @@ def test_missing_input_is_reported(own):
         call("recolor_image", image="Red")
 
 
+def test_images_without_colors_are_named(own):
+    red = red_image()
+    own.palette_2 = image_of("Empty", np.zeros((4, 4, 4)))
+    with pytest.raises(RuntimeError, match="No pixel of Empty counts: it is transparent"):
+        call("recolor_image", image="Red")
+    own.palette_2, own.mask = None, image_of("Mask", np.zeros_like(pixels_of(red)))
+    with pytest.raises(RuntimeError, match=r"No pixel of Red counts: .* its mask is black"):
+        call("recolor_image", image="Red")
+
+
 def test_a_table_does_the_same(own, tmp_path):
     red = red_image()
     call("write_cube", image="Red", filepath=str(tmp_path / "grade"), cube_size=33)

@@ -129,6 +129,25 @@ def test_movies(files, tmp_path):
     np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.5)
 
 
+def test_empty_frames_do_not_count(clip, files, tmp_path):
+    """As before an effect begins and after it has ended."""
+    empty = np.zeros_like(opened(files[0]))
+    saved(image_of("Empty", empty), files[0])
+    assert call("recolor_clip", image="Shot", folder=str(tmp_path / "graded")) == {"FINISHED"}
+    means = [mean_lab(opened(tmp_path / "graded" / path.name)) for path in files[1:]]
+    np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.0)
+    assert not opened(tmp_path / "graded" / files[0].name)[..., 3].any()
+    palette = saved(image_of("Copy", pixels_of(bpy.data.images["Blue"])), tmp_path / "blue.png")
+    assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
+    for path in files:
+        graded, command = (opened(tmp_path / folder / path.name) for folder in ("graded", "command"))
+        np.testing.assert_allclose(graded, command, atol=1.1 / 255)
+    for path in files[1:]:
+        saved(image_of("Empty", empty), path)
+    with pytest.raises(RuntimeError, match="No pixel counts"):
+        call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+
+
 def test_masks_protect_in_every_frame(clip, files, tmp_path):
     white = np.ones((40, 60, 4))
     white[:, :30, :3] = 0.0

@@ -111,7 +111,7 @@ def clip_map_steps(
         message = Sentence("Measuring frame {done} of {total}", {"done": place + 1, "total": count})
         request = FrameRequest(place)
         yield Progress(_MEASURED * place / count, message, request)
-        measured.append(request.value.palette())
+        measured.append(request.value.palette_if_any())
         control.check()
     yield Progress(_MEASURED, Sentence("Matching palettes"))
     return matched(pooled_palette(measured), palettes, weights, settings, control)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
@@ -74,13 +74,31 @@ def measured_palette(lab: ArrayLike, weights: ArrayLike | None = None) -> Palett
     shares = np.ones(values.shape[1]) if weights is None else np.asarray(weights, dtype=np.float64)
     counts = np.isfinite(values).all(axis=0) & (shares > 0) & np.isfinite(shares)
     if not counts.any():
-        raise InputError("No pixel counts: the image is transparent, the mask is black, or no color is a number.")
+        raise _no_colors()
     values, shares = values[:, counts], shares[counts]
     return Palette(_histogram(values[1:], shares), _quantiles(values[0], shares), float(shares.sum()))
 
 
-def pooled_palette(palettes: Sequence[Palette]) -> Palette:
-    """Return the combined palette of several images, such as the frames of a clip, weighted by their pixels."""
+def _no_colors() -> InputError:
+    return InputError("No pixel counts: the image is transparent, the mask is black, or no color is a number.")
+
+
+def pooled_palette(palettes: Iterable[Palette | None]) -> Palette:
+    """Return the combined palette of several images, such as the frames of a clip, weighted by their pixels.
+
+    Parameters
+    ----------
+    palettes : iterable of Palette or None
+        None for images without colors.
+
+    Raises
+    ------
+    InputError
+        All images are without colors.
+    """
+    palettes = [palette for palette in palettes if palette is not None]
+    if not palettes:
+        raise _no_colors()
     masses = np.array([palette.mass for palette in palettes])
     chroma = np.tensordot(masses / masses.sum(), np.array([palette.chroma for palette in palettes]), axes=1)
     values = np.concatenate([palette.lightness for palette in palettes])

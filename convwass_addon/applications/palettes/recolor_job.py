@@ -41,18 +41,36 @@ class Picture:
         From 0 to 1: weight of every pixel in the palette and strength of its change.
     weights : (height, width) array or None
         Further weights in the palette: the areas that the pixels represent.
+    name : str
+        Name of the picture in messages.
     """
 
     pixels: NDArray[np.float32]
     pixel_format: PixelFormat
     mask: NDArray[np.float32] | None = None
     weights: NDArray[np.float64] | None = None
+    name: str = ""
 
-    __repr__ = one_line("pixels", "pixel_format", "mask", "weights")
+    __repr__ = one_line("pixels", "pixel_format", "mask", "weights", "name")
 
     def palette(self) -> Palette:
         """Measure the palette; raises InputError if no pixel counts."""
-        return image_palette(self.pixels, self.pixel_format, self.mask, self.weights)
+        try:
+            return image_palette(self.pixels, self.pixel_format, self.mask, self.weights)
+        except InputError as error:
+            if not self.name:
+                raise
+            raise InputError(
+                "No pixel of {name} counts: it is transparent, its mask is black, or no color is a number.",
+                name=self.name,
+            ) from error
+
+    def palette_if_any(self) -> Palette | None:
+        """Measure the palette; None if no pixel counts, as in the empty frames before an effect begins."""
+        try:
+            return self.palette()
+        except InputError:
+            return None
 
 
 @dataclass(frozen=True)

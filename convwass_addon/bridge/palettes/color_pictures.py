@@ -39,7 +39,7 @@ def read_colors_as_picture(obj: bpy.types.Object) -> Picture:
         areas = np.bincount(vertices, corners, len(mesh.vertices))
     if not areas.sum() > 0:
         raise InputError("{object} has no faces, so its colors cover no area.", object=obj.name)
-    return Picture(colors, form, weights=areas[:, None] / areas.mean())
+    return Picture(colors, form, weights=areas[:, None] / areas.mean(), name=obj.name)
 
 
 def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: NDArray[np.float32]) -> None:

@@ -29,7 +29,7 @@ def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None) ->
         No pixels, tiles, an unsupported color space, or a mask of another size.
     """
     pixels = read_pixels(image)
-    return Picture(pixels, image_format(image), None if mask is None else _mask(mask, image))
+    return Picture(pixels, image_format(image), None if mask is None else _mask(mask, image), name=image.name)
 
 
 def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
