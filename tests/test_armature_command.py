@@ -236,7 +236,7 @@ def test_impossible_requests_are_reported(tmp_path, scene, two_of_each, capfd, w
     assert not (tmp_path / "out.blend").exists()
 
 
-@pytest.mark.parametrize("word", ["A.tail=1,2", "A.tail=x,y,z", "=1,2,3"])
+@pytest.mark.parametrize("word", ["A.tail=1,2", "A.tail=x,y,z", "A.tail=1,nan,0", "A.tail=inf,0,0", "=1,2,3"])
 def test_invalid_pins_are_refused(tmp_path, scene, word):
     assert run(tmp_path, scene, scene, "--pin", word) == 2
     assert run(tmp_path, scene, scene, "--place", word) == 2

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from argparse import ArgumentTypeError
 
@@ -61,6 +62,8 @@ def joint_place(text: str) -> tuple[str, tuple[float, float, float]]:
     name, _, place = text.rpartition("=")
     try:
         x, y, z = (float(number) for number in place.split(","))
+        if not all(map(math.isfinite, (x, y, z))):
+            raise ValueError(place)
     except ValueError:
         raise ArgumentTypeError(f"{text!r} is not a joint and a place such as Arm.L.tail=0.5,0,1.2") from None
     if not name:
