@@ -258,6 +258,13 @@ def test_errors_have_codes_and_instructions(files, capfd, words, code, message):
     assert sorted(files.parent.rglob("*")) == before
 
 
+def test_a_taken_name_is_refused_before_the_work(files, capfd):
+    code, _, said = run(capfd, f"{files / 'scene.blend'}:Ball", "--from", "East", "--to", "North", "--name", "North")
+    assert code == 3
+    assert "already has a vertex group or an attribute North" in said
+    assert "Moving the density" not in said
+
+
 def test_too_much_memory_has_its_own_code(files, capfd, monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: 1_000_000)
     code, _, said = run(capfd, f"{files / 'scene.blend'}:Ball", "--matrix")

@@ -17,6 +17,7 @@ from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.surface_densities import heat_map
 from ..applications.densities.vertex_distances import distances_from
 from ..applications.whole_paths import path_with_suffix
+from ..bridge.densities.density_attributes import require_free
 from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_nodes import NAME
 from ..bridge.densities.density_player import DensityKey, animate_density
@@ -94,6 +95,9 @@ def _target(options: Namespace) -> Path | None:
 
 
 def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings, target: Path) -> Answer:
+    name = options.name or NAME
+    # Checked before the work begins.
+    require_free(scene.object, name)
     names = options.through or [options.start, options.end]
     weights = [scene.weights(name) for name in names]
     frames = _frames(path_steps(weights, names, scene.surface, settings))
@@ -102,7 +106,6 @@ def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings
     request = DensityRequest(**given_settings(options, DensityRequest))
     own = path_request(scene.object, weights, settings, request, stops)
     stored = StoredDensity(inputs=list(names), settings=own, records=frames.records)
-    name = options.name or NAME
     shown = frames.covered if request.trail else frames.densities
     animate_density(scene.object, shown, frames.times, name, keys=keys, easing=request.easing, description=stored)
     if not any(scene.object.data.materials):
