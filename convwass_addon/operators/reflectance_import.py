@@ -54,7 +54,8 @@ class CONVWASS_OT_import_lobes(bpy.types.Operator):
                 tables = read_lobe_file(path)
             frames = Frames(scene.frame_start, max(scene.frame_end, scene.frame_start + 1))
             dark = [(0.0, 0.0, 0.0)] * len(tables)
-            made = lobe_material(path.stem, tables, dark, sun_of(context), frames if len(tables) > 1 else None)
+            animated = frames if len(tables) > 1 else None
+            made = lobe_material(path.stem, tables, dark, sun_of(context), animated, file=str(path))
         except ConvwassError as error:
             return refuse(self, error)
         tell(self, rpt_("Made {:s}").format(made.name))

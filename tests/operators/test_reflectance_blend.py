@@ -125,6 +125,29 @@ def test_the_table_is_written_and_can_be_imported(tmp_path):
         bpy.ops.convwass.import_lobes(filepath="")
 
 
+@pytest.mark.usefixtures("metals")
+def test_tables_of_the_same_name_are_materials_of_their_own(tmp_path):
+    (tmp_path / "other").mkdir()
+    files = [tmp_path / "Blend A-B.exr", tmp_path / "other" / "Blend A-B.exr"]
+    for file in files:
+        blend(table=str(file), output="LOBES")
+    blended = bpy.data.materials["Blend A-B"]
+    for _ in range(2):
+        for file in files:
+            assert bpy.ops.convwass.import_lobes(filepath=str(file)) == {"FINISHED"}
+    made = [material for material in bpy.data.materials if material.name.startswith("Blend A-B")]
+    assert len(made) == 3 and blended in made
+
+
+@pytest.mark.usefixtures("metals")
+def test_a_renamed_copy_of_a_blend_is_kept():
+    blend(output="LOBES")
+    copy = bpy.data.materials["Blend A-B"].copy()
+    copy.name, copy.node_tree.nodes[GROUP].label = "Armor", "Changed"
+    blend(output="LOBES")
+    assert copy.node_tree.nodes[GROUP].label == "Changed"
+
+
 def test_the_cursor_shows_that_blender_is_busy_and_is_restored():
     context, cursors = window_context(), []
     context.window.cursor_modal_set = cursors.append

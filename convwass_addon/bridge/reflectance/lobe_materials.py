@@ -55,8 +55,9 @@ def lobe_material(
     diffuse: Sequence[tuple[float, float, float]],
     sun: bpy.types.Object | None,
     frames: Frames | None = None,
+    file: str = "",
 ) -> bpy.types.Material:
-    """Create a material that shows tables, or update the last result of that name.
+    """Create a material that shows tables, or update the last result of that name or file.
 
     Parameters
     ----------
@@ -70,8 +71,10 @@ def lobe_material(
         A sun whose direction, color and strength the material uses.
     frames : Frames, optional
         Where the slider is animated from 0 to 1.
+    file : str
+        The file that the tables are from; empty for a blend.
     """
-    material, tree = emptied(name, "LOBES")
+    material, tree = emptied(name, "LOBES", file)
     node = tree.nodes.new("ShaderNodeGroup")
     node.name = node.label = GROUP
     node.node_tree = lobe_group(lobe_image(name, tables))
@@ -120,11 +123,13 @@ def principled_values(fit: PrincipledFit) -> dict[str, object]:
     }
 
 
-def emptied(name: str, kind: str) -> tuple[bpy.types.Material, bpy.types.NodeTree]:
+def emptied(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, bpy.types.NodeTree]:
     """Return the material of an earlier result without its nodes, or a new one. Objects keep the material."""
-    own = f"{kind} {name}"
-    found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own and item.library is None)
-    material = next(found, None) or bpy.data.materials.new(name)
+    own = f"{kind} {file or name}"
+    found = [item for item in bpy.data.materials if item.get(RESULT_OF) == own and item.library is None]
+    # The user may have copied the result, and renamed the copy.
+    found.sort(key=lambda item: item.name != name)
+    material = found[0] if found else bpy.data.materials.new(name)
     material[RESULT_OF] = own
     tree = own_tree(material)
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
