@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
@@ -16,6 +16,7 @@ from mathutils import Matrix
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
+from .keyframes import curves_of
 from .mesh_checks import not_a_mesh
 
 if TYPE_CHECKING:
@@ -81,6 +82,13 @@ class LabeledMesh:
 
     mesh: TriangleMesh
     labels: FaceLabels
+
+
+def triangle_meshes(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[TriangleMesh]:
+    """Read objects as `triangle_mesh` does; Blender rebuilds its graph to show hidden ones, here once for all."""
+    depsgraph.update()
+    with shown_objects([obj for obj in objects if not _is_current(obj, depsgraph)], depsgraph.scene):
+        return [triangle_mesh(obj, depsgraph) for obj in objects]
 
 
 def labeled_mesh(
@@ -259,23 +267,54 @@ def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> I
     if obj.mode == "EDIT":
         obj.update_from_editmode()
     depsgraph.update()
-    if obj.evaluated_get(depsgraph).is_evaluated:
+    if _is_current(obj, depsgraph):
         yield obj.evaluated_get(depsgraph)
         return
-    # Blender does not evaluate objects hidden in all viewports, but always evaluates those in the scene's own
-    # collection.
-    hidden, home = obj.hide_viewport, depsgraph.scene.collection
-    visitor = obj not in set(home.objects)
-    obj.hide_viewport = False
-    if visitor:
-        home.objects.link(obj)
-    try:
+    with shown_objects([obj], depsgraph.scene):
         depsgraph.update()
         yield obj.evaluated_get(depsgraph)
+
+
+def update_places(objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
+    """Update the world matrices of objects, also of hidden ones, without changing the scene permanently."""
+    depsgraph.update()
+    with shown_objects([obj for obj in objects if not _is_current(obj, depsgraph)], depsgraph.scene):
+        depsgraph.update()
+
+
+def _is_current(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Return whether Blender has evaluated an object in its current state.
+
+    It does not evaluate objects hidden in all viewports, but keeps those whose visibility changes over time.
+    """
+    evaluated = obj.evaluated_get(depsgraph)
+    return evaluated.is_evaluated and not evaluated.hide_viewport
+
+
+@contextmanager
+def shown_objects(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> Iterator[None]:
+    """Show objects in all frames of a scene, also where they, their collections, keys or drivers hide them."""
+    objects, home = list(objects), set(scene.collection.objects)
+    animated = [obj for obj in objects if obj.animation_data is not None]
+    curves = [curve for obj in animated for curve in (*curves_of(obj), *obj.animation_data.drivers)]
+    muted = [curve for curve in curves if curve.data_path == "hide_viewport" and not curve.mute]
+    hidden, visitors = [obj.hide_viewport for obj in objects], [obj for obj in objects if obj not in home]
+    for curve in muted:
+        curve.mute = True
+    for obj in objects:
+        obj.hide_viewport = False
+    for obj in visitors:
+        # Objects in the scene's own collection are always evaluated.
+        scene.collection.objects.link(obj)
+    try:
+        yield
     finally:
-        if visitor:
-            home.objects.unlink(obj)
-        obj.hide_viewport = hidden
+        for obj in visitors:
+            scene.collection.objects.unlink(obj)
+        for obj, own in zip(objects, hidden, strict=True):
+            obj.hide_viewport = own
+        for curve in muted:
+            curve.mute = False
 
 
 def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:

@@ -201,6 +201,27 @@ def test_textures_hold_the_triangles_of_every_frame(collection, tmp_path, invent
     np.testing.assert_allclose(colors[1][0], 255 * srgb(np.array([2 / 3, 0.0, 1 / 3])), atol=1.5)
 
 
+@pytest.mark.parametrize("name", ["stl", "alembic"])
+def test_frames_are_where_their_parent_is(collection, tmp_path, bare_scene, name):
+    """Also those that are hidden now."""
+    empty = bpy.data.objects.new("Place", None)
+    bare_scene.collection.objects.link(empty)
+    for obj in frame_objects(collection):
+        obj.parent = empty
+    for frame in range(3, 7):
+        bare_scene.frame_set(frame)
+    empty.location.x = 7.0
+    files = export_frames(collection, tmp_path / "rise", name)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    found = []
+    for frame in range(3, 7):
+        file = files[min(frame - 3, len(files) - 1)]
+        (obj,) = import_objects(file, None) if name == "stl" or frame == 3 else (obj,)
+        bpy.context.scene.frame_set(frame)
+        found.append(triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds[:, 0].mean())
+    np.testing.assert_allclose(found, 7.0, atol=1e-5)
+
+
 def test_usd_has_the_colors(collection, tmp_path):
     (file,) = export_frames(collection, tmp_path / "rise.usda", "usd")
     bpy.utils.expose_bundled_modules()

@@ -98,6 +98,31 @@ def test_hidden_objects_are_read_in_their_current_state(make_object, depsgraph, 
     assert (obj.hide_viewport, obj.hide_render, obj.visible_get()) == state
 
 
+def by_keys(obj):
+    obj.keyframe_insert("hide_viewport", frame=1)
+
+
+def by_a_driver(obj):
+    obj.driver_add("hide_viewport").driver.expression = "1"
+
+
+@pytest.mark.parametrize("hide", [by_keys, by_a_driver])
+def test_objects_whose_visibility_changes_are_read_while_they_are_hidden(make_object, hide):
+    """Blender keeps them in the scene as they were when they were shown last."""
+    obj = make_object("Cut")
+    obj.hide_viewport = True
+    hide(obj)
+    bpy.context.view_layer.update()
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    obj.location.x = 5.0
+    found = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
+    assert len(found.faces) == 48
+    np.testing.assert_allclose(found.bounds.mean(axis=0), (5.0, 0.0, 0.0), atol=1e-6)
+    assert obj.hide_viewport and not obj.users_collection[1:]
+    bpy.context.scene.frame_set(2)
+    assert obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).hide_viewport
+
+
 def test_edit_mode_sees_unapplied_edits(make_object, depsgraph):
     import bmesh
 

@@ -10,8 +10,9 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
+from convwass_addon.bridge.objects import shown_objects
 from convwass_addon.bridge.one_mesh import swap_job
-from convwass_addon.bridge.one_mesh.moving_meshes import never_hidden, sampled_vertices
+from convwass_addon.bridge.one_mesh.moving_meshes import sampled_vertices
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY, shared_slider
 from convwass_addon.bridge.one_mesh.swapped_objects import with_swap
 from convwass_addon.progress import Progress
@@ -99,7 +100,7 @@ def test_the_second_mesh_stands_where_the_first_one_becomes_it(shapes, monkeypat
 
 def test_a_hidden_mesh_is_exported_as_it_is_at_the_swap(shapes, monkeypatch):
     _, second = bake(monkeypatch, 0.4)
-    with never_hidden(second, bpy.context.scene):
+    with shown_objects([second], bpy.context.scene):
         heights = sampled_vertices(second, bpy.context.scene, range(1, 12)).points[:, :, 2].mean(axis=1)
     assert heights[:4] == pytest.approx(1.0, abs=1e-6) and heights[-1] == pytest.approx(0.0, abs=1e-6)
     assert (np.diff(heights[4:]) < 0.0).all()

@@ -20,6 +20,7 @@ from ...errors import ConvwassError, InputError
 from ..files import checked_target
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
+from ..objects import update_places
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
@@ -98,7 +99,7 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     frames = frame_objects(collection)
     if not frames:
         raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
-    bpy.context.view_layer.update()
+    update_places(frames, bpy.context.evaluated_depsgraph_get())
     if chosen.write_frames is not None:
         return chosen.write_frames(frames, target, _frames_per_second(frames, shown_frames(collection)))
     if chosen.animated:

@@ -24,7 +24,7 @@ from ...geometry.thicken import solid_or_shell_occupancy
 from ...geometry.welding import welded
 from ...progress import Progress, Work
 from ...sentence import Sentence
-from ..objects import triangle_mesh
+from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from .field_sampler import SampleGrid, field_sampler
 from .stored import WEIGHTS_KEY
@@ -83,7 +83,7 @@ def store_fields(
         )
     depsgraph = bpy.context.evaluated_depsgraph_get()
     weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
-    meshes = [_local_mesh(obj, depsgraph) for obj in frames]
+    meshes = [_local_mesh(*own) for own in zip(frames, triangle_meshes(frames, depsgraph), strict=True)]
     offsets = _centers(meshes, weights)
     grid = _grid(meshes, offsets, cells)
     data = bpy.data.meshes.new(f"{name} Fields")
@@ -190,9 +190,8 @@ def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleM
     return surface.mesh.moved((-0.5, -0.5, -0.5))
 
 
-def _local_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
-    """Return the mesh of a frame object in its local space."""
-    world = triangle_mesh(obj, depsgraph)
+def _local_mesh(obj: bpy.types.Object, world: TriangleMesh) -> TriangleMesh:
+    """Return the mesh of a frame object, given in world space, in its local space."""
     inverse = np.array(obj.matrix_world.inverted())
     return TriangleMesh(world.vertices @ inverse[:3, :3].T + inverse[:3, 3], world.faces)
 

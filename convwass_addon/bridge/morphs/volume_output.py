@@ -21,7 +21,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
-from ..objects import layers_with, triangle_mesh
+from ..objects import layers_with, triangle_meshes
 from ..openvdb_module import openvdb_module
 from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
 from .materials import morph_material
@@ -80,7 +80,7 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     if not frames:
         raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    meshes = {obj: triangle_mesh(obj, depsgraph) for obj in frames}
+    meshes = dict(zip(frames, triangle_meshes(frames, depsgraph), strict=True))
     spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
     scene_frames, shown = _timeline(collection, frames)
     files = numbered_paths(folder, f"{folder.name}_", ".vdb", scene_frames)

@@ -26,10 +26,10 @@ from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
-from ..objects import take_own_materials
+from ..objects import shown_objects, take_own_materials
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
-from .moving_meshes import MovingVertices, keyed_span, never_hidden, sampled_vertices
+from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
 from .rest_mesh import armature_place
 from .vertex_animation_files import write_moving_mesh
 
@@ -59,7 +59,7 @@ def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
     target = checked_key_target(path)
     if obj.type != "MESH" or obj.data.shape_keys is None:
         raise InputError("{name} has no shape keys.", name=obj.name)
-    with never_hidden(obj, bpy.context.scene):
+    with shown_objects([obj], bpy.context.scene):
         return KEY_FORMATS[target.suffix.lower()](obj, keyed_span(obj), target)
 
 

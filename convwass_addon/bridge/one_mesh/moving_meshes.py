@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -68,7 +67,7 @@ def _with_drivers(obj: bpy.types.Object) -> list[bpy.types.ID]:
 def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: range) -> MovingVertices:
     """Read the vertices of an object, with modifiers, in every frame; restores the current frame of the scene.
 
-    The object must be visible in all of them (`never_hidden`).
+    The object must be visible in all of them (`shown_objects`).
 
     Raises
     ------
@@ -92,27 +91,6 @@ def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: rang
             "The number of vertices of {name} changes over time; remove the modifier that changes it.", name=obj.name
         )
     return MovingVertices(np.stack(points), np.stack(normals), frames)
-
-
-@contextmanager
-def never_hidden(obj: bpy.types.Object, scene: bpy.types.Scene) -> Iterator[None]:
-    """Show an object in all frames, also where it, its collections or drivers hide it: Blender evaluates no others."""
-    drivers = obj.animation_data.drivers if obj.animation_data else ()
-    muted = [curve for curve in drivers if curve.data_path == "hide_viewport" and not curve.mute]
-    hidden, visitor = obj.hide_viewport, obj not in set(scene.collection.objects)
-    for curve in muted:
-        curve.mute = True
-    obj.hide_viewport = False
-    if visitor:
-        scene.collection.objects.link(obj)
-    try:
-        yield
-    finally:
-        if visitor:
-            scene.collection.objects.unlink(obj)
-        obj.hide_viewport = hidden
-        for curve in muted:
-            curve.mute = False
 
 
 def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
