@@ -91,6 +91,33 @@ def test_files_have_the_material_that_the_object_has_in_place_of_that_of_its_mes
     assert [material["name"] for material in head["materials"]] == ["Own"]
 
 
+@pytest.mark.parametrize("suffix", [".glb", ".fbx"])
+def test_the_object_moves_in_files(keyed, tmp_path, suffix, inventory):
+    carrier = bpy.data.objects.new("Carrier", None)
+    bpy.context.scene.collection.objects.link(carrier)
+    keyed.parent, keyed.location.x = carrier, 2.0
+    for frame, turn in ((3, 0.0), (3 + FRAMES, np.pi / 2)):
+        carrier.rotation_euler.z = turn
+        carrier.keyframe_insert("rotation_euler", frame=frame)
+    before = inventory()
+    (file,) = export_shape_keys(keyed, tmp_path / f"keys{suffix}")
+    assert inventory() == before
+    frames = [3, 4, 3 + FRAMES]
+    expected = []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        expected.append(keyed.matrix_world.to_translation())
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    read = bpy.ops.import_scene.gltf if suffix == ".glb" else bpy.ops.import_scene.fbx
+    read(filepath=str(file))
+    (obj,) = [one for one in bpy.data.objects if one.type == "MESH"]
+    first = 0 if suffix == ".glb" else 1
+    for frame, place in zip(frames, expected, strict=True):
+        bpy.context.scene.frame_set(frame - 3 + first)
+        np.testing.assert_allclose(obj.matrix_world.to_translation(), place, atol=1e-3)
+    assert obj.data.shape_keys.key_blocks[2].value == pytest.approx(1.0, abs=1e-3)
+
+
 def test_fbx_keeps_the_keys(keyed, tmp_path):
     (file,) = export_shape_keys(keyed, tmp_path / "keys.fbx")
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)

@@ -2,20 +2,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Write a mesh with shape keys in other formats.
 
-glTF and FBX contain the keys as morph targets, with an animation of their weights, and the armature in its current pose
-with its own animation. USD and Alembic contain the positions and velocities of the vertices in every frame, and vertex
-animation textures positions and normals.
+glTF and FBX contain the keys as morph targets, with an animation of their weights and of the object, or the armature in
+its current pose with its own animation. USD and Alembic contain the positions and velocities of the vertices in every
+frame, and vertex animation textures positions and normals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...disk_space import require_whole
@@ -77,24 +78,27 @@ def checked_key_target(path: Path) -> Path:
 
 @dataclass(frozen=True)
 class _Sampled:
-    """Values of all shape keys but the first in every frame, (f, k), and their names."""
+    """Values of all shape keys but the first in every frame, (f, k), their names, and where the object is."""
 
     names: list[str]
     values: NDArray[np.float64]
+    places: list[Matrix]
 
 
 def _sampled_keys(obj: bpy.types.Object, frames: range) -> _Sampled:
     """Read the shape keys with drivers and animation; restores the current frame of the scene."""
-    scene, found = bpy.context.scene, []
+    scene, found, places = bpy.context.scene, [], []
     own = scene.frame_current
     try:
         for frame in frames:
             scene.frame_set(frame)
-            keys = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.shape_keys
-            found.append([key.value for key in list(keys.key_blocks)[1:]])
+            evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+            found.append([key.value for key in list(evaluated.data.shape_keys.key_blocks)[1:]])
+            places.append(evaluated.matrix_world.copy())
     finally:
         scene.frame_set(own)
-    return _Sampled([key.name for key in list(obj.data.shape_keys.key_blocks)[1:]], np.array(found, dtype=np.float64))
+    names = [key.name for key in list(obj.data.shape_keys.key_blocks)[1:]]
+    return _Sampled(names, np.array(found, dtype=np.float64), places)
 
 
 @contextmanager
@@ -123,14 +127,32 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
                 for number, value in enumerate(values):
                     keys.key_blocks[name].value = value
                     keys.key_blocks[name].keyframe_insert("value", frame=number)
-            make_linear(keys)
             made.append(keys.animation_data.action)
+            if rig is None:
+                _key_places(copy, sampled.places, made[0])
+            for block in (keys, copy):
+                make_linear(block)
             scene.frame_set(0)
             yield
         finally:
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
             bpy.data.batch_remove([*made, *plain, *([] if rig is None else [rig])])
+
+
+def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.types.Action) -> None:
+    """Key in an action where an object is in every frame from 0 on, if it moves."""
+    if np.allclose(places, places[0], atol=1e-6):
+        return
+    data = copy.animation_data_create()
+    data.action, data.action_slot = action, action.slots.new("OBJECT", copy.name)
+    copy.rotation_mode = "QUATERNION"
+    for number, place in enumerate(places):
+        before = copy.rotation_quaternion.copy()
+        copy.matrix_world = place
+        copy.rotation_quaternion.make_compatible(before)
+        for path in ("location", "rotation_quaternion", "scale"):
+            copy.keyframe_insert(path, frame=number)
 
 
 def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
