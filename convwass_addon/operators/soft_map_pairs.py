@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty, StringProperty
@@ -49,7 +47,7 @@ class CONVWASS_OT_add_map_pair(PicksPair, OnMapObjects, bpy.types.Operator):
             _require_new(own, pair)
         except ConvwassError as error:
             return refuse(self, error)
-        _add(own, [pair])
+        _add(own, pair)
         return {"FINISHED"}
 
     def _vertices(self, own: CONVWASS_PG_soft_map) -> tuple[int, int]:
@@ -93,10 +91,9 @@ def _require_new(own: CONVWASS_PG_soft_map, pair: MapPair) -> None:
     require_free(own, pair.target, is_source=False)
 
 
-def _add(own: CONVWASS_PG_soft_map, pairs: Sequence[MapPair]) -> None:
-    for pair in pairs:
-        item = own.pairs.add()
-        item.label, item.source_vertex, item.target_vertex = pair.name, pair.source, pair.target
+def _add(own: CONVWASS_PG_soft_map, pair: MapPair) -> None:
+    item = own.pairs.add()
+    item.label, item.source_vertex, item.target_vertex = pair.name, pair.source, pair.target
     own.active_pair = max(len(own.pairs) - 1, 0)
 
 
@@ -107,17 +104,22 @@ class _FromNames(OnMapObjects):
         own = context.scene.convwass_soft_map
         try:
             found = self._found(context, own)
-            new = [pair for pair in found.pairs if _is_new(own, pair)]
             if not found.pairs:
                 raise self._nothing(own, found)
         except ConvwassError as error:
             return refuse(self, error)
-        _add(own, new)
-        text = rpt_("{:d} pairs added").format(len(new))
-        if found.left_out:
-            text += "; " + rpt_("ignored: {:s}").format(listed(found.left_out))
+        new, added = [pair for pair in found.pairs if _is_new(own, pair)], []
+        for pair in new:
+            # Two new ones may be nearest to the same vertex.
+            if _is_new(own, pair):
+                _add(own, pair)
+                added.append(pair)
+        text = rpt_("{:d} pairs added").format(len(added))
+        left_out = [*found.left_out, *(pair.name for pair in new if pair not in added)]
+        if left_out:
+            text += "; " + rpt_("ignored: {:s}").format(listed(left_out))
         self.report({"INFO"}, text)
-        return {"FINISHED"} if new else {"CANCELLED"}
+        return {"FINISHED"} if added else {"CANCELLED"}
 
 
 def _is_new(own: CONVWASS_PG_soft_map, pair: MapPair) -> bool:

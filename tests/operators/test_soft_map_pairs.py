@@ -105,6 +105,15 @@ def test_groups_and_empties_add_only_new_pairs(pair, capfd):
     assert listed()[-1][0] == "ear"
 
 
+def test_a_vertex_is_added_to_one_pair_only(pair, capfd):
+    for obj, vertices in zip(pair, ((3, 3, 4), (5, 6, 7)), strict=True):
+        for name, vertex in zip(("nose", "tip", "tail"), vertices, strict=True):
+            obj.vertex_groups.new(name=name).add([vertex], 1.0, "REPLACE")
+    assert call("map_pairs_from_groups") == {"FINISHED"}
+    assert listed() == [("nose", 3, 5), ("tail", 4, 7)]
+    assert "2 pairs added; ignored: tip" in capfd.readouterr().out
+
+
 def test_pairs_come_off_the_list(pair):
     for vertex in range(4):
         call("add_map_pair", source_vertex=vertex, target_vertex=vertex)
