@@ -34,6 +34,21 @@ def checked_target(path: Path) -> Path:
     return target
 
 
+def absolute_path(path: str) -> Path:
+    """Return the absolute path that a user has entered; // stands for the folder of the .blend file.
+
+    Raises
+    ------
+    InputError
+        The path is relative to an unsaved file.
+    """
+    if path.startswith("//") and not bpy.data.filepath:
+        raise InputError(
+            "Save the file first, since {folder} is relative to it, or choose an absolute path.", folder=path
+        )
+    return whole_path(bpy.path.abspath(path))
+
+
 def absolute_folder(folder: str | Path) -> Path:
     """Return the absolute path of an output folder, which need not exist.
 
@@ -50,11 +65,7 @@ def absolute_folder(folder: str | Path) -> Path:
     text = str(folder)
     if not text.strip():
         raise InputError("Choose a folder for the files.")
-    if text.startswith("//") and not bpy.data.filepath:
-        raise InputError(
-            "Save the file first, since {folder} is relative to it, or choose an absolute path.", folder=text
-        )
-    target = whole_path(bpy.path.abspath(text))
+    target = absolute_path(text)
     if target.exists() and not target.is_dir():
         raise InputError("{folder} is a file; choose a folder.", folder=str(target))
     return target

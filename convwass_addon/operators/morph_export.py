@@ -11,6 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..bridge.active import active_object
+from ..bridge.files import absolute_path
 from ..bridge.one_mesh.records import has_key_record
 from ..errors import ConvwassError, InputError
 from ..progress import drained
@@ -68,7 +69,7 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
 
         if not self.filepath:
             raise InputError("Choose a file to write.")
-        path, subject = Path(bpy.path.abspath(self.filepath)), _subject(context)
+        path, subject = absolute_path(self.filepath), _subject(context)
         if isinstance(subject, bpy.types.Object):
             return export_shape_keys(subject, path)
         file_format = format_of(path)

@@ -34,11 +34,15 @@ def test_the_active_mesh_with_keys_is_written(keyed, tmp_path, name, count):
     assert len(list(tmp_path.iterdir())) == count
 
 
-def test_what_cannot_be_written_is_refused(keyed, tmp_path):
+def test_what_cannot_be_written_is_refused(keyed, tmp_path, monkeypatch):
     with pytest.raises(RuntimeError, match="end in"):
         bpy.ops.convwass.export_morph(filepath=str(tmp_path / "keys.xyz"))
     with pytest.raises(RuntimeError, match="Choose a file"):
         bpy.ops.convwass.export_morph()
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(RuntimeError, match=r"Save the file first, since //keys\.glb is relative to it"):
+        bpy.ops.convwass.export_morph(filepath="//keys.glb")
+    assert list(tmp_path.iterdir()) == []
     bpy.context.view_layer.objects.active = None
     assert not bpy.ops.convwass.export_morph.poll()
 
