@@ -149,3 +149,10 @@ def test_a_plane_cannot_be_remeshed(inventory):
     with pytest.raises(InputError, match="encloses no volume"):
         remeshed_shape(bpy.context.object, bpy.context.evaluated_depsgraph_get(), "EVEN", CELLS)
     assert inventory() == before
+
+
+def test_shape_keys_that_a_new_mesh_lacks_are_mentioned(capsule):
+    capsule.shape_key_add(name="Basis")
+    capsule.shape_key_add(name="Smile")
+    (notice,) = remeshed_shape(capsule, bpy.context.evaluated_depsgraph_get(), "EVEN", CELLS).rest.notices
+    assert str(notice) == "The new mesh has the current form of Sphere, without its shape keys."

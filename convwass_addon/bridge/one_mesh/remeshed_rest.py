@@ -13,6 +13,7 @@ from ...applications.one_mesh.remeshed_basis import adaptive_mesh, even_mesh
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ...progress import UNINTERRUPTED
+from ...sentence import Sentence
 from ..objects import frozen_copy, write_mesh
 from .carried_basis import carry_to_basis
 from .rest_mesh import RestMesh, at_rest
@@ -68,7 +69,11 @@ def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: 
         carry_to_basis(source, mesh, shape, polygons)
     finally:
         bpy.data.meshes.remove(source)
-    return RemeshedShape(shape, at_rest(obj, mesh, shape.vertices))
+    rest = at_rest(obj, mesh, shape.vertices)
+    if obj.data.shape_keys is not None:
+        notice = Sentence("The new mesh has the current form of {name}, without its shape keys.", {"name": obj.name})
+        rest.notices.append(notice)
+    return RemeshedShape(shape, rest)
 
 
 def _triangles(mesh: bpy.types.Mesh) -> TriangleMesh:
