@@ -173,7 +173,11 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         job.files.finish()
         name = "{} {}".format(rpt_("Sky"), "-".join(job.names))
         world = sequence_world(name, job.files.paths, self.frame_start)
-        self._own_scene(context).world = world
+        scene = self._own_scene(context)
+        before, scene.world = scene.world, world
+        # Blender does not save worlds without users.
+        if before is not None and not before.users:
+            before.use_fake_user = True
         text = rpt_("{:s} shows {:d} skies from {:s}")
         paths = job.files.paths
         others = [own for own in bpy.data.worlds if own != world and share_a_place(paths, shown_files(own))]

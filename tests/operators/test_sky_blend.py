@@ -65,6 +65,16 @@ def test_every_frame_is_a_file_and_the_world_shows_them(worlds):
     assert 90 - (row + 0.5) * 180 / 64 == pytest.approx(np.degrees(np.arctan2(0.4, np.sqrt(0.5))), abs=2.9)
 
 
+def test_the_world_of_the_scene_stays_in_the_file(worlds, tmp_path):
+    bpy.context.scene.world = bpy.data.worlds.new("Studio")
+    blend(worlds)
+    blend(worlds)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "a.blend"))
+    assert set(bpy.data.worlds.keys()) == {"Studio", "Sky 0-1"}
+    assert not bpy.data.worlds["Sky 0-1"].use_fake_user
+
+
 def test_the_worlds_of_the_panel_are_the_default(worlds):
     own = bpy.context.scene.convwass_sky
     with pytest.raises(RuntimeError, match="Choose at least two worlds, not 0"):
