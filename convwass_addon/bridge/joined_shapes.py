@@ -96,11 +96,12 @@ def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool
         return True
     # For mirrored meshes, all data must come from one copy with flipped faces.
     return obj.type == "MESH" and (
-        obj.matrix_world.determinant() < 0 or _has_instances(obj, depsgraph) or has_copies(obj)
+        obj.matrix_world.determinant() < 0 or has_instances(obj, depsgraph) or has_copies(obj)
     )
 
 
-def _has_instances(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+def has_instances(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Return whether Geometry Nodes of an object make instances."""
     if not any(modifier.type == "NODES" for modifier in obj.modifiers):
         return False
     with evaluated_object(obj, depsgraph) as evaluated:
@@ -136,7 +137,7 @@ def _piece(
     if part.type in _WITH_RADIUS:
         _require_radius(part, depsgraph)
         return _solid_of(tree, part.type, _realized(tree, _as_instance(tree, part)))
-    if shows_collection(part) or (part.type == "MESH" and _has_instances(part, depsgraph)):
+    if shows_collection(part) or (part.type == "MESH" and has_instances(part, depsgraph)):
         return _realized(tree, _as_instance(tree, part))
     if part.type == "VOLUME":
         return _surface_of_volume(tree, part)

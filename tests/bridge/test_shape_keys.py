@@ -185,6 +185,30 @@ def test_a_new_basis_replaces_the_first_mesh(monkeypatch):
     assert slide(obj, Second=1.0) == pytest.approx(moved(rest, 0, 0, 1), abs=1e-5)
 
 
+def test_instances_of_a_shape_are_reported_as_left_out(monkeypatch, capfd):
+    hook("First", 0.0)
+    second = hook("Second", 0.5)
+    tree = bpy.data.node_groups.new("Dots", "GeometryNodeTree")
+    for way in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=way, socket_type="NodeSocketGeometry")
+    kinds = ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeInstanceOnPoints", "GeometryNodeJoinGeometry")
+    given, shown, dots, both = map(tree.nodes.new, kinds)
+    tree.links.new(given.outputs[0], dots.inputs["Points"])
+    for node in (given, dots):
+        tree.links.new(node.outputs[0], both.inputs[0])
+    tree.links.new(tree.nodes.new("GeometryNodeMeshCube").outputs[0], dots.inputs["Instance"])
+    tree.links.new(both.outputs[0], shown.inputs[0])
+    second.modifiers.new("Dots", "NODES").node_group = tree
+
+    def known(shapes, names, demands, settings, guides, control):
+        yield Progress(0.5, Sentence("Half"))
+        return [path_to(names[1], (1.0,), [shapes[1].vertices])]
+
+    monkeypatch.setattr(shape_key_job, "key_paths", known)
+    bpy.ops.convwass.bake_morph(inputs="First,Second", **QUICK)
+    assert "Instances that Second shows are left out" in capfd.readouterr().out
+
+
 def test_mirror_images_are_found_in_the_space_of_the_object(cube):
     cube.matrix_world = Matrix.LocRotScale((3.0, 1.0, 0.0), Euler((0.2, 0.5, 0.9)), (1.0, 2.0, 0.5))
     bpy.context.view_layer.update()

@@ -11,12 +11,15 @@ import bpy
 from ...applications.morphs.morph_settings import MorphSettings
 from ...errors import ConvwassError
 from ...progress import Progress
+from ...sentence import Sentence
 from ..handles import Handle, found
+from ..joined_shapes import has_instances
 from ..morphs.animated_inputs import animation_notices
 from ..morphs.changes import signature, store_signatures
 from ..morphs.hidden_inputs import hide_shapes
 from ..morphs.morph_request import MorphRequest
 from ..morphs.stored import store
+from ..object_copies import has_copies
 from ..shape_sources import shape_source
 from .key_basis import KeyBasis
 from .records import described_bake
@@ -56,6 +59,15 @@ class KeyJob:
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
         self._bases: list[KeyBasis] = []
         self.notices = animation_notices(inputs, scene.frame_current)
+
+    def _notice_instances(self, inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
+        """Add a notice for each shape that shows instances, which have no vertices of its mesh."""
+        for obj in inputs:
+            if has_instances(obj, depsgraph) or has_copies(obj):
+                values = {"name": obj.name}
+                self.notices.append(
+                    Sentence("Instances that {name} shows are left out; realize them if they belong to it.", values)
+                )
 
     def write(self, report: Progress[object]) -> None:
         """Do nothing: the file is only changed at the end."""

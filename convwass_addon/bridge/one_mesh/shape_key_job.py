@@ -64,6 +64,7 @@ class ShapeKeyJob(KeyJob):
     ) -> None:
         super().__init__(scene, inputs, replace(request, two_meshes=False), settings, first_frame)
         with armature_last(inputs[0]):
+            self._notice_instances(inputs, depsgraph)
             others = [triangle_mesh(obj, depsgraph) for obj in inputs[1:]]
             basis = KeyBasis.of(inputs[0], depsgraph, request.basis, settings.resolution)
             self._bases.append(basis)

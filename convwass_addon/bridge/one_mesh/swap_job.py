@@ -68,6 +68,7 @@ class SwapJob(KeyJob):
             raise InputError("Symmetric needs one mesh for both shapes; switch it or Two Meshes off.")
         super().__init__(scene, inputs, replace(request, two_meshes=True), settings, first_frame)
         with armature_last(inputs[0]), armature_last(inputs[1]):
+            self._notice_instances(inputs, depsgraph)
             try:
                 for obj in inputs:
                     self._bases.append(KeyBasis.of(obj, depsgraph, request.basis, settings.resolution))
