@@ -16,7 +16,7 @@ from ..applications.whole_paths import share_a_place
 from ..bridge.files import checked_folder
 from ..bridge.handles import Handle
 from ..bridge.palettes.image_files import save_pixels
-from ..bridge.palettes.image_kinds import is_clip
+from ..bridge.palettes.image_kinds import RESULT_OF, is_clip
 from ..drafts import DraftFiles
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
@@ -126,6 +126,7 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
         self._name, self._image = image.name, Handle.of("images", image)
         try:
             targets = [folder / name for name in frames.names]
+            _require_own(image, targets)
             return ClipJob(frames, *read_palettes(context), self.recolor_settings(), targets)
         except BaseException:
             frames.close()
@@ -147,6 +148,16 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
         text = rpt_("Recolored {:d} frames of {:s}, in {:s}")
         tell(self, text.format(len(paths), self._name, str(paths[0].parent)))
         return {"FINISHED"}
+
+
+def _require_own(image: bpy.types.Image, targets: Sequence[Path]) -> None:
+    """Raise InputError if files are the recolored frames of another clip in the .blend file."""
+    for other in bpy.data.images:
+        source = other.get(RESULT_OF, image.name)
+        if source == image.name or source not in bpy.data.images or not is_clip(other):
+            continue
+        if share_a_place(targets, [Path(bpy.path.abspath(other.filepath, library=other.library))]):
+            raise InputError("The results would overwrite those of {image}; choose another folder.", image=source)
 
 
 def _show(context: bpy.types.Context, source: bpy.types.Image, result: bpy.types.Image, paths: Sequence[Path]) -> None:

@@ -148,6 +148,31 @@ def test_empty_frames_do_not_count(clip, files, tmp_path):
         call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
 
 
+def test_results_of_another_clip_are_not_overwritten(clip, files, tmp_path):
+    graded = str(tmp_path / "graded")
+    call("recolor_clip", image="Shot", folder=graded)
+    before = {path: path.read_bytes() for path in (tmp_path / "graded").iterdir()}
+    (tmp_path / "second").mkdir()
+    for path in files:
+        (tmp_path / "second" / path.name).write_bytes(path.read_bytes())
+    other = bpy.data.images.load(str(tmp_path / "second" / files[0].name))
+    other.name, other.source = "Second", "SEQUENCE"
+    with pytest.raises(RuntimeError, match="The results would overwrite those of Shot; choose another folder"):
+        call("recolor_clip", image="Second", folder=graded)
+    assert {path: path.read_bytes() for path in (tmp_path / "graded").iterdir()} == before
+    assert call("recolor_clip", image="Second", folder=str(tmp_path / "more")) == {"FINISHED"}
+    assert call("recolor_clip", image="Shot", folder=graded) == {"FINISHED"}
+    # Nobody needs the results of a clip that is gone.
+    bpy.data.images.remove(clip)
+    assert call("recolor_clip", image="Second", folder=graded) == {"FINISHED"}
+
+
+def test_a_mask_of_another_size_is_refused_by_the_name_of_the_clip(clip, tmp_path):
+    bpy.context.scene.convwass_recolor.mask = image_of("Mask", np.ones((4, 4, 4)))
+    with pytest.raises(RuntimeError, match="The mask Mask has 4 x 4 pixels, unlike Shot; "):
+        call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+
+
 def test_masks_protect_in_every_frame(clip, files, tmp_path):
     white = np.ones((40, 60, 4))
     white[:, :30, :3] = 0.0

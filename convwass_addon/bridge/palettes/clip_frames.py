@@ -43,7 +43,7 @@ class ClipFrames:
         self.numbers = _sequence(self.path) if image.source == "SEQUENCE" else range(1, image.frame_duration + 1)
         if not len(self.numbers):
             raise InputError("There is no file {file}.", file=str(self.path))
-        self._original = Handle.of("images", image)
+        self._original, self._name = Handle.of("images", image), image.name
         self._mask = None if mask is None else Handle.of("images", mask)
         self._copy: Handle | None = None
         self._texture: Handle | None = None
@@ -97,10 +97,10 @@ class ClipFrames:
         texture.evaluate((0.0, 0.0, 0.0))
         if not len(image.pixels):
             raise InputError(
-                "Frame {number} of {image} could not be read.", number=self.numbers[place], image=image.name
+                "Frame {number} of {image} could not be read.", number=self.numbers[place], image=self._name
             )
         mask = None if self._mask is None else self._mask.find()
-        return read_picture(image, mask)
+        return read_picture(image, mask, self._name)
 
     def close(self) -> None:
         """Remove the temporary copy and texture."""

@@ -20,16 +20,25 @@ _LINEAR = ("Linear Rec.709", "Linear", "scene_linear", "Linear BT.709 I-D65")
 _SRGB = ("sRGB", "sRGB OETF", "Utility - sRGB - Texture", "Non-Color", "Raw", "Generic Data")
 
 
-def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None) -> Picture:
+def read_picture(image: bpy.types.Image, mask: bpy.types.Image | None = None, name: str = "") -> Picture:
     """Read an image, and a mask of the same size.
+
+    Parameters
+    ----------
+    image : bpy.types.Image
+        The image.
+    mask : bpy.types.Image, optional
+        The mask.
+    name : str
+        Name of the image in messages; empty for its own.
 
     Raises
     ------
     InputError
         No pixels, tiles, an unsupported color space, or a mask of another size.
     """
-    pixels = read_pixels(image)
-    return Picture(pixels, image_format(image), None if mask is None else _mask(mask, image), name=image.name)
+    pixels, name = read_pixels(image), name or image.name
+    return Picture(pixels, image_format(image), None if mask is None else _mask(mask, image, name), name=name)
 
 
 def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
@@ -99,14 +108,14 @@ def scene_to_rec709() -> NDArray[np.float64]:
     return np.eye(3) if np.abs(matrix - np.eye(3)).max() < 1e-4 else matrix
 
 
-def _mask(mask: bpy.types.Image, image: bpy.types.Image) -> NDArray[np.float32]:
+def _mask(mask: bpy.types.Image, image: bpy.types.Image, name: str) -> NDArray[np.float32]:
     if tuple(mask.size) != tuple(image.size):
         raise InputError(
             "The mask {mask} has {width} x {height} pixels, unlike {image}; scale it: Image > Resize.",
             mask=mask.name,
             width=mask.size[0],
             height=mask.size[1],
-            image=image.name,
+            image=name,
         )
     values = read_pixels(mask)[..., :3].mean(axis=2)
     return np.clip(np.nan_to_num(values), 0.0, 1.0)
