@@ -15,6 +15,7 @@ from convwass_addon.bridge.one_mesh.moving_meshes import keyed_span
 from convwass_addon.bridge.one_mesh.records import key_records
 from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
+from convwass_addon.errors import InputError
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -57,6 +58,8 @@ def test_the_handle_drives_the_sliders(count):
         np.testing.assert_allclose(world(obj), rest + shift, atol=1e-5)
     handle.location = np.mean(places, axis=0)
     np.testing.assert_allclose(world(obj), rest + np.mean(shifts, axis=0), atol=1e-5)
+    with pytest.raises(InputError, match="key Key Handle, which drives it, first"):
+        keyed_span(obj)
     for frame, place in ((4, places[0]), (9, places[1])):
         handle.location = place
         handle.keyframe_insert("location", frame=frame)

@@ -47,6 +47,11 @@ def keyed_span(obj: bpy.types.Object) -> range:
     """
     blocks = _with_drivers(obj)
     spans = [curve.range() for block in blocks for curve in curves_of(block) if len(curve.keyframe_points)]
+    driving = next((own for own in blocks if isinstance(own, bpy.types.Object) and own != obj), None)
+    if not spans and driving is not None:
+        raise InputError(
+            "{name} is not animated; key {driving}, which drives it, first.", name=obj.name, driving=driving.name
+        )
     if not spans:
         raise InputError("{name} is not animated; key its sliders first.", name=obj.name)
     return range(round(min(span[0] for span in spans)), round(max(span[1] for span in spans)) + 1)
