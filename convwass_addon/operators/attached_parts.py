@@ -55,7 +55,7 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
 
 
 class CONVWASS_OT_make_key_pad(bpy.types.Operator):
-    """Create a pad whose handle drives the sliders of the active mesh; for two or three other shapes"""
+    """Create a pad whose handle drives the sliders of the active mesh, in place of their keyframes; for two or three other shapes"""  # noqa: E501
 
     bl_idname = "convwass.make_key_pad"
     bl_label = "Make Pad"
