@@ -49,6 +49,27 @@ def absolute_path(path: str) -> Path:
     return whole_path(bpy.path.abspath(path))
 
 
+def absolute_file(path: str | Path) -> Path:
+    """Return the absolute path of a file, which need not exist.
+
+    Parameters
+    ----------
+    path : str or Path
+        // stands for the folder of the .blend file.
+
+    Raises
+    ------
+    InputError
+        The path is relative to an unsaved file.
+    """
+    text = str(path)
+    if text.startswith("//") and not bpy.data.filepath:
+        raise InputError(
+            "Save the file first, since {folder} is relative to it, or choose an absolute path.", folder=text
+        )
+    return whole_path(bpy.path.abspath(text))
+
+
 def absolute_folder(folder: str | Path) -> Path:
     """Return the absolute path of an output folder, which need not exist.
 

@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
+from ..bridge.files import absolute_file
 from ..bridge.reflectance.frame_span import Frames
 from ..errors import ConvwassError, InputError
 from ..properties.light import sun_of
@@ -45,11 +44,11 @@ class CONVWASS_OT_import_lobes(bpy.types.Operator):
         from ..bridge.reflectance.lobe_files import read_lobe_file
         from ..bridge.reflectance.lobe_materials import lobe_material
 
-        path = Path(bpy.path.abspath(self.filepath))
         scene = context.scene
         try:
             if not self.filepath:
                 raise InputError("Choose a file to read.")
+            path = absolute_file(self.filepath)
             with busy_cursor(context):
                 tables = read_lobe_file(path)
             frames = Frames(scene.frame_start, max(scene.frame_end, scene.frame_start + 1))

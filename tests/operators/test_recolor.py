@@ -128,6 +128,8 @@ def test_a_table_does_the_same(own, tmp_path):
     assert error.mean() < 0.6 and error.max() < 6.0
     with pytest.raises(RuntimeError, match="Choose a file"):
         call("write_cube", image="Red")
+    with pytest.raises(RuntimeError, match=r"Save the file first, since //grade\.cube is relative to it"):
+        call("write_cube", image="Red", filepath="//grade.cube")
     with pytest.raises(RuntimeError, match="does not exist"):
         call("write_cube", image="Red", filepath=str(tmp_path / "none" / "grade.cube"))
 

@@ -123,6 +123,8 @@ def test_the_table_is_written_and_can_be_imported(tmp_path):
         bpy.ops.convwass.import_lobes(filepath=str(tmp_path / "c.exr"))
     with pytest.raises(RuntimeError, match="Choose a file to read"):
         bpy.ops.convwass.import_lobes(filepath="")
+    with pytest.raises(RuntimeError, match="Save the file first"):
+        bpy.ops.convwass.import_lobes(filepath="//a.exr")
 
 
 @pytest.mark.usefixtures("metals")
@@ -168,6 +170,7 @@ def test_the_cursor_shows_that_blender_is_busy_and_is_restored():
         ({"blend": "WEIGHTS", "weights": "1, 0; 0, 1"}, "Weights must be numbers"),
         ({"frame_start": 5, "frame_end": 5}, "must come after"),
         ({"table": "/tmp/x.png"}, "does not end in"),
+        ({"table": "//x.exr"}, "Save the file first"),
         ({"table": "/tmp/x.npz"}, "one blend"),
         ({"table": "/tmp/x.lobes.exr"}, "one blend"),
     ],
