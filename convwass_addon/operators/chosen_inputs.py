@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
 from dataclasses import dataclass
 
 import bpy
@@ -109,9 +110,12 @@ def _require_shape(obj: bpy.types.Object | None, number: int, scene: bpy.types.S
         )
 
 
-def split_names(text: str) -> list[str]:
-    """Split a list of names, at line breaks if there are any, else at commas."""
-    return [name.strip() for name in _separated(text)]
+def split_names(text: str, known: Container[str] = ()) -> list[str]:
+    """Split a list of names, at line breaks if there are any, else at commas.
+
+    Spaces around a name are removed, unless it is known with them.
+    """
+    return [name if name in known else name.strip() for name in _separated(text)]
 
 
 def _separated(text: str) -> list[str]:

@@ -116,7 +116,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
         from ..applications.densities.density_measures import MEASURING_SUBSTEPS
 
         obj = context.object
-        named = split_names(self.groups)
+        named = split_names(self.groups, group_names(obj))
         names = named or group_names(obj)
         weights = read_groups(obj, names)
         if not named:

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
+from ..bridge.vertex_groups import group_names
 from ..errors import InputError
 from ..properties.densities import CONVWASS_PG_densities
 from .chosen_inputs import split_names
@@ -63,7 +64,7 @@ class StopArguments:
             There are no names and no stops, or some numbers are invalid.
         """
         own = context.object.convwass_density
-        names = split_names(self.groups) or ([first, second] if first or second else [])
+        names = split_names(self.groups, group_names(context.object)) or ([first, second] if first or second else [])
         if names or not own.stops:
             names = names or chosen_pair(context.object)
             if not all(names):

@@ -150,7 +150,7 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
     def _chosen(self, context: bpy.types.Context) -> list[bpy.types.Material]:
         chosen = [material for material, _ in context.scene.convwass_reflectance.chosen_materials]
         if self.materials.strip():
-            chosen = [_named(name) for name in split_names(self.materials)]
+            chosen = [_named(name) for name in split_names(self.materials, bpy.data.materials)]
         if not 2 <= len(chosen) <= 4:
             raise InputError("Choose two to four materials, not {count}.", count=len(chosen))
         return chosen

@@ -156,7 +156,7 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
     def _chosen(self, context: bpy.types.Context) -> list[bpy.types.World]:
         worlds = context.scene.convwass_sky.chosen_worlds
         if self.worlds.strip():
-            worlds = [_named(name) for name in split_names(self.worlds)]
+            worlds = [_named(name) for name in split_names(self.worlds, bpy.data.worlds)]
         if len(worlds) < 2:
             raise InputError("Choose at least two worlds, not {count}.", count=len(worlds))
         return worlds

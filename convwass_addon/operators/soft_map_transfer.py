@@ -100,20 +100,23 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
         # Attributes cannot be read in Edit Mode.
         with edit_mode_left(context):
             known = [name for kind, *_ in TRANSFERRED if kind in self.what for name in _NAMES[kind](giver)]
-            require_names(giver, known, split_names(self.names))
-            return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver)))
+            names = split_names(self.names, known)
+            require_names(giver, known, names)
+            return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver, names)))
 
     def _steps(self):
         return self._job.steps
 
-    def _ends(self, way: StoredWay, giver: bpy.types.Object, receiver: bpy.types.Object) -> TransferEnds:
+    def _ends(
+        self, way: StoredWay, giver: bpy.types.Object, receiver: bpy.types.Object, names: list[str]
+    ) -> TransferEnds:
         return TransferEnds(
             giver=giver,
             receiver=receiver,
             points=way.point_map(receiver),
             giver_mesh=resting_mesh(giver, way.side(giver).triangles),
             receiver_mesh=resting_mesh(receiver, way.side(receiver).triangles),
-            names=tuple(split_names(self.names)),
+            names=tuple(names),
             keep=self.existing == "KEEP",
             flip=self.flip_names,
             is_backward=self.direction == "BACKWARD",

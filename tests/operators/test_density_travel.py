@@ -125,6 +125,14 @@ def test_the_scene_range_is_extended_to_the_density(obj, frames, end):
     assert (scene.frame_start, scene.frame_end) == (1, end)
 
 
+def test_groups_may_begin_and_end_with_spaces(obj):
+    obj.vertex_groups["A"].name, obj.vertex_groups["C"].name = "Arm, left ", " C"
+    assert call("interpolate_density", first="Arm, left ", second=" C", steps=2) == {"FINISHED"}
+    assert bpy.ops.convwass.rebake_density() == {"FINISHED"}
+    assert bpy.ops.convwass.measure_groups(groups="Arm, left \n C") == {"FINISHED"}
+    assert stored_density(obj, "Density").inputs == ["Arm, left ", " C"]
+
+
 def test_unchanged_keys_leave_the_scene_unchanged(obj):
     call("interpolate_density", groups="A, C", frames="1, 13", steps=2)
     bpy.context.scene.frame_end = 99

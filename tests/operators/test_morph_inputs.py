@@ -184,6 +184,7 @@ def test_names_with_commas_are_on_separate_lines(shapes):
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="Cow, brown\nA\n")
     assert stored_morph(morph_collection()).inputs == ["Cow, brown", "A"]
     assert split_names(" a ,b,, c d ") == ["a", "b", "c d"]
+    assert split_names(" a \n b \n", [" a "]) == [" a ", "b"]
 
 
 @pytest.mark.parametrize(

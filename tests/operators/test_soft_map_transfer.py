@@ -52,6 +52,14 @@ def test_unknown_names_are_refused(pair):
     assert receiver.vertex_groups.keys() == ["Left"]
 
 
+def test_names_may_begin_and_end_with_spaces(pair):
+    giver, receiver = pair
+    weights = halves(giver)
+    paint(giver, **{" Left ": weights["Left"], "Right": weights["Right"]})
+    assert call("transfer_by_map", names=" Left ,  Right") == {"FINISHED"}
+    assert receiver.vertex_groups.keys() == [" Left ", "Right"]
+
+
 def add_armature(obj, *names):
     armature = bpy.data.objects.new("Armature", bpy.data.armatures.new("Armature"))
     bpy.context.collection.objects.link(armature)
