@@ -10,6 +10,7 @@ import struct
 import bpy
 import numpy as np
 import pytest
+from mathutils import Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
@@ -220,6 +221,23 @@ def test_the_material_that_the_object_has_in_place_of_that_of_its_mesh_is_baked(
     slot.link, slot.material = "OBJECT", plain_material("Green", (0.0, 1.0, 0.0))
     found = principled(baked(ball, texture_looks="START").material)
     assert found.inputs["Base Color"].default_value[:3] == pytest.approx((0.0, 1.0, 0.0), abs=1e-4)
+
+
+def test_the_object_may_have_been_moved(ball):
+    expected = [pixels(image) for image in baked(ball).images]
+    ball.matrix_world = Matrix.LocRotScale((3.0, -4.0, 5.0), Euler((0.0, 0.0, 0.5)), (2.0, 2.0, 2.0))
+    bpy.context.view_layer.update()
+    for image, before in zip(baked(ball).images, expected, strict=True):
+        np.testing.assert_allclose(pixels(image), before, atol=0.02)
+    copy = object_with_keys(ball, world_copy(ball), [], bpy.context.scene)
+    bpy.context.view_layer.update()
+    assert copy.matrix_world == Matrix() and len(baked(copy).images) == len(expected)
+
+
+def world_copy(obj):
+    mesh = obj.data.copy()
+    mesh.transform(obj.matrix_world, shape_keys=True)
+    return mesh
 
 
 def test_a_mesh_to_which_shapes_are_added_keeps_those_that_it_has(ball):

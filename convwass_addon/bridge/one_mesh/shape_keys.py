@@ -15,7 +15,8 @@ from ...errors import InputError
 from ..keyframes import driver_targets
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
-from .records import BAKE_KEYS, SHAPES_KEY, has_key_record, key_names, key_records, store_records
+from .records import BAKE_KEYS, has_key_record, key_names, key_records, store_records
+from .texture_looks import remember_shape, remembered_shapes
 
 POOR = "{name} poor"
 """Name of the attribute that marks vertices which are not where they should be in a shape."""
@@ -75,8 +76,8 @@ def _kept_sliders(source: bpy.types.Object, obj: bpy.types.Object) -> list[dict[
             obj.pop(record["name"], None)
         return []
     _own_drivers(obj.data.shape_keys, source, obj)
-    if SHAPES_KEY in source:
-        obj[SHAPES_KEY] = source[SHAPES_KEY].to_dict()
+    for slider, (shape, placement) in remembered_shapes(source).items():
+        remember_shape(obj, slider, shape, placement)
     for name in (record["name"] for record in records):
         add_slider(obj, name)
         obj[name] = source.get(name, 0.0)

@@ -110,11 +110,28 @@ def remember_shape(obj: bpy.types.Object, slider: str, shape: bpy.types.Object, 
     shape : bpy.types.Object
         The shape.
     placement : (4, 4) float64
-        The transform from where it is in the scene to where the mesh reaches it.
+        The transform from where it is in the scene to where the mesh reaches it while the object is where it is now.
     """
     known = obj[SHAPES_KEY].to_dict() if SHAPES_KEY in obj else {}
-    values = np.asarray(placement, dtype=np.float64).ravel().tolist()
-    obj[SHAPES_KEY] = {**known, slider: {"shape": shape, "placement": values}}
+    placed, own = (np.array(matrix, dtype=np.float64).ravel().tolist() for matrix in (placement, obj.matrix_world))
+    obj[SHAPES_KEY] = {**known, slider: {"shape": shape, "placement": placed, "object": own}}
+
+
+def remembered_shapes(obj: bpy.types.Object) -> dict[str, tuple[bpy.types.Object, NDArray[np.float64]]]:
+    """Return the shapes that sliders of an object lead to, with their placements where the object is now, by slider.
+
+    Deleted shapes are left out.
+    """
+    known = obj[SHAPES_KEY].to_dict() if SHAPES_KEY in obj else {}
+    now = np.array(obj.matrix_world, dtype=np.float64)
+    found = {}
+    for slider, stored in known.items():
+        placed = np.array(stored["placement"], dtype=np.float64).reshape(4, 4)
+        # Earlier versions did not store where the object was.
+        before = np.array(stored["object"], dtype=np.float64).reshape(4, 4) if "object" in stored else now
+        if stored.get("shape") is not None:
+            found[slider] = (stored["shape"], now @ np.linalg.solve(before, placed))
+    return found
 
 
 def start_look(
@@ -149,8 +166,7 @@ def end_look(
     InputError
         The shape was deleted, or the mesh does not reach it.
     """
-    stored = obj[SHAPES_KEY].to_dict().get(slider, {}) if SHAPES_KEY in obj else {}
-    shape = stored.get("shape")
+    shape, placement = remembered_shapes(obj).get(slider, (None, None))
     if shape is None:
         raise InputError("The shape of {slider} is not in this file; bake the shape keys again.", slider=slider)
     record = next(own for own in key_records(obj) if own["name"] == slider)
@@ -159,7 +175,6 @@ def end_look(
         raise InputError("The shape key of {slider} was removed or renamed; bake it again.", slider=slider)
     positions = np.empty(3 * len(key.data), np.float32)
     key.data.foreach_get("co", positions)
-    placement = np.array(stored["placement"], dtype=np.float64).reshape(4, 4)
     there = triangle_mesh(shape, depsgraph)
     onto = _posed(obj, prepared, positions, scene, depsgraph)
     points = there.vertices @ placement[:3, :3].T + placement[:3, 3]
