@@ -169,6 +169,20 @@ def test_normal_maps_and_light_are_baked(ball):
     np.testing.assert_allclose(np.median(pixels(normals), axis=(0, 1)), (0.75, 0.5, 0.933), atol=0.02)
 
 
+def test_missing_images_are_named(ball, tmp_path):
+    texture = bpy.data.images.new("Lost", 4, 4)
+    texture.source, texture.filepath = "FILE", str(tmp_path / "lost.png")
+    tree = ball["convwass_shapes"]["Large"]["shape"].data.materials[0].node_tree
+    node = tree.nodes.new("ShaderNodeTexImage")
+    node.image = texture
+    tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    made = job(ball)
+    assert [str(notice) for notice in made.notices] == [
+        "The file of the image Lost of Large is missing; it is baked in magenta"
+    ]
+    made.discard()
+
+
 def test_mixed_shaders_and_groups_are_read(ball):
     """A quarter of a red Diffuse BSDF and three quarters of a group with a green Principled BSDF of alpha 0.5."""
     group = bpy.data.node_groups.new("Coat", "ShaderNodeTree")

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import bpy
 
@@ -108,6 +109,20 @@ def has_normals(materials: Sequence[bpy.types.Material | None]) -> bool:
     return any(
         node.inputs[name].is_linked for node in nodes for name in ("Normal", "Displacement") if _takes(node, name)
     )
+
+
+def missing_images(materials: Sequence[bpy.types.Material | None]) -> list[bpy.types.Image]:
+    """Return images in materials whose files do not exist."""
+    trees = [shown_tree(own) for own in materials if own is not None]
+    nodes = [node for tree in trees if tree is not None for own in node_trees(tree) for node in own.nodes]
+    images = dict.fromkeys(node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None)
+    return [
+        image
+        for image in images
+        if image.source == "FILE"
+        and image.packed_file is None
+        and not Path(bpy.path.abspath(image.filepath, library=image.library)).is_file()
+    ]
 
 
 def _takes(node: bpy.types.Node, name: str) -> bool:

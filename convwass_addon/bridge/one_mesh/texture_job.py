@@ -23,7 +23,7 @@ from ..morphs.disk_output import for_blender
 from .moving_meshes import srgb
 from .records import SWAP_KEY, key_records
 from .texture_baking import TextureSize, baked_pixels
-from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, shown_channel
+from .texture_channels import BASE_COLOR, EMISSION, NORMAL, VALUES, Channel, has_normals, missing_images, shown_channel
 from .texture_looks import BAKED, SLOTS, Look, end_look, start_look
 from .texture_material import ChannelImages, baked_material
 from .texture_uvs import baked_uv_map, loop_uvs, texture_pixels
@@ -125,12 +125,22 @@ class TextureJob:
                 self._looks.append(start_look(obj, prepared, scene, depsgraph))
             for slider in {"ALL": sliders, "START": [], "END": sliders[-1:]}[settings.texture_looks]:
                 self._looks.append(end_look(obj, slider, prepared, scene, depsgraph))
+            for look in self._looks:
+                self._note_missing_images(look)
             self._values = {channel: [_value_of(look, channel) for look in self._looks] for channel in VALUES}
         except BaseException:
             self.discard()
             raise
         finally:
             bpy.data.meshes.remove(prepared)
+
+    def _note_missing_images(self, look: Look) -> None:
+        """Add a notice for images of a look that Cycles shows in magenta."""
+        for image in missing_images(_materials(look)):
+            values = {"image": image.name, "name": look.name}
+            self.notices.append(
+                Sentence("The file of the image {image} of {name} is missing; it is baked in magenta", values)
+            )
 
     def _is_common(self, channel: Channel) -> bool:
         """Return whether a channel is the same everywhere on all shapes."""
