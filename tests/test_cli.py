@@ -17,9 +17,10 @@ from convwass_addon import cli
 from convwass_addon.applications import memory
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.one_mesh import shape_key_job
+from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
 from convwass_addon.cli import program
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
@@ -297,6 +298,21 @@ def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "keys.blend"))
     (obj,) = (obj for obj in bpy.data.objects if obj.name.endswith("Morph"))
     assert obj.data.materials[-1].name == f"{obj.name} Baked"
+
+
+def test_two_meshes_follow_a_morph_of_the_given_threads(shapes, tmp_path, monkeypatch):
+    asked = []
+
+    def swapped(meshes, names, error, settings, guides, control, how):
+        asked.append(how.workers)
+        yield Progress(0.5, Sentence("Half"))
+        still = [KeyPath("Other", (1.0,), mesh.vertices[None], None, 0.0, 0.0, 0.0, 0) for mesh in meshes]
+        return SwappedMeshes(*still, 0.5, 0.001)
+
+    monkeypatch.setattr(swap_job, "swapped_meshes", swapped)
+    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--output", "shape-keys", "--two-meshes"]
+    assert cli.main([*words, "--workers", "1", "--out", str(tmp_path / "keys.blend")]) == 0
+    assert asked == [1]
 
 
 def test_too_much_memory_has_its_own_code(shapes, tmp_path, capfd, monkeypatch):

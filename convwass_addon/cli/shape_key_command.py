@@ -10,6 +10,7 @@ from pathlib import Path
 
 import bpy
 
+from ..applications.morphs.computation import Computation
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import save_blend
@@ -49,7 +50,7 @@ def with_shape_keys(
     if request.two_meshes:
         return _with_two_meshes(inputs, options, request, settings, target)
     job = ShapeKeyJob(scene, depsgraph, inputs, request, settings, scene.frame_start)
-    (obj,) = _finished(job)
+    (obj,) = _finished(job, options.workers)
     record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
     besides = []
     if options.textures:
@@ -69,16 +70,16 @@ def _with_two_meshes(
         raise InputError("--two-meshes makes two objects; leave out --{option}.", option=given[0])
     scene = bpy.context.scene
     job = SwapJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, request, settings, scene.frame_start)
-    made = _finished(job)
+    made = _finished(job, options.workers)
     record = {"objects": [obj.name for obj in made], "coherence": settings.coherence, **job.found.record()}
     return Answer.of_files(record, [save_blend(target)])
 
 
-def _finished(job: ShapeKeyJob | SwapJob) -> list[bpy.types.Object]:
+def _finished(job: ShapeKeyJob | SwapJob, workers: int | None) -> list[bpy.types.Object]:
     """Run a job with a progress bar, and return what it made."""
     try:
         with ProgressBar("Making shape keys") as bar:
-            bar.result_of(job.steps())
+            bar.result_of(job.steps(how=Computation(workers=workers)))
         made = job.finish(hide_inputs=True)
     except BaseException:
         job.discard()
