@@ -112,6 +112,14 @@ def remove_curve(block: bpy.types.ID, path: str) -> None:
         bag.fcurves.remove(curve)
 
 
+def own_action(block: bpy.types.ID) -> None:
+    """Give a data-block an action of its own if it shares its keyframes, as linked duplicates and copies do."""
+    data = block.animation_data
+    if data and data.action and data.action_slot and len(data.action_slot.users()) > 1:
+        slot, data.action = data.action_slot.identifier, data.action.copy()
+        data.action_slot = data.action.slots[slot]
+
+
 def clear_animation(block: bpy.types.ID) -> None:
     """Remove the keyframes and drivers of a data-block, and its action unless something else uses it."""
     action = None if block.animation_data is None else block.animation_data.action

@@ -13,7 +13,7 @@ import pytest
 from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.bridge.skies import world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
-from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
+from convwass_addon.bridge.skies.world_skies import sequence_world, shown_files, world_sky
 from convwass_addon.operators.sky_blend import CONVWASS_OT_blend_skies
 from tests.lights import sky
 from tests.operators.densities import (
@@ -63,6 +63,28 @@ def test_every_frame_is_a_file_and_the_world_shows_them(worlds):
     assert abs(column + 0.5 - 16) <= 1
     # And higher than both ends, which are at 22 degrees: on the great circle at 30.
     assert 90 - (row + 0.5) * 180 / 64 == pytest.approx(np.degrees(np.arctan2(0.4, np.sqrt(0.5))), abs=2.9)
+
+
+def test_changes_of_the_world_are_kept(worlds):
+    blend(worlds)
+    world = bpy.data.worlds["Sky 0-1"]
+    copy = world.copy()
+    copy.name = "Dusk"
+    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    strength = background.inputs["Strength"]
+    for frame, value in ((1, 0.5), (9, 2.0)):
+        strength.default_value = value
+        strength.keyframe_insert("default_value", frame=frame)
+    blend(worlds, frame_start=11, frame_end=12)
+    assert bpy.context.scene.world == world
+    seen = []
+    for frame in (1, 9, 11, 12):
+        bpy.context.scene.frame_set(frame)
+        texture = next(node for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT")
+        seen.append((strength.default_value, texture.image_user.frame_offset))
+    assert seen == [(0.5, 10), (2.0, 10), (2.0, 10), (2.0, 11)]
+    assert shown_files(world) == {worlds / f"sky.00{frame}.exr" for frame in (11, 12)}
+    assert shown_files(copy) == {worlds / f"sky.000{frame}.exr" for frame in (4, 5, 6)}
 
 
 def test_the_world_of_the_scene_stays_in_the_file(worlds, tmp_path):

@@ -18,7 +18,7 @@ from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ..keyframes import EASINGS
+from ..keyframes import EASINGS, own_action
 from ..mesh_checks import writable_mesh
 from ..node_inputs import NodeInput, node_input
 from .density_attributes import remove_color, remove_frames, require_free, write_frames
@@ -200,10 +200,8 @@ def _unkey(value: NodeInput) -> None:
     """Remove the keys of a value; other animation of the object, and that of its linked duplicates, is kept."""
     if not _curve(value):
         return
+    own_action(value.modifier.id_data)
     data = value.modifier.id_data.animation_data
-    if len(data.action_slot.users()) > 1:
-        slot, data.action = data.action_slot.identifier, data.action.copy()
-        data.action_slot = data.action.slots[slot]
     bag, action = _channels(value), data.action
     bag.fcurves.remove(_curve(value))
     if not bag.fcurves:

@@ -16,13 +16,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.whole_paths import whole_path
-from ..keyframes import clear_animation, curves_of, make_linear
+from ..keyframes import clear_animation, curves_of, own_action, remove_curve
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
 
 RESULT_OF = "convwass_skies"
-"""Custom property of a world that shows a sequence: its source."""
+"""Custom property of a world that shows a sequence, its source, and of the node of the images."""
 
 # The disc of a sun covers two to four pixels; fewer samples would miss its edge.
 _SAMPLES = 32
@@ -124,8 +124,9 @@ def _files(texture: bpy.types.Node) -> list[Path]:
     number = re.search(r"([0-9]+)[^0-9]*$", path.stem)
     if image.source != "SEQUENCE" or number is None:
         return [path]
-    place = f"{texture.path_from_id()}.image_user.frame_offset"
-    keys = [key for curve in curves_of(texture.id_data) if curve.data_path == place for key in curve.keyframe_points]
+    path_of_keys = _number_path(texture)
+    curves = [curve for curve in curves_of(texture.id_data) if curve.data_path == path_of_keys]
+    keys = [key for curve in curves for key in curve.keyframe_points]
     offsets = [round(key.co[1]) for key in keys] or [user.frame_offset]
     digits = number.end(1) - number.start(1)
     return [
@@ -135,7 +136,7 @@ def _files(texture: bpy.types.Node) -> list[Path]:
 
 
 def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.World:
-    """Create a world that shows one file per frame, or update the one of that name.
+    """Create a world that shows one file per frame, or update the one of that name, whose other nodes are kept.
 
     Parameters
     ----------
@@ -146,14 +147,28 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
     first_frame : int
         Number of the first frame.
     """
-    own = (item for item in bpy.data.worlds if item.get(RESULT_OF) == name and item.library is None)
-    world = next(own, None) or bpy.data.worlds.new(name)
+    own = [item for item in bpy.data.worlds if item.get(RESULT_OF) == name and item.library is None]
+    # The user may have copied the result, and renamed the copy.
+    own.sort(key=lambda item: item.name != name)
+    world = own[0] if own else bpy.data.worlds.new(name)
     world[RESULT_OF] = name
-    if world.node_tree is not None:
-        clear_animation(world.node_tree)
     if world.node_tree is None:  # Blender 4.5; later versions create nodes automatically and deprecate this property
         world.use_nodes = True
-    tree = world.node_tree
+    nodes = world.node_tree.nodes
+    texture = next((node for node in nodes if RESULT_OF in node), None) or _new_texture(world.node_tree)
+    before, texture.image = texture.image, None
+    if before is not None and not before.users:
+        bpy.data.images.remove(before)
+    texture.image = bpy.data.images.load(str(files[0]))
+    texture.image.name = name
+    texture.image.source = "SEQUENCE"
+    _key_numbers(texture, first_frame, len(files))
+    return world
+
+
+def _new_texture(tree: bpy.types.NodeTree) -> bpy.types.Node:
+    """Replace all nodes by those of a world that shows an environment image; return the node of the image."""
+    clear_animation(tree)
     old = {node.image for node in tree.nodes if node.type == "TEX_ENVIRONMENT" and node.image is not None}
     tree.nodes.clear()
     for image in old:
@@ -162,14 +177,11 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
     output = tree.nodes.new("ShaderNodeOutputWorld")
     background = tree.nodes.new("ShaderNodeBackground")
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
+    texture[RESULT_OF] = True
     background.location, texture.location = (-200.0, 0.0), (-500.0, 0.0)
-    texture.image = bpy.data.images.load(str(files[0]))
-    texture.image.name = name
-    texture.image.source = "SEQUENCE"
-    _key_numbers(texture, first_frame, len(files))
     tree.links.new(texture.outputs["Color"], background.inputs["Color"])
     tree.links.new(background.outputs["Background"], output.inputs["Surface"])
-    return world
+    return texture
 
 
 def _key_numbers(texture: bpy.types.Node, first_frame: int, count: int) -> None:
@@ -177,9 +189,18 @@ def _key_numbers(texture: bpy.types.Node, first_frame: int, count: int) -> None:
 
     Without keys, a sequence shows the file before the first one until it starts, which does not exist.
     """
-    user = texture.image_user
+    user, tree, path = texture.image_user, texture.id_data, _number_path(texture)
     user.frame_start, user.frame_duration, user.use_auto_refresh = _LONG_AGO, 1, True
+    own_action(tree)
+    remove_curve(tree, path)
     for frame in (first_frame, first_frame + count - 1):
         user.frame_offset = frame - 1
-        texture.id_data.keyframe_insert(f"{texture.path_from_id()}.image_user.frame_offset", frame=frame)
-    make_linear(texture.id_data)
+        tree.keyframe_insert(path, frame=frame)
+    for curve in curves_of(tree):
+        for point in curve.keyframe_points if curve.data_path == path else ():
+            point.interpolation = "LINEAR"
+
+
+def _number_path(texture: bpy.types.Node) -> str:
+    """Return the path of the property that selects the file of a sequence."""
+    return f"{texture.path_from_id()}.image_user.frame_offset"
