@@ -9,6 +9,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.active import active_object
 from ..bridge.handles import Handle
+from ..bridge.mesh_checks import writable_mesh
 from ..errors import InputError
 from ..properties.recolor import RecolorProperties, attribute_name_property
 from ..sentence import Sentence
@@ -45,6 +46,7 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         if not self.result:
             raise InputError("Name the color attribute of the result.")
         obj, giver = context.object, context.scene.convwass_recolor.palette_object
+        writable_mesh(obj)
         self._name, self._giver = obj.data.color_attributes.active_color_name, giver.name
         pictures = [read_colors_as_picture(own) for own in (obj, giver)]
         return RecolorJob(Handle.of("objects", obj), pictures[0], pictures[1:], [1.0], self.recolor_settings())

@@ -276,6 +276,24 @@ def test_attributes_take_the_palette_of_others(own):
     assert (np.abs(_mean(obj, "Col") - (0.25, 0.25, 0.35)) < 0.06).all()
 
 
+def test_attributes_of_linked_objects_are_read_and_not_written(own, tmp_path):
+    _colored("Linked", (0.1, 0.3, 0.5), 1)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, target):
+        target.objects = ["Linked"]
+    linked, obj = target.objects[0], _colored("Local", (0.4, 0.2, 0.2), 2)
+    bpy.context.collection.objects.link(linked)
+    settings = bpy.context.scene.convwass_recolor
+    settings.palette_object = linked
+    assert call("recolor_attribute") == {"FINISHED"}
+    settings.palette_object = obj
+    bpy.context.view_layer.objects.active = linked
+    with pytest.raises(RuntimeError, match="is linked from another file and cannot be changed here"):
+        call("recolor_attribute")
+    assert linked.data.color_attributes.keys() == ["Col"]
+
+
 def test_a_result_without_a_name_is_refused_before_the_work(own, monkeypatch):
     own.palette_object = _colored("Giver", (0.1, 0.3, 0.5), 1)
     _colored("Receiver", (0.4, 0.2, 0.2), 2)
