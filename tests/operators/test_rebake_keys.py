@@ -134,6 +134,19 @@ def test_keys_materials_modifiers_and_place_are_kept(shapes):
     assert [material.name for material in obj.data.materials] == ["Skin"]
 
 
+def test_linked_duplicates_show_the_new_mesh(shapes, capfd):
+    obj = bake("A,B")
+    twin = obj.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    shapes[1].scale.z = 5.0
+    bpy.ops.convwass.rebake_morph()
+    assert twin.data == obj.data
+    assert "Attach" not in capfd.readouterr().out
+    obj.animation_data.action = None
+    height(obj, B=1.0)
+    assert height(twin) == pytest.approx(20.0)
+
+
 def test_settings_are_those_of_the_bake(shapes):
     obj = bake("A,B", key_error=1.5, layout="TRIANGLE", start="CUSTOM", frame_start=7)
     before = stored_morph(obj)

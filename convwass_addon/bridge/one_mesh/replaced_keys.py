@@ -63,7 +63,8 @@ def delete_keys(keyed: bpy.types.Object) -> None:
 
 def following_notices(keyed: Sequence[bpy.types.Object]) -> list[Sentence]:
     """Return a notice that parts attached to objects with new keys still follow the keys of the last bake."""
-    names = [obj.name for obj in bpy.data.objects if obj not in keyed and _follows(obj, keyed)]
+    meshes = [obj.data for obj in keyed]
+    names = [obj.name for obj in bpy.data.objects if obj.data not in meshes and _follows(obj, keyed)]
     if not names:
         return []
     return [Sentence("Attach {names} again, since their keys follow the last bake", {"names": ", ".join(names)})]
@@ -117,12 +118,13 @@ def _take_drivers(before: bpy.types.Object, own: bpy.types.Object) -> None:
 
 
 def _take_mesh(before: bpy.types.Object, own: bpy.types.Object) -> None:
-    """Give an object the mesh of a new one."""
+    """Give an object, and all others that show the same mesh, the mesh of a new one."""
     spare, mesh = before.data, own.data
     if len(spare.materials) == len(mesh.materials):
         for place, material in enumerate(spare.materials):
             mesh.materials[place] = material
-    before.data = mesh
+    for obj in [obj for obj in bpy.data.objects if obj.data == spare]:
+        obj.data = mesh
     before.active_shape_key_index = 0
     if spare.users == 0:
         name = spare.name
