@@ -230,6 +230,10 @@ def test_colors_travel_with_the_matter(bare_scene, make_object):
     np.testing.assert_array_equal(slots, right)
     assert mesh.color_attributes.active_color_name == "Color"
     np.testing.assert_array_equal(seen_colors(mesh, WHITE), values(mesh, "Color", "color", 4))
+    # A material that its user has assigned shows its own color.
+    for slot in range(len(mesh.materials)):
+        mesh.materials[slot] = material("Own", (0.25, 0.5, 0.0, 1.0))
+    np.testing.assert_allclose(seen_colors(mesh, WHITE), np.tile((0.25, 0.5, 0.0, 1.0), (len(slots), 1)), atol=1e-3)
 
 
 def rendered_color(scene, tmp_path, obj):

@@ -14,7 +14,7 @@ from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
-from .materials import base_color
+from .materials import base_color, is_carrying, shows_color_attribute
 from .mixed_materials import emission_node
 
 # Rounding steps of normals per unit.
@@ -172,9 +172,16 @@ def write_velocity(mesh: bpy.types.Mesh, velocity: np.ndarray) -> None:
 def seen_colors(mesh: bpy.types.Mesh, color: Sequence[float]) -> np.ndarray:
     """Colors of the points of a mesh as rendered, (n, 4); `color` is that of its object."""
     carried = mesh.color_attributes.get(COLOR)
-    if carried is not None and carried.domain == "POINT":
+    if carried is not None and carried.domain == "POINT" and _shows_carried(mesh):
         return _gathered(carried.data, "color", 4, np.float32)
     return read_appearance(mesh, color).at(_gathered(mesh.vertices, "co", 3, np.float32)).colors
+
+
+def _shows_carried(mesh: bpy.types.Mesh) -> bool:
+    """Return whether the faces of a frame have its own materials, not others that its user has assigned."""
+    slots = np.unique(_gathered(mesh.polygons, "material_index", 1, np.int32))
+    used = [mesh.materials[slot] for slot in slots if slot < len(mesh.materials)]
+    return all(is_carrying(material) or shows_color_attribute(material) for material in used)
 
 
 def _write_colors(mesh: bpy.types.Mesh, name: str, colors: np.ndarray) -> None:
