@@ -48,6 +48,20 @@ def test_a_new_image_takes_the_palette(own):
     np.testing.assert_array_equal(pixels_of(result), before)
 
 
+def test_renamed_copies_of_results_are_kept(own):
+    red_image()
+    call("recolor_image", image="Red")
+    call("build_grade_nodes", image="Red", cube_size=3)
+    image, group = bpy.data.images["Red recolored"].copy(), bpy.data.node_groups["Grade Blue"].copy()
+    image.name, group.name, group.nodes[0].label = "A good one", "A good one", "Changed"
+    before = pixels_of(image)
+    call("recolor_image", image="Red", strength=0.0)
+    call("build_grade_nodes", image="Red", cube_size=3)
+    np.testing.assert_array_equal(pixels_of(image), before)
+    np.testing.assert_array_equal(pixels_of(bpy.data.images["Red recolored"]), pixels_of(bpy.data.images["Red"]))
+    assert group.nodes[0].label == "Changed"
+
+
 def test_an_image_is_replaced(own):
     red, known = red_image(), len(bpy.data.images)
     call("recolor_image", image="Red", output="REPLACE", lightness="KEEP")

@@ -167,6 +167,15 @@ def test_results_of_another_clip_are_not_overwritten(clip, files, tmp_path):
     assert call("recolor_clip", image="Second", folder=graded) == {"FINISHED"}
 
 
+def test_a_renamed_copy_of_the_result_is_kept(clip, tmp_path):
+    call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
+    copy = bpy.data.images["Shot recolored"].copy()
+    copy.name, shown = "A good one", copy.filepath
+    call("recolor_clip", image="Shot", folder=str(tmp_path / "more"))
+    assert copy.filepath == shown
+    assert bpy.data.images["Shot recolored"].filepath.startswith(str(tmp_path / "more"))
+
+
 def test_a_mask_of_another_size_is_refused_by_the_name_of_the_clip(clip, tmp_path):
     bpy.context.scene.convwass_recolor.mask = image_of("Mask", np.ones((4, 4, 4)))
     with pytest.raises(RuntimeError, match="The mask Mask has 4 x 4 pixels, unlike Shot; "):

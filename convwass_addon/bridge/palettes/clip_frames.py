@@ -13,6 +13,7 @@ import bpy
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..handles import Handle
+from ..last_result import last_result
 from ..numbered_files import numbered_paths
 from .image_files import FORMATS
 from .image_kinds import RESULT_OF, is_clip
@@ -117,12 +118,11 @@ class ClipFrames:
 
 def sequence_image(source: bpy.types.Image, paths: Sequence[Path]) -> bpy.types.Image:
     """Return an image that shows files as a sequence: the previous result for the same clip, or a new one."""
-    for image in bpy.data.images:
-        if image.get(RESULT_OF) == source.name and is_clip(image) and image.library is None:
-            break
-    else:
+    name = f"{source.name} recolored"
+    image = last_result((own for own in bpy.data.images if own.get(RESULT_OF) == source.name and is_clip(own)), name)
+    if image is None:
         image = bpy.data.images.load(str(paths[0]))
-        image.name = f"{source.name} recolored"
+        image.name = name
         image[RESULT_OF] = source.name
     image.source, image.filepath = "SEQUENCE", str(paths[0])
     # Discard cached frames of files with the same names.

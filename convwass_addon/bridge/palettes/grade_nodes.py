@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.palettes.lookup_table import LookupTable
+from ..last_result import last_result
 from ..node_math import math_node
 
 Socket = bpy.types.NodeSocket
@@ -68,12 +69,8 @@ def grade_group(table: LookupTable, name: str, source: str = "") -> bpy.types.No
 def _emptied_group(name: str, source: str) -> bpy.types.NodeTree:
     """Return the existing group without its nodes, or a new one."""
     mark = f"{name}\n{source}"
-    ends = {("Image", "INPUT"), ("Image", "OUTPUT")}
-    for group in bpy.data.node_groups:
-        sockets = {(item.name, item.in_out) for item in group.interface.items_tree if item.item_type == "SOCKET"}
-        if group.get(RESULT_OF) == mark and group.library is None and ends <= sockets:
-            break
-    else:
+    group = last_result((own for own in bpy.data.node_groups if own.get(RESULT_OF) == mark and _has_ends(own)), name)
+    if group is None:
         group = bpy.data.node_groups.new(name, "CompositorNodeTree")
         group.interface.new_socket("Image", in_out="INPUT", socket_type="NodeSocketColor")
         group.interface.new_socket("Image", in_out="OUTPUT", socket_type="NodeSocketColor")
@@ -83,6 +80,12 @@ def _emptied_group(name: str, source: str) -> bpy.types.NodeTree:
     group.nodes.clear()
     bpy.data.batch_remove([image for image in tables if not image.users])
     return group
+
+
+def _has_ends(group: bpy.types.NodeTree) -> bool:
+    """Return whether a group still has its input and its output."""
+    sockets = {(item.name, item.in_out) for item in group.interface.items_tree if item.item_type == "SOCKET"}
+    return {("Image", "INPUT"), ("Image", "OUTPUT")} <= sockets
 
 
 @dataclass(frozen=True)

@@ -14,6 +14,7 @@ from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..image_files import refuse_damaged
+from ..last_result import last_result
 from .image_kinds import RESULT_OF
 
 _LINEAR = ("Linear Rec.709", "Linear", "scene_linear", "Linear BT.709 I-D65")
@@ -124,13 +125,13 @@ def _mask(mask: bpy.types.Image, image: bpy.types.Image, name: str) -> NDArray[n
 def result_image(source: bpy.types.Image) -> bpy.types.Image:
     """Return an image for a result: the previous result of the same size and format, or a new image."""
     width, height = source.size
-    wanted = (source.name, (width, height), source.is_float, None)
-    for image in bpy.data.images:
-        if image.source == "SEQUENCE":
-            continue
-        if (image.get(RESULT_OF), tuple(image.size), image.is_float, image.library) == wanted:
-            return image
-    image = bpy.data.images.new(f"{source.name} recolored", width, height, alpha=True, float_buffer=source.is_float)
+    name, wanted = f"{source.name} recolored", (source.name, (width, height), source.is_float)
+    stills = (image for image in bpy.data.images if image.source != "SEQUENCE")
+    alike = (image for image in stills if (image.get(RESULT_OF), tuple(image.size), image.is_float) == wanted)
+    image = last_result(alike, name)
+    if image is not None:
+        return image
+    image = bpy.data.images.new(name, width, height, alpha=True, float_buffer=source.is_float)
     if not source.is_float:
         image.colorspace_settings.name = source.colorspace_settings.name
     # Bytes are read with straight alpha, whatever the file format.

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.reflectance.materials import Ggx
 from ..keyframes import clear_animation, curves_of, make_linear
+from ..last_result import last_result
 from ..node_trees import own_tree
 from .frame_span import Frames
 from .lobe_images import lobe_image
@@ -126,10 +127,8 @@ def principled_values(fit: PrincipledFit) -> dict[str, object]:
 def emptied(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, bpy.types.NodeTree]:
     """Return the material of an earlier result without its nodes, or a new one. Objects keep the material."""
     own = f"{kind} {file or name}"
-    found = [item for item in bpy.data.materials if item.get(RESULT_OF) == own and item.library is None]
-    # The user may have copied the result, and renamed the copy.
-    found.sort(key=lambda item: item.name != name)
-    material = found[0] if found else bpy.data.materials.new(name)
+    found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own)
+    material = last_result(found, name) or bpy.data.materials.new(name)
     material[RESULT_OF] = own
     tree = own_tree(material)
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...applications.whole_paths import whole_path
 from ..keyframes import clear_animation, curves_of, own_action, remove_curve
+from ..last_result import last_result
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
@@ -147,10 +148,8 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
     first_frame : int
         Number of the first frame.
     """
-    own = [item for item in bpy.data.worlds if item.get(RESULT_OF) == name and item.library is None]
-    # The user may have copied the result, and renamed the copy.
-    own.sort(key=lambda item: item.name != name)
-    world = own[0] if own else bpy.data.worlds.new(name)
+    own = (item for item in bpy.data.worlds if item.get(RESULT_OF) == name)
+    world = last_result(own, name) or bpy.data.worlds.new(name)
     world[RESULT_OF] = name
     if world.node_tree is None:  # Blender 4.5; later versions create nodes automatically and deprecate this property
         world.use_nodes = True
