@@ -42,6 +42,10 @@ def test_what_cannot_be_written_is_refused(keyed, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     with pytest.raises(RuntimeError, match=r"Save the file first, since //keys\.glb is relative to it"):
         bpy.ops.convwass.export_morph(filepath="//keys.glb")
+    bpy.ops.object.mode_set(mode="EDIT")
+    with pytest.raises(RuntimeError, match="is in Edit Mode"):
+        bpy.ops.convwass.export_morph(filepath=str(tmp_path / "keys.abc"))
+    bpy.ops.object.mode_set(mode="OBJECT")
     assert list(tmp_path.iterdir()) == []
     bpy.context.view_layer.objects.active = None
     assert not bpy.ops.convwass.export_morph.poll()

@@ -53,13 +53,15 @@ def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
     Raises
     ------
     InputError
-        An unknown extension, a missing folder, or an object without shape keys or animation.
+        An unknown extension, a missing folder, or an object without shape keys or animation, or in Edit Mode.
     ConvwassError
         Blender could not write a file.
     """
     target = checked_key_target(path)
     if obj.type != "MESH" or obj.data.shape_keys is None:
         raise InputError("{name} has no shape keys.", name=obj.name)
+    if obj.data.is_editmode:
+        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
     with shown_objects([obj], bpy.context.scene):
         return KEY_FORMATS[target.suffix.lower()](obj, keyed_span(obj), target)
 
