@@ -104,10 +104,20 @@ def test_one_color_attribute_for_each_step(obj):
     assert "mark" in obj.data.attributes
 
 
-def test_other_attributes_are_not_overwritten(obj):
-    obj.data.attributes.new("Density.001 color", "FLOAT", "POINT")
-    with pytest.raises(InputError, match=r"A has an attribute or vertex group Density.001 color of another kind"):
+@pytest.mark.parametrize("kind", ["attribute", "group"])
+def test_other_attributes_and_groups_stop_all(obj, kind):
+    animate_density(obj, DENSITIES, [0, 0.5, 1])
+    for name in ("Density.001 color", "Density color"):
+        if kind == "attribute":
+            obj.data.attributes.new(name, "FLOAT", "POINT")
+        else:
+            obj.vertex_groups.new(name=name)
+    before = obj.data.attributes.keys()
+    with pytest.raises(InputError, match=r"A has an attribute or vertex group Density\.001 color of another kind"):
         write_step_colors(obj, DENSITIES)
+    with pytest.raises(InputError, match=r"A has an attribute or vertex group Density color of another kind"):
+        show_heat_colors(obj)
+    assert obj.data.attributes.keys() == before
 
 
 def test_heat_colors_at_every_frame(obj):

@@ -90,6 +90,9 @@ def write_step_colors(obj: bpy.types.Object, densities: ArrayLike, name: str = N
     mesh = writable_mesh(obj)
     weights = _checked(densities, len(mesh.vertices))
     names = [f"{step_name(name, step)} color" for step in range(len(weights))]
+    # Checked before anything is written.
+    for own in names:
+        _require_colors(obj, own)
     for own, values in zip(names, weights, strict=True):
         _write_color(obj, own, heat_colors(values))
     for stale in _written(obj, name, COLOR_ATTRIBUTES, names):
@@ -113,6 +116,7 @@ def show_heat_colors(obj: bpy.types.Object, name: str = NAME) -> None:
     mesh = writable_mesh(obj)
     choice = node_input(density_modifier(obj, name), COLORS)
     own = color_name(name)
+    _require_colors(obj, own)
     # Viewports look up the name in the original mesh; the modifier fills in the colors.
     _write_color(obj, own, heat_colors(np.zeros(len(mesh.vertices))))
     _show(mesh, own)
@@ -136,17 +140,21 @@ def _written(obj: bpy.types.Object, name: str, kind: str, names: list[str]) -> l
     return [old for old in known.outputs.get(kind, ()) if old not in names]
 
 
-def _write_color(obj: bpy.types.Object, name: str, colors: NDArray[np.float64]) -> None:
-    mesh = obj.data
-    attribute = mesh.attributes.get(name)
-    if attribute is None:
-        attribute = mesh.attributes.new(name, "BYTE_COLOR", "POINT")
-    if (attribute.name, attribute.domain, attribute.data_type) != (name, "POINT", "BYTE_COLOR"):
+def _require_colors(obj: bpy.types.Object, name: str) -> None:
+    """Raise InputError if a name belongs to something else than colors as they are written here."""
+    attribute = obj.data.attributes.get(name)
+    is_other = attribute is not None and (attribute.domain, attribute.data_type) != ("POINT", "BYTE_COLOR")
+    if is_other or name in obj.vertex_groups:
         raise InputError(
             "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
             object=obj.name,
             name=name,
         )
+
+
+def _write_color(obj: bpy.types.Object, name: str, colors: NDArray[np.float64]) -> None:
+    mesh = obj.data
+    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "BYTE_COLOR", "POINT")
     attribute.data.foreach_set("color", np.ascontiguousarray(colors, dtype=np.float32).ravel())
     mesh.update()
 
