@@ -133,7 +133,7 @@ def _world() -> object:
     return PointerProperty(name="World", description="World that provides the sky", type=bpy.types.World)
 
 
-def _is_sun(_settings: bpy.types.PropertyGroup, obj: bpy.types.Object) -> bool:
+def _is_sun(_settings: bpy.types.PropertyGroup | None, obj: bpy.types.Object) -> bool:
     return obj.type == "LIGHT" and obj.data.type == "SUN"
 
 
@@ -180,9 +180,10 @@ class CONVWASS_PG_sky(SkyProperties, bpy.types.PropertyGroup):
 def sun_of(context: bpy.types.Context) -> bpy.types.Object | None:
     """Return the sun that tabulated highlights follow, or None."""
     chosen = context.scene.convwass_reflectance.sun
-    if chosen is not None and chosen.users_scene:
+    # The light may have been deleted, or have become another kind of light, since it was chosen.
+    if chosen is not None and chosen.users_scene and _is_sun(None, chosen):
         return chosen
-    return next((obj for obj in context.scene.objects if obj.type == "LIGHT" and obj.data.type == "SUN"), None)
+    return next((obj for obj in context.scene.objects if _is_sun(None, obj)), None)
 
 
 _classes = (CONVWASS_PG_reflectance, CONVWASS_PG_sky)

@@ -14,6 +14,7 @@ from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materials
 from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
+from convwass_addon.properties.light import sun_of
 from tests.lights import only, principled
 from tests.operators.densities import ESCAPE, TIMER, Pressed, inventory, started, window_context
 
@@ -72,6 +73,18 @@ def test_the_same_blend_again_leaves_nothing_behind():
     assert blend(blends=4) == {"FINISHED"}
     assert {name for kind, name in before[0] if kind == "ACTION"} == {"Blend A-BAction", "Blend A-B fittedAction"}
     assert inventory() == before
+
+
+@pytest.mark.parametrize("has_other", [False, True])
+def test_a_chosen_light_that_is_no_sun_any_more_is_not_followed(sun, has_other):
+    settings = bpy.context.scene.convwass_reflectance
+    settings.sun = sun
+    assert sun_of(bpy.context) == sun
+    other = bpy.data.objects.new("Other", bpy.data.lights.new("Other", "SUN")) if has_other else None
+    if has_other:
+        bpy.context.scene.collection.objects.link(other)
+    sun.data.type = "POINT"
+    assert sun_of(bpy.context) == other
 
 
 @pytest.mark.usefixtures("metals")
