@@ -71,6 +71,26 @@ def test_a_changed_shape_is_noticed_and_baked_again(morph):
     assert changed_inputs(again) == []
 
 
+@pytest.mark.parametrize("operator", ["rebake_morph", "delete_morph"])
+def test_duplicates_of_frames_are_no_frames_and_stay(morph, operator):
+    """As a user makes them for a simulation, with and without the keys of their visibility."""
+    frames = frame_objects(morph)
+    still, copy = frames[1].copy(), frames[2].copy()
+    for obj, name in ((still, "A Still"), (copy, f"{frames[2].name}.001")):
+        obj.name, obj.data = name, obj.data.copy()
+        morph.objects.link(obj)
+    still.animation_data_clear()
+    assert frame_objects(morph) == frames
+    bpy.context.view_layer.objects.active = frames[0]
+    name = morph.name
+    assert getattr(bpy.ops.convwass, operator)() == {"FINISHED"}
+    assert bpy.data.objects[still.name] == still and bpy.data.objects[copy.name] == copy
+    assert not any("convwass_weights" in obj or "convwass_index" in obj for obj in (still, copy))
+    if name in bpy.data.collections:
+        assert len(frame_objects(bpy.data.collections[name])) == len(frames)
+        assert not {still, copy} & set(frame_objects(bpy.data.collections[name]))
+
+
 @pytest.mark.parametrize(
     "change",
     [

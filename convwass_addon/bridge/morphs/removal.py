@@ -10,7 +10,7 @@ from .disk_output import remove_disk_outputs
 from .hidden_inputs import hidden_only_by, show_again
 from .materials import drop_unused_groups, is_carrying
 from .stand_ins import remove_stand_ins
-from .stored import frame_objects
+from .stored import frame_objects, release_duplicates
 
 
 def remove_bake(collection: bpy.types.Collection) -> None:
@@ -38,6 +38,7 @@ def delete_morph(collection: bpy.types.Collection) -> None:
 def remove_frames(collection: bpy.types.Collection) -> None:
     """Remove the frames of a morph that is shown by something else now."""
     frames = frame_objects(collection)
+    release_duplicates(collection)
     used = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
     remove_objects(frames)
     bpy.data.batch_remove([material for material in used if material.users == 0])

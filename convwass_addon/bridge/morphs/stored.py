@@ -183,11 +183,22 @@ def stored_parts(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.typ
 
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the frame objects of a morph in order."""
-    hidden = hidden_frames(collection)
-    there = [*collection.objects, *(() if hidden is None else hidden.objects)]
-    frames = sorted((obj for obj in there if _weight_count(obj)), key=_place)
-    return [obj for obj in frames if _weight_count(obj) == _weight_count(frames[0])]
+    """Return the frame objects of a morph in order, without duplicates that its user has made of them."""
+    frames = sorted(_framelike(collection), key=_place)
+    originals: dict[object, bpy.types.Object] = {}
+    for obj in sorted(frames, key=_likeliness):
+        index = obj.get(INDEX_KEY)
+        # Damaged frames may lack an index.
+        originals.setdefault(index if isinstance(index, (int, float)) else obj, obj)
+    kept = set(originals.values())
+    return [obj for obj in frames if obj in kept and _weight_count(obj) == _weight_count(frames[0])]
+
+
+def release_duplicates(collection: bpy.types.Collection) -> None:
+    """Turn duplicates of the frame objects of a morph into ordinary objects."""
+    for obj in set(_framelike(collection)).difference(frame_objects(collection)):
+        for key in (INDEX_KEY, FRAME_KEY, WEIGHTS_KEY):
+            obj.pop(key, None)
 
 
 def frame_number(obj: bpy.types.Object) -> int:
@@ -221,6 +232,17 @@ def shown_frames(collection: bpy.types.Collection) -> range:
         return range(min(keyed.start, stored_morph(collection).first_frame), keyed.stop)
     except InputError:
         return keyed
+
+
+def _framelike(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return the frame objects of a morph and their duplicates."""
+    hidden = hidden_frames(collection)
+    return [obj for obj in (*collection.objects, *(() if hidden is None else hidden.objects)) if _weight_count(obj)]
+
+
+def _likeliness(obj: bpy.types.Object) -> tuple[bool, str]:
+    """Return a key that is smaller for a frame object than for its duplicates, which are often no longer animated."""
+    return obj.animation_data is None, obj.name
 
 
 def _weight_count(obj: bpy.types.Object) -> int:
