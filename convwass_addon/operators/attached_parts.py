@@ -49,7 +49,7 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
             notices = attach_parts(body, parts, rigid=self.rigid)
         except ConvwassError as error:
             return refuse(self, error)
-        text = rpt_("{:s} follow {:s}").format(listed([part.name for part in parts]), body.name)
+        text = rpt_("{:s}: attached to {:s}").format(listed([part.name for part in parts]), body.name)
         tell(self, text, notices)
         return {"FINISHED"}
 

@@ -57,11 +57,12 @@ def select(*objects):
 
 
 @pytest.mark.parametrize("rigid", [False, True])
-def test_a_part_follows_the_slider_of_the_body(body, hat, rigid):
+def test_a_part_follows_the_slider_of_the_body(body, hat, rigid, capfd):
     before = world(hat)
     select(hat, body)
     for _ in range(2):
         assert bpy.ops.convwass.attach_parts(rigid=rigid) == {"FINISHED"}
+    assert "Hat: attached to Icosphere Morph\n" in capfd.readouterr().out
     assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent", "Up 1", "Up 2"]
     assert hat.data != bpy.data.objects["Twin"].data
     for value, expected in (
