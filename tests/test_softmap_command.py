@@ -210,6 +210,7 @@ def test_left_is_mirrored_to_the_right(files, tmp_path, capfd):
             3,
             "Fox has no Tall to transfer; it has: Fur",
         ),
+        (["FOX", "DOG", "--repair", "30"], 3, "The threshold must lie between 0 and 1"),
         (["FOX", "DOG", "--names", "Top"], 3, "--names requires --transfer"),
         (["FOX", "--mirror", "--transfer", "weights"], 3, "nothing to mirror among Bottom, "),
         (["FOX", "DOG", "--out", "/nowhere/at/all.blend"], 3, "does not exist"),

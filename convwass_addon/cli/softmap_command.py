@@ -118,6 +118,8 @@ def _check_options(options: Namespace) -> None:
         raise InputError("Name two meshes, or one mesh with --mirror.")
     if options.mirror and {"uvs", "colors"} & set(options.transfer):
         raise InputError("A mirror map can transfer weights and keys, but not UV maps or colors.")
+    if options.repair is not None and not 0.0 <= options.repair <= 1.0:
+        raise InputError("The threshold must lie between 0 and 1.")
     if options.names and not options.transfer:
         raise InputError("--names requires --transfer with the kinds of data that have these names.")
     if options.pairs and options.pairs_from:
