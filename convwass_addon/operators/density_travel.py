@@ -190,6 +190,7 @@ class CONVWASS_OT_propagate_densities(
         if len(fixed) == count:
             raise InputError("All stops have painted groups; leave out the group of those to fill in.")
         self._filled = {place: name for place, name in enumerate(names) if place not in fixed}
+        _require_distinct(list(self._filled.values()))
         _require_fillable(obj, self._filled.values())
         settings = self.density_settings()
         pairs = _pairs(self.edges or obj.convwass_density.edges) or [(n, n + 1) for n in range(count - 1)]
@@ -213,6 +214,13 @@ class CONVWASS_OT_propagate_densities(
 
 
 _NOTHING = np.zeros(1)
+
+
+def _require_distinct(names: Sequence[str]) -> None:
+    """Raise InputError if two stops would be filled in as the same group."""
+    twice = next((name for place, name in enumerate(names) if name in names[:place]), None)
+    if twice is not None:
+        raise InputError("Two stops would be filled in as the group {name}; give one of them another name.", name=twice)
 
 
 def _require_fillable(obj: bpy.types.Object, names: Iterable[str]) -> None:

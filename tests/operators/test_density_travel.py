@@ -341,6 +341,7 @@ def test_a_painted_group_is_not_replaced_by_a_place_without_a_name(obj):
         ({"groups": "A, X, B", "edges": "0-1, 1-7"}, "numbers from 0 to 2"),
         ({"groups": "A, X, B", "edges": "0-0"}, "to itself"),
         ({"groups": "X, Y"}, "No place of the graph is known"),
+        ({"groups": "A, X, B, X"}, "Two stops would be filled in as the group X"),
     ],
 )
 def test_graphs_that_cannot_be(obj, arguments, message):
