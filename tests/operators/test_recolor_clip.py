@@ -176,6 +176,19 @@ def test_a_renamed_copy_of_the_result_is_kept(clip, tmp_path):
     assert bpy.data.images["Shot recolored"].filepath.startswith(str(tmp_path / "more"))
 
 
+def test_the_result_is_found_where_the_file_was_moved(clip, files, tmp_path):
+    (tmp_path / "project").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "project" / "a.blend"))
+    call("recolor_clip", image="Shot", folder="//graded")
+    bpy.data.images["Shot recolored"].use_fake_user = True
+    bpy.ops.wm.save_mainfile()
+    (tmp_path / "project").rename(tmp_path / "moved")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "moved" / "a.blend"))
+    found = ClipFrames(bpy.data.images["Shot recolored"])
+    assert found.path == tmp_path / "moved" / "graded" / files[0].name
+    assert len(found.numbers) == len(files)
+
+
 def test_a_mask_of_another_size_is_refused_by_the_name_of_the_clip(clip, tmp_path):
     bpy.context.scene.convwass_recolor.mask = image_of("Mask", np.ones((4, 4, 4)))
     with pytest.raises(RuntimeError, match="The mask Mask has 4 x 4 pixels, unlike Shot; "):

@@ -97,6 +97,19 @@ def test_the_world_of_the_scene_stays_in_the_file(worlds, tmp_path):
     assert not bpy.data.worlds["Sky 0-1"].use_fake_user
 
 
+def test_the_images_are_found_where_the_file_was_moved(worlds, tmp_path):
+    (tmp_path / "project").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "project" / "a.blend"))
+    blend("//skies")
+    bpy.ops.wm.save_mainfile()
+    (tmp_path / "project").rename(tmp_path / "moved")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "moved" / "a.blend"))
+    bpy.context.scene.frame_set(4)
+    files = shown_files(bpy.data.worlds["Sky 0-1"])
+    assert files == {tmp_path / "moved" / "skies" / f"sky.000{frame}.exr" for frame in (4, 5, 6)}
+    np.testing.assert_allclose(world_sky(bpy.data.worlds["Sky 0-1"], 64).sum(), sky(SUNS[0]).sum(), rtol=0.1)
+
+
 def test_the_worlds_of_the_panel_are_the_default(worlds):
     own = bpy.context.scene.convwass_sky
     with pytest.raises(RuntimeError, match="Choose at least two worlds, not 0"):

@@ -14,6 +14,7 @@ from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..handles import Handle
 from ..last_result import last_result
+from ..morphs.disk_output import for_blender
 from ..numbered_files import numbered_paths
 from .image_files import FORMATS
 from .image_kinds import RESULT_OF, is_clip
@@ -124,7 +125,7 @@ def sequence_image(source: bpy.types.Image, paths: Sequence[Path]) -> bpy.types.
         image = bpy.data.images.load(str(paths[0]))
         image.name = name
         image[RESULT_OF] = source.name
-    image.source, image.filepath = "SEQUENCE", str(paths[0])
+    image.source, image.filepath = "SEQUENCE", for_blender(paths[0])
     # Discard cached frames of files with the same names.
     image.reload()
     return image

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...applications.whole_paths import whole_path
 from ..keyframes import clear_animation, curves_of, own_action, remove_curve
 from ..last_result import last_result
+from ..morphs.disk_output import for_blender
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
@@ -160,7 +161,7 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
         bpy.data.images.remove(before)
     texture.image = bpy.data.images.load(str(files[0]))
     texture.image.name = name
-    texture.image.source = "SEQUENCE"
+    texture.image.source, texture.image.filepath = "SEQUENCE", for_blender(files[0])
     _key_numbers(texture, first_frame, len(files))
     return world
 
