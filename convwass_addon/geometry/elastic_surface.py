@@ -19,7 +19,8 @@ from scipy.sparse.linalg import LinearOperator, cg
 from .factorization import Factorization, factorize
 from .kept_factor import KeptFactor
 from .laplacian import Laplacian
-from .rotations import nearest_rotations
+from .mesh import is_level
+from .rotations import nearest_rotations, nearest_rotations_in_plane
 
 # Relative residual at which conjugate gradients stop, and their largest number of iterations; the next round continues.
 _RESIDUAL, _MOST_ITERATIONS = 1e-4, 60
@@ -55,6 +56,7 @@ class ElasticSurface:
         self._diagonal = np.flatnonzero(self._matrix.indices == ends)
         self._matrix.data[self._diagonal] -= 1.0
         self._edges = vertices[self._rows] - vertices[self._columns]
+        self._is_level = is_level(vertices)
         self._sums = csr_array(
             (np.ones(len(self._rows)), (self._rows, np.arange(len(self._rows)))), shape=(count, len(self._rows))
         )
@@ -169,6 +171,9 @@ class ElasticSurface:
     def fits(self, points: NDArray[np.float64], width: float) -> NDArray[np.float64]:
         """Return the best rotation times scale from rest to the current pose of each neighborhood, (n, 3, 3).
 
+        A surface that lies in the plane z = constant, at rest and now, only turns within that plane: turned over, its
+        parts could fold onto each other without any strain.
+
         Parameters
         ----------
         points : (n, 3)
@@ -178,7 +183,8 @@ class ElasticSurface:
         """
         sums = np.moveaxis((self._moments @ points).reshape(3, len(points), 3), 2, 0).reshape(9, len(points))
         smooth = self.blurred(np.concatenate([sums, self._squares[None]]), width)
-        fitted = nearest_rotations(smooth[:9].reshape(3, 3, -1))
+        nearest = nearest_rotations_in_plane if self._is_level and is_level(points) else nearest_rotations
+        fitted = nearest(smooth[:9].reshape(3, 3, -1))
         scales = np.maximum(fitted.traces, 0.0) / np.maximum(smooth[9], np.finfo(float).tiny)
         return np.ascontiguousarray(np.moveaxis(scales * fitted.rotations, 2, 0))
 

@@ -13,6 +13,9 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from ..one_line import one_line
 
+# Relative height of points that lie in a plane.
+_LEVEL = 1e-9
+
 
 @dataclass(frozen=True)
 class TriangleMesh:
@@ -128,3 +131,9 @@ class TriangleMesh:
     def flipped(self) -> TriangleMesh:
         """Return the mesh with the orientation of every face reversed."""
         return TriangleMesh(self.vertices, np.ascontiguousarray(self.faces[:, ::-1]))
+
+
+def is_level(points: NDArray[np.float64]) -> bool:
+    """Return whether points, (n, 3), lie in a plane z = constant, as those of flat shapes do."""
+    extents = np.ptp(points, axis=0)
+    return bool(extents[2] <= _LEVEL * extents.max())

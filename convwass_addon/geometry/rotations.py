@@ -63,6 +63,29 @@ def nearest_rotations(matrices: NDArray[np.float64]) -> FittedTurns:
     return FittedTurns(turns, (turns * matrices).sum(axis=(0, 1)))
 
 
+def nearest_rotations_in_plane(matrices: NDArray[np.float64]) -> FittedTurns:
+    """Find the rotation about the third axis that is nearest to each matrix.
+
+    In the plane, a rotation with the cosine c and the sine s has the trace c (m11 + m22) + s (m21 - m12) with M. It
+    never turns the plane over, as a nearest rotation in space does if M reflects the plane.
+
+    Parameters
+    ----------
+    matrices : (3, 3, n)
+        Finite; their last row and column have no influence.
+    """
+    cosines, sines = matrices[0, 0] + matrices[1, 1], matrices[1, 0] - matrices[0, 1]
+    traces = np.hypot(cosines, sines)
+    known = traces > 0
+    scales = 1.0 / np.where(known, traces, 1.0)
+    turns = np.zeros(matrices.shape)
+    turns[0, 0] = turns[1, 1] = np.where(known, scales * cosines, 1.0)
+    turns[1, 0] = scales * sines
+    turns[0, 1] = -turns[1, 0]
+    turns[2, 2] = 1.0
+    return FittedTurns(turns, traces)
+
+
 def _cofactors(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return det M times the transposed inverse of each matrix M, (3, 3, n)."""
     after, last = matrices[_NEXT], matrices[_LAST]

@@ -64,3 +64,17 @@ def test_normal_springs_allow_sliding(strip):
     pulls = np.einsum("nij,nj->ni", springs, shape.vertices)
     found = surface.relaxed_robustly(start, springs, pulls, WIDTH, give=0.2)
     np.testing.assert_allclose(found, shape.vertices + np.array([0.1, 0.0, 0.0]), atol=1e-3)
+
+
+def test_a_flat_surface_that_is_turned_over_in_its_plane_is_strained(strip):
+    """Its nearest rotation in the plane has the scale zero, so the energy is that of the edges: twice the area."""
+    shape, surface = strip
+    assert surface.strain(shape.vertices * (-1.0, 1.0, 1.0), 10.0) == pytest.approx(2.0, rel=1e-3)
+    turned = shape.vertices @ np.array([[0.0, 1.0, 0.0], [-1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
+    assert surface.strain(turned, WIDTH) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_a_flat_surface_may_leave_its_plane(strip):
+    shape, surface = strip
+    upright = shape.vertices[:, [2, 1, 0]] * (1.0, 1.0, -1.0)
+    assert surface.strain(upright, WIDTH) == pytest.approx(0.0, abs=1e-12)

@@ -10,7 +10,7 @@ from hypothesis import example, given, strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.geometry.rotations import nearest_rotations
+from convwass_addon.geometry.rotations import nearest_rotations, nearest_rotations_in_plane
 
 
 def by_singular_values(matrix):
@@ -55,3 +55,25 @@ def test_they_are_rotations_and_no_other_is_nearer(matrix):
 
 def test_no_matrices_give_no_rotations():
     assert nearest_rotations(np.empty((3, 3, 0))).rotations.shape == (3, 3, 0)
+
+
+@given(arrays(float, (2, 2), elements=st.floats(-1e6, 1e6)))
+def test_no_other_rotation_in_the_plane_is_nearer(matrix):
+    found = nearest_rotations_in_plane(np.pad(matrix, ((0, 1), (0, 1)))[:, :, None])
+    rotation = found.rotations[:, :, 0]
+    angles = np.radians(np.arange(3600) / 10.0)
+    turns = np.array([[np.cos(angles), -np.sin(angles)], [np.sin(angles), np.cos(angles)]])
+    best = np.einsum("ijn,ij->n", turns, matrix).max()
+    size = np.abs(matrix).max()
+    assert found.traces[0] == pytest.approx(best, rel=1e-5, abs=1e-9 * size)
+    assert np.sum(rotation[:2, :2] * matrix) == pytest.approx(found.traces[0], rel=1e-9, abs=1e-9 * size)
+    np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-9)
+    np.testing.assert_allclose(rotation[2], (0.0, 0.0, 1.0), atol=1e-12)
+
+
+def test_a_reflection_of_the_plane_does_not_turn_it_over():
+    matrices = np.stack([np.diag([-2.0, 1.0, 0.0]), np.zeros((3, 3))], axis=-1)
+    found = nearest_rotations_in_plane(matrices)
+    np.testing.assert_allclose(found.rotations[:, :, 0], np.diag([-1.0, -1.0, 1.0]), atol=1e-12)
+    np.testing.assert_allclose(found.rotations[:, :, 1], np.eye(3))
+    np.testing.assert_allclose(found.traces, [1.0, 0.0])

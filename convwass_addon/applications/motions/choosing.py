@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import Cancelled, ConvwassError
 from ...geometry.edges import vertex_components
-from ...geometry.mesh import TriangleMesh
+from ...geometry.mesh import TriangleMesh, is_level
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .coherence import FULL_COHERENCE
@@ -159,7 +159,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     alone = replace(_mapped("PARTLY", guided), detour=detour)
     if score < _UNSURE and not request.guides:
         better = _warped_instead
-    elif far:
+    elif far or all(is_level(shape.vertices) for shape in request.shapes):
         return alone
     else:
         better = _perhaps_warped

@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.mesh import is_level
 from ...geometry.poisson_deformation import deformation_gradients
 from ...geometry.registration import Stage
 from ...progress import Control
@@ -39,6 +40,8 @@ _FINISHING = (Stage(300.0, 0.0, 0.03, 4, 0.8),)
 # With less confidence, strain is also spread, and what has clearly more confidence is taken. Between shapes of one
 # build, strain belongs in joints. Where parts have no counterpart, their strain would fold and tear the surface.
 _CONFIDENT, _SPREADING = 0.95, (Stage(300.0, 0.0, 0.03, 8),)
+# The final registration of flat shapes: outlines show every bump that a closer one gives to the surface.
+_FINISHING_FLAT = (Stage(100.0, 0.0, 0.06, 6),)
 # If the misfit is at most this, no other starts are tried.
 _FINE = 0.35
 # If 99 % of the area have a round-trip error below the first number, and the misfit is below the second, a grown
@@ -161,18 +164,29 @@ def laid_on_each_other(
     drafted = _tightened(drafts, drafted, ends, control)
 
     fine = carried(drafts[0], drafted[0]), carried(drafts[1], drafted[1])
-    found = _finished(shapes, fine, both, _FINISHING, control)
-    if found.confidence < _CONFIDENT:
-        spread = _finished(shapes, fine, both, _SPREADING, control)
-        if 1.0 - spread.confidence < _CLEARLY * (1.0 - found.confidence):
-            found = spread
-    return replace(found, is_grown=is_grown)
+    return replace(_finely(shapes, fine, both, control), is_grown=is_grown)
 
 
 def carried(draft: Carrier, laid: Laid) -> Laid:
     """Return the registration of a coarse mesh at the vertices of the mesh that it represents."""
     gradients = deformation_gradients(draft.mesh.vertices, laid.points, draft.mesh.faces)
     return Laid(draft.carried(laid.points, gradients), laid.trust if draft.blend is None else draft.blend @ laid.trust)
+
+
+def _finely(
+    shapes: tuple[Carrier, Carrier],
+    starts: tuple[Laid, Laid],
+    both: tuple[NDArray[np.int64], NDArray[np.int64]],
+    control: Control,
+) -> LaidPair:
+    """Register all vertices of two shapes from starts, and spread strain if that is more consistent."""
+    if all(is_level(shape.mesh.vertices) for shape in shapes):
+        return _finished(shapes, starts, both, _FINISHING_FLAT, control)
+    found = _finished(shapes, starts, both, _FINISHING, control)
+    if found.confidence >= _CONFIDENT:
+        return found
+    spread = _finished(shapes, starts, both, _SPREADING, control)
+    return spread if 1.0 - spread.confidence < _CLEARLY * (1.0 - found.confidence) else found
 
 
 def _finished(

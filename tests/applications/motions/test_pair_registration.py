@@ -14,8 +14,9 @@ from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.applications.motions.pair_registration import LaidPair, laid_on_each_other
+from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.grids import figure
+from tests.grids import figure, sheet
 
 
 @pytest.fixture(scope="module")
@@ -66,3 +67,18 @@ def test_strain_is_spread_where_that_is_clearly_more_consistent(monkeypatch, fir
     found = laid_on_each_other((carrier, carrier), (start, start), np.empty((0, 2), np.int64), None, UNINTERRUPTED)
     assert found.confidence == expected
     assert yields == ([0.8] if spread is None else [0.8, None])
+
+
+def test_flat_shapes_do_not_follow_every_bump():
+    """A bar and one with wavy edges: the edges of the first stay straight within a fifth of the waves."""
+    plain = sheet(181, 31, (3.0, 0.5))
+    x, y, z = (plain.vertices - (0.0, 0.25, 0.0)).T
+    waves = 1.0 + 0.4 * np.cos(2.0 * np.pi * x / 0.6)
+    bars = [TriangleMesh(np.column_stack([x, own, z]), plain.faces) for own in (y, waves * y)]
+    carriers = tuple(carrier_of(bar, "bar", np.empty(0, np.int64), 6000, UNINTERRUPTED) for bar in bars)
+    starts = tuple(Laid(own.rest.vertices, np.ones(len(own.rest.vertices))) for own in carriers)
+    found = laid_on_each_other(carriers, starts, np.empty((0, 2), np.int64), None, UNINTERRUPTED)
+    edge = (np.abs(y) > 0.249) & (np.abs(x - 1.5) < 1.2)
+    heights = np.abs(found.first.points[edge, 1])
+    assert np.ptp(heights) < 0.2 * np.ptp(0.25 * waves)
+    assert found.confidence > 0.98
