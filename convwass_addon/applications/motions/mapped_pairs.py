@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.mesh import TriangleMesh
+from ...geometry.mesh import TriangleMesh, is_level
 from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -155,8 +155,11 @@ def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPai
     """Return turns after which symmetric shapes may face the same way.
 
     Quarter turns bring mirror planes together that are perpendicular. There are none if the shapes seem to face the
-    same way as they stand, are not symmetric, or would be much farther from each other after half a turn.
+    same way as they stand, are not symmetric, or would be much farther from each other after half a turn, and none for
+    flat shapes, which do not face any way in their plane.
     """
+    if is_level(first.vertices) and is_level(second.vertices):
+        return []
     if standing.symmetry is None:
         # After either of them, the planes are the same.
         return [] if MirroredSides.of(turned_mesh(first, _QUARTERS[0]), second) is None else _QUARTERS

@@ -18,7 +18,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.rotation_fields import rotation_matrices
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import shuffled
-from tests.grids import figure
+from tests.grids import figure, sheet
 from tests.shapes import ball
 
 ROUGH = GuidedSettings(map_vertices=150, carrier_vertices=600)
@@ -100,6 +100,18 @@ def test_symmetric_shapes_are_turned_around_in_doubt(monkeypatch, standing, othe
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert asked == pytest.approx(tried)
     assert abs(found.turn) == pytest.approx(angle)
+
+
+def test_flat_shapes_are_not_turned_around_in_doubt(monkeypatch):
+    """They face no way in their plane, and another map would take twice as long."""
+    carrier = carrier_of(sheet(61, 11, (3.0, 0.5)), "bar", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    asked = surveyed(monkeypatch, 0.9, 0.9, 1.0)
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.05))
+    for standing in ((0.6, 0.2, 1.0), (0.6, None, 1.0)):
+        registrations(monkeypatch, standing)
+        found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+        assert (found.score, asked) == (0.6, [])
 
 
 @pytest.mark.parametrize("symmetry", [None, 0.8])
