@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Draw a word that becomes another, and Fig. 13 of Solomon et al. 2015: ``python3 run.py python docs/flat_rows.py``.
+"""Draw words, letters that move, and Fig. 13 of Solomon et al. 2015: ``python3 run.py python docs/flat_rows.py``.
 
-Writes docs/pictures/flat_words.png, letter by letter above and as one mass below, and docs/pictures/flat_grays.png: two
-gray images by a linear fade, by transport, with the grays of the images, and with a threshold.
+Writes docs/pictures/flat_words.png, letter by letter above and as one mass below, docs/pictures/flat_motions.png,
+letters by transport at the left and with a motion at the right, and docs/pictures/flat_grays.png: two gray images by a
+linear fade, by transport, with the grays of the images, and with a threshold.
 """
 
 from __future__ import annotations
@@ -27,16 +28,18 @@ from convwass_addon.geometry.planar_fill import filled_boundary
 _PAPER = np.array([0.985, 0.98, 0.965])
 _WORDS = ("MILK", "TOAST")
 _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
-_WIDE, _HIGH = 300, 110
-_SCALE = 270.0
+# Width and height of a tile, and pixels per unit: a word's length, or a letter's height.
+_WORD, _LETTER = (300, 110, 270.0), (120, 150, 75.0)
+_LETTERS = ("52", "69", "st", "GS")
 # Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 
 
 def main() -> None:
-    """Draw both pictures."""
+    """Draw all pictures."""
     bpy.ops.wm.read_factory_settings(use_empty=True)
     draw_words()
+    draw_motions()
     draw_grays()
 
 
@@ -46,21 +49,35 @@ def draw_words() -> None:
     rows = []
     for how in ("letters", "mass"):
         frames = frames_of(words, path_blends(2, 5), FlatSettings(resolution=512, words=how, motion="transport"))
-        rows.append(np.concatenate([_drawn(frame, words) for frame in frames], axis=1))
+        rows.append(np.concatenate([_drawn(frame, words, *_WORD) for frame in frames], axis=1))
     save(np.concatenate(rows, axis=0), "flat_words.png")
+
+
+def draw_motions() -> None:
+    """Draw letters: by transport alone, and with the automatic motion."""
+    rows = []
+    for pair in _LETTERS:
+        letters = [_inked(lettered(letter), ink) for letter, ink in zip(pair, _INKS, strict=True)]
+        halves = []
+        for motion in ("transport", "automatic"):
+            frames = frames_of(letters, path_blends(2, 6), FlatSettings(resolution=512, motion=motion))
+            halves.append(np.concatenate([_drawn(frame, letters, *_LETTER) for frame in frames], axis=1))
+        gap = np.ones((_LETTER[1], _LETTER[0] // 2, 3)) * _PAPER
+        rows.append(np.concatenate([halves[0], gap, halves[1]], axis=1))
+    save(np.concatenate(rows, axis=0), "flat_motions.png")
 
 
 def _inked(shape: FlatShape, ink: Sequence[float]) -> FlatShape:
     return FlatShape(shape.rings, shape.rule, np.tile([*ink, 1.0], (len(shape.rings), 1)))
 
 
-def _drawn(frame: FlatFrame, words: Sequence[FlatShape]) -> NDArray[np.float64]:
-    """Draw a blend of the words on a tile, (h, w, 3)."""
-    source = words[frame.blend.source] if frame.outline is None else None
+def _drawn(frame: FlatFrame, shapes: Sequence[FlatShape], wide: int, high: int, scale: float) -> NDArray[np.float64]:
+    """Draw a blend on a tile, (high, wide, 3)."""
+    source = shapes[frame.blend.source] if frame.outline is None else None
     rings, rule = (frame.outline.rings, "non-zero") if source is None else (source.rings, source.rule)
-    boundary = filled_boundary(list(rings), rule).moved([_WIDE / 2, _HIGH / 2], _SCALE)
+    boundary = filled_boundary(list(rings), rule).moved([wide / 2, high / 2], scale)
     ink = sum(weight * np.array(own) for weight, own in zip(frame.blend.weights, _INKS, strict=True))
-    return _PAPER + coverage(boundary, (_WIDE, _HIGH)).T[::-1, :, None] * (ink - _PAPER)
+    return _PAPER + coverage(boundary, (wide, high)).T[::-1, :, None] * (ink - _PAPER)
 
 
 def draw_grays() -> None:
