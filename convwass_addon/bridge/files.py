@@ -34,23 +34,8 @@ def checked_target(path: Path) -> Path:
     return target
 
 
-def absolute_path(path: str) -> Path:
-    """Return the absolute path that a user has entered; // stands for the folder of the .blend file.
-
-    Raises
-    ------
-    InputError
-        The path is relative to an unsaved file.
-    """
-    if path.startswith("//") and not bpy.data.filepath:
-        raise InputError(
-            "Save the file first, since {folder} is relative to it, or choose an absolute path.", folder=path
-        )
-    return whole_path(bpy.path.abspath(path))
-
-
-def absolute_file(path: str | Path) -> Path:
-    """Return the absolute path of a file, which need not exist.
+def absolute_path(path: str | Path) -> Path:
+    """Return the absolute path of a file or folder that a user has entered, which need not exist.
 
     Parameters
     ----------

@@ -12,7 +12,7 @@ from bpy.props import StringProperty
 
 from ..applications.palettes.palette_settings import TableSettings
 from ..applications.whole_paths import path_with_suffix
-from ..bridge.files import absolute_file, checked_target
+from ..bridge.files import absolute_path, checked_target
 from ..bridge.handles import Handle
 from ..bridge.palettes.image_kinds import is_clip
 from ..errors import InputError
@@ -100,7 +100,7 @@ class CONVWASS_OT_write_cube(_MakesTable, bpy.types.Operator):
     def _begin(self, context):
         if not self.filepath:
             raise InputError("Choose a file to write.")
-        self._path = checked_target(path_with_suffix(absolute_file(self.filepath), ".cube"))
+        self._path = checked_target(path_with_suffix(absolute_path(self.filepath), ".cube"))
         return super()._begin(context)
 
     def _target(self):

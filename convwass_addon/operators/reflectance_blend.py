@@ -14,7 +14,7 @@ from bpy.props import StringProperty
 
 from ..applications.reflectance.reflectance_settings import ReflectanceSettings
 from ..applications.reflectance.weight_sheets import spread_out
-from ..bridge.files import absolute_file, checked_target
+from ..bridge.files import absolute_path, checked_target
 from ..bridge.handles import Handle
 from ..bridge.reflectance.glossy_materials import GlossyMaterial, read_glossy
 from ..bridge.reflectance.material_pad import material_pad
@@ -158,7 +158,7 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
     def _checked_table(self, job: ReflectanceJob) -> Path:
         from ..bridge.reflectance.lobe_files import is_whole
 
-        target = checked_target(absolute_file(self.table))
+        target = checked_target(absolute_path(self.table))
         if target.suffix.lower() not in (".npz", ".exr"):
             raise InputError("{name} does not end in .npz or .exr.", name=target.name)
         if is_whole(target) and self.blend != "WEIGHTS":

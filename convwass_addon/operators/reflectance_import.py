@@ -8,7 +8,7 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
-from ..bridge.files import absolute_file
+from ..bridge.files import absolute_path
 from ..bridge.reflectance.frame_span import Frames
 from ..errors import ConvwassError, InputError
 from ..properties.light import sun_of
@@ -48,7 +48,7 @@ class CONVWASS_OT_import_lobes(bpy.types.Operator):
         try:
             if not self.filepath:
                 raise InputError("Choose a file to read.")
-            path = absolute_file(self.filepath)
+            path = absolute_path(self.filepath)
             with busy_cursor(context):
                 tables = read_lobe_file(path)
             frames = Frames(scene.frame_start, max(scene.frame_end, scene.frame_start + 1))
