@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
+from ...geometry.mesh import TriangleMesh, is_level
 from ...geometry.mirror_planes import MirrorPlanes
 from ...progress import Control, Work, within
 from ..soft_maps.map_sides import MapSide
@@ -31,8 +31,9 @@ _ASTRAY = 0.15
 _TRIES, _AROUND = 4, 0.2
 # With this score, a map from guides alone is good enough.
 _BEYOND_DOUBT = 0.9
-# With a lower score, a map that prefers the same heights is tried.
-_FAIR = 0.5
+# With a lower score, a map that prefers the same heights, with this weight, is tried, and taken if it has at least this
+# share of the other's score: rounding decides which of two doubtful maps has more, but upside down is wrong.
+_FAIR, _HEIGHTS, _UPRIGHT = 0.5, 6.0, 0.85
 # Weight of the sides of symmetric shapes relative to everything else that distinguishes points. With 1, a dog becomes a
 # bird symmetrically on 0.63 to 0.81 of the surface, with 3 on 0.96, and with 10 on less, because limbs then fold.
 _SIDED = 3.0
@@ -167,9 +168,12 @@ def _without_guides(
     tried = [(yield from within(_solved(first, second, seeds, settings, control, groups), 0.0, 0.5))]
     if len(seeds) and tried[0].score < DOUBTED:
         tried.append((yield from within(_solved(first, second, _NO_PAIRS, settings, control, groups), 0.5, 0.75)))
-    if sides is None and max(one.score for one in tried) < _FAIR:
+    if sides is None and max(one.score for one in tried) < _FAIR and not is_level(first.mesh.vertices):
         heights = height_groups(first.mesh), height_groups(second.mesh)
-        tried.append((yield from within(_solved(first, second, seeds, settings, control, heights), 0.75, 1.0)))
+        solved = _solved(first, second, seeds, settings, control, heights, weight=_HEIGHTS)
+        upright = yield from within(solved, 0.75, 1.0)
+        if upright.score >= _UPRIGHT * max(one.score for one in tried):
+            return replace(upright, pairs=_NO_PAIRS)
     return replace(max(tried, key=lambda one: one.score), pairs=_NO_PAIRS)
 
 
@@ -206,11 +210,12 @@ def _solved(
     control: Control,
     groups: tuple[Groups, Groups] | None = None,
     mirrors: MirrorPlanes | None = None,
+    weight: float = _SIDED,
 ) -> Work[PairMap]:
-    """Solve the map from pairs, (k, 2)."""
+    """Solve the map from pairs, (k, 2), with a weight of the groups."""
     own = groups or ({}, {})
     mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate((first, second)))
-    found = yield from soft_map_steps(*mapped, pairs, replace(settings, group_weight=_SIDED), control, mirrors)
+    found = yield from soft_map_steps(*mapped, pairs, replace(settings, group_weight=weight), control, mirrors)
     return PairMap(found, pairs, _score(first, second, found))
 
 

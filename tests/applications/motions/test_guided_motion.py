@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -262,6 +263,7 @@ def test_a_wrong_guide_alone_is_left_out():
         int(np.argmax(mesh.vertices @ np.array(way))) for way in np.array(HANDS_HEAD_FOOT_TAIL)[[0, 2, 3]]
     )
     guides = [{0: hand, 1: int(place[hand])}, {0: head, 1: int(place[foot])}]
-    motion = motion_of(mesh, other, settings=ROUGH, guides=guides)
+    # Between rough maps, rounding would decide.
+    motion = motion_of(mesh, other, settings=replace(ROUGH, map_vertices=600), guides=guides)
     np.testing.assert_allclose(motion.deformations[0, 1].points, mesh.vertices, atol=0.1)
     assert motion.pairs[0, 1].guides_left_out == 1

@@ -3,12 +3,14 @@
 """Maps between two shapes that prefer the same heights where others are doubtful."""
 
 import numpy as np
+import pytest
 
 from assets.sculpting import ellipsoid, frustum, tube
 from benchmarks.sculptures import Sculpture
+from convwass_addon.applications.motions import pair_maps
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.mirrored_sides import MirroredSides, height_groups
-from convwass_addon.applications.motions.pair_maps import pair_map
+from convwass_addon.applications.motions.pair_maps import PairMap, pair_map
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
@@ -54,8 +56,30 @@ def test_a_doubtful_map_stands_upright():
         carrier_of(mesh, name, NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh, name in ((tree(), "t"), (snowman(), "s"))
     )
     assert MirroredSides.of(first.mesh, second.mesh) is None
-    found = drained(pair_map(first, second, NO_PAIRS, SoftMapSettings(vertices=400), UNINTERRUPTED))
+    found = drained(pair_map(first, second, NO_PAIRS, SoftMapSettings(), UNINTERRUPTED))
     z = first.mesh.vertices[:, 2]
     low = found.found.forward.found & (z < z.min() + 0.15 * np.ptp(z))
     there = found.found.forward.positions(second.mesh)[low, 2] - second.mesh.vertices[:, 2].min()
     assert np.mean(there < 0.5 * np.ptp(second.mesh.vertices[:, 2])) > 0.9
+
+
+@pytest.mark.parametrize(
+    ("plain", "upright", "taken"), [(0.3, 0.26, "upright"), (0.3, 0.25, "plain"), (0.5, 0.6, "plain")]
+)
+def test_of_two_doubtful_maps_the_upright_one_is_taken(monkeypatch, plain, upright, taken):
+    """Unless it is clearly worse; maps that are fair are not solved again."""
+    scores = {"plain": plain, "upright": upright}
+    weights = []
+
+    def solved(_first, _second, pairs, _settings, _control, groups=None, _mirrors=None, weight=None):
+        yield from ()
+        weights.append(weight)
+        return PairMap(
+            "plain" if groups is None else "upright", pairs, scores["plain" if groups is None else "upright"]
+        )
+
+    monkeypatch.setattr(pair_maps, "_solved", solved)
+    carriers = [carrier_of(mesh, "shape", NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
+    found = drained(pair_map(*carriers, NO_PAIRS, SoftMapSettings(), UNINTERRUPTED))
+    assert (found.found, found.score) == (taken, scores[taken])
+    assert len(weights) == (1 if plain == 0.5 else 2)
