@@ -119,7 +119,7 @@ def _filled_area(curve: bpy.types.Curve) -> float:
     flat.extrude = flat.bevel_depth = flat.offset = 0.0
     flat.fill_mode = "FRONT"
     obj = bpy.data.objects.new(curve.name, flat)
-    mesh = bpy.data.meshes.new_from_object(obj)
+    mesh = mesh_of(obj)
     areas = np.zeros(len(mesh.polygons), np.float32)
     mesh.polygons.foreach_get("area", areas)
     bpy.data.meshes.remove(mesh)
