@@ -77,6 +77,7 @@ def test_a_group_is_interpolated_to_another_in_the_users_scene(files, tmp_path, 
     assert [frame["key"] for frame in result["frames"]] == ["East", None, None, None, "North"]
     assert all(frame["converged"] for frame in result["frames"])
     ball = reopened(out)
+    assert (bpy.context.scene.frame_start, bpy.context.scene.frame_end) == (1, 250)
     assert {obj.type for obj in bpy.data.objects} == {"MESH", "LIGHT"}
     assert played_densities(ball) == ["Density"]
     assert [material.name for material in ball.data.materials] == ["Density Heat Map"]
@@ -119,6 +120,7 @@ def test_a_path_of_unit_masses_on_a_file_without_groups(files, tmp_path, capfd):
     (obj,) = [obj for obj in bpy.data.objects if obj.type == "MESH"]
     assert played_densities(obj) == ["moss"]
     assert len(stored_frames(obj, "moss")) == 5
+    assert (bpy.context.scene.frame_start, bpy.context.scene.frame_end) == (1, 5)
 
 
 def test_a_blend_is_a_group(files, tmp_path, capfd):

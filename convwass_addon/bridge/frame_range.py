@@ -18,9 +18,3 @@ def play_whole(scene: bpy.types.Scene, first: float, last: float) -> None:
 def play_among_others(scene: bpy.types.Scene, first: float, last: float) -> None:
     """Extend the frame range of the scene to include `first` ... `last`."""
     play_whole(scene, min(first, scene.frame_start), max(last, scene.frame_end))
-
-
-def play_from_start(scene: bpy.types.Scene, first: float, last: float) -> None:
-    """Set the frame range to an animation that starts with the scene, or extend it for other animations."""
-    fit = play_whole if first == scene.frame_start else play_among_others
-    fit(scene, first, last)

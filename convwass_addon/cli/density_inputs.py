@@ -15,7 +15,7 @@ from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import unit_mass
 from ..applications.densities.surface_densities import Surface, blur_notice, blur_of, density_surface
 from ..bridge.blend_files import open_blend
-from ..bridge.frame_range import play_whole
+from ..bridge.frame_range import play_among_others, play_whole
 from ..bridge.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_group
@@ -63,8 +63,9 @@ class DensityScene:
         return bpy.context.scene.frame_start
 
     def play_to(self, last: int) -> None:
-        """Set the last frame of the scene to the end of the animation."""
-        play_whole(bpy.context.scene, self.first_frame, last)
+        """Set the last frame of a new scene to the end of the animation; the scene of a .blend is only extended."""
+        fit = play_among_others if bpy.data.filepath else play_whole
+        fit(bpy.context.scene, self.first_frame, last)
 
     def stands_for_weights(self, name: str) -> bool:
         """Whether a name is an existing group or a list of vertices."""

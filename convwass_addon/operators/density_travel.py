@@ -20,7 +20,7 @@ from ..bridge.densities.density_player import DensityKey, animate_density
 from ..bridge.densities.density_request import path_request
 from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.densities.result_groups import require_unpainted, write_result
-from ..bridge.frame_range import play_from_start
+from ..bridge.frame_range import play_among_others
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.morphs.stored import FIRST_FRAMES
 from ..bridge.vertex_groups import group_names, read_groups, require_unlocked
@@ -91,7 +91,7 @@ class CONVWASS_OT_interpolate_density(
         if self.add_material and not any(slot.material for slot in obj.material_slots):
             obj.active_material = heat_material(self.density)
         if keys:
-            play_from_start(self._own_scene(context), stops.frames[0], stops.frames[-1])
+            play_among_others(self._own_scene(context), stops.frames[0], stops.frames[-1])
         text = rpt_("{:s}: {:d} steps from frame {:g} to {:g}")
         text = text.format(self.density, len(frames.times) - 1, stops.frames[0], stops.frames[-1])
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])

@@ -115,10 +115,9 @@ def test_scripts_name_groups_and_frames(obj):
 
 
 @pytest.mark.parametrize(
-    ("frames", "end"), [("1, 13", 13), ("1, 300.5", 301), ("", 3), ("20, 40", 250), ("20, 400", 400)]
+    ("frames", "end"), [("1, 13", 250), ("1, 300.5", 301), ("", 250), ("20, 40", 250), ("20, 400", 400)]
 )
-def test_the_scene_range_is_extended_to_the_density(obj, frames, end):
-    """One that begins later is played among all that the scene had."""
+def test_the_scene_range_is_extended_to_the_density_and_never_shortened(obj, frames, end):
     scene = bpy.context.scene
     assert (scene.frame_start, scene.frame_end) == (1, 250)
     call("interpolate_density", groups="A, C", frames=frames, steps=2)
