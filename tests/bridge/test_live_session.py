@@ -229,6 +229,39 @@ def test_objects_restored_by_undo_are_removed(begin, inventory):
     assert not any(obj.hide_get() for obj in hidden)
 
 
+@pytest.fixture
+def namesakes(make_object, tmp_path):
+    """Make a local and a linked ball of the same name."""
+    mesh = ball(SIZES[0], (0.0, 0.0, 0.0), 200)
+    local = make_object("Ball 0", mesh.vertices, faces=mesh.faces)
+    path = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {local})
+    local.location.x = 3.0
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = [local.name]
+    (linked,) = wanted.objects
+    bpy.context.scene.collection.objects.link(linked)
+    return local, linked
+
+
+def test_two_inputs_of_one_name_are_told_apart(begin, namesakes):
+    session = begin()
+    assert [obj.hide_get() for obj in namesakes] == [True, True]
+    remove_leftovers()
+    assert [obj.hide_get() for obj in namesakes] == [False, False]
+    session.end()
+    assert [obj.select_get() for obj in namesakes] == [True, True]
+
+
+def test_an_input_outside_the_view_layer_is_not_taken_for_its_namesake(begin, namesakes):
+    """It was taken out of the scene after the start."""
+    local, linked = namesakes
+    session = begin()
+    bpy.context.scene.collection.objects.unlink(linked)
+    session.end()
+    assert not local.hide_get()
+
+
 def test_colors_are_mixed_and_kept(begin, inventory):
     session = begin(carry=True)
     session.end()

@@ -6,10 +6,12 @@ from __future__ import annotations
 
 import bpy
 
+from ..handles import Handle, found
+from ..objects import layers_with
 from .running import running_live
 
 LIVE_KEY = "convwass_live"
-"""Custom property of the collection of a live morph: names of the inputs that it has hidden, one per line.
+"""Custom property of the collection of a live morph: session ids of the inputs that it has hidden, one per line.
 
 Its material has the property, too.
 """
@@ -18,12 +20,9 @@ Its material has the property, too.
 def remove_leftovers() -> None:
     """Remove ended live morphs that undo has restored, and show their inputs."""
     for home in [collection for collection in bpy.data.collections if LIVE_KEY in collection]:
-        for name in home[LIVE_KEY].split("\n"):
-            obj = bpy.data.objects.get(name)
-            for scene in bpy.data.scenes if obj is not None else ():
-                for layer in scene.view_layers:
-                    if obj.name in layer.objects:
-                        obj.hide_set(False, view_layer=layer)
+        for obj in found([Handle("objects", int(uid)) for uid in home[LIVE_KEY].split()]):
+            for layer in layers_with(obj, bpy.data.scenes):
+                obj.hide_set(False, view_layer=layer)
         remove_live_objects(home)
 
 

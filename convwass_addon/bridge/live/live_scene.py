@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ..handles import Handle
+from ..objects import is_in
 from ..shape_sources import ShapeSource
 from .leftovers import LIVE_KEY, remove_live_objects
 from .live_colors import show_colors
@@ -65,11 +66,11 @@ class LiveScene:
         self._selected = [Handle.of("objects", obj) for obj in inputs if obj.select_get(view_layer=view_layer)]
         active = view_layer.objects.active
         self._active = None if active is None else Handle.of("objects", active)
-        visible = [obj for obj in inputs if obj.name in view_layer.objects and not obj.hide_get(view_layer=view_layer)]
+        visible = [obj for obj in inputs if is_in(view_layer, obj) and not obj.hide_get(view_layer=view_layer)]
         self._hidden = [Handle.of("objects", obj) for obj in visible]
-        home[LIVE_KEY] = "\n".join(obj.name for obj in visible)
+        home[LIVE_KEY] = "\n".join(str(handle.uid) for handle in self._hidden)
         self.hide_inputs()
-        if self.pad.handle.name in view_layer.objects:
+        if is_in(view_layer, self.pad.handle):
             self.pad.handle.select_set(True, view_layer=view_layer)
             view_layer.objects.active = self.pad.handle
 
@@ -104,7 +105,7 @@ class LiveScene:
         layer = self._view_layer()
         for handle in self._hidden if layer is not None else ():
             obj = handle.find()
-            if obj is not None and obj.name in layer.objects:
+            if obj is not None and is_in(layer, obj):
                 obj.hide_set(hidden, view_layer=layer)
 
     def _view_layer(self) -> bpy.types.ViewLayer | None:
@@ -120,10 +121,10 @@ class LiveScene:
             return
         for handle in self._selected:
             obj = handle.find()
-            if obj is not None and obj.name in layer.objects:
+            if obj is not None and is_in(layer, obj):
                 obj.select_set(True, view_layer=layer)
         active = None if self._active is None else self._active.find()
-        if active is not None and active.name in layer.objects:
+        if active is not None and is_in(layer, active):
             layer.objects.active = active
 
 
