@@ -87,7 +87,7 @@ class LabeledMesh:
 def triangle_meshes(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[TriangleMesh]:
     """Read objects as `triangle_mesh` does; Blender rebuilds its graph to show hidden ones, here once for all."""
     depsgraph.update()
-    with shown_objects([obj for obj in objects if not _is_current(obj, depsgraph)], depsgraph.scene):
+    with shown_objects([obj for obj in objects if not is_current(obj, depsgraph)], depsgraph.scene):
         return [triangle_mesh(obj, depsgraph) for obj in objects]
 
 
@@ -267,7 +267,7 @@ def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> I
     if obj.mode == "EDIT":
         obj.update_from_editmode()
     depsgraph.update()
-    if _is_current(obj, depsgraph):
+    if is_current(obj, depsgraph):
         yield obj.evaluated_get(depsgraph)
         return
     with shown_objects([obj], depsgraph.scene):
@@ -278,11 +278,11 @@ def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> I
 def update_places(objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
     """Update the world matrices of objects, also of hidden ones, without changing the scene permanently."""
     depsgraph.update()
-    with shown_objects([obj for obj in objects if not _is_current(obj, depsgraph)], depsgraph.scene):
+    with shown_objects([obj for obj in objects if not is_current(obj, depsgraph)], depsgraph.scene):
         depsgraph.update()
 
 
-def _is_current(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+def is_current(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Return whether Blender has evaluated an object in its current state.
 
     It does not evaluate objects hidden in all viewports, but keeps those whose visibility changes over time.

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from .mesh_checks import readable_mesh
+from .objects import is_current, shown_objects
 
 # fmt: off
 KEEPS_VERTICES = frozenset((
@@ -104,8 +105,8 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
     """
     topology = _Topology.of(readable_mesh(obj))
     depsgraph.update()
-    evaluated = obj.evaluated_get(depsgraph)
-    if evaluated.is_evaluated:
+    if is_current(obj, depsgraph):
+        evaluated = obj.evaluated_get(depsgraph)
         shape = _shape_if(topology, evaluated)
         if shape is not None:
             return SurfaceReading(_world(obj, shape, np.array(evaluated.matrix_world, dtype=np.float64)))
@@ -121,10 +122,9 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
 def _probe(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
     """Provide a copy of an object that is evaluated even if hidden, and whose modifiers may be removed."""
     probe = obj.copy()
-    probe.hide_viewport = False
-    depsgraph.scene.collection.objects.link(probe)
     try:
-        yield probe
+        with shown_objects([probe], depsgraph.scene):
+            yield probe
     finally:
         bpy.data.objects.remove(probe)
 
@@ -134,8 +134,7 @@ def _without_builders(probe: bpy.types.Object, topology: _Topology, depsgraph: b
 
     def seen() -> _Shape | None:
         depsgraph.update()
-        evaluated = probe.evaluated_get(depsgraph)
-        return _shape_if(topology, evaluated) if evaluated.is_evaluated else None
+        return _shape_if(topology, probe.evaluated_get(depsgraph)) if is_current(probe, depsgraph) else None
 
     for modifier in list(probe.modifiers):
         if modifier.type not in KEEPS_VERTICES | MAY_KEEP_VERTICES:

@@ -160,6 +160,35 @@ def test_objects_out_of_sight(obj, depsgraph, bare_scene, with_modifiers):
     assert obj.users_scene == ()
 
 
+def by_keys(obj):
+    obj.keyframe_insert("hide_viewport", frame=1)
+
+
+def by_a_driver(obj):
+    obj.driver_add("hide_viewport").driver.expression = "1"
+
+
+@pytest.mark.parametrize("hide", [by_keys, by_a_driver])
+@pytest.mark.parametrize("with_subdivision", [False, True])
+def test_objects_whose_visibility_changes_are_read_while_they_are_hidden(obj, bare_scene, hide, with_subdivision):
+    """Blender keeps them in the scene as they were when they were shown last."""
+    obj.hide_viewport = True
+    hide(obj)
+    bpy.context.view_layer.update()
+    nodes(obj, "Lift", lift)
+    if with_subdivision:
+        obj.modifiers.new("Subdivision", "SUBSURF")
+    obj.location.x = 7
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    reading = read_surface(obj, depsgraph)
+    assert reading.ignored == ("Subdivision",) * with_subdivision
+    np.testing.assert_allclose(reading.mesh.vertices.mean(axis=0), (7, 0, 3), atol=1e-6)
+    assert obj.hide_viewport
+    assert list(bare_scene.collection.objects) == [obj]
+    bare_scene.frame_set(2)
+    assert obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).hide_viewport
+
+
 def test_parents_and_parts(obj, make_object, depsgraph):
     parent = make_object("Parent", [(0, 0, 0)])
     parent.location.z, obj.parent = 4, parent
