@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import replace
+from contextlib import suppress
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -21,7 +22,7 @@ from ..bridge.densities.density_nodes import color_name
 from ..bridge.densities.density_outputs import show_heat_colors, write_step_colors, write_step_groups
 from ..bridge.densities.density_player import density_modifier, remove_density
 from ..bridge.densities.density_request import DensityRequest
-from ..bridge.densities.density_store import StoredDensity, store_density, stored_density, stored_or_new
+from ..bridge.densities.density_store import StoredDensity, stored_density
 from ..bridge.mesh_checks import writable_mesh
 from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
@@ -34,6 +35,9 @@ from .density_changes import changed_inputs
 from .density_targets import OnDensity, chosen_density, density_property
 from .object_job import ObjectJob
 from .reporting import listed, refuse, tell
+
+if TYPE_CHECKING:
+    from ..bridge.densities.density_images import ImageSettings
 
 
 class _BakeJob(ObjectJob):
@@ -58,7 +62,32 @@ class _BakeJob(ObjectJob):
         """Do nothing: `steps` writes."""
 
     def discard(self) -> None:
-        """Do nothing: all files written so far are complete."""
+        """Do nothing: `steps` writes each output as a whole."""
+
+
+class _ImagesJob(_BakeJob):
+    """Writes the steps of a density as images."""
+
+    def __init__(self, obj: bpy.types.Object, name: str, settings: ImageSettings, folder: str) -> None:
+        from ..bridge.densities.density_images import write_step_images
+
+        frames = stored_frames(obj, name)
+        super().__init__(obj, map(str, write_step_images(obj, frames, folder, name, settings)), len(frames))
+        self._name = name
+
+    def remember(self) -> list[str]:
+        """Store the paths of the images with the object; return the names of others in the folder, of earlier bakes."""
+        from ..bridge.densities.density_images import remember_images
+
+        made = [Path(path) for path in self.made]
+        left = remember_images(self.target(), self._name, made)
+        return [path.name for path in left if path.parent == made[0].parent]
+
+    def discard(self) -> None:
+        """Keep the images written so far, which are complete, unless the object was deleted."""
+        if self.made:
+            with suppress(ConvwassError):
+                self.remember()
 
 
 class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, bpy.types.Operator):
@@ -73,7 +102,7 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
     )
 
     def _begin(self, context):
-        from ..bridge.densities.density_images import ImageSettings, write_step_images
+        from ..bridge.densities.density_images import ImageSettings
 
         obj = context.object
         self._name = chosen_density(obj, self.density)
@@ -87,8 +116,7 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
         if self.output != "IMAGES":
             return _BakeJob(obj, self._at_once(obj, frames), 1)
         settings = ImageSettings(self.size, self.margin, self.file_format, self.uv_map)
-        paths = write_step_images(obj, frames, self.folder, self._name, settings)
-        return _BakeJob(obj, map(str, paths), len(frames))
+        return _ImagesJob(obj, self._name, settings, self.folder)
 
     def _at_once(self, obj: bpy.types.Object, frames: NDArray[np.float32]) -> Iterator[str]:
         """Write everything in one step, and yield the message."""
@@ -115,7 +143,7 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
 
     def _finish(self, context, job):
         if self.output == "IMAGES":
-            left = self._remember(job)
+            left = job.remember()
             text = rpt_("{:d} images in {:s}").format(len(job.made), bpy.path.abspath(self.folder))
             tell(self, text, _left_notice(left))
         else:
@@ -125,23 +153,10 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
     def _keep(self, context, job):
         if self.output != "IMAGES" or not job.made:
             return False
-        self._remember(job)
+        job.remember()
         text = rpt_("Stopped; {:d} images are in {:s}").format(len(job.made), bpy.path.abspath(self.folder))
         self.report({"WARNING"}, text)
         return True
-
-    def _remember(self, job: _BakeJob) -> list[str]:
-        """Store the paths of the images with the object; return the names of others in the folder, of an earlier bake.
-
-        Images of earlier bakes stay stored, so that no other density overwrites them.
-        """
-        from ..bridge.densities.density_images import IMAGES
-
-        obj = job.target()
-        known = stored_or_new(obj, self._name)
-        left = [path for path in known.outputs.get(IMAGES, ()) if path not in job.made and Path(path).is_file()]
-        store_density(obj, self._name, replace(known, outputs={**known.outputs, IMAGES: [*job.made, *left]}))
-        return [Path(path).name for path in left if Path(path).parent == Path(job.made[0]).parent]
 
 
 def _left_notice(left: Sequence[str]) -> list[Sentence]:

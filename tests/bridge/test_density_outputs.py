@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.densities.density_images import ImageSettings, write_step_images
+from convwass_addon.bridge.densities.density_images import ImageSettings, remember_images, write_step_images
 from convwass_addon.bridge.densities.density_material import GROWTHS, growth_material, heat_material
 from convwass_addon.bridge.densities.density_nodes import NAME, color_name
 from convwass_addon.bridge.densities.density_outputs import (
@@ -18,7 +18,7 @@ from convwass_addon.bridge.densities.density_outputs import (
     write_step_groups,
 )
 from convwass_addon.bridge.densities.density_player import animate_density, density_value, remove_density
-from convwass_addon.bridge.densities.density_store import stored_density
+from convwass_addon.bridge.densities.density_store import DENSITIES_KEY, stored_density
 from convwass_addon.bridge.heat_map import heat_colors, heat_stops
 from convwass_addon.bridge.vertex_groups import group_names, read_group, read_groups, write_group
 from convwass_addon.errors import InputError
@@ -193,12 +193,50 @@ def test_images_next_to_the_file(quad, tmp_path):
 def test_old_images_are_replaced_only_by_complete_ones(quad, tmp_path, monkeypatch):
     settings = ImageSettings(size=8)
     (path,) = write_step_images(quad, np.ones(4), tmp_path, settings=settings)
+    remember_images(quad, "Density", [path])
     before = path.read_bytes()
     monkeypatch.setattr("os.replace", lambda *_: (_ for _ in ()).throw(OSError("disk full")))
     with pytest.raises(Exception, match="could not be written: disk full"):
         list(write_step_images(quad, np.zeros(4), tmp_path, settings=settings))
     assert list(tmp_path.iterdir()) == [path]
     assert path.read_bytes() == before
+
+
+def test_images_of_another_blend_file_are_not_replaced(quad, tmp_path):
+    """The other file is a copy of this one, or has nothing to do with it."""
+    settings, folder = ImageSettings(size=8), tmp_path / "images"
+
+    def written(values):
+        obj = bpy.data.objects["Quad"]
+        (path,) = write_step_images(obj, np.array(values), folder, settings=settings)
+        remember_images(obj, "Density", [path])
+        return path
+
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "first.blend"))
+    written([0.0, 0, 0, 1])
+    path = written([1.0, 0, 0, 1])
+    before = path.read_bytes()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "second.blend"))
+    for _ in range(2):
+        with pytest.raises(InputError, match=r"Density\.0000\.png exists already, and this \.blend file has not writ"):
+            written([1.0, 1, 1, 1])
+        assert path.read_bytes() == before
+        bpy.data.objects["Quad"].pop(DENSITIES_KEY, None)
+    path.unlink()
+    written([1.0, 1, 1, 1])
+    assert written([0.0, 1, 1, 1]) == path
+
+
+def test_images_are_replaced_when_they_were_moved_with_their_file(quad, tmp_path):
+    (tmp_path / "old").mkdir()
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "old" / "file.blend"))
+    settings = ImageSettings(size=8)
+    remember_images(quad, "Density", list(write_step_images(quad, np.ones(4), "//images", settings=settings)))
+    bpy.ops.wm.save_mainfile()
+    (tmp_path / "old").rename(tmp_path / "new")
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "new" / "file.blend"))
+    (path,) = write_step_images(bpy.data.objects["Quad"], np.ones(4), "//images", settings=settings)
+    assert path == tmp_path / "new" / "images" / "Density.0000.png"
 
 
 def test_the_map_of_renders_or_one_by_name(quad, tmp_path):

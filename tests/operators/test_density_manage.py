@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import os
 from types import SimpleNamespace
 
 import bpy
@@ -211,6 +212,24 @@ def test_images_can_be_stopped_and_those_that_are_there_stay(obj, monkeypatch, t
     assert 1 <= len(written) < len(stored_frames(obj, "Density"))
     assert "Stopped" in pressed.reports[-1][1]
     assert len(stored_density(obj, "Density").outputs["images"]) == len(written)
+
+
+def test_images_written_before_an_error_can_be_replaced(obj, monkeypatch, tmp_path):
+    """A full disk, for example."""
+    moved, moves = os.replace, []
+
+    def replaced(*paths):
+        moves.append(paths)
+        if len(moves) > 2:
+            raise OSError("disk full")
+        moved(*paths)
+
+    monkeypatch.setattr("os.replace", replaced)
+    with pytest.raises(RuntimeError, match="could not be written: disk full"):
+        bake_images(tmp_path)
+    assert len(list(tmp_path.iterdir())) == 2
+    monkeypatch.undo()
+    assert bake_images(tmp_path) == {"FINISHED"}
 
 
 def test_images_are_written_in_the_background(obj, monkeypatch, tmp_path):

@@ -4,8 +4,9 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import bpy
@@ -17,12 +18,16 @@ from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ..files import made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh
+from ..morphs.disk_output import for_blender
 from ..numbered_files import numbered_paths
 from .density_nodes import NAME
-from .density_store import outputs_of_others, stored_or_new
+from .density_store import outputs_of_others, store_density, stored_or_new
 
 IMAGES = "images"
-"""Key of the paths stored with an object."""
+"""Key of the paths stored with an object, as Blender stores paths."""
+
+# Key of the name of the .blend file that the images were written from; empty if it was not saved.
+_BLEND = "images_from"
 
 DEPTHS = {"PNG": "16", "OPEN_EXR": "32"}
 """File formats and their bits per channel."""
@@ -83,8 +88,8 @@ def write_step_images(
     Raises
     ------
     InputError
-        There is no UV map or an empty one, the mesh is in Edit Mode, the folder cannot be written, or another density
-        has its images there. Raised before the first step.
+        There is no UV map or an empty one, the mesh is in Edit Mode, the folder cannot be written, or it contains
+        files of these names that are not images of this density. Raised before the first step.
     ConvwassError
         An image could not be written.
     """
@@ -102,16 +107,52 @@ def write_step_images(
     return _written(pixels, frames * scale, paths, settings)
 
 
+def remember_images(obj: bpy.types.Object, name: str, made: Sequence[Path]) -> list[Path]:
+    """Store with a density that images are its own, so that the next bake may replace them and no other one does.
+
+    Returns
+    -------
+    list of Path
+        Images of earlier bakes, which stay its own.
+    """
+    places = set(map(_place, made))
+    left = [path for path in _own_images(obj, name) if _place(path) not in places and path.is_file()]
+    known = stored_or_new(obj, name)
+    own = {IMAGES: [for_blender(path) for path in (*made, *left)], _BLEND: [bpy.path.basename(bpy.data.filepath)]}
+    store_density(obj, name, replace(known, outputs={**known.outputs, **own}))
+    return left
+
+
+def _own_images(obj: bpy.types.Object, name: str) -> list[Path]:
+    """Return the images of a density; empty if the .blend file has another name now, as after *Save As*."""
+    outputs = stored_or_new(obj, name).outputs
+    before = "".join(outputs.get(_BLEND, ()))
+    if before and before != bpy.path.basename(bpy.data.filepath):
+        return []
+    return [Path(bpy.path.abspath(path)) for path in outputs.get(IMAGES, ())]
+
+
 def _require_own(obj: bpy.types.Object, name: str, paths: Sequence[Path]) -> None:
-    """Raise InputError if files are images of another density in the .blend file, but not of this one."""
-    wanted = set(map(str, paths)).difference(stored_or_new(obj, name).outputs.get(IMAGES, ()))
+    """Raise InputError if files are not images of this density, but of another one or of another .blend file."""
+    own = set(map(_place, _own_images(obj, name)))
+    wanted = {_place(path): path for path in paths if _place(path) not in own}
     for other, path in outputs_of_others(obj, name, IMAGES):
-        if path in wanted:
+        if _place(path) in wanted:
             raise InputError(
                 "{file} is an image of a density of {object} and would be overwritten; choose another folder.",
-                file=path,
+                file=bpy.path.abspath(path),
                 object=other.name,
             )
+    unknown = next((path for path in wanted.values() if path.exists()), None)
+    if unknown is not None:
+        raise InputError(
+            "{file} exists already, and this .blend file has not written it; choose another folder, or delete it.",
+            file=str(unknown),
+        )
+
+
+def _place(path: str | Path) -> str:
+    return os.path.normcase(os.path.realpath(bpy.path.abspath(str(path))))
 
 
 def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:
