@@ -33,7 +33,7 @@ from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
 from .background import is_idle
-from .reporting import refuse
+from .reporting import refuse, tell
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
@@ -281,7 +281,8 @@ class CONVWASS_OT_delete_morph(_OnActiveBake, bpy.types.Operator):
 
         bake = active_bake(context)
         if isinstance(bake, bpy.types.Object):
-            delete_keys(bake)
+            name = bake.name
+            tell(self, rpt_("{:s}: deleted").format(name), delete_keys(bake))
         else:
             delete_morph(bake)
         return {"FINISHED"}

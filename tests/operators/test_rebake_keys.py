@@ -18,6 +18,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
 from convwass_addon.bridge.one_mesh.attached_parts import attach_parts
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY, baked_keys, key_records, objects_of, shared_slider
+from convwass_addon.bridge.one_mesh.shape_keys import drive_key
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 from tests.operators import test_previews
@@ -274,6 +275,72 @@ def test_deleting_them_shows_the_shapes(shapes, two_meshes):
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
     assert {**census(), "materials": []} == {**before, "materials": []}
     assert not any(shape.hide_get() or shape.hide_render for shape in shapes)
+
+
+def fingerprint(obj):
+    keys = obj.data.shape_keys
+    drivers = keys.animation_data.drivers if keys and keys.animation_data else ()
+    names = [key.name for key in keys.key_blocks] if keys else []
+    return names, [curve.data_path for curve in drivers], height(obj)
+
+
+def select_and_delete(obj):
+    bpy.context.view_layer.objects.active = obj
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+
+
+def test_attached_parts_are_as_before_when_the_morph_is_deleted(shapes, capfd):
+    """Also one with a key of its own, and one that two objects share."""
+    parts = []
+    for name in ("Shirt", "Hat"):
+        bpy.ops.mesh.primitive_cube_add(scale=(1.1, 1.1, 0.5))
+        parts.append(bpy.context.object)
+        parts[-1].name = name
+    for name in ("Basis", "Dent"):
+        parts[1].shape_key_add(name=name, from_mix=False)
+    before = [fingerprint(part) for part in parts]
+    obj = bake("A,B")
+    attach_parts(obj, parts, rigid=False)
+    twin = parts[1].copy()
+    twin.name = "Twin"
+    bpy.context.scene.collection.objects.link(twin)
+    obj.animation_data.action = None
+    height(obj, B=1.0)
+    assert [fingerprint(part) for part in parts] != before
+    select_and_delete(obj)
+    bpy.context.view_layer.update()
+    assert [fingerprint(part) for part in parts] == before
+    assert "A Morph: deleted. The shape keys with which Hat, Shirt followed it are removed\n" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize("body", ["A Morph", "B Morph"])
+def test_parts_are_detached_from_both_of_two_meshes(shapes, body):
+    first = bake("A,B", two_meshes=True)
+    bpy.ops.mesh.primitive_cube_add()
+    shirt = bpy.context.object
+    attach_parts(bpy.data.objects[body], [shirt], rigid=False)
+    select_and_delete(first)
+    assert shirt.data.shape_keys is None
+
+
+def test_drivers_of_the_user_are_named_when_their_slider_is_deleted(shapes, capfd):
+    obj = bake("A,B")
+    bpy.ops.mesh.primitive_cube_add()
+    shirt = bpy.context.object
+    shirt.name = "Shirt"
+    shirt.shape_key_add(name="Basis")
+    drive_key(obj, shirt.shape_key_add(name="Own"), "B", "v * v")
+    select_and_delete(obj)
+    assert [key.name for key in shirt.data.shape_keys.key_blocks] == ["Basis", "Own"]
+    assert "Drivers of shape keys of Shirt read sliders that are deleted" in capfd.readouterr().out
+
+
+def test_a_linked_duplicate_of_the_mesh_keeps_its_keys(shapes):
+    obj = bake("A,B")
+    twin = obj.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    select_and_delete(obj)
+    assert [key.name for key in twin.data.shape_keys.key_blocks] == ["Basis", "B"]
 
 
 def test_the_panel_has_the_buttons_of_what_stores_its_bake(shapes):

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable
+from collections.abc import Container, Iterable, Sequence
 
 import bpy
 import numpy as np
@@ -66,6 +66,42 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
         notices += _own_mesh(part)
         _follow(part, body, surface, records, rigid=rigid)
     return notices
+
+
+def detach_parts(bodies: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Remove the shape keys with which parts follow bodies; other keys are kept, unless only the first one is left.
+
+    Parameters
+    ----------
+    bodies : sequence of bpy.types.Object
+        Objects with shape keys to other shapes.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        The parts that followed them; those that are linked from another file are left as they are.
+    """
+    meshes = {body.data for body in bodies}
+    found = []
+    for part in bpy.data.objects:
+        is_other = part.type == "MESH" and part.data.shape_keys is not None and part.data not in meshes
+        if is_other and part.is_editable and part.data.is_editable and _detach(part, bodies):
+            found.append(part)
+    return found
+
+
+def _detach(part: bpy.types.Object, bodies: Sequence[bpy.types.Object]) -> bool:
+    """Remove the keys with which a part follows bodies; return whether there were any."""
+    count = len(part.data.shape_keys.key_blocks)
+    for body in bodies:
+        _remove_other_keys(part, body, ())
+    left = part.data.shape_keys.key_blocks
+    if len(left) == count:
+        return False
+    if len(left) == 1:
+        part.shape_key_remove(left[0])
+    part.data.update()
+    return True
 
 
 def _follow(

@@ -12,6 +12,7 @@ from ...errors import InputError
 from ...sentence import Sentence
 from ..keyframes import curves_of, driver_targets, remove_curve
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
+from .attached_parts import detach_parts
 from .key_pad import pads_of, remove_idle_pads
 from .records import BAKE_KEYS, SWAP_KEY, key_records, objects_of
 from .shape_keys import add_slider, slider_path
@@ -53,21 +54,57 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
     return found
 
 
-def delete_keys(keyed: bpy.types.Object) -> None:
-    """Remove the objects of a bake and their pad, and show the shapes that it has hidden."""
-    hidden, pads = hidden_only_by(keyed), _pads(keyed)
-    _remove(objects_of(keyed))
+def delete_keys(keyed: bpy.types.Object) -> list[Sentence]:
+    """Remove the objects of a bake, their pad and the keys of parts that follow them, and show what it has hidden.
+
+    Parameters
+    ----------
+    keyed : bpy.types.Object
+        The object of the bake, the first one of two.
+
+    Returns
+    -------
+    list of Sentence
+        Messages for the user.
+    """
+    hidden, pads, objects = hidden_only_by(keyed), _pads(keyed), objects_of(keyed)
+    notices = _deletion_notices(detach_parts(objects), _followers(objects))
+    _remove(objects)
     remove_idle_pads(pads)
     show_again(hidden)
+    return notices
+
+
+def _deletion_notices(detached: Sequence[bpy.types.Object], left: Sequence[bpy.types.Object]) -> list[Sentence]:
+    """Return notices about objects that no longer follow a bake, and about those whose drivers read nothing now."""
+    notices = []
+    if detached:
+        notices.append(
+            Sentence("The shape keys with which {names} followed it are removed", {"names": _names(detached)})
+        )
+    if left:
+        notices.append(
+            Sentence("Drivers of shape keys of {names} read sliders that are deleted", {"names": _names(left)})
+        )
+    return notices
 
 
 def following_notices(keyed: Sequence[bpy.types.Object]) -> list[Sentence]:
     """Return a notice that parts attached to objects with new keys still follow the keys of the last bake."""
-    meshes = [obj.data for obj in keyed]
-    names = [obj.name for obj in bpy.data.objects if obj.data not in meshes and _follows(obj, keyed)]
-    if not names:
+    followers = _followers(keyed)
+    if not followers:
         return []
-    return [Sentence("Attach {names} again, since their keys follow the last bake", {"names": ", ".join(names)})]
+    return [Sentence("Attach {names} again, since their keys follow the last bake", {"names": _names(followers)})]
+
+
+def _names(objects: Sequence[bpy.types.Object]) -> str:
+    return ", ".join(obj.name for obj in objects)
+
+
+def _followers(keyed: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Return the objects of other meshes whose shape keys are driven by sliders of some objects."""
+    meshes = [obj.data for obj in keyed]
+    return [obj for obj in bpy.data.objects if obj.data not in meshes and _follows(obj, keyed)]
 
 
 def _follows(obj: bpy.types.Object, keyed: Sequence[bpy.types.Object]) -> bool:
