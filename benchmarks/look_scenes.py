@@ -140,7 +140,7 @@ def baked(
     scene = bpy.context.scene
     depsgraph = bpy.context.evaluated_depsgraph_get()
     job = MorphJob(scene, depsgraph, inputs, blends, MorphSettings(cells, motion=motion), {"looks": looks}, 1)
-    for step in job.steps(how=Computation(workers=1)):
+    for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     frames = frame_objects(job.finish(hide_inputs=False))
     for frame in frames:

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import maximum_filter, minimum_filter
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
@@ -113,7 +114,7 @@ def seconds(cells: int) -> dict[str, object]:
     inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
     depsgraph, blends = bpy.context.evaluated_depsgraph_get(), path_blends(2, 4)
     shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
-    work = morph(shapes, ["Sphere", "Cube"], blends, MorphSettings(cells), workers=1)
+    work = morph(shapes, ["Sphere", "Cube"], blends, MorphSettings(cells), computation=Computation(1))
     reports = [report for report in work if isinstance(report.payload, MorphFrame) and report.payload.mesh is not None]
     found: dict[str, object] = {"triangles": max(len(report.payload.mesh.faces) for report in reports)}
     for looks in ("COLORS", "FADE"):

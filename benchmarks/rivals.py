@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
@@ -176,7 +177,7 @@ def held_together(ends: Ends) -> list[TriangleMesh]:
 
 def _morphed(ends: Ends, motion: str) -> list[TriangleMesh]:
     settings = MorphSettings(resolution=ends.cells, motion=motion)
-    steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), settings, workers=1)
+    steps = morph(ends.shapes, ends.names, path_blends(2, STEPS), settings, computation=Computation(1))
     frames = {frame.blend: frame for frame in payloads(steps, MorphFrame)}.values()
     return [ends.shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 

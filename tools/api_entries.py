@@ -7,6 +7,7 @@ from __future__ import annotations
 APPLICATIONS = {
     "morphs": {
         "morph": ("morph",),
+        "computation": ("Computation",),
         "bake_plan": ("MorphPreview",),
         "morph_problem": ("MorphFrame",),
         "morph_settings": ("MorphSettings",),

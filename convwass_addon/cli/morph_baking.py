@@ -99,11 +99,11 @@ def run_job(job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Ca
     """
     cluster = _machines(computing.scheduler) if computing.scheduler else nullcontext()
     with cluster as executor, ProgressBar("Morphing") as bar:
-        where = {"workers": computing.workers, "executor": executor}
+        computation = Computation(computing.workers, executor, computing.cache, computing.wanted)
         if computing.between is None:
-            work = job.steps(how=Computation(cache=computing.cache, wanted=computing.wanted, **where))
+            work = job.steps(computation=computation)
         else:
-            work = job.steps_between(computing.between.path, computing.between.numbers, computing.cache, **where)
+            work = job.steps_between(computing.between.path, computing.between.numbers, computation)
         bar.result_of(watched(work, take))
     for notice in computing.cache.notices if computing.cache else ():
         note(notice)

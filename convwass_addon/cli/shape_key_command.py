@@ -79,7 +79,7 @@ def _finished(job: ShapeKeyJob | SwapJob, workers: int | None) -> list[bpy.types
     """Run a job with a progress bar, and return what it made."""
     try:
         with ProgressBar("Making shape keys") as bar:
-            bar.result_of(job.steps(how=Computation(workers=workers)))
+            bar.result_of(job.steps(computation=Computation(workers=workers)))
         made = job.finish(hide_inputs=True)
     except BaseException:
         job.discard()

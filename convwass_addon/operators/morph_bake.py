@@ -194,8 +194,8 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
 
     def _steps(self) -> Callable[[Control], Work[None]]:
         # Previews are only useful if the user can see them and stop the bake.
-        how = replace(self._computing, previews=self._in_background)
-        return lambda control: self._job.steps(control, how)
+        computation = replace(self._computing, previews=self._in_background)
+        return lambda control: self._job.steps(control, computation)
 
     def _waits_for(self, _context: bpy.types.Context) -> Sentence | None:
         """Return a message if an object that gets another mesh is in Edit Mode, where Blender keeps its mesh."""

@@ -11,6 +11,7 @@ import pytest
 
 from convwass_addon.applications.morphs import between_frames as between
 from convwass_addon.applications.morphs.between_frames import between_frames, places_at
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.frame_file import read_frame, write_frame
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
@@ -37,7 +38,7 @@ LABELS = [FaceLabels(("box", "ball"), np.repeat([0, 1], [12, len(shape.faces) - 
 
 
 def at(cache, *numbers, options=QUICK, **others):
-    steps = list(between_frames(SHAPES, NAMES, PATH, numbers, options, cache, workers=2, **others))
+    steps = list(between_frames(SHAPES, NAMES, PATH, numbers, options, Computation(2, cache=cache), **others))
     fractions = [step.fraction for step in steps]
     assert fractions == sorted(fractions)
     assert fractions[-1] == pytest.approx(1.0)
@@ -60,7 +61,7 @@ def distance(one, other):
 def cache(tmp_path_factory):
     """All frames of the path."""
     kept = FrameCache(tmp_path_factory.mktemp("frames"))
-    assert len(list(morph(SHAPES, NAMES, PATH, QUICK, cache=kept, workers=2))) >= len(PATH)
+    assert len(list(morph(SHAPES, NAMES, PATH, QUICK, computation=Computation(2, cache=kept)))) >= len(PATH)
     return kept
 
 
@@ -111,7 +112,8 @@ def test_from_frame_to_frame_it_moves_in_one_direction(cache, cold):
 
 
 def test_whole_numbers_return_stored_frames(cache, monkeypatch):
-    stored = [step.payload for step in morph(SHAPES, NAMES, PATH, QUICK, cache=cache) if step.payload]
+    steps = morph(SHAPES, NAMES, PATH, QUICK, computation=Computation(cache=cache))
+    stored = [step.payload for step in steps if step.payload]
     monkeypatch.setattr(between, "prepared_problem", None)
     found = at(cache, 12.0, 0, 7)
     assert [frame.blend.place for frame in found] == [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]
@@ -252,5 +254,6 @@ def test_a_blend_of_a_path_has_the_motion_of_the_path(tmp_path, monkeypatch):
 
     monkeypatch.setattr(MotionMemory, "chosen", chosen)
     shapes, settings = (*SHAPES, SHAPES[0]), MorphSettings(resolution=32, motion="warp")
-    drained(between_frames(shapes, ("a", "b", "c"), path_blends(3, 4), [1.5], settings, FrameCache(tmp_path)))
+    computation = Computation(cache=FrameCache(tmp_path))
+    drained(between_frames(shapes, ("a", "b", "c"), path_blends(3, 4), [1.5], settings, computation))
     assert asked == [[(0, 1), (1, 2)]]

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
@@ -37,10 +38,10 @@ def window():
     return joined(*across, *[box((0.3, 1.9, 0.3), (x, 0, 0)) for x in (-0.85, 0.85)])
 
 
-def made(shapes, resolution, motion="transport", **options):
+def made(shapes, resolution, motion="transport", **how):
     """All frames as they come; some come twice."""
     settings = MorphSettings(motion=motion, resolution=resolution)
-    return list(payloads(morph(shapes, ["a", "b"], BLENDS, settings, **options), MorphFrame))
+    return list(payloads(morph(shapes, ["a", "b"], BLENDS, settings, computation=Computation(**how)), MorphFrame))
 
 
 def final(frames):

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -79,7 +80,7 @@ def test_transport_carries_detail_if_requested():
     found = {}
     for detail in (None, 1.0):
         settings = MorphSettings(resolution=32, motion="transport", detail=detail)
-        steps = morph(shapes, NAMES, path_blends(2, 25), settings, wanted=range(1, 2), workers=1)
+        steps = morph(shapes, NAMES, path_blends(2, 25), settings, computation=Computation(1, wanted=range(1, 2)))
         found[detail] = [step.payload for step in steps if step.payload is not None][1]
     area = box().area * 23 / 24 + shapes[1].area / 24
     assert found[None].mesh.area < 0.965 * area < 0.98 * area < found[1.0].mesh.area < 1.01 * area

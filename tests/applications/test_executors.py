@@ -16,6 +16,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs import runs
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
@@ -23,7 +24,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.workers import one_blas_thread
 from convwass_addon.cluster import ClusterExecutor, cluster_workers
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
-from convwass_addon.progress import Control
+from convwass_addon.progress import UNINTERRUPTED, Control
 from tests.clusters import local_cluster
 from tests.controls import CountingControl
 from tests.shapes import ball, box
@@ -57,8 +58,9 @@ def counted(address):
         yield executor, futures
 
 
-def steps(**where):
-    return (step for step in morph(SHAPES, ["a", "b"], BLENDS, QUICK, **where) if step.payload)
+def steps(control=UNINTERRUPTED, **where):
+    work = morph(SHAPES, ["a", "b"], BLENDS, QUICK, control, computation=Computation(**where))
+    return (step for step in work if step.payload)
 
 
 @pytest.fixture(scope="module")

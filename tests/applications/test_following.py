@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.animation import Animation, ShapeAnimation
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.demands import Demand
 from convwass_addon.applications.morphs.following_problem import FollowingProblem
 from convwass_addon.applications.morphs.frame_cache import FrameCache
@@ -44,7 +45,8 @@ def turned(mesh, angle, to=(0.0, 0.0, 0.0)):
 
 def frames_of(shapes, animation, blends=None, **settings):
     blends = blends or path_blends(2, FRAMES)
-    work = morph(shapes, ["A", "B"], blends, MorphSettings(32, **settings), animation=animation, workers=1)
+    chosen = MorphSettings(32, **settings)
+    work = morph(shapes, ["A", "B"], blends, chosen, computation=Computation(1), animation=animation)
     return [report.payload for report in work if isinstance(report.payload, MorphFrame)]
 
 
@@ -219,8 +221,9 @@ def test_cached_blends_of_animated_inputs_are_used(tmp_path):
     still = animated(*(lambda time, own=own: own.moved((0.1 * time, 0, 0)) for own in shapes))
     for reused in (0, FRAMES + 1):
         cache = FrameCache(tmp_path)
-        settings = MorphSettings(24, motion="transport")
-        drained(morph(shapes, ["A", "B"], path_blends(2, FRAMES), settings, animation=still, cache=cache, workers=1))
+        settings, computation = MorphSettings(24, motion="transport"), Computation(1, cache=cache)
+        blends = path_blends(2, FRAMES)
+        drained(morph(shapes, ["A", "B"], blends, settings, computation=computation, animation=still))
         assert (cache.reused, cache.notices) == (reused, [])
 
 

@@ -17,6 +17,7 @@ from hypothesis.extra.numpy import arrays
 from convwass_addon.applications.morphs import bake_plan, frame_cache, frame_file
 from convwass_addon.applications.morphs.animation import Animation, ShapeAnimation
 from convwass_addon.applications.morphs.compact_arrays import packed_integers
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.morphs.frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from convwass_addon.applications.morphs.layouts import path_blends
@@ -28,6 +29,7 @@ from convwass_addon.applications.morphs.runs import RUN_LENGTH, runs_of
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.array_files import array_bytes
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from convwass_addon.progress import UNINTERRUPTED
 from tests.controls import ConditionalControl
 from tests.shapes import ball, box
 from tests.stored_frames import assert_as_stored
@@ -51,8 +53,9 @@ def solved(monkeypatch):
     return found
 
 
-def bake(cache=None, wanted=None, **options):
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=cache, wanted=wanted, **{"workers": 2, **options})
+def bake(cache=None, wanted=None, control=UNINTERRUPTED, workers=2):
+    computation = Computation(workers, cache=cache, wanted=wanted)
+    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, control, computation=computation)
     return [step.payload for step in steps if step.payload]
 
 
@@ -87,7 +90,7 @@ def test_a_complete_cache_needs_no_voxels(tmp_path, monkeypatch):
 
 
 def test_an_interrupted_bake_continues(tmp_path, solved):
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=FrameCache(tmp_path), workers=1)
+    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, computation=Computation(1, cache=FrameCache(tmp_path)))
     assert next(step for step in steps if step.payload)
     steps.close()
     kept = len(list(tmp_path.iterdir()))
@@ -404,7 +407,7 @@ def test_damaged_frames_are_named_and_made_again(tmp_path, solved):
 
 def test_a_frame_that_vanishes_while_it_is_being_read_ends_the_bake(tmp_path):
     bake(FrameCache(tmp_path))
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=FrameCache(tmp_path))
+    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, computation=Computation(cache=FrameCache(tmp_path)))
     next(steps)
     for path in tmp_path.iterdir():
         path.unlink()
@@ -436,7 +439,7 @@ def test_folders_that_cannot_be_are_refused(tmp_path):
 def test_spare_frames_take_a_bake_up_again_and_are_smaller(tmp_path, solved):
     """Blender is closed during a bake: finished frames are kept although no cache was requested."""
     spare, asked = tmp_path / "spare", tmp_path / "asked"
-    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, cache=SpareFrameCache(spare, 1 << 30), workers=1)
+    steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, computation=Computation(1, cache=SpareFrameCache(spare, 1 << 30)))
     assert next(step for step in steps if step.payload)
     steps.close()
     solved.clear()

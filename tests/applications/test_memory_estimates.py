@@ -12,6 +12,7 @@ from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_problem import flat_problem, pieces_of
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.memory_needs import estimated_bytes
 from convwass_addon.applications.morphs.morph import morph
@@ -38,7 +39,7 @@ def peak_of(work):
 def test_of_solids(shapes):
     settings = MorphSettings(motion="transport", resolution=64)
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
-    peak = peak_of(lambda: morph(shapes, ["a", "b"], BLENDS, settings, workers=1))
+    peak = peak_of(lambda: morph(shapes, ["a", "b"], BLENDS, settings, computation=Computation(1)))
     assert 0.3 < peak / lattice.memory(shapes, 1, 1) < 1.0
 
 

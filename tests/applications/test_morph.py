@@ -14,6 +14,7 @@ from convwass_addon.applications import memory
 from convwass_addon.applications.background import BackgroundJob
 from convwass_addon.applications.morphs.blend_solver import BlendSolver
 from convwass_addon.applications.morphs.blending import surfaced_frame
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import Blend, grid_blends, path_blends, single_blend, triangle_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -168,7 +169,7 @@ def test_frames_are_the_same_wherever_they_are_computed():
     shapes, blends = [ball(), box()], path_blends(2, 6)
 
     def vertices(**where):
-        steps = morph(shapes, ["a", "b"], blends, QUICK, **where)
+        steps = morph(shapes, ["a", "b"], blends, QUICK, computation=Computation(**where))
         return [step.payload.mesh.vertices for step in steps if step.payload and step.payload.mesh is not None]
 
     expected = vertices(workers=1)
@@ -180,13 +181,15 @@ def test_frames_are_the_same_wherever_they_are_computed():
 
 
 def test_a_job_in_other_processes_can_be_cancelled():
+    shapes, blends = [ball(), box()], path_blends(2, 50)
     with ThreadPoolExecutor(1) as elsewhere, pytest.raises(Cancelled):
-        list(morph([ball(), box()], ["a", "b"], path_blends(2, 50), QUICK, cancelled_control(), executor=elsewhere))
+        computation = Computation(executor=elsewhere)
+        list(morph(shapes, ["a", "b"], blends, QUICK, cancelled_control(), computation=computation))
 
 
 def test_no_workers_are_refused():
     with pytest.raises(InputError, match="at least one worker"):
-        list(morph([ball(), box()], ["a", "b"], path_blends(2, 2), QUICK, workers=0))
+        Computation(workers=0)
 
 
 def test_a_job_can_be_cancelled():

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.bake_plan import MorphPreview
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import pairs_of, path_blends
 from convwass_addon.applications.morphs.morph import morph
@@ -19,8 +20,9 @@ from tests.stored_frames import assert_as_stored
 NAMES = ("down", "up")
 
 
-def baked(shapes, settings, **options):
-    reports = list(morph(shapes, NAMES, path_blends(2, 4), settings, **options))
+def baked(shapes, settings, guides=(), **how):
+    work = morph(shapes, NAMES, path_blends(2, 4), settings, guides=guides, computation=Computation(**how))
+    reports = list(work)
     return [one.payload for one in reports if isinstance(one.payload, MorphFrame)], reports
 
 

@@ -17,6 +17,7 @@ import pytest
 from convwass_addon.applications import memory
 from convwass_addon.applications.morphs import blend_solver, blending, morph_problem, runs
 from convwass_addon.applications.morphs.bake_plan import MorphPreview
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.extraction import connectivity_of
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
@@ -38,9 +39,10 @@ NAMES = ["a", "b", "c"]
 QUICK = MorphSettings(motion="transport", resolution=32)
 
 
-def steps_of(shapes=SHAPES, blends=None, settings=QUICK, previews=True, **options):
+def steps_of(shapes=SHAPES, blends=None, settings=QUICK, labels=None, previews=True, **how):
     blends = path_blends(len(shapes), 3) if blends is None else blends
-    return list(morph(shapes, NAMES[: len(shapes)], blends, settings, previews=previews, **options))
+    computation = Computation(previews=previews, **how)
+    return list(morph(shapes, NAMES[: len(shapes)], blends, settings, labels=labels, computation=computation))
 
 
 def frames_of(steps):
@@ -189,7 +191,7 @@ def test_nothing_waits_for_the_connectivity_of_the_shapes(monkeypatch):
     for workers in (1, 2):
         seen.clear()
         blends, previews = path_blends(2, 5), 0
-        for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, previews=True, workers=workers):
+        for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, computation=Computation(workers, previews=True)):
             previews += isinstance(step.payload, MorphPreview)
             if previews == len(blends):
                 seen.set()
@@ -209,7 +211,7 @@ def test_a_preview_is_there_as_soon_as_its_blend_is_sketched(monkeypatch):
 
     real = blend_solver.BlendSolver.sketch
     monkeypatch.setattr(blend_solver.BlendSolver, "sketch", patient)
-    for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 6), QUICK, previews=True, workers=1):
+    for step in morph(SHAPES[:2], NAMES[:2], path_blends(2, 6), QUICK, computation=Computation(1, previews=True)):
         if isinstance(step.payload, MorphPreview) and step.payload.frame.mesh is not None:
             seen.release()
     assert waited == [True] * 5
@@ -267,7 +269,7 @@ def test_sketches_are_let_go_once_their_blends_are_finished(monkeypatch):
         return sum(one() is not None for one in sketched)
 
     blends, most, made = path_blends(2, 11), 0, 0
-    for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, previews=True, workers=1):
+    for step in morph(SHAPES[:2], NAMES[:2], blends, QUICK, computation=Computation(1, previews=True)):
         if isinstance(step.payload, MorphPreview):
             most = max(most, alive())
         made += isinstance(step.payload, MorphFrame)
@@ -302,7 +304,7 @@ def test_frames_of_the_cache_need_no_previews(tmp_path):
 
 def test_a_job_can_be_stopped_among_its_previews():
     control = Control()
-    steps = morph(SHAPES[:2], NAMES[:2], path_blends(2, 60), QUICK, control, previews=True)
+    steps = morph(SHAPES[:2], NAMES[:2], path_blends(2, 60), QUICK, control, computation=Computation(previews=True))
     assert any(isinstance(step.payload, MorphPreview) for step in steps)
     control.cancel()
     with pytest.raises(Cancelled):
@@ -311,7 +313,7 @@ def test_a_job_can_be_stopped_among_its_previews():
 
 def test_a_coarse_preview_comes_first():
     blends, fine = path_blends(2, 11), MorphSettings(motion="transport", resolution=96)
-    steps = morph(SHAPES[:2], NAMES[:2], blends, fine, previews=True, looked_at=7)
+    steps = morph(SHAPES[:2], NAMES[:2], blends, fine, computation=Computation(previews=True, looked_at=7))
     first = next(steps)
     steps.close()
     assert first.fraction == 0.0
@@ -329,8 +331,7 @@ def test_the_first_preview_is_of_the_nearest_unknown_blend(looked_at, expected):
         NAMES[:2],
         blends,
         MorphSettings(motion="transport", resolution=96),
-        previews=True,
-        looked_at=looked_at,
+        computation=Computation(previews=True, looked_at=looked_at),
     )
     assert blends.index(next(steps).payload.frame.blend) == expected
     steps.close()
@@ -344,7 +345,7 @@ def test_without_anything_to_preview_the_morph_just_begins():
             NAMES[:2],
             path_blends(2, 3),
             MorphSettings(motion="transport", resolution=resolution),
-            previews=True,
+            computation=Computation(previews=True),
         )
         assert next(steps).payload is None
         steps.close()

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from convwass_addon.applications.morphs import runs
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -15,8 +16,8 @@ from tests.shapes import ball, box
 QUICK = MorphSettings(motion="transport", resolution=24)
 
 
-def frames_of(shapes, **options):
-    steps = morph(shapes, ["a", "b"], path_blends(2, 10), QUICK, **options)
+def frames_of(shapes, **how):
+    steps = morph(shapes, ["a", "b"], path_blends(2, 10), QUICK, computation=Computation(**how))
     return [step.payload for step in steps if step.payload is not None]
 
 

@@ -79,7 +79,7 @@ def bake(scene, inputs, steps=2, options=None, **settings):
     depsgraph = bpy.context.evaluated_depsgraph_get()
     settings = MorphSettings(32, motion="transport", **settings)
     job = MorphJob(scene, depsgraph, inputs, path_blends(2, steps), settings, options or {}, 1)
-    for step in job.steps(how=Computation(workers=1)):
+    for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     return job.finish(hide_inputs=True)
 
@@ -423,7 +423,7 @@ def test_a_discarded_bake_leaves_nothing_behind(bare_scene, make_object, depsgra
     inputs = [add_shape(make_object, name, ball(points=300), material(name)) for name in "AB"]
     before = inventory()
     job = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), MorphSettings(32, motion="transport"), {}, 1)
-    for step in job.steps(how=Computation(workers=1)):
+    for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     job.discard()
     assert inventory() == before

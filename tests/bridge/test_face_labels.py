@@ -135,7 +135,7 @@ def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
     extents = {}
     for parts in ("none", "vertex-groups"):
         job = job_of(bare_scene, depsgraph, objects, parts)
-        for step in job.steps(how=Computation(workers=1)):
+        for step in job.steps(computation=Computation(workers=1)):
             job.write(step)
             if step.payload and step.payload.mesh:
                 extents[parts] = np.ptp(step.payload.mesh.bounds, axis=0)[2]
@@ -148,7 +148,7 @@ def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
 def test_a_job_reports_parts_that_it_left_out(bare_scene, make_object, depsgraph):
     objects = [halved(make_object, "A"), halved(make_object, "B", "top", "belly")]
     job = job_of(bare_scene, depsgraph, objects, "vertex-groups")
-    for step in job.steps(how=Computation(workers=1)):
+    for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     assert [str(notice) for notice in job.notices] == [
         "belly is not on every shape and travels with the rest.",

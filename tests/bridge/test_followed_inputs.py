@@ -53,7 +53,7 @@ def job(scene, inputs, blends=None, **options):
 
 
 def finished(made):
-    for step in made.steps(how=Computation(workers=1)):
+    for step in made.steps(computation=Computation(workers=1)):
         made.write(step)
     return made.finish(hide_inputs=True)
 

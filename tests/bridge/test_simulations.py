@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
@@ -21,7 +22,7 @@ SHAPES, BLENDS = (ball(points=200), torus(1.0, 0.4)), path_blends(2, 2)
 
 @pytest.fixture(scope="module")
 def frames():
-    work = morph(SHAPES, ("A", "B"), BLENDS, MorphSettings(20, motion="transport"), workers=1)
+    work = morph(SHAPES, ("A", "B"), BLENDS, MorphSettings(20, motion="transport"), computation=Computation(1))
     return list(payloads(work, MorphFrame))
 
 

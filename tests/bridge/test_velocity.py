@@ -37,7 +37,7 @@ def bake_a_moving_ball(scene, make_object, fps, fps_base=1.0, places=(-DISTANCE 
         {},
         1,
     )
-    for step in job.steps(how=Computation(workers=1)):
+    for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     return job.finish(hide_inputs=True)
 

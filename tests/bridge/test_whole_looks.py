@@ -34,7 +34,7 @@ def bake(scene, inputs, steps=2, wanted=(), **options):
         options,
         1,
     )
-    for step in job.steps(how=Computation(workers=1)):
+    for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     return job.finish(hide_inputs=True)
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import sys
 from pathlib import Path
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.frame_cache import FrameCache
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
@@ -19,8 +20,8 @@ FRAMES = 12
 
 def bake(cache: FrameCache | None) -> list[MorphFrame]:
     """Return all frames."""
-    settings = MorphSettings(motion="transport", resolution=16)
-    steps = morph([ball(points=200), box()], ["a", "b"], path_blends(2, FRAMES), settings, cache=cache, workers=1)
+    settings, computation = MorphSettings(motion="transport", resolution=16), Computation(1, cache=cache)
+    steps = morph([ball(points=200), box()], ["a", "b"], path_blends(2, FRAMES), settings, computation=computation)
     return [step.payload for step in steps if step.payload]
 
 

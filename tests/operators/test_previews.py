@@ -257,8 +257,8 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
         baking = job.MorphJob(
             bpy.context.scene, depsgraph, shapes, blends, MorphSettings(motion="transport", resolution=24), {}, 1
         )
-        baking.steps(how=Computation(previews=True))
-        assert asked["looked_at"] == expected
+        baking.steps(computation=Computation(previews=True))
+        assert asked["computation"].looked_at == expected
 
 
 def test_without_a_window_there_are_no_previews(monkeypatch):

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 
@@ -24,6 +23,7 @@ from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
 from .animation import Animation
 from .blend_store import BlendStore
+from .computation import Computation
 from .first_preview import first_preview
 from .following_problem import FollowingProblem
 from .kept_blends import KeptBlends
@@ -115,11 +115,7 @@ class BakePlan:
     guides: Sequence[Guide]
     runs: dict[int, Run]
     keeps_potentials: bool
-    workers: int | None
-    executor: Executor | None
-    previews: bool
-    looked_at: int
-    motions: MotionMemory
+    computation: Computation
     animation: Animation | None = None
 
     def begun(self, stack: ExitStack, control: Control) -> Work[BegunRuns]:
@@ -133,8 +129,8 @@ class BakePlan:
             return (yield from self._sketched(problem, stack, control))
         most = self._fitting(problem)
         problem = with_connectivity(problem, min(most, len(self.shapes)), control)
-        if self.executor is not None:
-            pending = stack.enter_context(runs_elsewhere(problem, self.runs, self.executor))
+        if self.computation.executor is not None:
+            pending = stack.enter_context(runs_elsewhere(problem, self.runs, self.computation.executor))
             return BegunRuns(pending, self._chosen_at, problem)
         kept = self.keeping(problem)
         pending = stack.enter_context(runs_in_threads(problem, self.runs, control, most, kept))
@@ -142,7 +138,7 @@ class BakePlan:
 
     def prepared(self, control: Control) -> Work[MorphProblem | MovingProblem]:
         """Return the problem shared by all blends; without the connectivity of the shapes if they do not move."""
-        side_by_side = min(self.workers or 1, len(self.runs))
+        side_by_side = min(self.computation.workers or 1, len(self.runs))
         problem = yield from sketchable_problem(
             self.shapes, self.names, self.matching, self.settings, side_by_side, self._threads, control
         )
@@ -180,21 +176,21 @@ class BakePlan:
         kept: KeptBlends | None = None,
     ) -> Iterator[Pending]:
         """Compute blends of some runs again; see :func:`.solving_again.solve_again`."""
-        if self.executor is None:
+        if self.computation.executor is None:
             work = again_in_threads(problem, runs, asked, control, self._fitting(problem), kept)
         else:
-            work = again_elsewhere(problem, runs, asked, self.executor)
+            work = again_elsewhere(problem, runs, asked, self.computation.executor)
         with work as pending:
             yield pending
 
     @property
     def _shows(self) -> bool:
         """Whether previews are shown."""
-        return self.previews and self.executor is None
+        return self.computation.previews and self.computation.executor is None
 
     @property
     def _threads(self) -> int:
-        return self.workers or os.cpu_count() or 1
+        return self.computation.workers or os.cpu_count() or 1
 
     @property
     def _chosen_at(self) -> float:
@@ -203,7 +199,8 @@ class BakePlan:
 
     def _fitting(self, problem: MorphProblem | MovingProblem) -> int:
         """Return how many threads can solve at the same time."""
-        return self.workers or fitting_workers(problem.lattice, self.shapes, self.matching.count, self._threads)
+        workers = self.computation.workers
+        return workers or fitting_workers(problem.lattice, self.shapes, self.matching.count, self._threads)
 
     def keeping(self, problem: MorphProblem) -> KeptBlends:
         """Return what keeps solved blends of inputs at rest, within half of the memory that the bake leaves free."""
@@ -225,7 +222,8 @@ class BakePlan:
         # With "transport" the shapes are oriented when they are voxelized.
         outward = self.shapes if kind == "transport" else [orient_outward(shape) for shape in self.shapes]
         request = MotionRequest(outward, self.names, self.pairs, kind, coherence, self.guides)
-        return (yield from within(self.motions.chosen(request, control), VOXEL_SHARE, self._chosen_at))
+        memory = self.computation.motions or MotionMemory()
+        return (yield from within(memory.chosen(request, control), VOXEL_SHARE, self._chosen_at))
 
     def _moving(self, moving: MovingProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
         """Start runs of moving inputs."""
@@ -233,10 +231,10 @@ class BakePlan:
         if self._shows:
             yield from self._moved_previews(moving, control)
             fraction += _PREVIEW_SHARE
-        if self.executor is None:
+        if self.computation.executor is None:
             runs = moving_runs_in_threads(moving, self.runs, control, self._fitting(moving))
         else:
-            runs = runs_elsewhere(moving, self.runs, self.executor)
+            runs = runs_elsewhere(moving, self.runs, self.computation.executor)
         return BegunRuns(stack.enter_context(runs), fraction, moving)
 
     def _sketched(self, problem: MorphProblem, stack: ExitStack, control: Control) -> Work[BegunRuns]:
@@ -264,11 +262,13 @@ class BakePlan:
             index * RUN_LENGTH + place: blend for index, run in self.runs.items() for place, blend in enumerate(run)
         }
         mixed = [index for index, blend in blends.items() if blend.source is None]
-        return blends[min(mixed, key=lambda index: abs(index - self.looked_at))] if mixed else None
+        seen = self.computation.looked_at
+        return blends[min(mixed, key=lambda index: abs(index - seen))] if mixed else None
 
     def _previewed(self, bytes_each: int, needed: int) -> list[int]:
         """Choose the runs to preview, nearest to the displayed blend first, as many as fit in memory."""
-        nearest = sorted(self.runs, key=lambda index: abs(index - self.looked_at // RUN_LENGTH))
+        seen = self.computation.looked_at // RUN_LENGTH
+        nearest = sorted(self.runs, key=lambda index: abs(index - seen))
         fitting = fitting_beside(needed, bytes_each, sum(map(len, self.runs.values())))
         return nearest[
             : np.searchsorted(np.cumsum([len(self.runs[index]) for index in nearest]), fitting, side="right")

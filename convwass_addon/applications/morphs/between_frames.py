@@ -26,7 +26,8 @@ from ..motions.guides import Guide
 from ..workers import frame_workers
 from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
-from .frame_cache import BakeCache, FrameCache
+from .computation import Computation
+from .frame_cache import BakeCache
 from .layouts import Blend, pairs_of
 from .morph import morph
 from .morph_problem import MorphFrame, MorphProblem
@@ -104,13 +105,11 @@ def between_frames(
     path: Sequence[Blend],
     numbers: Sequence[float],
     settings: MorphSettings,
-    cache: FrameCache,
+    computation: Computation,
     control: Control = UNINTERRUPTED,
     *,
     labels: Sequence[FaceLabels] | None = None,
     guides: Sequence[Guide] = (),
-    workers: int | None = None,
-    executor: Executor | None = None,
 ) -> Work[None]:
     """Compute the blends at some positions of a path from the frames around them.
 
@@ -119,14 +118,13 @@ def between_frames(
 
     Parameters
     ----------
-    shapes, names, settings, control, labels, guides, workers
+    shapes, names, settings, control, labels, guides
         As for :func:`.morph.morph`.
     path, numbers
         As for :func:`places_at`; the blends at these positions are computed.
-    cache : FrameCache
-        May hold all frames of the path, some, or none.
-    executor : concurrent.futures.Executor, optional
-        Where to compute missing frames; blends between frames are always computed here.
+    computation : Computation
+        Needs a cache, which may hold all frames of the path, some, or none. An executor computes missing frames; blends
+        between frames are always computed here.
 
     Yields
     ------
@@ -138,27 +136,27 @@ def between_frames(
     InputError, ResourceError
         Before the first frame, if the numbers, the inputs or the settings are invalid.
     """
-    if workers is not None and workers < 1:
-        raise InputError("There must be at least one worker.")
     places = places_at(path, numbers)
     if settings.motion != "transport":
         blends = [place.blend for place in places]
-        kept = {"labels": labels, "guides": guides, "workers": workers, "executor": executor, "cache": cache}
-        return (yield from morph(shapes, names, blends, settings, control, pairs=pairs_of(path), **kept))
+        pairs = pairs_of(path)
+        given = {"labels": labels, "guides": guides, "computation": computation, "pairs": pairs}
+        return (yield from morph(shapes, names, blends, settings, control, **given))
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
-    store = cache.of(shapes, names, labels, settings)
+    store = computation.cache.of(shapes, names, labels, settings)
     runs = _runs_about(places, path)
     missing = {index: run for index, run in enumerate(runs) if not store.holds(run)}
     if not missing and all(len(place.about) == 1 for place in places):
         frames = _stored_frames(store, runs)
         yield from _reported(0.0, len(places), (_frame_itself(place, frames) for place in places))
         return None
+    workers = computation.workers
     threads = workers or os.cpu_count() or 1
     side_by_side = min(workers or 1, max(len(missing), len(places)))
     problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, threads, control)
     problem = problem.with_detail_of(shapes)
     most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
-    yield from _complete(store, problem, missing, control, most, executor)
+    yield from _complete(store, problem, missing, control, most, computation.executor)
     frames = _stored_frames(store, runs)
     with frame_workers(most) as threads:
         pending = [threads.submit(_frame_at, problem, place, frames, control) for place in places]

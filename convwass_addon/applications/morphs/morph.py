@@ -9,7 +9,6 @@ are barycenters, and a level set of each barycenter is the blended shape.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from concurrent.futures import Executor
 from contextlib import ExitStack
 
 from ...errors import InputError
@@ -18,10 +17,10 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..far_meshes import refuse_far
 from ..motions.guides import Guide
-from ..motions.motion_memory import MotionMemory
 from .animation import Animation
 from .bake_plan import BakePlan
-from .frame_cache import BakeCache, FrameCache
+from .computation import USUAL_COMPUTATION, Computation
+from .frame_cache import BakeCache
 from .layouts import Blend, pairs_of
 from .morph_problem import MorphFrame
 from .morph_settings import MorphSettings
@@ -42,14 +41,8 @@ def morph(
     *,
     labels: Sequence[FaceLabels] | None = None,
     guides: Sequence[Guide] = (),
-    workers: int | None = None,
-    executor: Executor | None = None,
-    cache: FrameCache | None = None,
-    wanted: range | None = None,
-    previews: bool = False,
-    looked_at: int = 0,
+    computation: Computation = USUAL_COMPUTATION,
     animation: Animation | None = None,
-    motions: MotionMemory | None = None,
     pairs: Sequence[tuple[int, int]] | None = None,
 ) -> Work[None]:
     """Compute the blends of shapes.
@@ -70,27 +63,12 @@ def morph(
         Parts of the shapes; parts of the same name travel together.
     guides : sequence of mappings from int to int, optional
         Points that correspond: each maps indices of shapes to one of their vertices. They guide the motion.
-    workers : int, optional
-        Threads that compute short runs of blends in parallel; by default one per processor, as far as memory allows.
-    executor : concurrent.futures.Executor, optional
-        Computes the runs in other processes or on other machines instead. `control` is then checked by the waiting
-        thread only, and runs that have started are left to finish. The frames are the same wherever they are computed.
-    cache : FrameCache, optional
-        Frames in the cache are not computed again; new frames are stored at once.
-    wanted : range, optional
-        Indices of the blends to compute. Runs are always computed as a whole, so that frames do not depend on how a
-        morph is split.
-    previews : bool
-        Whether to solve the coarse levels of all blends first and yield previews. There are none if an executor is
-        given, if the grid has no coarser level, and for runs beyond the available memory. The frames are the same.
-    looked_at : int
-        Index of the displayed blend, among those to compute: previews near it come first.
+    computation : Computation
+        Which blends are computed, and where; by default all, by the threads of this machine.
     animation : Animation, optional
         The inputs of a path at all of its frames, with the vertices in the order of `shapes`: every blend uses them as
         they are at its frame. Motions are determined for `shapes`. If the triangles of an input change from frame to
         frame, there is no motion.
-    motions : MotionMemory, optional
-        Motions in the memory are not computed again.
     pairs : sequence of (int, int), optional
         Pairs of inputs that the motion has to suit, smaller index first; by default those that occur together in
         `blends`.
@@ -107,15 +85,14 @@ def morph(
     InputError, ResourceError
         Before the first frame, if the inputs or the settings are invalid.
     """
-    if workers is not None and workers < 1:
-        raise InputError("There must be at least one worker.")
     for shape, name in zip(shapes, names, strict=True):
         refuse_far(shape)
         if not shape.area > 0.0:
             raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
     matching = unparted(len(shapes)) if labels is None else matched(labels, names)
-    runs = runs_of(blends, wanted)
+    runs = runs_of(blends, computation.wanted)
     pairs = pairs_of(blends) if pairs is None else pairs
+    cache = computation.cache
     store = None if cache is None else cache.of(shapes, names, labels, settings, guides, pairs, animation)
     missing = {index: run for index, run in enumerate(runs) if store is None or not store.holds(run)}
     plan = BakePlan(
@@ -128,15 +105,11 @@ def morph(
         guides=guides,
         runs=missing,
         keeps_potentials=store is not None and store.keeps_potentials,
-        workers=workers,
-        executor=executor,
-        previews=previews,
-        looked_at=looked_at,
+        computation=computation,
         animation=animation,
-        motions=motions or MotionMemory(),
     )
     # If other parts of the morph are computed elsewhere, no decisions over all of it are possible here.
-    reviewed = blends if wanted is None else ()
+    reviewed = blends if computation.wanted is None else ()
     review = BakeReview(reviewed, _unblended(reviewed, shapes, animation))
     with ExitStack() as stack:
         solved: Iterator[SolvedRun] = iter(())

@@ -9,7 +9,7 @@ backward. One replaces the other at the time at which both fit the morph best.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -83,7 +83,7 @@ def swapped_meshes(
     settings: MorphSettings,
     guides: Sequence[Guide],
     control: Control,
-    how: Computation,
+    computation: Computation,
 ) -> Work[SwappedMeshes]:
     """Find the paths of the meshes of two shapes.
 
@@ -101,7 +101,7 @@ def swapped_meshes(
         Corresponding points; see :func:`..morphs.morph.morph`.
     control : Control
         Stops the work.
-    how : Computation
+    computation : Computation
         Where the morph is computed.
 
     Raises
@@ -112,7 +112,7 @@ def swapped_meshes(
     if len(shapes) != 2:
         raise InputError("Two Meshes needs two shapes; there are {count}.", count=len(shapes))
     meshes = [orient_outward(shape) for shape in shapes]
-    computed = _moments(meshes, names, settings, guides, control, how)
+    computed = _moments(meshes, names, settings, guides, control, computation)
     moments = yield from within(computed, 0.0, _MORPHED)
     ways = []
     for own, order, begin, end in ((0, moments, _MORPHED, _HALFWAY), (1, turned_around(moments), _HALFWAY, 1.0)):
@@ -151,7 +151,7 @@ def _moments(
     settings: MorphSettings,
     guides: Sequence[Guide],
     control: Control,
-    how: Computation,
+    computation: Computation,
 ) -> Work[list[Moment]]:
     """Compute the surfaces of the morph, with both shapes at its ends."""
     frames: dict[int, MorphFrame] = {}
@@ -162,10 +162,7 @@ def _moments(
         settings,
         control,
         guides=guides,
-        workers=how.workers,
-        executor=how.executor,
-        cache=how.cache,
-        motions=how.motions,
+        computation=replace(computation, previews=False),
     ):
         if isinstance(report.payload, MorphFrame):
             frames[report.payload.blend.frame] = report.payload

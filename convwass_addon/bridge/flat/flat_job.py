@@ -12,7 +12,7 @@ import bpy
 
 from ...applications.flat.flat_morph import flat_morph
 from ...applications.flat.flat_settings import FlatSettings
-from ...applications.morphs.computation import Computation
+from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work
@@ -70,11 +70,11 @@ class FlatJob(WritesFlatFrames):
         bake = PencilBake if self.kind == "DRAWING" else FlatBake
         self._bake = bake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
+    def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Compute the frames without accessing Blender's data; see :func:`.flat_morph.flat_morph`."""
-        how = how or Computation()
+        workers, wanted = computation.workers, computation.wanted
         work = flat_morph(
-            self._shapes, self._names, self._blends, self._settings, control, workers=how.workers, wanted=how.wanted
+            self._shapes, self._names, self._blends, self._settings, control, workers=workers, wanted=wanted
         )
         # Fit the curves here, in the background, rather than when the objects are made.
         for report in work:

@@ -15,7 +15,7 @@ from ...applications.flat.flat_frames import FlatFrame
 from ...applications.flat.flat_morph import flat_morph
 from ...applications.flat.flat_settings import FlatSettings
 from ...applications.flat.gray_pictures import PictureMaker
-from ...applications.morphs.computation import Computation
+from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work, payloads
@@ -77,9 +77,8 @@ class PictureJob(WritesFlatFrames):
             scene, inputs, blends, stored, first_frame, self._inputs, replaces, folder_of
         )
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
+    def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Compute the frames without accessing Blender's data; see :meth:`.flat_job.FlatJob.steps`."""
-        how = how or Computation()
         shapes = [own.shape for own in self._inputs]
         count = len(shapes)
         alone = [Blend(tuple(float(other == own) for other in range(count))) for own in range(count)]
@@ -87,8 +86,9 @@ class PictureJob(WritesFlatFrames):
         ends = [frame.density for frame in given]
         grounds = np.array([own.ground for own in self._inputs])
         maker = PictureMaker(shapes, grounds, ends, self._grays)
+        workers, wanted = computation.workers, computation.wanted
         for report in flat_morph(
-            shapes, self._names, self._blends, self._settings, control, workers=how.workers, wanted=how.wanted
+            shapes, self._names, self._blends, self._settings, control, workers=workers, wanted=wanted
         ):
             frame = report.payload
             if frame is None:

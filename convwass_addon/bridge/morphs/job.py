@@ -5,14 +5,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from concurrent.futures import Executor
+from dataclasses import replace
 
 import bpy
 
 from ...applications.morphs.bake_plan import MorphPreview
 from ...applications.morphs.between_frames import between_frames
-from ...applications.morphs.computation import Computation
-from ...applications.morphs.frame_cache import FrameCache
+from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.layouts import Blend
 from ...applications.morphs.morph import morph
 from ...applications.morphs.morph_problem import MorphFrame
@@ -92,9 +91,8 @@ class MorphJob:
             looks, quads = options.get("looks", FADE), options.get("faces") == "QUADS"
             self._carrying = Carrying(scene, self._bake.inputs, self._bake.frozen, blends, looks, quads)
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
+    def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Return the computation, which does not access Blender's data. See :func:`.morph.morph`."""
-        how = how or Computation()
         work = morph(
             self._shapes,
             self._names,
@@ -103,14 +101,8 @@ class MorphJob:
             control,
             labels=self._labels,
             guides=self._guides,
-            workers=how.workers,
-            executor=how.executor,
-            cache=how.cache,
-            wanted=how.wanted,
-            previews=how.previews,
-            looked_at=self._looked_at,
+            computation=replace(computation, looked_at=self._looked_at),
             animation=self._animation,
-            motions=how.motions,
         )
         return work if self._carrying is None else self._carrying.looked_up(work)
 
@@ -118,11 +110,8 @@ class MorphJob:
         self,
         path: Sequence[Blend],
         numbers: Sequence[float],
-        cache: FrameCache,
+        computation: Computation,
         control: Control = UNINTERRUPTED,
-        *,
-        workers: int | None = None,
-        executor: Executor | None = None,
     ) -> Work[None]:
         """Return the computation of blends between the frames of a path.
 
@@ -141,12 +130,10 @@ class MorphJob:
             path,
             numbers,
             self._settings,
-            cache,
+            computation,
             control,
             labels=self._labels,
             guides=self._guides,
-            workers=workers,
-            executor=executor,
         )
         return work if self._carrying is None else self._carrying.looked_up(work)
 

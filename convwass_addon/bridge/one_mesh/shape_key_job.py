@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.morphs.computation import Computation
+from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.motions.guided_settings import GuidedSettings
 from ...applications.one_mesh.key_paths import KeyDemands, KeyPath, key_paths
@@ -84,7 +84,7 @@ class ShapeKeyJob(KeyJob):
         self.notices.extend(basis.rest.notices)
         self.paths: list[KeyPath] = []
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
+    def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Compute the paths of the vertices without accessing Blender's data; not parallelized over workers."""
         self.paths = yield from key_paths(
             self._shapes, self._names, self._demands, self._settings, self._guides, control

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
-from ...applications.morphs.computation import Computation
+from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.one_mesh.key_paths import KeyPath
 from ...applications.one_mesh.swapped_meshes import SwappedMeshes, swapped_meshes
@@ -92,10 +92,10 @@ class SwapJob(KeyJob):
             self.notices.extend(basis.rest.notices)
         self.found: SwappedMeshes | None = None
 
-    def steps(self, control: Control = UNINTERRUPTED, how: Computation | None = None) -> Work[None]:
+    def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Compute the morph and the paths of the vertices without accessing Blender's data."""
         self.found = yield from swapped_meshes(
-            self._shapes, self._names, self._error, self._settings, self._guides, control, how or Computation()
+            self._shapes, self._names, self._error, self._settings, self._guides, control, computation
         )
 
     @property

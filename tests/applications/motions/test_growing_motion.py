@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import Blend
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
@@ -61,7 +62,7 @@ def test_a_small_head_becomes_a_large_one():
     small = TriangleMesh(ball(points=400).vertices * (1.0, 0.4, 0.3), ball(points=400).faces)
     large = TriangleMesh(2.2 * small.vertices, small.faces)
     settings = MorphSettings(resolution=32, motion="guided")
-    work = morph([small, large], ["A", "B"], [Blend((0.5, 0.5))], settings, workers=1)
+    work = morph([small, large], ["A", "B"], [Blend((0.5, 0.5))], settings, computation=Computation(1))
     (frame,) = payloads(work, MorphFrame)
     assert frame.mesh.volume == pytest.approx(0.5 * (small.volume + large.volume), rel=0.01)
     assert frame.record["motion"]["kind"] == "guided"
