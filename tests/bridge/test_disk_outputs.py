@@ -224,11 +224,13 @@ def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_pat
 
 
 def test_missing_frames_and_folders_are_reported(collection, tmp_path):
-    with pytest.raises(InputError, match="save that first"):
+    with pytest.raises(InputError, match="Save the file first"):
         named_folder("//convwass", collection)
     (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="is a file"):
+        named_folder(str(tmp_path / "file"), collection)
     with pytest.raises(InputError, match="cannot be created"):
-        output_folder(named_folder(str(tmp_path / "file"), collection))
+        output_folder(tmp_path / "file" / "folder")
     remove_frames(collection)
     with pytest.raises(InputError, match="contains no frames"):
         drained(as_volume(collection, tmp_path))

@@ -215,7 +215,7 @@ def test_stored_file_names_are_not_trusted(noted, tmp_path):
         (lambda obj: setattr(obj, "scale", (1, 2, 1)), {}, "scaled unevenly"),
         (lambda obj: obj.data.pixels.foreach_set(np.ones(4 * 64 * 64, np.float32)), {}, "is uniform"),
         (lambda obj: bpy.ops.object.text_add(), {"layout": "TRIANGLE", "inputs": "First,Last,Text"}, "another layout"),
-        (lambda obj: None, {"folder": "//convwass"}, "save that first"),
+        (lambda obj: None, {"folder": "//convwass"}, "Save the file first"),
         (lambda obj: None, {"words": "LETTERS"}, "has no letters"),
     ],
 )

@@ -376,7 +376,7 @@ def test_refused_operators_leave_the_curves_unchanged(operator):
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     kinds = [obj.type for obj in frame_objects(morph())]
     assert set(kinds) <= {"CURVE", "FONT"}
-    with pytest.raises(RuntimeError, match=r"save that first|not a complete sheet"):
+    with pytest.raises(RuntimeError, match=r"Save the file first|not a complete sheet"):
         getattr(bpy.ops.convwass, operator)()
     assert [obj.type for obj in frame_objects(morph())] == kinds
 

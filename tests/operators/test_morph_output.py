@@ -75,7 +75,7 @@ def test_files_of_another_blend_are_kept(morph, tmp_path):
 
 
 def test_an_unsaved_file_has_no_folder(morph):
-    with pytest.raises(RuntimeError, match="save that first"):
+    with pytest.raises(RuntimeError, match="Save the file first"):
         bpy.ops.convwass.make_volume()
     assert sum("convwass_weights" in obj for obj in morph.objects) == 4
 

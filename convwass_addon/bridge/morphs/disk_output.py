@@ -16,7 +16,7 @@ import bpy
 
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
-from ..files import creatable_folder
+from ..files import absolute_folder, creatable_folder
 
 OUTPUT_KEY = "convwass_output"
 """Custom property of an object that shows a morph from files on disk: "volume" or "cache"."""
@@ -26,8 +26,6 @@ FOLDER_KEY = "convwass_folder"
 
 # Folders that were handed out since Blender started.
 _CREATED: set[Path] = set()
-# Blender's prefix for paths relative to the .blend.
-_FROM_BLEND = "//"
 
 
 @dataclass(frozen=True)
@@ -90,9 +88,9 @@ def named_folder(path: str, morph: bpy.types.Collection) -> Path:
     Raises
     ------
     InputError
-        The path is relative to an unsaved .blend file.
+        As for :func:`.files.absolute_folder`.
     """
-    return _parent(path) / bpy.path.clean_name(morph.name)
+    return absolute_folder(path) / bpy.path.clean_name(morph.name)
 
 
 def free_folder(path: str, morph: bpy.types.Collection) -> Path:
@@ -111,7 +109,7 @@ def free_folder(path: str, morph: bpy.types.Collection) -> Path:
     InputError
         As for `named_folder`.
     """
-    parent, name = _parent(path), bpy.path.clean_name(morph.name)
+    parent, name = absolute_folder(path), bpy.path.clean_name(morph.name)
     taken = {*_remembered_folders(), *_CREATED}
     tried = (parent / each for each in chain([name], (f"{name}_{number:03d}" for number in count(1))))
     return next(folder for folder in tried if folder not in taken and _is_unused(folder))
@@ -133,7 +131,7 @@ def own_folder(path: str, morph: bpy.types.Collection) -> Path:
     InputError
         As for `named_folder`.
     """
-    parent, place = _parent(path), _place_of(morph)
+    parent, place = absolute_folder(path), _place_of(morph)
     if place is None or place.path.parent != parent or place.blend != bpy.path.basename(bpy.data.filepath):
         return free_folder(path, morph)
     return place.path if _remembered_folders().count(place.path) == 1 else free_folder(path, morph)
@@ -274,14 +272,6 @@ def packed_bytes(objects: Sequence[bpy.types.Object]) -> int:
     meshes = {obj.data for obj in objects if obj.type == "MESH"}
     # Positions; corners with vertex and edge; edges; face offsets.
     return sum(12 * len(m.vertices) + 8 * len(m.loops) + 8 * len(m.edges) + 4 * len(m.polygons) for m in meshes)
-
-
-def _parent(path: str) -> Path:
-    if path.startswith(_FROM_BLEND) and not bpy.data.filepath:
-        raise InputError(
-            "The folder {path} is relative to the .blend file: save that first, or choose an absolute path.", path=path
-        )
-    return whole_path(bpy.path.abspath(path))
 
 
 def _remembered_folders() -> list[Path]:
