@@ -10,7 +10,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, rest_mesh
+from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, pose_notices, rest_mesh
 from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
 from convwass_addon.errors import InputError
 
@@ -88,6 +88,51 @@ def test_keys_come_before_the_armature(rigged, angle):
         moved = slide(obj, 1.0) - slide(obj, 0.0)
     far = np.array([vertex.co.x < -0.6 for vertex in bar.data.vertices])
     np.testing.assert_allclose(moved[far], (wider(rest.seen) - rest.seen)[far], atol=1e-5)
+
+
+@pytest.fixture
+def twice_rigged(rigged):
+    """The bar with a second armature, whose one bone moves a part of each end; both are posed."""
+    bar, rig = rigged
+    bpy.ops.object.armature_add(location=(0.1, 0.3, 0.0), rotation=(0.2, 0.0, 0.4))
+    other = bpy.context.object
+    other.data.bones[0].name = "Face"
+    group = bar.vertex_groups.new(name="Face")
+    for vertex in bar.data.vertices:
+        group.add([vertex.index], 0.3 + 0.7 * abs(vertex.co.x), "REPLACE")
+    bar.modifiers.new("Face Rig", "ARMATURE").object = other
+    pose(rig, 0.8)
+    bone = other.pose.bones["Face"]
+    bone.location, bone.rotation_quaternion = (0.2, 0.5, 0.1), (0.9, 0.3, 0.1, 0.2)
+    bpy.context.view_layer.update()
+    return bar
+
+
+@pytest.mark.parametrize("mixed", [False, True])
+@pytest.mark.parametrize("limited", [False, True])
+def test_armatures_that_follow_each_other_are_all_heeded(twice_rigged, mixed, limited):
+    second = twice_rigged.modifiers["Face Rig"]
+    second.use_multi_modifier = mixed
+    if limited:
+        second.vertex_group, second.invert_vertex_group = "Upper", True
+    twice_rigged.modifiers.new("Finer", "SUBSURF").levels = 1
+    obj, _ = keyed(twice_rigged, wider)
+    assert [modifier.name for modifier in obj.modifiers] == ["Rig", "Face Rig", "Finer"]
+    assert pose_notices(twice_rigged) == []
+    obj.modifiers.remove(obj.modifiers["Finer"])
+    twice_rigged.modifiers.remove(twice_rigged.modifiers["Finer"])
+    np.testing.assert_allclose(slide(obj, 0.0), world(twice_rigged), atol=1e-5)
+    np.testing.assert_allclose(slide(obj, 1.0), wider(world(twice_rigged)), atol=1e-5)
+
+
+def test_a_posed_armature_after_other_modifiers_is_named(twice_rigged):
+    twice_rigged.modifiers.new("Finer", "SUBSURF").levels = 1
+    twice_rigged.modifiers.move(2, 1)
+    (notice,) = pose_notices(twice_rigged)
+    assert str(notice).startswith("The keys of Bar are made without the pose of Face Rig;")
+    twice_rigged.modifiers["Face Rig"].object.data.pose_position = "REST"
+    bpy.context.view_layer.update()
+    assert pose_notices(twice_rigged) == []
 
 
 @pytest.mark.parametrize("invert", [False, True])

@@ -24,6 +24,7 @@ from convwass_addon.sentence import Sentence
 from tests.operators import test_previews
 from tests.operators.densities import started, until
 from tests.panels.fake_layout import FakeLayout
+from tests.rigs import chain
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -191,6 +192,18 @@ def test_all_are_baked_with_the_morphs_of_the_file(shapes):
     assert bpy.ops.convwass.rebake_morph(which="STALE") == {"FINISHED"}
     assert not any(changed_inputs(block) for block in (obj, bpy.data.collections["Morph A to B"]))
     assert bpy.ops.convwass.rebake_morph(which="STALE") == {"CANCELLED"}
+
+
+@pytest.mark.parametrize(("place", "two_meshes", "is_reported"), [(0, False, True), (1, False, False), (1, True, True)])
+def test_a_posed_armature_that_the_keys_do_not_heed_is_reported(shapes, capfd, place, two_meshes, is_reported):
+    rigs = [chain(name=name) for name in ("Early", "Late")]
+    rigs[1].pose.bones["A"].location.x = 0.5
+    for rig in rigs:
+        shapes[place].modifiers.new("Smooth", "SMOOTH")
+        shapes[place].modifiers.new(rig.name, "ARMATURE").object = rig
+    bpy.context.view_layer.update()
+    bake("A,B", two_meshes=two_meshes)
+    assert ("are made without the pose of Late" in capfd.readouterr().out) == is_reported
 
 
 def test_attached_parts_are_to_be_attached_again(shapes, capfd):

@@ -38,7 +38,7 @@ class KeyBasis:
 
     @classmethod
     def of(cls, obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: str, resolution: int) -> KeyBasis:
-        """Copy or remesh a mesh object; modifiers after its armature must be hidden (`armature_last`).
+        """Copy or remesh a mesh object; modifiers after its armatures must be hidden (`armature_last`).
 
         Parameters
         ----------

@@ -31,7 +31,7 @@ from ..objects import shown_objects, take_own_materials
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
-from .rest_mesh import armature_place
+from .skinning import armatures
 from .vertex_animation_files import write_moving_mesh
 
 
@@ -159,10 +159,10 @@ def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.ty
 
 def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
     """Link a copy of an object's armature to a scene, and let it deform a copy of the object; return it, if any."""
-    place = armature_place(obj)
-    if place is None:
+    rigged = armatures(obj)
+    if not rigged:
         return None
-    rig = obj.modifiers[place].object.copy()
+    rig = rigged[0].object.copy()
     world = rig.matrix_world.copy()
     rig.parent = None
     rig.matrix_world = world

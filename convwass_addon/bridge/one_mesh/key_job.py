@@ -23,6 +23,7 @@ from ..object_copies import has_copies
 from ..shape_sources import shape_source
 from .key_basis import KeyBasis
 from .records import described_bake
+from .rest_mesh import pose_notices
 from .shape_keys import animate_sliders
 
 
@@ -36,7 +37,7 @@ class KeyJob:
     inputs : sequence of bpy.types.Object
         The shapes, of which the first ones get keys.
     request : MorphRequest
-        Stored for another bake; `frames` is used.
+        Stored for another bake; `frames` and `two_meshes` are used.
     settings : MorphSettings
         Stored, too.
     first_frame : int
@@ -58,7 +59,9 @@ class KeyJob:
         self._scene = Handle.of("scenes", scene)
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
         self._bases: list[KeyBasis] = []
-        self.notices = animation_notices(inputs, scene.frame_current)
+        keyed = inputs[: 2 if request.two_meshes else 1]
+        self.notices = [notice for obj in keyed for notice in pose_notices(obj)]
+        self.notices.extend(animation_notices(inputs, scene.frame_current))
 
     def _notice_instances(self, inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
         """Add a notice for each shape that shows instances, which have no vertices of its mesh."""

@@ -40,8 +40,8 @@ class RemeshedShape:
 def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: str, resolution: int) -> RemeshedShape:
     """Make a new mesh of an object as it is seen in the scene.
 
-    It has the materials, UV maps, colors and vertex groups of the object. An armature and the modifiers after it are
-    kept; those after it must be hidden (`armature_last`).
+    It has the materials, UV maps, colors and vertex groups of the object. Armatures and the modifiers after them are
+    kept; those after them must be hidden (`armature_last`).
 
     Parameters
     ----------
