@@ -71,6 +71,47 @@ def test_a_changed_shape_is_noticed_and_baked_again(morph):
     assert changed_inputs(again) == []
 
 
+def names_of(morph):
+    frames = frame_objects(morph)
+    return [[obj.name, obj.data.name, obj.animation_data.action.name] for obj in frames]
+
+
+def test_frames_keep_their_names(morph):
+    """Those of another morph, which have numbers, too, and those that the user has chosen."""
+    other = bake()
+    frame_objects(other)[1].name = "Hero"
+    frame_objects(other)[1].data.name = "Body"
+    names = [names_of(own) for own in (morph, other)]
+    assert names[0][1][:2] == ["Morph 0002", "Morph 0002"] and names[1][1][:2] == ["Hero", "Body"]
+    for _ in range(2):
+        assert bpy.ops.convwass.rebake_morph(which="ALL") == {"FINISHED"}
+        assert [names_of(own) for own in (morph, other)] == names
+
+
+@pytest.mark.parametrize("has_player", [False, True])
+def test_what_refers_to_a_frame_refers_to_the_new_one(morph, has_player):
+    if has_player:
+        bpy.ops.convwass.make_player()
+    mine = bpy.data.collections.new("Mine")
+    bpy.context.scene.collection.children.link(mine)
+    mine.objects.link(frame_objects(morph)[0])
+    follower = bpy.data.objects.new("Follower", None)
+    mine.objects.link(follower)
+    follower.parent = frame_objects(morph)[1]
+    follower.constraints.new("COPY_ROTATION").target = frame_objects(morph)[2]
+    before = frame_objects(morph)
+    vertices = len(before[1].data.vertices)
+    for obj in shapes(morph):
+        obj.scale.z = 2.0
+    bpy.context.view_layer.update()
+    assert bpy.ops.convwass.rebake_morph(morphs=morph.name) == {"FINISHED"}
+    frames = frame_objects(morph)
+    assert len(frames) == 4 and len(frames[1].data.vertices) != vertices
+    assert set(mine.objects) == {follower, frames[0]}
+    assert (follower.parent, follower.constraints[0].target) == (frames[1], frames[2])
+    assert sorted(obj.name for obj in bpy.data.objects if "Morph 0" in obj.name) == [obj.name for obj in frames]
+
+
 @pytest.mark.parametrize("operator", ["rebake_morph", "delete_morph"])
 def test_duplicates_of_frames_are_no_frames_and_stay(morph, operator):
     """As a user makes them for a simulation, with and without the keys of their visibility."""

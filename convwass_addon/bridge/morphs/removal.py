@@ -39,6 +39,11 @@ def remove_frames(collection: bpy.types.Collection) -> None:
     """Remove the frames of a morph that is shown by something else now."""
     frames = frame_objects(collection)
     release_duplicates(collection)
+    remove_frame_objects(frames)
+
+
+def remove_frame_objects(frames: list[bpy.types.Object]) -> None:
+    """Remove frame objects of a morph, with the materials that only they use."""
     used = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
     remove_objects(frames)
     bpy.data.batch_remove([material for material in used if material.users == 0])

@@ -4,6 +4,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from itertools import chain
+
 import bpy
 
 from .changes import SIGNATURES_KEY
@@ -12,9 +15,9 @@ from .hidden_inputs import take_hidden
 from .player import is_player, refresh_player
 from .player_slots import changed_slots, restore_slots
 from .rebuilt_pad import rebuild_pad
-from .removal import remove_frames
+from .removal import remove_frame_objects
 from .stand_ins import stand_ins
-from .stored import DIAGNOSTICS_KEY, MORPH_KEY, frame_objects, hidden_frames
+from .stored import DIAGNOSTICS_KEY, INDEX_KEY, MORPH_KEY, frame_objects, hidden_frames, release_duplicates
 from .written_files import WRITTEN_KEY
 
 
@@ -22,7 +25,8 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     """Move frames and description of a new bake to an existing morph, and remove the new collection.
 
     A player keeps its keys, materials and modifiers. A blend pad is rebuilt; its handle keeps its place and keys.
-    Objects that read files are kept, and show the frames of the new bake once these are written.
+    Objects that read files are kept, and show the frames of the new bake once these are written. New frames have the
+    names of the old ones and replace them everywhere, such as in constraints.
 
     Parameters
     ----------
@@ -37,9 +41,10 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
         `old`.
     """
     players = {player: changed_slots(player) for player in stand_ins(old) if is_player(player)}
-    remove_frames(old)
     home = hidden_frames(old) or old
-    for obj in frame_objects(new):
+    made = frame_objects(new)
+    _replace_frames(old, made)
+    for obj in set(made).difference(home.objects):
         home.objects.link(obj)
     for key in (MORPH_KEY, DIAGNOSTICS_KEY, SIGNATURES_KEY, WRITTEN_KEY, FOLDER_KEY):
         if key in new:
@@ -53,3 +58,27 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
     elif stand_ins(old):
         rebuild_pad(old)
     return old
+
+
+def _replace_frames(morph: bpy.types.Collection, made: Sequence[bpy.types.Object]) -> None:
+    """Replace the frame objects of a morph by new ones with their names, wherever they are used."""
+    release_duplicates(morph)
+    gone, places = frame_objects(morph), {obj[INDEX_KEY]: obj for obj in made}
+    # Damaged frames may lack an index.
+    pairs = [(obj, places[obj[INDEX_KEY]]) for obj in gone if obj.get(INDEX_KEY) in places]
+    names = [_names(before, after) for before, after in pairs]
+    for before, after in pairs:
+        before.user_remap(after)
+    remove_frame_objects(gone)
+    for block, name in chain.from_iterable(names):
+        block.name = name
+
+
+def _names(before: bpy.types.Object, after: bpy.types.Object) -> list[tuple[bpy.types.ID, str]]:
+    """Return a new frame with its data and its action, each with the name of the one that it replaces."""
+    pairs = [(before, after), (before.data, after.data), (_action(before), _action(after))]
+    return [(new, old.name) for old, new in pairs if old is not None and new is not None]
+
+
+def _action(obj: bpy.types.Object) -> bpy.types.Action | None:
+    return obj.animation_data and obj.animation_data.action
