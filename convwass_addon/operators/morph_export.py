@@ -15,6 +15,7 @@ from ..bridge.files import absolute_path
 from ..bridge.one_mesh.records import has_key_record
 from ..errors import ConvwassError, InputError
 from ..progress import drained
+from ..sentence import Sentence
 from .morph_manage import active_morph
 from .reporting import refuse_if_known, tell
 
@@ -58,8 +59,9 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
         except (ConvwassError, OSError, MemoryError) as error:
             return refuse_if_known(self, error)
         megabytes = sum(file.stat().st_size for file in files) / 1e6
-        message = rpt_("{:s}: {:d} files, {:.1f} MB in {:s}")
-        tell(self, message.format(_subject(context).name, len(files), megabytes, str(files[0].parent)))
+        message, subject = rpt_("{:s}: {:d} files, {:.1f} MB in {:s}"), _subject(context)
+        text = message.format(subject.name, len(files), megabytes, str(files[0].parent))
+        tell(self, text, warnings=_warnings(subject, files[0]))
         return {"FINISHED"}
 
     def _written(self, context: bpy.types.Context) -> list[Path]:
@@ -84,6 +86,13 @@ def _subject(context: bpy.types.Context) -> bpy.types.Object | bpy.types.Collect
     """Return the active mesh with shape keys, or else the active morph."""
     active = active_object(context)
     return active if has_key_record(active) else active_morph(context)
+
+
+def _warnings(subject: bpy.types.Object | bpy.types.Collection, file: Path) -> list[Sentence]:
+    """Return what a file lacks of a mesh with shape keys."""
+    from ..bridge.one_mesh.key_files import left_out_notices
+
+    return left_out_notices(subject, file) if isinstance(subject, bpy.types.Object) else []
 
 
 classes = (CONVWASS_OT_export_morph,)

@@ -10,6 +10,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
+from tests.rigs import chain
 
 # Blender's own add-ons use what newer versions of NumPy and Python advise against.
 pytestmark = [pytest.mark.usefixtures("empty_scene"), pytest.mark.filterwarnings("ignore::DeprecationWarning")]
@@ -32,6 +33,19 @@ def test_the_active_mesh_with_keys_is_written(keyed, tmp_path, name, count):
     assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / name)) == {"FINISHED"}
     assert (tmp_path / name).is_file()
     assert len(list(tmp_path.iterdir())) == count
+
+
+@pytest.mark.parametrize("name", ["keys.glb", "keys.fbx", "keys.abc"])
+def test_modifiers_that_a_file_lacks_are_named(keyed, tmp_path, capfd, name):
+    rigs = [chain(name=rig) for rig in ("Body", "Face")]
+    for rig in rigs:
+        keyed.modifiers.new(rig.name, "ARMATURE").object = rig
+    keyed.modifiers.new("Fine", "SUBSURF")
+    keyed.modifiers.new("Off", "SUBSURF").show_viewport = False
+    bpy.context.view_layer.objects.active = keyed
+    assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / name)) == {"FINISHED"}
+    is_named = "lacks the modifiers of Cube Morph (Face, Fine);" in capfd.readouterr().out
+    assert is_named == (name != "keys.abc")
 
 
 def test_what_cannot_be_written_is_refused(keyed, tmp_path, monkeypatch):

@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from ...disk_space import require_whole
 from ...drafts import written_whole
 from ...errors import ConvwassError, InputError
+from ...sentence import Sentence
 from ..files import checked_target
 from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
@@ -33,6 +34,9 @@ from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
 from .skinning import armatures
 from .vertex_animation_files import write_moving_mesh
+
+# Extensions of formats with morph targets, which move vertices before modifiers do.
+_WITH_TARGETS = (".glb", ".fbx")
 
 
 def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
@@ -64,6 +68,16 @@ def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
         raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
     with shown_objects([obj], bpy.context.scene):
         return KEY_FORMATS[target.suffix.lower()](obj, keyed_span(obj), target)
+
+
+def left_out_notices(obj: bpy.types.Object, file: Path) -> list[Sentence]:
+    """Return a notice if a file that is written by `export_shape_keys` lacks visible modifiers of the object."""
+    kept = armatures(obj)[:1]
+    left = [own.name for own in obj.modifiers if own.show_viewport and own not in kept]
+    if file.suffix.lower() not in _WITH_TARGETS or not left:
+        return []
+    values = {"name": obj.name, "modifiers": ", ".join(left)}
+    return [Sentence("The file lacks the modifiers of {name} ({modifiers}); USD and Alembic contain them", values)]
 
 
 def checked_key_target(path: Path) -> Path:
