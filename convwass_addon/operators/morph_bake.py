@@ -114,7 +114,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             kind = self.flat_output if self.output == "OBJECTS" else "MESH"
             options = replace(request, flat_output=kind).as_dict()
             settings = self.flat_settings()
-            pictures = partial(PictureJob, replaces=self.replaces, folder_of=own_folder)
+            pictures = partial(PictureJob, replaces=self.replaced(), folder_of=own_folder)
             flat_job = pictures if kind == "PICTURE" else FlatJob
             return flat_job(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()

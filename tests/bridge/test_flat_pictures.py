@@ -194,6 +194,21 @@ def test_a_shorter_bake_removes_only_the_pictures_of_a_longer_one(tmp_path):
     assert sorted(files[0].parent.iterdir()) == sorted([*files[:3], files[5], *foreign])
 
 
+def test_a_morph_that_is_renamed_during_its_bake_is_the_one_that_is_replaced(tmp_path, monkeypatch):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, RED))
+    bake(tmp_path, *objects, frames=7)
+    morph, finish = the_morph(), PictureJob.finish
+    files = pictures_of(morph)
+
+    def renamed(job, hide_inputs):
+        morph.name = "Mine"
+        return finish(job, hide_inputs)
+
+    monkeypatch.setattr(PictureJob, "finish", renamed)
+    bake(tmp_path, *objects, frames=3, replaces=morph.name)
+    assert pictures_of(morph) == files[:4] == sorted(files[0].parent.iterdir())
+
+
 @pytest.mark.parametrize(
     "noted", ["", "[1]", "{", '{"../x.png": 3}', 7, '{"../keep.png": "DIGEST", "keep.png": "DIGEST"}']
 )

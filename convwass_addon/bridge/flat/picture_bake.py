@@ -52,12 +52,12 @@ class PictureBake(MorphBake):
         settings: dict[str, object],
         first_frame: int,
         grays: Sequence[GrayInput],
-        replaces: str = "",
+        replaces: bpy.types.Collection | None = None,
         folder_of: Callable[[str, bpy.types.Collection], Path] = named_folder,
     ) -> Self:
         """Create the collection and the output folder in `folder` of `settings`.
 
-        If the morph `replaces` exists, `folder_of` is asked for its folder, which gives the files their name.
+        `folder_of` is asked for the folder of the morph `replaces`, if there is one, which gives the files their name.
 
         Raises
         ------
@@ -70,11 +70,11 @@ class PictureBake(MorphBake):
             raise InputError("Pictures require an animation or a single blend; choose another layout, or other frames.")
         shapes = [_described(obj, gray) for obj, gray in zip(inputs, grays, strict=True)]
         bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
-        bake._grays, bake._drafts, bake._replaces = tuple(grays), DraftFiles(), replaces
+        bake._grays, bake._drafts = tuple(grays), DraftFiles()
+        bake._replaces = None if replaces is None else Handle.of("collections", replaces)
         try:
             folder = str(settings.get("folder") or "//")
-            named = bpy.data.collections.get(replaces) or bake._living(bake._collection)
-            target = folder_of(folder, named)
+            target = folder_of(folder, replaces or bake._living(bake._collection))
             bake._new_folders = [own for own in (target, *target.parents) if not own.exists()]
             bake._folder = output_folder(target)
         except InputError:
@@ -87,7 +87,7 @@ class PictureBake(MorphBake):
     # Folders created for the files, innermost first.
     _new_folders: Sequence[Path] = ()
     _drafts: DraftFiles
-    _replaces: str
+    _replaces: Handle | None
     _count: int = 0
     _plane: Handle | None = None
 
@@ -133,7 +133,7 @@ class PictureBake(MorphBake):
             store_written(collection, files)
             remember_folder(collection, self._folder)
         super().finish(hide_inputs)
-        replaced = bpy.data.collections.get(self._replaces)
+        replaced = None if self._replaces is None else self._replaces.find()
         if replaced is not None and files:
             drop_surplus(replaced, self._folder, self._folder.name, files)
         return collection

@@ -36,8 +36,8 @@ class PictureJob(WritesFlatFrames):
     scene, depsgraph, inputs, blends, settings, options, first_frame
         As for :class:`.flat_job.FlatJob`; `options` also contains `grays`, "IMAGES", "DENSITY" or "THRESHOLD", and
         `folder`.
-    replaces : str
-        Name of a morph to replace with its files; empty for a new one.
+    replaces : bpy.types.Collection, optional
+        A morph to replace with its files.
     folder_of : callable
         Returns the folder for the files of a morph in another one: `named_folder`, whose files are replaced, or
         :func:`.disk_output.own_folder`.
@@ -59,7 +59,7 @@ class PictureJob(WritesFlatFrames):
         settings: FlatSettings,
         options: dict[str, object],
         first_frame: int,
-        replaces: str = "",
+        replaces: bpy.types.Collection | None = None,
         folder_of: Callable[[str, bpy.types.Collection], Path] = named_folder,
     ) -> None:
         if len(inputs) < 2:
