@@ -11,10 +11,9 @@ from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.vertex_groups import group_names
 from ..errors import InputError
-from ..properties.densities import CONVWASS_PG_densities
 from .chosen_inputs import split_names
 from .density_targets import MODES, OnMesh, chosen_group, chosen_pair
-from .lists import ACTIVE, direction_property, index_property, neighbor, swapped, taken_off
+from .lists import ClearsList, MovesItem, RemovesItem, SidebarList
 from .reporting import refuse
 
 
@@ -122,12 +121,8 @@ class _OnStops(_OnOwnList):
             return False
         return True
 
-    def _place(self, own: CONVWASS_PG_densities) -> int:
-        """Return the index of the stop; raises InputError if there is none."""
-        index = own.active_stop if self.index == ACTIVE else self.index
-        if not 0 <= index < len(own.stops):
-            raise InputError("There is no stop number {number} on the list", number=index)
-        return index
+    def _list(self, context: bpy.types.Context) -> SidebarList:
+        return SidebarList(context.object.convwass_density, "stops", "active_stop")
 
 
 class CONVWASS_OT_add_density_stop(_OnOwnList, bpy.types.Operator):
@@ -172,59 +167,30 @@ class CONVWASS_OT_add_density_stop(_OnOwnList, bpy.types.Operator):
         return [group.name for group in obj.vertex_groups if group.name not in known]
 
 
-class CONVWASS_OT_remove_density_stop(_OnStops, bpy.types.Operator):
+class CONVWASS_OT_remove_density_stop(_OnStops, RemovesItem, bpy.types.Operator):
     """Remove a stop from the list; the vertex group is kept"""
 
     bl_idname = "convwass.remove_density_stop"
     bl_label = "Remove Stop"
 
-    index: index_property()
 
-    def execute(self, context):
-        own = context.object.convwass_density
-        try:
-            index = self._place(own)
-        except InputError as error:
-            return refuse(self, error)
-        own.active_stop = taken_off(own.stops, index, own.active_stop)
-        return {"FINISHED"}
-
-
-class CONVWASS_OT_move_density_stop(_OnStops, bpy.types.Operator):
+class CONVWASS_OT_move_density_stop(_OnStops, MovesItem, bpy.types.Operator):
     """Move a group up or down the list, which is the order of the path; the frames stay in place"""
 
     bl_idname = "convwass.move_density_stop"
     bl_label = "Move Stop"
 
-    index: index_property()
-    direction: direction_property()
-
-    def execute(self, context):
-        own = context.object.convwass_density
-        try:
-            index = self._place(own)
-        except InputError as error:
-            return refuse(self, error)
-        target = neighbor(own.stops, index, self.direction)
-        if target is None:
-            return {"CANCELLED"}
-        one, other = own.stops[index], own.stops[target]
+    def _swap(self, own: SidebarList, place: int, target: int) -> None:
+        one, other = own.items[place], own.items[target]
         one.frame, other.frame = other.frame, one.frame
-        own.active_stop = swapped(own.stops, index, target, own.active_stop)
-        return {"FINISHED"}
+        super()._swap(own, place, target)
 
 
-class CONVWASS_OT_clear_density_stops(_OnStops, bpy.types.Operator):
+class CONVWASS_OT_clear_density_stops(_OnStops, ClearsList, bpy.types.Operator):
     """Clear the list of stops; the first and the second group are used instead"""
 
     bl_idname = "convwass.clear_density_stops"
     bl_label = "Clear Stops"
-
-    def execute(self, context):
-        own = context.object.convwass_density
-        own.stops.clear()
-        own.active_stop = 0
-        return {"FINISHED"}
 
 
 classes = (

@@ -1,11 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Lists in the sidebar: keep the active item while others are removed and moved."""
+"""Lists in the sidebar: remove and move items while another one stays active, and clear them."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import bpy
 from bpy.props import EnumProperty, IntProperty
+
+from ..errors import InputError
+from .reporting import refuse
 
 ACTIVE = -1
 """The index that stands for the active item."""
@@ -27,21 +32,108 @@ def direction_property() -> object:
     )
 
 
-def taken_off(items: bpy.types.bpy_prop_collection, index: int, active: int) -> int:
-    """Remove an item from its list; return the new active index."""
-    items.remove(index)
-    return max(active - 1, 0) if active >= index else active
+@dataclass(frozen=True)
+class SidebarList:
+    """A list and its active item.
+
+    Attributes
+    ----------
+    owner : bpy.types.PropertyGroup
+        The settings with the list.
+    items_name, active_name : str
+        Names of the properties for the list and for the index of its active item.
+    """
+
+    owner: bpy.types.PropertyGroup
+    items_name: str
+    active_name: str
+
+    @property
+    def items(self) -> bpy.types.bpy_prop_collection:
+        """The items."""
+        return getattr(self.owner, self.items_name)
+
+    def place(self, index: int) -> int:
+        """Return an index on the list, of the active item for `ACTIVE`; raises InputError if there is no such item."""
+        place = self._active if index == ACTIVE else index
+        if not 0 <= place < len(self.items):
+            raise InputError("The list has no item {index}; the first one is item 0.", index=place)
+        return place
+
+    def remove(self, place: int) -> None:
+        """Remove an item."""
+        self.items.remove(place)
+        if self._active >= place:
+            self._activate(max(self._active - 1, 0))
+
+    def clear(self) -> None:
+        """Remove all items."""
+        self.items.clear()
+        self._activate(0)
+
+    def swap(self, place: int, target: int) -> None:
+        """Swap two neighbors."""
+        self.items.move(place, target)
+        self._activate({place: target, target: place}.get(self._active, self._active))
+
+    @property
+    def _active(self) -> int:
+        return getattr(self.owner, self.active_name)
+
+    def _activate(self, place: int) -> None:
+        setattr(self.owner, self.active_name, place)
 
 
-def neighbor(items: bpy.types.bpy_prop_collection, index: int, direction: str) -> int | None:
-    """Return the next index in a direction, or None at the end of the list."""
-    target = index + (1 if direction == "DOWN" else -1)
-    return target if 0 <= target < len(items) else None
+class _OnList:
+    def _list(self, context: bpy.types.Context) -> SidebarList:
+        """Return the list to edit."""
+        raise NotImplementedError
 
 
-def swapped(items: bpy.types.bpy_prop_collection, index: int, target: int, active: int) -> int:
-    """Swap an item with its neighbor; return the new active index."""
-    items.move(index, target)
-    if active not in (index, target):
-        return active
-    return target if active == index else index
+class ClearsList(_OnList):
+    """Base of operators that remove all items of a list."""
+
+    def execute(self, context):
+        """Clear the list."""
+        self._list(context).clear()
+        return {"FINISHED"}
+
+
+class _OnItem(_OnList):
+    index: index_property()
+
+    def execute(self, context):
+        own = self._list(context)
+        try:
+            place = own.place(self.index)
+        except InputError as error:
+            return refuse(self, error)
+        return {"FINISHED"} if self._edit(own, place) else {"CANCELLED"}
+
+    def _edit(self, own: SidebarList, place: int) -> bool:
+        """Edit the list; return whether it has changed."""
+        raise NotImplementedError
+
+
+class RemovesItem(_OnItem):
+    """Base of operators that remove an item of a list."""
+
+    def _edit(self, own: SidebarList, place: int) -> bool:
+        own.remove(place)
+        return True
+
+
+class MovesItem(_OnItem):
+    """Base of operators that swap an item of a list with the one before or after it, if there is one."""
+
+    direction: direction_property()
+
+    def _edit(self, own: SidebarList, place: int) -> bool:
+        target = place + (1 if self.direction == "DOWN" else -1)
+        if not 0 <= target < len(own.items):
+            return False
+        self._swap(own, place, target)
+        return True
+
+    def _swap(self, own: SidebarList, place: int, target: int) -> None:
+        own.swap(place, target)

@@ -20,7 +20,7 @@ from ..errors import ConvwassError, InputError
 from ..properties.morph_guides import CONVWASS_PG_guide, CONVWASS_PG_guides
 from ..translations import translated
 from .chosen_inputs import chosen_inputs
-from .lists import ACTIVE, index_property, taken_off
+from .lists import ClearsList, RemovesItem, SidebarList
 from .picking import PicksPoints, depth_of, redraw_views, vertex_at
 from .reporting import refuse
 from .windows import write_status
@@ -235,35 +235,22 @@ class _OnGuides(_EditsGuides):
             return False
         return super().poll(context)
 
+    def _list(self, context: bpy.types.Context) -> SidebarList:
+        return SidebarList(context.scene.convwass_guides, "items", "active")
 
-class CONVWASS_OT_remove_morph_guide(_OnGuides, bpy.types.Operator):
+
+class CONVWASS_OT_remove_morph_guide(_OnGuides, RemovesItem, bpy.types.Operator):
     """Remove a guide from the list"""
 
     bl_idname = "convwass.remove_morph_guide"
     bl_label = "Remove Guide"
 
-    index: index_property()
 
-    def execute(self, context):
-        own = context.scene.convwass_guides
-        index = own.active if self.index == ACTIVE else self.index
-        if index >= len(own.items):
-            return refuse(self, InputError("The list has no guide {index}.", index=index + 1))
-        own.active = taken_off(own.items, index, own.active)
-        return {"FINISHED"}
-
-
-class CONVWASS_OT_clear_morph_guides(_OnGuides, bpy.types.Operator):
+class CONVWASS_OT_clear_morph_guides(_OnGuides, ClearsList, bpy.types.Operator):
     """Clear the list of guides"""
 
     bl_idname = "convwass.clear_morph_guides"
     bl_label = "Clear Guides"
-
-    def execute(self, context):
-        own = context.scene.convwass_guides
-        own.items.clear()
-        own.active = 0
-        return {"FINISHED"}
 
 
 classes = (

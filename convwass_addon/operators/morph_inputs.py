@@ -19,8 +19,7 @@ from ..preferences import preferences
 from ..properties.morph_inputs import CONVWASS_PG_input
 from ..solver_presets import apply_preset, is_untouched
 from ..translations import translated
-from .lists import ACTIVE, direction_property, index_property, neighbor, swapped, taken_off
-from .reporting import refuse
+from .lists import ACTIVE, ClearsList, MovesItem, RemovesItem, SidebarList
 
 if TYPE_CHECKING:
     from ..applications.morphs.shape_check import ShapeFindings
@@ -28,14 +27,6 @@ if TYPE_CHECKING:
 
 class _EditInputs:
     bl_options = {"REGISTER", "UNDO"}
-
-    def _place(self, context: bpy.types.Context) -> int:
-        """Return the index of the input; raises InputError if there is none."""
-        settings = context.scene.convwass_morph
-        index = settings.active_input if self.index == ACTIVE else self.index
-        if not 0 <= index < len(settings.inputs):
-            raise InputError("There is no input number {number} on the list", number=index)
-        return index
 
 
 class _OnList(_EditInputs):
@@ -45,6 +36,9 @@ class _OnList(_EditInputs):
             cls.poll_message_set("The input list is empty")
             return False
         return True
+
+    def _list(self, context: bpy.types.Context) -> SidebarList:
+        return SidebarList(context.scene.convwass_morph, "inputs", "active_input")
 
 
 class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
@@ -84,57 +78,25 @@ class CONVWASS_OT_add_morph_inputs(_EditInputs, bpy.types.Operator):
             self.report({"WARNING"}, translated(error.sentence))
 
 
-class CONVWASS_OT_remove_morph_input(_OnList, bpy.types.Operator):
+class CONVWASS_OT_remove_morph_input(_OnList, RemovesItem, bpy.types.Operator):
     """Remove a shape from the list; the object is kept"""
 
     bl_idname = "convwass.remove_morph_input"
     bl_label = "Remove Input"
 
-    index: index_property()
 
-    def execute(self, context):
-        settings = context.scene.convwass_morph
-        try:
-            index = self._place(context)
-        except InputError as error:
-            return refuse(self, error)
-        settings.active_input = taken_off(settings.inputs, index, settings.active_input)
-        return {"FINISHED"}
-
-
-class CONVWASS_OT_move_morph_input(_OnList, bpy.types.Operator):
+class CONVWASS_OT_move_morph_input(_OnList, MovesItem, bpy.types.Operator):
     """Move a shape up or down the list, which is the order of the morph"""
 
     bl_idname = "convwass.move_morph_input"
     bl_label = "Move Input"
 
-    index: index_property()
-    direction: direction_property()
 
-    def execute(self, context):
-        settings = context.scene.convwass_morph
-        try:
-            index = self._place(context)
-        except InputError as error:
-            return refuse(self, error)
-        target = neighbor(settings.inputs, index, self.direction)
-        if target is None:
-            return {"CANCELLED"}
-        settings.active_input = swapped(settings.inputs, index, target, settings.active_input)
-        return {"FINISHED"}
-
-
-class CONVWASS_OT_clear_morph_inputs(_OnList, bpy.types.Operator):
+class CONVWASS_OT_clear_morph_inputs(_OnList, ClearsList, bpy.types.Operator):
     """Clear the list; the selected shapes are morphed instead"""
 
     bl_idname = "convwass.clear_morph_inputs"
     bl_label = "Clear Inputs"
-
-    def execute(self, context):
-        settings = context.scene.convwass_morph
-        settings.inputs.clear()
-        settings.active_input = 0
-        return {"FINISHED"}
 
 
 class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):

@@ -11,7 +11,7 @@ from bpy.props import IntProperty, StringProperty
 from ..bridge.soft_maps.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
 from ..errors import ConvwassError, InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties
-from .lists import ACTIVE, index_property, taken_off
+from .lists import ClearsList, RemovesItem, SidebarList
 from .mesh_targets import selected_vertices
 from .reporting import listed, refuse
 from .soft_map_pick import PicksPair, require_free
@@ -175,35 +175,22 @@ class _OnPairs(OnMapObjects):
             return False
         return True
 
+    def _list(self, context: bpy.types.Context) -> SidebarList:
+        return SidebarList(context.scene.convwass_soft_map, "pairs", "active_pair")
 
-class CONVWASS_OT_remove_map_pair(_OnPairs, bpy.types.Operator):
+
+class CONVWASS_OT_remove_map_pair(_OnPairs, RemovesItem, bpy.types.Operator):
     """Remove a pair from the list"""
 
     bl_idname = "convwass.remove_map_pair"
     bl_label = "Remove Pair"
 
-    index: index_property()
 
-    def execute(self, context):
-        own = context.scene.convwass_soft_map
-        index = own.active_pair if self.index == ACTIVE else self.index
-        if index >= len(own.pairs):
-            return refuse(self, InputError("The list has no pair {index}.", index=index + 1))
-        own.active_pair = taken_off(own.pairs, index, own.active_pair)
-        return {"FINISHED"}
-
-
-class CONVWASS_OT_clear_map_pairs(_OnPairs, bpy.types.Operator):
+class CONVWASS_OT_clear_map_pairs(_OnPairs, ClearsList, bpy.types.Operator):
     """Clear the list of pairs"""
 
     bl_idname = "convwass.clear_map_pairs"
     bl_label = "Clear Pairs"
-
-    def execute(self, context):
-        own = context.scene.convwass_soft_map
-        own.pairs.clear()
-        own.active_pair = 0
-        return {"FINISHED"}
 
 
 class CONVWASS_OT_swap_map_objects(OnMapObjects, bpy.types.Operator):

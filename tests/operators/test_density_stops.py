@@ -57,7 +57,7 @@ def test_removing_and_clearing(obj):
     call("add", which="EMPTY")
     call("remove", index=0)
     assert ([name for name, _ in listed(obj)], obj.convwass_density.active_stop) == (["B", ""], 1)
-    with pytest.raises(RuntimeError, match="no stop number 7"):
+    with pytest.raises(RuntimeError, match="no item 7"):
         call("remove", index=7)
     call("clear")
     assert listed(obj) == []

@@ -96,6 +96,8 @@ def test_guides_are_taken_off_and_cleared(cubes):
         bpy.ops.convwass.add_morph_guide(label=str(vertex), points=f'{{"One": {vertex}, "Two": {vertex}}}')
     bpy.ops.convwass.remove_morph_guide(index=1)
     assert [guide.label for guide in guides().items] == ["0", "2"]
+    with pytest.raises(RuntimeError, match="no item 2"):
+        bpy.ops.convwass.remove_morph_guide(index=2)
     bpy.ops.convwass.clear_morph_guides()
     assert not guides().items
 

@@ -82,7 +82,7 @@ def test_the_active_one_or_the_one_of_an_index_is_removed(shapes):
     assert (listed(), settings().active_input) == (["A", "B"], 1)
     bpy.ops.convwass.remove_morph_input(index=0)
     assert (listed(), settings().active_input) == (["B"], 0)
-    with pytest.raises(RuntimeError, match="no input number 7"):
+    with pytest.raises(RuntimeError, match="no item 7"):
         bpy.ops.convwass.remove_morph_input(index=7)
     bpy.ops.convwass.remove_morph_input()
     with pytest.raises(RuntimeError, match="input list is empty"):

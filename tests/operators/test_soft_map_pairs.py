@@ -122,7 +122,7 @@ def test_pairs_come_off_the_list(pair):
     assert own().active_pair == 2
     call("remove_map_pair")
     assert [item[1] for item in listed()] == [1, 2]
-    with pytest.raises(RuntimeError, match="no pair 6"):
+    with pytest.raises(RuntimeError, match="no item 5"):
         call("remove_map_pair", index=5)
     call("clear_map_pairs")
     assert listed() == []
