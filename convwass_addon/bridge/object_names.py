@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -39,6 +39,20 @@ class ObjectName:
 def library_of(obj: bpy.types.Object) -> str:
     """Return the .blend file that an object is linked from, as Blender stores paths; empty if it is local."""
     return "" if obj.library is None else obj.library.filepath
+
+
+def unique_name(obj: bpy.types.Object) -> str:
+    """Return a name that only this object of the file has: its name, with its library if another object has that."""
+    return obj.name if bpy.data.objects.get(obj.name) == obj else obj.name_full
+
+
+def object_of(name: str, objects: Iterable[bpy.types.Object]) -> bpy.types.Object | None:
+    """Return the object with a `unique_name`, or else the only one with that name, or None."""
+    objects = list(objects)
+    alike = [obj for obj in objects if obj.name == name]
+    own = next((obj for obj in objects if obj.name_full == name), None)
+    own = own or next((obj for obj in alike if unique_name(obj) == name), None)
+    return alike[0] if own is None and len(alike) == 1 else own
 
 
 def objects_named(names: Sequence[ObjectName]) -> list[bpy.types.Object | None]:

@@ -128,7 +128,7 @@ def begun_session(context: bpy.types.Context, own: CONVWASS_OT_live_morph) -> Li
     are_plain = all(is_plain(shape_source(obj, own.grouping)) for obj in objects)
     if are_plain and asks_for_flat(objects, context.evaluated_depsgraph_get(), own.thickness):
         raise InputError("Flat shapes cannot be morphed live; bake them, or give them thickness.")
-    guides = guides_among(context.scene.convwass_guides.named, [obj.name for obj in objects])
+    guides = guides_among(context.scene.convwass_guides.named, objects)
     options = {**own.request().as_dict(), "guides": [guide.as_dict() for guide in guides]}
     return LiveSession(context, objects, LiveRequest(own.solver_settings(), own.live_settings(), options))
 

@@ -95,7 +95,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         self._computing = self._preferred()
         self._replaced = self._named()
         chosen = self._chosen(context)
-        guides = self._guides(context, [obj.name for obj in chosen.objects])
+        guides = self._guides(context, chosen.objects)
         depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
         if self.output == "SHAPE_KEYS":
             return self._shape_keys(context, chosen.objects, guides, first_frame)
@@ -160,12 +160,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         depsgraph, job = context.evaluated_depsgraph_get(), SwapJob if self.two_meshes else ShapeKeyJob
         return job(context.scene, depsgraph, objects, request, self.solver_settings(), first_frame)
 
-    def _guides(self, context: bpy.types.Context, names: list[str]) -> list[NamedGuide]:
+    def _guides(self, context: bpy.types.Context, objects: list[bpy.types.Object]) -> list[NamedGuide]:
         """Return the guides on the shapes; raises InputError if the argument names other objects."""
         if not self.guides:
-            return guides_among(context.scene.convwass_guides.named, names)
+            return guides_among(context.scene.convwass_guides.named, objects)
         guides = parsed_guides(self.guides)
-        check_guide_names(guides, names)
+        check_guide_names(guides, objects)
         return guides
 
     def _preferred(self) -> Computation:

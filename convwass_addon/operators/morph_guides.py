@@ -16,6 +16,7 @@ from ..bridge.morphs.morph_guides import (
     guides_from_groups,
     parsed_guide,
 )
+from ..bridge.object_names import object_of
 from ..errors import ConvwassError, InputError
 from ..properties.morph_guides import CONVWASS_PG_guide, CONVWASS_PG_guides
 from ..translations import translated
@@ -113,7 +114,7 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
     def _place(self, own: CONVWASS_PG_guides, obj: bpy.types.Object, vertex: int) -> None:
         """Add a clicked vertex to a guide."""
         try:
-            _require_free(own, obj.name, vertex)
+            _require_free(own, obj, vertex)
         except InputError as error:
             self.report({"INFO"}, translated(error.sentence))
             return
@@ -158,7 +159,7 @@ def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
     if len(guide.points) < 2:
         raise InputError("A guide connects points of at least two shapes; mark the same point on another shape, too.")
     for name, vertex in guide.points.items():
-        obj = bpy.data.objects.get(name)
+        obj = object_of(name, bpy.data.objects)
         if obj is None or obj.type != "MESH":
             raise InputError("There is no mesh object named {name}; check the points of the guide.", name=name)
         if not 0 <= vertex < len(obj.data.vertices):
@@ -168,24 +169,25 @@ def _add(own: CONVWASS_PG_guides, guide: NamedGuide) -> None:
                 name=name,
                 count=len(obj.data.vertices),
             )
-        _require_free(own, name, vertex)
+        _require_free(own, obj, vertex)
     own.add(guide)
 
 
-def _require_free(own: CONVWASS_PG_guides, name: str, vertex: int) -> None:
+def _require_free(own: CONVWASS_PG_guides, obj: bpy.types.Object, vertex: int) -> None:
     """Raise InputError if a vertex is already in a guide."""
-    number = own.holder(name, vertex)
+    number = own.holder(obj, vertex)
     if number is not None:
         raise InputError(
             "Vertex {vertex} of {name} is already in guide {number}; choose another one, or remove that guide.",
             vertex=vertex,
-            name=name,
+            name=obj.name,
             number=number,
         )
 
 
 def _is_free(own: CONVWASS_PG_guides, guide: NamedGuide) -> bool:
-    return all(own.holder(name, vertex) is None for name, vertex in guide.points.items())
+    points = [(object_of(name, bpy.data.objects), vertex) for name, vertex in guide.points.items()]
+    return all(own.holder(*point) is None for point in points)
 
 
 class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):

@@ -11,6 +11,7 @@ import bpy
 from bpy.props import BoolProperty, CollectionProperty, IntProperty, PointerProperty, StringProperty
 
 from ..bridge.morphs.morph_guides import NamedGuide
+from ..bridge.object_names import object_of, unique_name
 from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
 from ..sentence import Sentence
 
@@ -30,22 +31,26 @@ class CONVWASS_PG_guide(bpy.types.PropertyGroup):
     enabled: BoolProperty(name="Enabled", description="Whether this guide is used", default=True)
 
     @property
-    def named(self) -> NamedGuide:
-        """The guide by object names, without points on deleted objects."""
+    def vertices(self) -> dict[bpy.types.Object, int]:
+        """The vertices by object, without those on deleted objects."""
         # Objects deleted in the viewport still exist as long as a pointer refers to them.
         there = [point for point in self.points if point.object is not None and point.object.users_scene]
-        return NamedGuide(self.label, {point.object.name: point.vertex for point in there})
+        return {point.object: point.vertex for point in there}
+
+    @property
+    def named(self) -> NamedGuide:
+        """The guide by names of objects, without points on deleted objects."""
+        return NamedGuide(self.label, {unique_name(obj): vertex for obj, vertex in self.vertices.items()})
 
     @property
     def problem(self) -> Sentence | None:
         """Why the guide cannot be used, or None."""
-        points = self.named.points
-        if len(points) < 2:
+        vertices = self.vertices
+        if len(vertices) < 2:
             return Sentence("Needs a point on another shape")
-        for name, vertex in points.items():
-            obj = bpy.data.objects[name]
+        for obj, vertex in vertices.items():
             if obj.type != "MESH" or vertex >= len(obj.data.vertices):
-                return Sentence("{name} no longer has a vertex {vertex}", {"name": name, "vertex": vertex})
+                return Sentence("{name} no longer has a vertex {vertex}", {"name": obj.name, "vertex": vertex})
         return None
 
     def place(self, obj: bpy.types.Object, vertex: int) -> None:
@@ -76,17 +81,19 @@ class CONVWASS_PG_guides(bpy.types.PropertyGroup):
                 found.append(replace(named, name=named.name or str(number)))
         return found
 
-    def holder(self, name: str, vertex: int) -> int | None:
+    def holder(self, obj: bpy.types.Object, vertex: int) -> int | None:
         """Return the number, from 1, of the guide that uses a vertex of an object, or None."""
-        numbers = (number for number, guide in enumerate(self.items, start=1) if guide.named.points.get(name) == vertex)
+        numbers = (number for number, guide in enumerate(self.items, start=1) if guide.vertices.get(obj) == vertex)
         return next(numbers, None)
 
     def add(self, guide: NamedGuide) -> None:
-        """Add a guide to the list; its objects must exist."""
+        """Add a guide to the list, without points on objects that no longer exist."""
         item = self.items.add()
         item.label = guide.name
         for name, vertex in guide.points.items():
-            item.place(bpy.data.objects[name], vertex)
+            obj = object_of(name, bpy.data.objects)
+            if obj is not None:
+                item.place(obj, vertex)
         self.active = len(self.items) - 1
 
     def take(self, guides: Sequence[NamedGuide]) -> None:

@@ -8,6 +8,7 @@ import pytest
 
 from convwass_addon.bridge.morphs.morph_guides import guides_of_shapes, parsed_guides
 from convwass_addon.bridge.morphs.stored import stored_morph
+from convwass_addon.bridge.object_names import object_of
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
 from tests.operators.densities import inventory
@@ -187,6 +188,66 @@ def test_a_vertex_that_is_deleted_is_shown_and_refused_before_the_bake(cubes):
     assert inventory() == before
     # What takes no guides does not mind.
     assert bake(motion="TRANSPORT") == {"FINISHED"}
+
+
+@pytest.fixture
+def namesakes(cubes, tmp_path):
+    """The first cube and a linked copy of it, both named One, selected; each has a small group at another vertex."""
+    local, other = cubes
+    other.select_set(False)
+    local.vertex_groups.new(name="Tip").add([6], 1.0, "REPLACE")
+    path = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {local})
+    local.vertex_groups["Tip"].remove([6])
+    local.vertex_groups["Tip"].add([1], 1.0, "REPLACE")
+    local.location.x = 9.0
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["One"]
+    (linked,) = wanted.objects
+    bpy.context.scene.collection.objects.link(linked)
+    linked.select_set(True)
+    bpy.context.view_layer.update()
+    return local, linked
+
+
+def test_shapes_of_one_name_are_told_apart(namesakes):
+    local, linked = namesakes
+    assert bpy.ops.convwass.morph_guides_from_names(kind="GROUPS") == {"FINISHED"}
+    (item,) = guides().items
+    assert item.vertices == {local: 1, linked: 6}
+    assert item.problem is None
+    with pytest.raises(RuntimeError, match=r"Vertex 6 of One is already in guide 1"):
+        bpy.ops.convwass.add_morph_guide(points='{"One": 2, "One [library.blend]": 6}')
+    assert bpy.ops.convwass.add_morph_guide(points='{"One": 6, "One [library.blend]": 1}') == {"FINISHED"}
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    shapes = [triangle_mesh(obj, depsgraph) for obj in (linked, local)]
+    assert guides_of_shapes(guides().named, (linked, local), shapes, depsgraph) == [{0: 6, 1: 1}, {0: 1, 1: 6}]
+
+
+def test_guides_of_shapes_of_one_name_are_stored_and_come_back(namesakes):
+    bpy.ops.convwass.morph_guides_from_names(kind="GROUPS")
+    before = [item.vertices for item in guides().items]
+    assert bake(motion="TRANSPORT") == {"FINISHED"}
+    bpy.ops.convwass.clear_morph_guides()
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
+    assert [item.vertices for item in guides().items] == before
+
+
+def test_guides_stay_with_a_shape_that_is_renamed_or_gets_a_namesake(cubes, tmp_path):
+    bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
+    path = str(tmp_path / "library.blend")
+    bpy.data.libraries.write(path, {cubes[0]})
+    with bpy.data.libraries.load(path, link=True) as (_, wanted):
+        wanted.objects = ["One"]
+    cubes[0].name = "First"
+    (item,) = guides().items
+    assert dict(item.named.points) == {"First": 3, "Two": 5}
+    assert object_of("One", [*wanted.objects, *cubes]) == wanted.objects[0]
+    cubes[0].name = "One"
+    assert object_of("One", [*wanted.objects, *cubes]) == cubes[0]
+    # Stored before the other object had its name.
+    assert object_of("One", [*wanted.objects, cubes[1]]) == wanted.objects[0]
 
 
 def test_flat_shapes_take_no_guides(cubes):

@@ -64,7 +64,7 @@ def guides_asked_for(
             found = _guides_by_names(word, solid)
         else:
             found = _read_guides(word)
-            check_guide_names(found, list(originals))
+            check_guide_names(found, inputs)
         used = {name for guide in found for name in guide.points if name in solid}
         own = {name: surface_mesh(solid[name], bpy.context.evaluated_depsgraph_get()) for name in used}
     return [_on_inputs(index, guide, own, meshes) for index, guide in enumerate(found, start=1)]

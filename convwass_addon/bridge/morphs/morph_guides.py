@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The guides of a morph: corresponding vertices of its shapes, by object name."""
+"""The guides of a morph: corresponding vertices of its shapes, by names of objects (`object_names.unique_name`)."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ..object_names import object_of, unique_name
 from ..surface_marks import bone_marks, empty_marks, group_marks
 from ..surfaces import surface_mesh
 from ..vertex_groups import group_names
@@ -34,7 +35,7 @@ class NamedGuide:
     name : str
         Name given by the user, such as nose.
     points : mapping of str to int
-        Vertex of the original mesh, by object name, for some of the shapes.
+        Vertex of the original mesh, by the unique name of the object, for some of the shapes.
     """
 
     name: str
@@ -90,24 +91,24 @@ def guides_of_entries(entries: object) -> list[NamedGuide]:
         raise _unreadable(error) from error
 
 
-def guides_among(guides: Sequence[NamedGuide], names: Sequence[str]) -> list[NamedGuide]:
+def guides_among(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Object]) -> list[NamedGuide]:
     """Restrict guides to some objects; guides with fewer than two points left are dropped."""
     kept = (
-        NamedGuide(guide.name, {name: vertex for name, vertex in guide.points.items() if name in names})
+        NamedGuide(guide.name, {name: vertex for name, vertex in guide.points.items() if object_of(name, objects)})
         for guide in guides
     )
     return [guide for guide in kept if len(guide.points) > 1]
 
 
-def check_guide_names(guides: Sequence[NamedGuide], names: Sequence[str]) -> None:
-    """Raise InputError if guides refer to objects that are not morphed."""
+def check_guide_names(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Object]) -> None:
+    """Raise InputError if guides refer to other objects than those that are morphed."""
     for guide in guides:
         for name in guide.points:
-            if name not in names:
+            if object_of(name, objects) is None:
                 raise InputError(
                     "The guides refer to {name}, which is not one of the shapes: {names}.",
                     name=name,
-                    names=", ".join(names),
+                    names=", ".join(unique_name(obj) for obj in objects),
                 )
 
 
@@ -131,7 +132,7 @@ def guides_from_groups(
     objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, largest: float = LARGEST_GROUP
 ) -> list[NamedGuide]:
     """Return a guide for every small vertex group that several objects have."""
-    marks = {obj.name: group_marks(obj, group_names(obj), depsgraph, largest) for obj in objects}
+    marks = {unique_name(obj): group_marks(obj, group_names(obj), depsgraph, largest) for obj in objects}
     return _shared(marks)
 
 
@@ -139,12 +140,12 @@ def guides_from_empties(
     objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, empties: Sequence[bpy.types.Object]
 ) -> list[NamedGuide]:
     """Return guides from Empties of the same name on several objects; see :func:`.surface_marks.empty_marks`."""
-    return _shared({obj.name: own for obj, own in empty_marks(objects, depsgraph, empties).items()})
+    return _shared({unique_name(obj): own for obj, own in empty_marks(objects, depsgraph, empties).items()})
 
 
 def guides_from_bones(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[NamedGuide]:
     """Return guides from bone ends of the same name in several rigs; see :func:`.surface_marks.bone_marks`."""
-    return _shared({obj.name: bone_marks(obj, depsgraph) for obj in objects})
+    return _shared({unique_name(obj): bone_marks(obj, depsgraph) for obj in objects})
 
 
 def _shared(marks: Mapping[str, Mapping[str, int | None]]) -> list[NamedGuide]:
@@ -183,18 +184,18 @@ def guides_of_shapes(
     InputError
         A vertex does not exist.
     """
-    numbers = {obj.name: number for number, obj in enumerate(objects)}
-    own_meshes: dict[str, TriangleMesh] = {}
+    own_meshes: dict[int, TriangleMesh] = {}
     found = []
     for index, guide in enumerate(guides, start=1):
         taken: dict[int, int] = {}
         for name, vertex in guide.points.items():
-            if name in numbers:
-                number = numbers[name]
-                if name not in own_meshes:
-                    own_meshes[name] = surface_mesh(objects[number], depsgraph)
+            obj = object_of(name, objects)
+            if obj is not None:
+                number = objects.index(obj)
+                if number not in own_meshes:
+                    own_meshes[number] = surface_mesh(obj, depsgraph)
                 taken[number] = vertex_of_shape(
-                    guide.name or str(index), name, vertex, own_meshes[name], shapes[number]
+                    guide.name or str(index), name, vertex, own_meshes[number], shapes[number]
                 )
         if len(taken) > 1:
             found.append(taken)
