@@ -22,7 +22,7 @@ from ..bridge.operator_errors import reason
 from ..sentence import Sentence
 from ..translations import translated
 from .morph_manage import select_only
-from .reporting import tell
+from .reporting import listed, tell
 
 if TYPE_CHECKING:
     from ..applications.morphs.frame_cache import FrameCache
@@ -93,7 +93,9 @@ class FrameResults:
         _fit_range(self.operator, self.job, scene)
         replaced = self.operator.replaced()
         if replaced is not None:
-            collection = replace_bake(replaced, collection)
+            edited = replace_bake(replaced, collection)
+            collection = replaced
+            _report_kept(self.operator, edited)
         select_only(context, frame_objects(collection)[:1])
         self._hand_over(scene, collection)
         shown = main_object(collection)
@@ -220,6 +222,13 @@ class SwapResults(ShapeKeyResults):
         first, second = shown
         text = rpt_("{:s} replaces {:s} at {:.2f}; 98 % of both are within {:.2%} of the morph there")
         return text.format(second.name, first.name, self.job.found.time, self.job.found.gap)
+
+
+def _report_kept(operator: bpy.types.Operator, materials: list[bpy.types.Material]) -> None:
+    """Report edited materials that are kept although frames no longer have them."""
+    if materials:
+        text = rpt_("The materials of the shapes have changed, so frames have new ones; the edited ones are kept: {:s}")
+        operator.report({"WARNING"}, text.format(listed([material.name for material in materials])))
 
 
 def _outdated(morph: bpy.types.Collection) -> list[str]:

@@ -11,6 +11,7 @@ from mathutils import Matrix
 from ...applications.flat.flat_pieces import filled_by, layers_of
 from ...geometry.fitting import fitted_polygons
 from ...geometry.ring_nesting import outline_of
+from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..morphs.materials import mark_as_frames
 from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY
@@ -70,6 +71,7 @@ class PencilBake(FlatBake):
                 made = [fill_material(shape.name, flat.shape.colors[layer[0]]) for layer in layers]
                 for material in made:
                     mark_as_frames(material)
+                    remember_made(material)
                 self._inks.append([Handle.of("materials", material) for material in made])
         return self._inks
 

@@ -21,6 +21,7 @@ from ...applications.flat.flat_frames import FlatFrame
 from ...applications.morphs.layouts import Blend
 from ...drafts import DraftFiles
 from ...errors import InputError
+from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..morphs.bake import MorphBake, check_first_frame
 from ..morphs.disk_output import for_blender, named_folder, output_folder, remember_folder
@@ -223,4 +224,5 @@ def _picture_material(name: str) -> bpy.types.Material:
     tree.links.new(clear.outputs[0], mixed.inputs[1])
     tree.links.new(shine.outputs[0], mixed.inputs[2])
     tree.links.new(mixed.outputs[0], output.inputs["Surface"])
+    remember_made(material)
     return material

@@ -92,6 +92,11 @@ def mark_as_frames(block: bpy.types.Material | bpy.types.NodeTree) -> None:
     block[_CARRIES_KEY] = True
 
 
+def release(material: bpy.types.Material) -> None:
+    """Let a material of frames no longer belong to them."""
+    del material[_CARRIES_KEY]
+
+
 def is_carrying(block: bpy.types.Material | bpy.types.NodeTree | None) -> bool:
     """Return whether a material or a node group belongs to the frames of one morph."""
     return block is not None and _CARRIES_KEY in block

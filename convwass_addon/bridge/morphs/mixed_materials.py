@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import bpy
 
+from ..edited_materials import remember_made
 from ..handles import Handle, found
 from .frame_attributes import LOOK
 from .look_mixing import MixedLook, group_look, show_looks
@@ -155,6 +156,7 @@ class MixedMaterials:
             agreed = set.intersection(*(own[slot] for own, slot in zip(self._settings, key, strict=True)))
             for name, value in agreed:
                 setattr(material, name, value)
+        remember_made(material)
         self._made[key] = Handle.of("materials", material)
 
 

@@ -8,7 +8,8 @@ import bpy
 
 from .disk_output import remove_disk_outputs
 from .hidden_inputs import hidden_only_by, show_again
-from .materials import drop_unused_groups, is_carrying
+from .kept_materials import carried_materials
+from .materials import drop_unused_groups
 from .stand_ins import remove_stand_ins
 from .stored import frame_objects, release_duplicates
 
@@ -44,7 +45,7 @@ def remove_frames(collection: bpy.types.Collection) -> None:
 
 def remove_frame_objects(frames: list[bpy.types.Object]) -> None:
     """Remove frame objects of a morph, with the materials that only they use."""
-    used = {material for obj in frames for material in obj.data.materials if is_carrying(material)}
+    used = carried_materials(frames)
     remove_objects(frames)
     bpy.data.batch_remove([material for material in used if material.users == 0])
     drop_unused_groups()

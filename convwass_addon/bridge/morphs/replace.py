@@ -12,6 +12,7 @@ import bpy
 from .changes import SIGNATURES_KEY
 from .disk_output import FOLDER_KEY
 from .hidden_inputs import take_hidden
+from .kept_materials import take_materials
 from .player import is_player, refresh_player
 from .player_slots import changed_slots, restore_slots
 from .rebuilt_pad import rebuild_pad
@@ -21,12 +22,13 @@ from .stored import DIAGNOSTICS_KEY, INDEX_KEY, MORPH_KEY, frame_objects, hidden
 from .written_files import WRITTEN_KEY
 
 
-def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.types.Collection:
+def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[bpy.types.Material]:
     """Move frames and description of a new bake to an existing morph, and remove the new collection.
 
     A player keeps its keys, materials and modifiers. A blend pad is rebuilt; its handle keeps its place and keys.
     Objects that read files are kept, and show the frames of the new bake once these are written. New frames have the
-    names of the old ones and replace them everywhere, such as in constraints.
+    names of the old ones and replace them everywhere, such as in constraints. They have the materials of the old ones,
+    with all edits, unless the materials of the shapes have changed.
 
     Parameters
     ----------
@@ -37,13 +39,13 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
 
     Returns
     -------
-    bpy.types.Collection
-        `old`.
+    list of bpy.types.Material
+        Edited materials that frames no longer have; see :func:`.kept_materials.take_materials`.
     """
     players = {player: changed_slots(player) for player in stand_ins(old) if is_player(player)}
     home = hidden_frames(old) or old
     made = frame_objects(new)
-    _replace_frames(old, made)
+    edited = _replace_frames(old, made)
     for obj in set(made).difference(home.objects):
         home.objects.link(obj)
     for key in (MORPH_KEY, DIAGNOSTICS_KEY, SIGNATURES_KEY, WRITTEN_KEY, FOLDER_KEY):
@@ -57,21 +59,26 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> bpy.ty
             restore_slots(player, slots)
     elif stand_ins(old):
         rebuild_pad(old)
-    return old
+    return edited
 
 
-def _replace_frames(morph: bpy.types.Collection, made: Sequence[bpy.types.Object]) -> None:
-    """Replace the frame objects of a morph by new ones with their names, wherever they are used."""
+def _replace_frames(morph: bpy.types.Collection, made: Sequence[bpy.types.Object]) -> list[bpy.types.Material]:
+    """Replace the frame objects of a morph by new ones with their names, wherever they are used.
+
+    Returns edited materials that frames no longer have.
+    """
     release_duplicates(morph)
     gone, places = frame_objects(morph), {obj[INDEX_KEY]: obj for obj in made}
     # Damaged frames may lack an index.
     pairs = [(obj, places[obj[INDEX_KEY]]) for obj in gone if obj.get(INDEX_KEY) in places]
+    edited = take_materials(gone, made)
     names = [_names(before, after) for before, after in pairs]
     for before, after in pairs:
         before.user_remap(after)
     remove_frame_objects(gone)
     for block, name in chain.from_iterable(names):
         block.name = name
+    return edited
 
 
 def _names(before: bpy.types.Object, after: bpy.types.Object) -> list[tuple[bpy.types.ID, str]]:
