@@ -113,6 +113,26 @@ def test_shapes_without_limbs_are_transported():
     assert choice.record["reason"] == "SOLID"
 
 
+AROUND = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
+# A bolt of lightning, pointed below, and a drop, pointed above.
+BOLT = np.array([(-0.2, 1), (0.5, 1), (0.15, 0.25), (0.55, 0.25), (-0.35, -1), (-0.1, -0.1), (-0.5, -0.1)])
+DROP = np.stack([0.6 * np.sin(AROUND) * np.sin(AROUND / 2) ** 1.5, np.cos(AROUND)], axis=1)
+# A crescent, open to the right, and a heart, with its notch above.
+ARC = np.linspace(0.5, 2.0 * np.pi - 0.5, 60)
+CRESCENT = np.stack(
+    [np.append(np.cos(ARC), 0.32 + 0.66 * np.cos(ARC[::-1])), np.append(np.sin(ARC), 0.74 * np.sin(ARC[::-1]))], axis=1
+)
+HEART = np.stack([np.sin(AROUND) ** 3, (13 * np.cos(AROUND) - 5 * np.cos(2 * AROUND) - 2 * np.cos(3 * AROUND)) / 16], 1)
+
+
+@pytest.mark.parametrize(("first", "second"), [(BOLT, DROP), (CRESCENT, HEART)])
+def test_flat_shapes_are_turned_only_if_nothing_else_maps(first, second):
+    # After a turn, both pairs have a better score; the first one has a good one as they stand, the second one never.
+    choice = chosen([FlatShape((first,)), FlatShape((second,))])
+    assert choice.record["kind"] == "guided"
+    assert choice.record.get("turned") is None
+
+
 @pytest.mark.parametrize("words", ["letters", "mass"])
 def test_words_of_many_letters_are_transported(words):
     word = FlatShape(tuple(HOOK + np.array([4.0 * index, 0.0]) for index in range(7)))

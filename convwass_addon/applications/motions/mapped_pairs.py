@@ -101,8 +101,9 @@ def mapped_pair(
 
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
-    bent limb may seem to face another way. Where the score is poor or shapes with limbs seem to face opposite ways,
-    they are also registered from the best of several rough maps.
+    bent limb may seem to face another way. Without guides, flat shapes are turned only if they map beyond doubt then,
+    and not as they stand: a 6 turns to become a 9, but a bolt does not turn to become a drop. Where the score is poor
+    or shapes with limbs seem to face opposite ways, they are also registered from the best of several rough maps.
 
     Parameters
     ----------
@@ -124,14 +125,16 @@ def mapped_pair(
     turn = upright_turn_of_points(*marked)
     if turn is None:
         turn = symmetric_turn(one.mesh, other.mesh)
-    found = [(yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.4))]
-    if turn is not None:
+    # In their plane, flat shapes do not face any way.
+    is_flat = not len(pairs) and is_level(one.mesh.vertices) and is_level(other.mesh.vertices)
+    best = yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.4)
+    if turn is not None and not (is_flat and best.score >= TRUSTED):
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.4, 0.8)
-        found.append(turned)
-    best = max(found, key=_rank)
+        if turned.score >= TRUSTED or not is_flat:
+            best = max(best, turned, key=_rank)
     if len(pairs) or best.score >= TRUSTED:
         return best
-    turns = _facing_turns(one.mesh, other.mesh, best) if turn is None else [turn]
+    turns = [] if is_flat else _facing_turns(one.mesh, other.mesh, best) if turn is None else [turn]
     is_poor = best.score < (DOUBTED if best.symmetry is None else _FAIR)
     has_limbs = not (is_compact(one.mesh) or is_compact(other.mesh))
     if not (is_poor and has_limbs) and (turn is not None or not turns):
@@ -155,11 +158,8 @@ def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPai
     """Return turns after which symmetric shapes may face the same way.
 
     Quarter turns bring mirror planes together that are perpendicular. There are none if the shapes seem to face the
-    same way as they stand, are not symmetric, or would be much farther from each other after half a turn, and none for
-    flat shapes, which do not face any way in their plane.
+    same way as they stand, are not symmetric, or would be much farther from each other after half a turn.
     """
-    if is_level(first.vertices) and is_level(second.vertices):
-        return []
     if standing.symmetry is None:
         # After either of them, the planes are the same.
         return [] if MirroredSides.of(turned_mesh(first, _QUARTERS[0]), second) is None else _QUARTERS
