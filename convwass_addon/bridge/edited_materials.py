@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Tell whether a user has edited a material that the add-on has made, and whether two materials were made alike."""
+"""Tell whether a user has edited a material or node group of the add-on, and whether two materials were made alike."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ import bpy
 from .keyframes import curves_of
 
 MADE_KEY = "convwass_made"
-"""Custom property of a material: a digest of its nodes and settings as they were made."""
+"""Custom property of a material or node group: a digest of its nodes and settings as they were made."""
 
 # What Blender sets, and what does not change how a material looks.
 _NO_SETTINGS = frozenset(
@@ -55,9 +55,9 @@ _NO_NODE_VALUES = _NO_VALUES | frozenset(
 )
 
 
-def remember_made(material: bpy.types.Material) -> None:
-    """Store with a new material how it was made."""
-    material[MADE_KEY] = _digest(material)
+def remember_made(block: bpy.types.Material | bpy.types.NodeTree) -> None:
+    """Store with a new material or node group how it was made."""
+    block[MADE_KEY] = _digest(block)
 
 
 def made_as(material: bpy.types.Material) -> str | None:
@@ -65,13 +65,14 @@ def made_as(material: bpy.types.Material) -> str | None:
     return material.get(MADE_KEY)
 
 
-def is_edited(material: bpy.types.Material) -> bool:
-    """Return whether a material, or a node group in it, was edited since it was made, or may have been."""
-    return made_as(material) != _digest(material)
+def is_edited(block: bpy.types.Material | bpy.types.NodeTree) -> bool:
+    """Return whether a material or node group, or a group in it, was edited since it was made, or may have been."""
+    return block.get(MADE_KEY) != _digest(block)
 
 
-def _digest(material: bpy.types.Material) -> str:
-    text = "\n".join(_lines_of_material(material))
+def _digest(block: bpy.types.Material | bpy.types.NodeTree) -> str:
+    lines = _lines_of_material if isinstance(block, bpy.types.Material) else _lines_of_tree
+    text = "\n".join(lines(block))
     return hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()[:32]
 
 

@@ -10,6 +10,7 @@ import pytest
 
 from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT
 from convwass_addon.applications.reflectance.table_files import read_table
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materials
@@ -73,6 +74,73 @@ def test_the_same_blend_again_leaves_nothing_behind():
     assert blend(blends=4) == {"FINISHED"}
     assert {name for kind, name in before[0] if kind == "ACTION"} == {"Blend A-BAction", "Blend A-B fittedAction"}
     assert inventory() == before
+
+
+@pytest.mark.usefixtures("metals")
+@pytest.mark.parametrize("blends", [3, 4])
+def test_edited_nodes_stay_when_materials_are_blended_again(blends):
+    blend(blends=3, frame_start=1, frame_end=5)
+    shown, fitted = bpy.data.materials["Blend A-B"].node_tree, bpy.data.materials["Blend A-B fitted"].node_tree
+    direction, group = shown.nodes[GROUP].inputs[DIRECTION], shown.nodes[GROUP].node_tree
+    direction.default_value = (1, 0, 0)
+    shown.nodes[GROUP].location.x = -777.0
+    glow = next(node for node in group.nodes if node.type == "EMISSION")
+    glow.label = "Brighter"
+    mine = group.nodes.new("ShaderNodeTexImage")
+    mine.image = bpy.data.images.new("Mine", 256, 3 * HEIGHT)
+    coat = fitted.nodes["Principled BSDF"].inputs["Coat Weight"]
+    for frame, value in ((1, 0.0), (9, 1.0)):
+        coat.default_value = value
+        coat.keyframe_insert("default_value", frame=frame)
+    for tree in (shown, fitted):
+        output = tree.get_output_node("ALL").inputs["Surface"]
+        mix = tree.nodes.new("ShaderNodeMixShader")
+        tree.links.new(output.links[0].from_socket, mix.inputs[1])
+        tree.links.new(mix.outputs[0], output)
+    assert blend(blends=blends, frame_start=11, frame_end=15) == {"FINISHED"}
+    for tree, name in ((shown, GROUP), (fitted, "Principled BSDF")):
+        (mix,) = (node for node in tree.nodes if node.type == "MIX_SHADER")
+        assert tree.get_output_node("ALL").inputs["Surface"].links[0].from_node == mix
+        assert mix.inputs[1].links[0].from_node == tree.nodes[name]
+    node = shown.nodes[GROUP]
+    assert node.inputs[DIRECTION].default_value[:] == (1, 0, 0) and node.location.x == -777.0
+    # Another number of blends needs another group.
+    assert (node.node_tree == group) == (blends == 3)
+    assert mine.image == bpy.data.images["Mine"] and glow.label == "Brighter"
+    assert group.use_fake_user or node.node_tree == group
+    keys = {tuple(point.co[0] for point in curve.keyframe_points) for curve in curves_of(fitted)}
+    between = [*np.linspace(11, 15, blends)]
+    assert sorted(keys) == [(1.0, 9.0), pytest.approx(between)]
+    (own,) = (curve for curve in curves_of(fitted) if curve.keyframe_points[0].co[0] == 1.0)
+    assert own.keyframe_points[0].interpolation == "BEZIER"
+    assert {round(point.co[0]) for curve in curves_of(shown) for point in curve.keyframe_points} >= {11, 15}
+    assert min(point.co[0] for curve in curves_of(shown) for point in curve.keyframe_points) == 11
+
+
+@pytest.mark.usefixtures("metals")
+def test_a_blend_no_longer_follows_a_sun_that_was_deleted(sun):
+    blend(output="LOBES")
+    tree = bpy.data.materials["Blend A-B"].node_tree
+    assert len(tree.animation_data.drivers) == 7
+    bpy.data.objects.remove(sun)
+    assert blend(output="LOBES") == {"FINISHED"}
+    assert not len(tree.animation_data.drivers)
+
+
+@pytest.mark.usefixtures("metals")
+def test_a_blend_whose_group_was_removed_gets_another():
+    blend(output="LOBES")
+    node = bpy.data.materials["Blend A-B"].node_tree.nodes[GROUP]
+    bpy.data.node_groups.remove(node.node_tree)
+    assert blend(output="LOBES") == {"FINISHED"}
+    assert DIRECTION in node.inputs
+
+
+@pytest.mark.usefixtures("metals")
+def test_groups_that_were_not_edited_are_replaced():
+    for blends in (3, 3, 4):
+        blend(blends=blends, output="LOBES")
+    assert [group.use_fake_user for group in bpy.data.node_groups] == [False]
 
 
 @pytest.mark.parametrize("has_other", [False, True])
@@ -240,6 +308,29 @@ def test_a_way_of_weights_needs_no_keys():
         blend(materials="", blend="KEYED", weights="1,0,0")
     with pytest.raises(RuntimeError, match="same number"):
         blend(materials="", blend="KEYED", weights="1,0,0; 1,0")
+
+
+@pytest.mark.usefixtures("three")
+@pytest.mark.parametrize("blends", [2, 3])
+def test_edited_nodes_of_a_pad_stay_when_materials_are_blended_again(blends):
+    blend(materials="", blend="PAD", blends=2)
+    tree = bpy.data.materials["Blend A-B-C on a pad fitted"].node_tree
+    shader = tree.nodes["Principled BSDF"]
+    color = shader.inputs["Base Color"].links[0].from_node
+    hue = tree.nodes.new("ShaderNodeHueSaturation")
+    tree.links.new(color.outputs["Color"], hue.inputs["Color"])
+    tree.links.new(hue.outputs["Color"], shader.inputs["Base Color"])
+    tree.links.remove(shader.inputs["Metallic"].links[0])
+    count = len(tree.nodes)
+    assert blend(materials="", blend="PAD", blends=blends) == {"FINISHED"}
+    assert len(tree.nodes) == count and len(tree.animation_data.drivers) == 2
+    assert shader.inputs["Base Color"].links[0].from_node == hue
+    assert hue.inputs["Color"].links[0].from_node == color
+    assert not shader.inputs["Metallic"].is_linked and shader.inputs["Roughness"].is_linked
+    side = color.image.size[0]
+    assert (side > 2) == (blends > 2)
+    scaled = color.inputs["Vector"].links[0].from_node.inputs["X"].links[0].from_node
+    assert scaled.inputs[1].default_value == pytest.approx((side - 1) / side)
 
 
 @pytest.mark.usefixtures("three")

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -12,7 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.reflectance.materials import Ggx
-from ..keyframes import clear_animation, curves_of, make_linear
+from ..edited_materials import is_edited, remember_made
+from ..keyframes import clear_animation, curves_of, own_action, remove_curve
 from ..last_result import last_result
 from ..node_trees import own_tree
 from .frame_span import Frames
@@ -75,40 +76,24 @@ def lobe_material(
     file : str
         The file that the tables are from; empty for a blend.
     """
-    material, tree = emptied(name, "LOBES", file)
-    node = tree.nodes.new("ShaderNodeGroup")
-    node.name = node.label = GROUP
-    node.node_tree = lobe_group(lobe_image(name, tables))
-    node.location = (-220.0, 0.0)
-    node.width = 200.0
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
-    if sun is not None:
-        follow(node, sun)
-    node.inputs[DIFFUSE].default_value = (*diffuse[len(diffuse) // 2], 1.0)
+    material, tree = result_material(name, "LOBES", file)
+    node = lobe_node(tree, name, tables, lobe_group)
+    follow(node, sun)
     if len(tables) > 1 and frames is not None:
-        _key(node.inputs[BLEND], frames.of(2), [0.0, 1.0])
-        _key(node.inputs[DIFFUSE], frames.of(len(diffuse)), [(*color, 1.0) for color in diffuse])
-        make_linear(tree)
+        animate(node.inputs[BLEND], [0.0, 1.0], frames.of(2))
+    animate(node.inputs[DIFFUSE], [(*color, 1.0) for color in diffuse], frames and frames.of(len(diffuse)))
     return material
 
 
 def fitted_material(name: str, fits: Sequence[PrincipledFit], frames: Frames | None = None) -> bpy.types.Material:
     """Create a material with a Principled BSDF, animated if there are several steps and frames; see `lobe_material`."""
-    material, tree = emptied(name, "FITTED")
-    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    node.location = (-300.0, 0.0)
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
-    steps = {name: [principled_values(fit)[name] for fit in fits] for name in principled_values(fits[0])}
-    for name, values in steps.items():
-        if len(fits) > 1 and frames is not None:
-            _key(node.inputs[name], frames.of(len(fits)), values)
-        else:
-            node.inputs[name].default_value = values[len(values) // 2]
-    if frames is not None:
-        make_linear(tree)
-        _hold(tree, node.inputs["Anisotropic Rotation"])
+    material, tree = result_material(name, "FITTED")
+    node = principled_node(tree)
+    for own in principled_values(fits[0]):
+        values = [principled_values(fit)[own] for fit in fits]
+        # Interpolation would rotate the anisotropy through oblique angles.
+        how = "CONSTANT" if own == "Anisotropic Rotation" else "LINEAR"
+        animate(node.inputs[own], values, frames and frames.of(len(fits)), how)
     return material
 
 
@@ -124,13 +109,20 @@ def principled_values(fit: PrincipledFit) -> dict[str, object]:
     }
 
 
-def emptied(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, bpy.types.NodeTree]:
-    """Return the material of an earlier result without its nodes, or a new one. Objects keep the material."""
+def result_material(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, bpy.types.NodeTree]:
+    """Return the material of an earlier result with its nodes, or a new one without nodes. Objects keep the material.
+
+    Nodes of a result are marked, so that all others, which the user has added, are kept. Without marked nodes, as of
+    earlier versions, all are removed.
+    """
     own = f"{kind} {file or name}"
     found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own)
     material = last_result(found, name) or bpy.data.materials.new(name)
     material[RESULT_OF] = own
     tree = own_tree(material)
+    if any(RESULT_OF in node for node in tree.nodes):
+        own_action(tree)
+        return material, tree
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
     images = _images_of(tree)
     clear_animation(tree)
@@ -143,6 +135,129 @@ def emptied(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, b
     return material, tree
 
 
+def result_node(tree: bpy.types.NodeTree, name: str, kind: str) -> tuple[bpy.types.Node, bool]:
+    """Return a node of a result by its name, and whether it is new."""
+    found = next((node for node in tree.nodes if node.get(RESULT_OF) == name), None)
+    if found is not None:
+        return found, False
+    node = tree.nodes.new(kind)
+    node.name, node[RESULT_OF] = name, name
+    return node, True
+
+
+def lobe_node(
+    tree: bpy.types.NodeTree,
+    name: str,
+    tables: Sequence[NDArray[np.float32]],
+    make: Callable[[bpy.types.Image], bpy.types.NodeTree],
+) -> bpy.types.Node:
+    """Return the node that shows tables; values and links of an earlier one are kept.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        From `result_material`.
+    name, tables
+        As for :func:`.lobe_images.lobe_image`.
+    make : callable
+        Creates the node group from the image: :func:`.lobe_nodes.lobe_group` or the like.
+    """
+    image = lobe_image(name, tables)
+    image[RESULT_OF] = True
+    node, is_new = result_node(tree, GROUP, "ShaderNodeGroup")
+    if is_new:
+        node.label, node.location, node.width = GROUP, (-220.0, 0.0), 200.0
+    edited = node.node_tree is not None and is_edited(node.node_tree)
+    if not _took_image(node.node_tree, image):
+        _show_group(node, make(image), keep=edited)
+        edited = False
+    # These names were taken before.
+    image.name, node.node_tree.name = name, GROUP
+    if not edited:
+        remember_made(node.node_tree)
+    if is_new:
+        show(node.outputs["Shader"])
+    return node
+
+
+def principled_node(tree: bpy.types.NodeTree) -> bpy.types.Node:
+    """Return the Principled BSDF of a result; values and links of an earlier one are kept."""
+    node, is_new = result_node(tree, "Principled BSDF", "ShaderNodeBsdfPrincipled")
+    if is_new:
+        node.location = (-300.0, 0.0)
+        show(node.outputs["BSDF"])
+    return node
+
+
+def show(shader: bpy.types.NodeSocket) -> None:
+    """Link a shader to the output of its material."""
+    tree = shader.id_data
+    output = tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
+    tree.links.new(shader, output.inputs["Surface"])
+
+
+def _took_image(group: bpy.types.NodeTree | None, image: bpy.types.Image) -> bool:
+    """Show another image of the same size in a group that nothing else uses; return whether that is possible."""
+    nodes = [] if group is None else [node for node in group.nodes if node.type == "TEX_IMAGE" and is_own(node.image)]
+    images = {node.image for node in nodes}
+    if not images or group.users > 1 or any(own.size[:] != image.size[:] for own in images):
+        return False
+    for node in nodes:
+        node.image = image
+    _remove_unused(images)
+    return True
+
+
+def is_own(image: bpy.types.Image | None) -> bool:
+    """Return whether an image was made for a result."""
+    return image is not None and RESULT_OF in image
+
+
+def _show_group(node: bpy.types.Node, group: bpy.types.NodeTree, *, keep: bool) -> None:
+    """Show another group with a node; inputs of the same names keep their values and links.
+
+    The group before is removed if nothing else uses it and it is not to be kept.
+    """
+    before, tree = node.node_tree, node.id_data
+    names = node.inputs.keys()
+    values = {own.name: _value(own) for own in node.inputs if hasattr(own, "default_value")}
+    fed = [(link.from_socket, own.name) for own in node.inputs for link in own.links]
+    feeding = [(own.name, link.to_socket) for own in node.outputs for link in own.links]
+    node.node_tree = group
+    for own in node.inputs:
+        own.default_value = values.get(own.name, own.default_value)
+    for source, name in fed:
+        if name in node.inputs:
+            tree.links.new(source, node.inputs[name])
+    for name, target in feeding:
+        if name in node.outputs:
+            tree.links.new(node.outputs[name], target)
+    if names and names != node.inputs.keys():
+        _drop_animation(node)
+    if keep:
+        before.use_fake_user = True
+    elif before is not None and not before.users:
+        images = set(filter(is_own, _images_of(before)))
+        bpy.data.node_groups.remove(before)
+        _remove_unused(images)
+
+
+def _value(socket: bpy.types.NodeSocket) -> object:
+    """Return a copy of the value of a socket, which stays when the socket is gone."""
+    value = socket.default_value
+    return value[:] if hasattr(value, "__len__") and not isinstance(value, str) else value
+
+
+def _drop_animation(node: bpy.types.Node) -> None:
+    """Remove the animation of the inputs of a node, whose numbers have changed."""
+    tree, start = node.id_data, f"{node.path_from_id()}.inputs["
+    for path in {curve.data_path for curve in curves_of(tree) if curve.data_path.startswith(start)}:
+        remove_curve(tree, path)
+    for curve in list(tree.animation_data.drivers) if tree.animation_data else ():
+        if curve.data_path.startswith(start):
+            tree.animation_data.drivers.remove(curve)
+
+
 def _images_of(tree: bpy.types.NodeTree) -> set[bpy.types.Image]:
     return {node.image for node in tree.nodes if node.type == "TEX_IMAGE" and node.image is not None}
 
@@ -153,8 +268,15 @@ def _remove_unused(images: set[bpy.types.Image]) -> None:
             bpy.data.images.remove(image)
 
 
-def follow(node: bpy.types.Node, sun: bpy.types.Object) -> None:
-    """Drive the direction, color and strength of a node by a sun."""
+def follow(node: bpy.types.Node, sun: bpy.types.Object | None) -> None:
+    """Drive the direction, color and strength of a node by a sun; without one, no longer by the last one."""
+    sockets = [(node.inputs[DIRECTION], axis) for axis in range(3)]
+    sockets += [(node.inputs[STRENGTH], -1), *((node.inputs[LIGHT], channel) for channel in range(3))]
+    if sun is None:
+        _unfollow(node.id_data, {socket.path_from_id("default_value") for socket, _ in sockets})
+        return
+    for socket, index in sockets:
+        socket.driver_remove("default_value", index)
     for axis, expression in enumerate(_Z_AXIS):
         driver = node.inputs[DIRECTION].driver_add("default_value", axis).driver
         for letter in "wxyz":
@@ -168,6 +290,13 @@ def follow(node: bpy.types.Node, sun: bpy.types.Object) -> None:
         _drive(node.inputs[LIGHT].driver_add("default_value", channel).driver, sun, f"data.color[{channel}]")
 
 
+def _unfollow(tree: bpy.types.NodeTree, paths: set[str]) -> None:
+    for curve in list(tree.animation_data.drivers) if tree.animation_data else ():
+        is_own = curve.driver.expression in _Z_AXIS or curve.driver.type == "AVERAGE"
+        if curve.data_path in paths and is_own:
+            tree.animation_data.drivers.remove(curve)
+
+
 def _drive(driver: bpy.types.Driver, sun: bpy.types.Object, path: str) -> None:
     variable = driver.variables.new()
     variable.type = "SINGLE_PROP"
@@ -175,16 +304,18 @@ def _drive(driver: bpy.types.Driver, sun: bpy.types.Object, path: str) -> None:
     driver.type = "AVERAGE"
 
 
-def _key(socket: bpy.types.NodeSocket, frames: Sequence[float], values: Sequence[object]) -> None:
+def animate(
+    socket: bpy.types.NodeSocket, values: Sequence[object], frames: Sequence[float] | None = None, how: str = "LINEAR"
+) -> None:
+    """Key the values of a socket, instead of earlier ones; without frames, set it to the one in the middle."""
+    tree, path = socket.id_data, socket.path_from_id("default_value")
+    remove_curve(tree, path)
+    if frames is None or len(values) < 2:
+        socket.default_value = values[len(values) // 2]
+        return
     for frame, value in zip(frames, values, strict=True):
         socket.default_value = value
         socket.keyframe_insert("default_value", frame=frame)
-
-
-def _hold(tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket) -> None:
-    """Keep a value until its next key; interpolation would rotate the anisotropy through oblique angles."""
-    path = socket.path_from_id("default_value")
     for curve in curves_of(tree):
-        if curve.data_path == path:
-            for point in curve.keyframe_points:
-                point.interpolation = "CONSTANT"
+        for point in curve.keyframe_points if curve.data_path == path else ():
+            point.interpolation = how

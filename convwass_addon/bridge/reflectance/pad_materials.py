@@ -5,15 +5,25 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..node_math import math_node
-from .lobe_images import fill_image, lobe_image
-from .lobe_materials import PrincipledFit, emptied, follow, principled_values
-from .lobe_nodes import ACROSS, DIFFUSE, GROUP, UP, lobe_pad_group
+from .lobe_images import fill_image
+from .lobe_materials import (
+    RESULT_OF,
+    PrincipledFit,
+    follow,
+    is_own,
+    lobe_node,
+    principled_node,
+    principled_values,
+    result_material,
+    result_node,
+)
+from .lobe_nodes import ACROSS, DIFFUSE, UP, lobe_pad_group
 from .material_pad import MaterialPad
 
 PLACE = "Place on the Pad"
@@ -42,56 +52,67 @@ def pad_lobe_material(
     pad : MaterialPad
         Drives the material.
     """
-    material, tree = emptied(name, "PAD LOBES")
+    material, tree = result_material(name, "PAD LOBES")
+    is_new = not len(tree.nodes)
     place = _driven_place(tree, pad)
-    node = tree.nodes.new("ShaderNodeGroup")
-    node.name = node.label = GROUP
-    node.node_tree = lobe_pad_group(lobe_image(name, tables), pad.side)
-    node.width = 200.0
-    for slider, socket in zip((ACROSS, UP), place, strict=True):
-        tree.links.new(socket, node.inputs[slider])
-    tree.links.new(_read(tree, pad.side, f"{name} Matte", diffuse, place), node.inputs[DIFFUSE])
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(node.outputs["Shader"], output.inputs["Surface"])
-    if sun is not None:
-        follow(node, sun)
-    _lay_out(tree)
+    node = lobe_node(tree, name, tables, lambda image: lobe_pad_group(image, pad.side))
+    for slider, part in zip((ACROSS, UP), place, strict=True):
+        part.feed(node.inputs[slider], is_new)
+    _read(tree, pad.side, f"{name} Matte", diffuse, place).feed(node.inputs[DIFFUSE], is_new)
+    follow(node, sun)
+    if is_new:
+        _lay_out(tree)
     return material
 
 
 def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialPad) -> bpy.types.Material:
     """Create a material with a Principled BSDF whose values depend on the pad; see `pad_lobe_material`."""
-    material, tree = emptied(name, "PAD FITTED")
+    material, tree = result_material(name, "PAD FITTED")
+    is_new = not len(tree.nodes)
     place = _driven_place(tree, pad)
-    node = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    node = principled_node(tree)
     values = [principled_values(fit) for fit in fits]
     colors = [own["Base Color"][:3] for own in values]
-    tree.links.new(_read(tree, pad.side, f"{name} Color", colors, place), node.inputs["Base Color"])
+    _read(tree, pad.side, f"{name} Color", colors, place).feed(node.inputs["Base Color"], is_new)
     names = ("Roughness", "Anisotropic", "Metallic")
     numbers = [tuple(own[name] for name in names) for own in values]
-    parts = tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(_read(tree, pad.side, f"{name} Values", numbers, place), parts.inputs[0])
+    parts, are_new = result_node(tree, f"{name} Parts", "ShaderNodeSeparateXYZ")
+    _read(tree, pad.side, f"{name} Values", numbers, place).feed(parts.inputs[0], are_new)
     for name_of, socket in zip(names, parts.outputs, strict=True):
-        tree.links.new(socket, node.inputs[name_of])
-    turns = [own["Anisotropic Rotation"] for own in values]
-    if any(turns):
+        _Fed(socket, are_new).feed(node.inputs[name_of], is_new)
+    turns, grain = [own["Anisotropic Rotation"] for own in values], f"{name} Grain"
+    if any(turns) or any(own.get(RESULT_OF) == grain for own in tree.nodes):
         # Interpolation would rotate the anisotropy through oblique angles.
-        turned = _read(tree, pad.side, f"{name} Grain", [(turn, turn, turn) for turn in turns], place, "Closest")
-        tree.links.new(turned, node.inputs["Anisotropic Rotation"])
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(node.outputs["BSDF"], output.inputs["Surface"])
-    _lay_out(tree)
+        turned = _read(tree, pad.side, grain, [(turn, turn, turn) for turn in turns], place, "Closest")
+        turned.feed(node.inputs["Anisotropic Rotation"], is_new)
+    if is_new:
+        _lay_out(tree)
     return material
 
 
-def _driven_place(tree: bpy.types.NodeTree, pad: MaterialPad) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
-    """Create a node that the Empty drives, and return its coordinates across and up."""
-    node = tree.nodes.new("ShaderNodeCombineXYZ")
-    node.name = node.label = PLACE
+@dataclass(frozen=True)
+class _Fed:
+    """An output of a node, and whether the node is new: links of earlier nodes are kept as the user has left them."""
+
+    socket: bpy.types.NodeSocket
+    is_new: bool
+
+    def feed(self, target: bpy.types.NodeSocket, is_new: bool) -> None:
+        """Link it to an input if one of the two nodes is new."""
+        if self.is_new or is_new:
+            target.id_data.links.new(self.socket, target)
+
+
+def _driven_place(tree: bpy.types.NodeTree, pad: MaterialPad) -> tuple[_Fed, _Fed]:
+    """Return the coordinates across and up of a node that the Empty drives."""
+    node, is_new = result_node(tree, PLACE, "ShaderNodeCombineXYZ")
+    node.label = PLACE
+    for name in "XY":
+        node.inputs[name].driver_remove("default_value")
     pad.drive(node.inputs["X"], node.inputs["Y"])
-    parts = tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(node.outputs["Vector"], parts.inputs["Vector"])
-    return parts.outputs["X"], parts.outputs["Y"]
+    parts, are_new = result_node(tree, f"{PLACE} Parts", "ShaderNodeSeparateXYZ")
+    _Fed(node.outputs["Vector"], is_new).feed(parts.inputs["Vector"], are_new)
+    return _Fed(parts.outputs["X"], are_new), _Fed(parts.outputs["Y"], are_new)
 
 
 def _read(
@@ -99,19 +120,29 @@ def _read(
     side: int,
     name: str,
     values: Sequence[Sequence[float]],
-    place: tuple[bpy.types.NodeSocket, bpy.types.NodeSocket],
+    place: tuple[_Fed, _Fed],
     interpolation: str = "Linear",
-) -> bpy.types.NodeSocket:
+) -> _Fed:
     """Write the values of all positions to an image, and sample it at one; positions are pixel centers."""
+    texture, is_new = result_node(tree, name, "ShaderNodeTexImage")
+    at, is_placed = result_node(tree, f"{name} Place", "ShaderNodeCombineXYZ")
+    for part, axis in zip(place, "XY", strict=True):
+        scaled, is_scaled = result_node(tree, f"{name} {axis}", "ShaderNodeMath")
+        scaled.operation = "MULTIPLY_ADD"
+        scaled.inputs[1].default_value, scaled.inputs[2].default_value = (side - 1) / side, 0.5 / side
+        part.feed(scaled.inputs[0], is_scaled)
+        _Fed(scaled.outputs[0], is_scaled).feed(at.inputs[axis], is_placed)
+    _Fed(at.outputs["Vector"], is_placed).feed(texture.inputs["Vector"], is_new)
+    before, texture.image = texture.image, None
+    if is_own(before) and not before.users:
+        bpy.data.images.remove(before)
     image = bpy.data.images.new(name, side, side, alpha=False, float_buffer=True, is_data=True)
     fill_image(image, np.asarray(values, dtype=np.float32).reshape(side, side, 3))
-    at = tree.nodes.new("ShaderNodeCombineXYZ")
-    for socket, target in zip(place, ("X", "Y"), strict=True):
-        tree.links.new(math_node(tree, "MULTIPLY_ADD", socket, (side - 1) / side, 0.5 / side), at.inputs[target])
-    texture = tree.nodes.new("ShaderNodeTexImage")
-    texture.image, texture.interpolation, texture.extension = image, interpolation, "EXTEND"
-    tree.links.new(at.outputs["Vector"], texture.inputs["Vector"])
-    return texture.outputs["Color"]
+    image[RESULT_OF] = True
+    texture.image = image
+    if is_new:
+        texture.interpolation, texture.extension = interpolation, "EXTEND"
+    return _Fed(texture.outputs["Color"], is_new)
 
 
 def _lay_out(tree: bpy.types.NodeTree) -> None:
