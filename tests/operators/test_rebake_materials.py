@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_trees import own_tree
 from tests.operators.test_rebake_morph import middle_width, shapes
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -17,7 +18,7 @@ pytestmark = pytest.mark.usefixtures("empty_scene")
 def painted(name, place, textured):
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(place, 0, 0))
     material = bpy.data.materials.new(name)
-    tree = material.node_tree
+    tree = own_tree(material)
     shader = tree.nodes["Principled BSDF"]
     shader.inputs["Roughness"].default_value = 0.2 + 0.1 * place
     if textured:
