@@ -88,6 +88,17 @@ def test_frames_keep_their_names(morph):
         assert [names_of(own) for own in (morph, other)] == names
 
 
+def test_what_a_player_consists_of_keeps_its_names(empty_scene):
+    """The collection has a name that ends with a number, too."""
+    bake(output="PLAYER")
+    kinds = ("objects", "meshes", "node_groups", "actions", "collections")
+    names = {kind: sorted(getattr(bpy.data, kind).keys()) for kind in kinds}
+    assert any(name.endswith(".001 Fields") for name in names["objects"])
+    for _ in range(2):
+        assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+        assert {kind: sorted(getattr(bpy.data, kind).keys()) for kind in kinds} == names
+
+
 @pytest.mark.parametrize("has_player", [False, True])
 def test_what_refers_to_a_frame_refers_to_the_new_one(morph, has_player):
     if has_player:
