@@ -168,7 +168,7 @@ def test_the_installed_extension_stays_off_the_network(monkeypatch, name, is_the
         monkeypatch.setitem(sys.modules, "convwass_addon.cluster", None)
     monkeypatch.setattr(morph_baking, "extension_id", lambda: name)
     if is_there and name == "convwass_addon":
-        idle = SimpleNamespace(steps=lambda how: (report for report in ()))
+        idle = SimpleNamespace(steps=lambda computation: (report for report in ()))
         morph_baking.run_job(idle, Computing(scheduler="tcp://192.0.2.1:8786"), print)
         assert asked == ["tcp://192.0.2.1:8786"]
         return
