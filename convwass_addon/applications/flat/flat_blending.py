@@ -103,7 +103,7 @@ def surfaced_frame(
         **solved.part_figures(problem.transport, merged),
     }
     density = _image(problem, blend, _mass_per_cell(solved)) if settings.output == "densities" else None
-    return _finished(problem, blend, mending, record, origins, density)
+    return finished_frame(problem, blend, mending, record, origins, density)
 
 
 def coinciding_frame(
@@ -114,7 +114,7 @@ def coinciding_frame(
     mending = _outline(problem, blend, solids.density, area)
     wanted = area * problem.lattice.spacing**2
     record = {"converged": True, "area_wanted": wanted, "area_interpolated": wanted}
-    return _finished(problem, blend, mending, record, origins)
+    return finished_frame(problem, blend, mending, record, origins)
 
 
 def _outline(problem: FlatProblem, blend: Blend, prepared: NDArray[np.floating], area: float) -> FlatMending:
@@ -122,7 +122,7 @@ def _outline(problem: FlatProblem, blend: Blend, prepared: NDArray[np.floating],
     return blend_outline(prepared, area, shapes, problem.settings)
 
 
-def _finished(
+def finished_frame(
     problem: FlatProblem,
     blend: Blend,
     mending: FlatMending,

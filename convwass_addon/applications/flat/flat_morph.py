@@ -22,6 +22,7 @@ from .flat_moving import FlatMovingProblem
 from .flat_problem import flat_problem, pieces_of
 from .flat_settings import FlatSettings
 from .flat_shapes import FlatInput
+from .steady_frames import steady_frames
 
 # Fractions of the progress after rasterizing the shapes, and after choosing the motion.
 _BEGUN, _CHOSEN = 0.05, 0.3
@@ -87,9 +88,18 @@ def flat_morph(
     solve = partial(solve_flat_blends, problem)
     if choice.motion is not None:
         moving = FlatMovingProblem.of(problem, shapes, choice.motion, blends, control)
-        solve = partial(solve_moving_blends, moving)
+        solve, problem = partial(solve_moving_blends, moving), moving.still
     with solved_in_threads(solve, problem.transport.effort, runs, control, fitting) as pending:
         frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)
+        if _are_steadied(blends, settings, wanted):
+            frames = steady_frames(frames, problem)
         for done, frame in enumerate(frames, start=1):
             fraction = _CHOSEN + (1.0 - _CHOSEN) * done / total
             yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
+
+
+def _are_steadied(blends: Sequence[Blend], settings: FlatSettings, wanted: range | None) -> bool:
+    """Return whether blends are compared with their neighbors; those of the paper's transport are kept as they are."""
+    along = all(blend.frame is not None for blend in blends)
+    mended = settings.mend and settings.output == "outlines" and settings.level != "half-max"
+    return along and mended and settings.motion != "transport" and wanted is None
