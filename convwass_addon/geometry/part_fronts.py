@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Parts that only one of several solids has: how far along a part every cell lies, and how far the part goes."""
+"""Parts that only one of several solids has: how far along a part every cell lies, and how far the part goes.
+
+What solids share is their core. A part that touches several large components of the core is a link.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +12,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, find_objects, gaussian_filter, label
+from scipy.ndimage import binary_dilation, find_objects, gaussian_filter, label, maximum_filter
 from skimage.graph import MCP_Geometric
 
 from .boxes import Box, grown_box
 
 # Components of an intersection are large from this fraction of the largest one on.
 _LARGE = 0.05
+# Links join components from this fraction of the largest one on: smaller ones may be gone in the next blend.
+_LINKED = 0.1
 # Distances are smoothed and extended beyond a part by a Gaussian of this many cells, truncated at so many deviations.
 _BLUR, _TRUNCATE = 1.0, 3.0
 # Cells around a part in its box.
@@ -30,6 +35,11 @@ _FAR = np.float32(1e3)
 # and on a ball to a knot.
 _SLENDER, _BROAD = 0.35, 0.5
 _AROUND, _ABOUT, _REACH = 4.0, 1.0 / 16.0, 2.0
+# The fronts of links go further by the first number at a weight of 1, by its power of the second number before, so that
+# they close late and completely.
+_CLOSED, _LATE = 3.0, 5
+# Links taper within this number of halves of their thickness.
+_TAPER = 2.0
 # Where it is not slender, a front is held back by this many cells.
 _HELD = 4.0
 # Parts up to this length, in cells, need no front; fronts of parts that are longer by the second number count fully.
@@ -45,12 +55,16 @@ def shared_core(solids: Sequence[NDArray[np.bool_]]) -> NDArray[np.bool_] | None
     Small ones, such as where two limbs cross, belong to the parts of the solids.
     """
     common = np.logical_and.reduce(list(solids))
-    names, count = label(common, np.ones((3,) * common.ndim))
-    if not count:
-        return None
+    return _large_components(common, _LARGE) > 0 if common.any() else None
+
+
+def _large_components(cells: NDArray[np.bool_], share: float) -> NDArray[np.int32]:
+    """Return the numbers, from 1, of components of at least a share of the largest one; 0 in all other cells."""
+    names, _ = label(cells, np.ones((3,) * cells.ndim))
     sizes = np.bincount(names.ravel())
     sizes[0] = 0
-    return (sizes >= _LARGE * sizes.max())[names]
+    large = (sizes >= share * sizes.max()) & (sizes > 0)
+    return (np.cumsum(large) * large).astype(np.int32)[names]
 
 
 @dataclass(frozen=True)
@@ -65,15 +79,22 @@ class SeparatePart:
         The cells of the parts in the box.
     without_front : (mx, my, mz) float32
         How little the front of each part counts: 0 if fully, up to 1 if not at all.
+    links : (mx, my, mz) float32
+        Half the thickness of links in cells, 0 elsewhere.
     """
 
     box: Box
     cells: NDArray[np.bool_]
     without_front: NDArray[np.float32]
+    links: NDArray[np.float32]
 
 
 def separate_parts(
-    cells: NDArray[np.bool_], depth: NDArray[np.floating], beyond: NDArray[np.floating], known: float
+    solid: NDArray[np.bool_],
+    core: NDArray[np.bool_],
+    depth: NDArray[np.floating],
+    beyond: NDArray[np.floating],
+    known: float,
 ) -> list[SeparatePart]:
     """Separate the parts of a solid that need a front, each in its own box, or all in the whole grid if it is smaller.
 
@@ -83,8 +104,10 @@ def separate_parts(
 
     Parameters
     ----------
-    cells : (nx, ny, nz) bool
-        All parts; also (nx, ny).
+    solid : (nx, ny, nz) bool
+        Also (nx, ny).
+    core : (nx, ny, nz) bool
+        A subset of it.
     depth : (nx, ny, nz)
         Distances from the surface of the solid, in cells.
     beyond : (nx, ny, nz)
@@ -92,19 +115,42 @@ def separate_parts(
     known : float
         Distances are clipped here.
     """
+    cells = solid & ~core
     names, count = label(cells, np.ones((3,) * cells.ndim))
+    linking, links = _linking(names, count, core), np.zeros(cells.shape, np.float32)
     without, boxes = np.zeros(count + 1, np.float32), {}
     for name, box in enumerate(find_objects(names), start=1):
         own = names[box] == name
         largest, length = (values[box].max(where=own, initial=0.0) for values in (depth, beyond))
         # Distances may be a cell too short.
-        without[name] = _without_front(largest, length if length < known - 1.0 else np.inf)
+        if linking[name]:
+            half = maximum_filter(np.where(own, depth[box], 0.0), 2 * int(np.ceil(largest)) + 1)
+            links[box][own] = half[own]
+        else:
+            without[name] = _without_front(largest, length if length < known - 1.0 else np.inf)
         if without[name] < 1.0:
             boxes[name] = grown_box(box, cells.shape, _MARGIN)
     if sum(names[box].size for box in boxes.values()) > cells.size:
         whole = tuple(slice(0, size) for size in cells.shape)
-        return [SeparatePart(whole, cells & (without < 1.0)[names], without[names])]
-    return [SeparatePart(box, names[box] == name, without[names[box]]) for name, box in boxes.items()]
+        return [SeparatePart(whole, cells & (without < 1.0)[names], without[names], links)]
+    return [
+        SeparatePart(box, own := names[box] == name, without[names[box]], np.where(own, links[box], np.float32(0.0)))
+        for name, box in boxes.items()
+    ]
+
+
+def _linking(names: NDArray[np.int32], count: int, core: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return which of some named parts are links, (count + 1,)."""
+    around = np.ones((3,) * core.ndim)
+    components = _large_components(core, _LINKED)
+    links = np.zeros(count + 1, bool)
+    if components.max() < 2:
+        return links
+    for name, box in enumerate(find_objects(names), start=1):
+        near = grown_box(box, names.shape, 1)
+        touched = components[near][binary_dilation(names[near] == name, around)]
+        links[name] = len(np.unique(touched[touched > 0])) > 1
+    return links
 
 
 def _without_front(depth: float, length: float) -> float:
@@ -134,6 +180,10 @@ class PartFronts:
         How far a front is held back where the part is not slender, or does not need it, in cells.
     loose : (nx, ny, nz) bool
         Parts that are not connected to the core.
+    links : (nx, ny, nz) float32
+        1 in links, 0 elsewhere, smoothed likewise.
+    thins : (nx, ny, nz) float32
+        By how much links can be thinned from each side, in cells: half their thickness, less next to the core.
     """
 
     distance: NDArray[np.float32]
@@ -141,6 +191,8 @@ class PartFronts:
     near: NDArray[np.bool_]
     hold: NDArray[np.float32]
     loose: NDArray[np.bool_]
+    links: NDArray[np.float32]
+    thins: NDArray[np.float32]
 
     @classmethod
     def of(cls, solid: NDArray[np.bool_], core: NDArray[np.bool_], part: SeparatePart) -> PartFronts:
@@ -164,20 +216,27 @@ class PartFronts:
         distance = np.where(known, measured.distance - np.float32(0.5), np.float32(0.0))
         share = _smooth(known.astype(np.float32))
         scale = np.float32(1.0) / np.maximum(share, np.float32(1e-3))
-        along, far, held = (_smooth(values) * scale for values in (distance, measured.reach, hold))
-        return cls(along, far, share > 1e-3, held, part.cells & ~known)
+        links = (known & (part.links > 0.0)).astype(np.float32)
+        taper = np.where(known, np.minimum(part.links, distance / np.float32(_TAPER)), np.float32(0.0))
+        along, far, held, linking, thins = (
+            _smooth(values) * scale for values in (distance, measured.reach, hold, links, taper)
+        )
+        return cls(along, far, share > 1e-3, held, part.cells & ~known, linking, thins)
 
-    def heights(self, weight: float, beyond: float = 0.0) -> NDArray[np.float32]:
+    def heights(self, weight: float, link_weight: float, beyond: float = 0.0) -> NDArray[np.float32]:
         """Return by how many cells the front is beyond every cell; large far from all parts.
 
         Parameters
         ----------
-        weight : float
-            From 0 to 1.
+        weight, link_weight : float
+            Of parts and, instead, of those that are links, from 0 to 1.
         beyond : float
-            By how many cells the front is beyond the tips of parts at a weight of 1.
+            By how many cells the front is beyond the tips of parts at a weight of 1. The fronts of links meet: there,
+            it goes further, but hardly before.
         """
-        return np.where(self.near, np.float32(weight) * (self.reach + np.float32(beyond)) - self.distance, _FAR)
+        share = np.float32(weight) + self.links * np.float32(link_weight - weight)
+        further = np.float32(weight) + self.links * np.float32(_CLOSED * link_weight**_LATE - weight)
+        return np.where(self.near, share * self.reach + np.float32(beyond) * further - self.distance, _FAR)
 
 
 @dataclass(frozen=True)

@@ -107,6 +107,32 @@ def test_parts_that_cross_stay_in_one_piece(share):
     assert pieces(mean(hook, pole, share)) == 1
 
 
+POSTS = np.maximum(rod((9, 22, 4), (9, 22, 40)), rod((35, 22, 4), (35, 22, 40)))
+RUNGS = [np.maximum(POSTS, rod((9, 22, height), (35, 22, height))) for height in (12, 32)]
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3, 0.4, 0.45, 0.5, 0.55, 0.6, 0.7, 0.9])
+@pytest.mark.parametrize("exact", [False, True])
+def test_posts_stay_connected_by_one_rung_or_the_other(share, exact):
+    """Each rung is whole in the half of the time in which its solid weighs more."""
+    volume = None
+    if exact:
+        ends = [float(np.clip(rung + 0.5, 0.0, 1.0).sum()) for rung in RUNGS]
+        volume = (1.0 - share) * ends[0] + share * ends[1]
+    found = mean(*RUNGS, share, volume)
+    assert pieces(found) == 1
+    whole, opened = (12, 32) if share <= 0.5 else (32, 12)
+    assert (found[9:35, 22, whole] > 0.0).all()
+    if min(share, 1.0 - share) <= 0.3:
+        assert not (found[9:35, 22, opened] > 0.0).all()
+    if exact:
+        assert np.clip(found + 0.5, 0.0, 1.0).sum() == pytest.approx(volume, rel=0.01)
+        # The posts keep their width; the rungs take up the difference.
+        assert np.count_nonzero(found[:20, :, 22] > 0.0) == pytest.approx(
+            np.count_nonzero(POSTS[:20, :, 22] > 0.0), abs=4
+        )
+
+
 def test_the_volume_is_reached_where_solids_differ():
     """A rod that both solids share keeps its width; the balls next to it take up the difference."""
     common = rod((22, 22, 4), (22, 22, 40), radius=2.0)

@@ -24,15 +24,15 @@ BRANCH = filled(((9, 6, 14), (15, 7, 15)))
 ARCH = filled(((4, 6, 8), (5, 7, 20)), ((4, 6, 20), (25, 7, 21)), ((24, 6, 8), (25, 7, 20)))
 
 
-def separated(cells, depth=1.0, length=10.0):
+def separated(cells, depth=1.0, length=10.0, core=SLAB):
     """Parts of a largest depth and a length."""
-    return separate_parts(cells, np.where(cells, depth, -1.0), np.where(cells, length, -1.0), 40.0)
+    return separate_parts(cells | core, core, np.where(cells, depth, -1.0), np.where(cells, length, -1.0), 40.0)
 
 
-def fronts(cells):
+def fronts(cells, core=SLAB):
     """The fronts of a part and their box."""
-    (part,) = separated(cells)
-    return PartFronts.of(SLAB | cells, SLAB, part), part.box
+    (part,) = separated(cells, core=core)
+    return PartFronts.of(core | cells, core, part), part.box
 
 
 def on_grid(values, box):
@@ -65,7 +65,7 @@ def test_an_arch_is_farthest_in_its_middle():
 @pytest.mark.parametrize("weight", [0.25, 0.5, 0.75])
 def test_a_front_is_at_its_share_of_a_part(weight):
     part, box = fronts(POLE)
-    along = on_grid(part.heights(weight), box)[8, 6, 10:31]
+    along = on_grid(part.heights(weight, 1.0), box)[8, 6, 10:31]
     assert np.interp(0.0, -along, np.arange(10, 31) + 0.5 - 8.0) == pytest.approx(25.0 * weight, abs=0.6)
     assert on_grid(part.hold, box)[8, 6, 13:20].max() < 0.1
 
@@ -90,7 +90,7 @@ def test_parts_are_separated_if_that_is_less_work_than_the_whole_grid():
         long[box] = True
     for box in (first, third):
         far[box] = True
-    parts = separate_parts(long, np.where(long, 1.0, -1.0), np.where(far, 10.0, -1.0), 40.0)
+    parts = separate_parts(long, np.zeros_like(long), np.where(long, 1.0, -1.0), np.where(far, 10.0, -1.0), 40.0)
     assert [int(part.cells.sum()) for part in parts] == [64, 64]
     for part, own in zip(parts, (first, third), strict=True):
         found = np.zeros_like(long)
@@ -98,7 +98,7 @@ def test_parts_are_separated_if_that_is_less_work_than_the_whole_grid():
         assert found[own].all()
     crowded = np.zeros((40, 40, 40), bool)
     crowded[5:35:3, 5:35:3, 20] = True
-    (whole,) = separated(crowded)
+    (whole,) = separated(crowded, core=np.zeros_like(crowded))
     np.testing.assert_array_equal(whole.cells, crowded)
 
 
@@ -126,3 +126,31 @@ def test_the_core_is_the_largest_common_part():
     crossing = filled(((7, 5, 20), (10, 8, 23)))
     np.testing.assert_array_equal(shared_core([SLAB | crossing, SLAB | crossing | POLE]), SLAB)
     assert shared_core([SLAB, POLE]) is None
+
+
+CEILING = filled(((1, 1, 34), (29, 11, 38)))
+BEAM = filled(((13, 4, 8), (16, 7, 34)))
+
+
+def test_a_part_between_components_of_the_core_is_a_link():
+    core = SLAB | CEILING
+    (link,) = separated(BEAM, depth=1.5, core=core)
+    # Half of its thickness, everywhere.
+    np.testing.assert_array_equal(link.links[link.cells], np.float32(1.5))
+    (pole,) = separated(POLE, core=core)
+    assert not pole.links.any()
+    (same,) = separated(ARCH, core=SLAB)
+    assert not same.links.any()
+
+
+def test_links_are_whole_at_their_own_weight_and_thinned_in_their_middle():
+    part, box = fronts(BEAM, SLAB | CEILING)
+    heights = on_grid(part.heights(0.5, 1.0, 3.0), box)[14, 5, 8:34]
+    assert (heights > 3.0).all()
+    ordinary = on_grid(part.heights(0.5, 0.5), box)[14, 5, 8:34]
+    # At half of the weight, half of either end is there.
+    assert np.count_nonzero(ordinary > 0.0) == pytest.approx(13, abs=2)
+    thins = on_grid(part.thins, box)[14, 5, 8:34]
+    assert thins[12] == pytest.approx(1.0, abs=0.05)
+    assert thins[0] < 0.5
+    assert (np.diff(thins[:4]) > 0.0).all()

@@ -5,6 +5,8 @@
 The weighted mean of the distances d_i is right where surfaces lie side by side. It loses slender parts that only one
 solid has: at its weight w, a part of half thickness r has the length r w / (1 - w), so long parts vanish within a
 frame or two. Such parts are included up to a front instead, which advances evenly (:mod:`...geometry.part_fronts`).
+Parts that link what the solids share are whole while their solid has the largest weight, so that the mean is connected:
+the bar of an H opens when the arc of the U below it is closed. Both together have too much volume and become thinner.
 
 The volume of the mean is not that of the solids. If the whole surface were offset, thin parts would vanish, so only
 those parts of the surface move where the solids differ: in proportion to the spread of the distances, as if the parts
@@ -28,6 +30,8 @@ from .growing_parts import FARTHEST
 _ROUNDING = 3.0
 # Largest shift relative to the smallest weight.
 _MOST_SHIFT = 0.5
+# Links are thinned by at most this fraction of their thickness.
+_MOST_THINNED = 0.6
 # Steps of the bisection for the volume.
 _STEPS = 9
 # A mean whose volume differs by more than this is offset, in at most so many steps of at most a cell.
@@ -95,11 +99,14 @@ class _Growth:
         Rising indices of cells in the flattened grid.
     least, most : (n,) float32
         Bounds of their distances.
+    thins : (n,) float32
+        By how much links can be thinned from each side, 0 elsewhere.
     """
 
     cells: NDArray[np.int64]
     least: NDArray[np.float32]
     most: NDArray[np.float32]
+    thins: NDArray[np.float32]
 
     @classmethod
     def of(cls, depths: NDArray[np.float32], weights: NDArray[np.float32]) -> _Growth | None:
@@ -115,50 +122,77 @@ class _Growth:
         beyond = -grid.means(lowest) / grid.cell
         farthest = FARTHEST * max(lowest.shape) / grid.cell
         least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
+        thins = np.zeros(lowest.shape, np.float32)
         del lowest
         for depth, solid, weight in zip(depths, solids, weights, strict=True):
-            parts = separate_parts(solid & ~core, grid.means(depth) / grid.cell, beyond, farthest)
-            front, end = _fronts(parts, solid, core, float(weight), grid.cell)
-            near = np.isfinite(front)
+            parts = separate_parts(solid, core, grid.means(depth) / grid.cell, beyond, farthest)
+            fronts = _Fronts.of(parts, solid, core, float(weight), float(weight / weights.max()), grid.cell)
+            near = np.isfinite(fronts.reached)
             within = grid.within(near)
-            reached, ending = (grid.interpolated(np.where(near, own, np.float32(0)))[within] for own in (front, end))
+            reached, ending, thinning = (
+                grid.interpolated(np.where(near, own, np.float32(0)))[within]
+                for own in (fronts.reached, fronts.ends, fronts.thins)
+            )
             least[within] = np.maximum(least[within], _rounded(depth[within], reached, _ROUNDING * grid.cell))
             most[within] = np.maximum(most[within], ending)
+            thins[within] = np.maximum(thins[within], thinning)
         most[grid.interpolated(core.astype(np.float32)) > 0.5] = np.inf
         cells = np.flatnonzero(np.isfinite(least))
-        return cls(cells, least.ravel()[cells], most.ravel()[cells])
+        return cls(cells, least.ravel()[cells], most.ravel()[cells], thins.ravel()[cells])
 
     def among(self, cells: NDArray[np.int64]) -> _Growth:
         """Return the bounds of those cells that are among some, (m,), rising, with their indices there."""
         places = np.searchsorted(cells, self.cells)
         found = np.flatnonzero(np.append(cells, -1)[places] == self.cells)
-        return _Growth(places[found], self.least[found], self.most[found])
+        return _Growth(places[found], self.least[found], self.most[found], self.thins[found])
 
-    def bound(self, depth: NDArray[np.float32]) -> None:
-        """Apply the bounds to distances in place, (nx, ny, nz) or (m,), C-contiguous."""
+    def bound(self, depth: NDArray[np.float32], thinned: float) -> None:
+        """Apply the bounds to distances in place, (nx, ny, nz) or (m,), C-contiguous, and thin links by a fraction."""
         flat = depth.reshape(-1)
-        flat[self.cells] = np.maximum(np.minimum(flat[self.cells], self.most), self.least)
+        least = self.least - np.float32(thinned) * self.thins
+        flat[self.cells] = np.maximum(np.minimum(flat[self.cells], self.most), least)
 
 
-def _fronts(
-    parts: Sequence[SeparatePart], solid: NDArray[np.bool_], core: NDArray[np.bool_], weight: float, cell: int
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-    """Return by how much the fronts of a solid's parts, and where they end, are beyond every cell.
+@dataclass(frozen=True)
+class _Fronts:
+    """The fronts of a solid's parts on the coarser grid, in cells of the finer one.
 
-    Both are in cells of the finer grid, and minus infinity far from all parts. Parts that are not connected to the core
-    have no front.
+    Attributes
+    ----------
+    reached, ends : (nx, ny, nz) float32
+        By how much the fronts, and where they end, are beyond every cell; minus infinity far from all parts. Parts that
+        are not connected to the core have no front.
+    thins : (nx, ny, nz) float32
+        By how much parts can be thinned; see :class:`...geometry.part_fronts.PartFronts`.
     """
-    front, end = (np.full(core.shape, -np.inf, np.float32) for _ in range(2))
-    for part in parts:
-        fronts = PartFronts.of(solid, core, part)
-        # A part is whole at a weight of 1, and thins at its tip before it retracts.
-        near = fronts.near
-        height, hold = cell * fronts.heights(weight, _ROUNDING)[near], cell * fronts.hold[near]
-        reached = np.where(fronts.loose[near], np.float32(-1.0), height - hold)
-        own_front, own_end = front[part.box], end[part.box]
-        own_front[near] = np.maximum(own_front[near], reached)
-        own_end[near] = np.maximum(own_end[near], height + 2.0 * hold)
-    return front, end
+
+    reached: NDArray[np.float32]
+    ends: NDArray[np.float32]
+    thins: NDArray[np.float32]
+
+    @classmethod
+    def of(
+        cls,
+        parts: Sequence[SeparatePart],
+        solid: NDArray[np.bool_],
+        core: NDArray[np.bool_],
+        weight: float,
+        link_weight: float,
+        cell: int,
+    ) -> _Fronts:
+        reached, ends = (np.full(core.shape, -np.inf, np.float32) for _ in range(2))
+        thins = np.zeros(core.shape, np.float32)
+        for part in parts:
+            fronts = PartFronts.of(solid, core, part)
+            # A part is whole at a weight of 1, and thins at its tip before it retracts.
+            near = fronts.near
+            height, hold = cell * fronts.heights(weight, link_weight, _ROUNDING)[near], cell * fronts.hold[near]
+            own_reached, own_ends, own_thins = (values[part.box] for values in (reached, ends, thins))
+            held = np.where(fronts.loose[near], np.float32(-1.0), height - hold)
+            own_reached[near] = np.maximum(own_reached[near], held)
+            own_ends[near] = np.maximum(own_ends[near], height + 2.0 * hold)
+            own_thins[near] = np.maximum(own_thins[near], cell * fronts.thins[near])
+        return cls(reached, ends, thins)
 
 
 @dataclass(frozen=True)
@@ -190,7 +224,7 @@ class _Mean:
         mean = self.mean - np.float32(shift) * self.spread
         # Slender parts end at their fronts, so that nothing hangs free beyond them.
         if self.growth is not None:
-            self.growth.bound(mean)
+            self.growth.bound(mean, _MOST_THINNED * max(shift, 0.0) / self.most)
         return mean
 
     def shift(self, volume: float | None, full: int) -> float:
@@ -207,7 +241,8 @@ class _Mean:
 def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating], radius: float) -> NDArray[np.float32]:
     """Intersect a part with what its front has reached, with an edge rounded by a radius in cells."""
     below, behind = np.maximum(radius - depth, 0.0), np.maximum(radius - front, 0.0)
-    return np.minimum(radius - np.hypot(below, behind), np.minimum(depth, front)).astype(np.float32)
+    nearest = np.minimum(depth, front)
+    return np.where(nearest > radius, nearest, np.minimum(radius - np.hypot(below, behind), nearest)).astype(np.float32)
 
 
 def _offset(depth: NDArray[np.float32], volume: float) -> NDArray[np.float32]:
