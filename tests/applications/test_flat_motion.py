@@ -133,6 +133,19 @@ def test_flat_shapes_are_turned_only_if_nothing_else_maps(first, second):
     assert choice.record.get("turned") is None
 
 
+# Halves of an M and of a W.
+M = [(0, 0.06), (0.23, 0.34), (0.32, 0.34), (0.32, -0.34), (0.22, -0.34), (0.22, 0.19), (0.01, -0.07)]
+W = [(0, 0.21), (0.22, -0.34), (0.24, -0.34), (0.52, 0.34), (0.42, 0.34), (0.24, -0.13), (0.05, 0.34)]
+
+
+def test_letters_do_not_fold_on_their_way():
+    # The map of an M to a W keeps left and right and has a fair score, but the M collapses halfway.
+    shapes = [FlatShape((np.array([*half, *((-x, y) for x, y in half[:0:-1])]),)) for half in (M, W)]
+    choice = chosen(shapes)
+    assert choice.record["detour"] > 3.0
+    assert choice.record["kind"] == "warp"
+
+
 @pytest.mark.parametrize("words", ["letters", "mass"])
 def test_words_of_many_letters_are_transported(words):
     word = FlatShape(tuple(HOOK + np.array([4.0 * index, 0.0]) for index in range(7)))

@@ -19,7 +19,7 @@ from .combined_motion import CombinedMotion, combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .limbs import is_compact
-from .mapped_pairs import DOUBTED, TRUSTED
+from .mapped_pairs import DOUBTED, FOLDING, TRUSTED
 from .motion import Motion
 from .motion_request import MotionRequest
 from .promising_maps import may_map
@@ -153,13 +153,15 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     far = detour > _DETOUR
     # Where bodies divide or join far from each other, a map tears something.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
-    if merges or score < DOUBTED or (far and divides and not request.guides):
+    is_flat = all(is_level(shape.vertices) for shape in request.shapes)
+    folds = is_flat and detour > FOLDING
+    if merges or folds or score < DOUBTED or (far and divides and not request.guides):
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
     alone = replace(_mapped("PARTLY", guided), detour=detour)
     if score < _UNSURE and not request.guides:
         better = _warped_instead
-    elif far or all(is_level(shape.vertices) for shape in request.shapes):
+    elif far or is_flat:
         return alone
     else:
         better = _perhaps_warped
