@@ -146,6 +146,31 @@ def test_letters_do_not_fold_on_their_way():
     assert choice.record["kind"] == "warp"
 
 
+# Half of a w with straight strokes, and an m with round ones.
+STRAIGHT = [(0, 0.08), (0.13, -0.23), (0.16, -0.23), (0.36, 0.23), (0.26, 0.23), (0.15, -0.04), (0.03, 0.23)]
+STROKES = [(-0.33, 0.22), (-0.33, -0.23), (-0.24, -0.23), (-0.24, 0.1), (-0.18, 0.14), (-0.13, 0.15), (-0.08, 0.14)]
+STROKES += [(-0.05, 0.08), (-0.04, -0.23), (0.04, -0.23), (0.04, 0.1), (0.1, 0.14), (0.14, 0.15), (0.2, 0.14)]
+STROKES += [(0.23, 0.08), (0.24, -0.23), (0.33, -0.23), (0.32, 0.09), (0.3, 0.16), (0.26, 0.21), (0.2, 0.23)]
+STROKES += [
+    (0.14, 0.22),
+    (0.08, 0.2),
+    (0.03, 0.15),
+    (-0.01, 0.2),
+    (-0.07, 0.23),
+    (-0.15, 0.22),
+    (-0.24, 0.16),
+    (-0.24, 0.22),
+]
+
+
+def test_letters_that_are_clearly_alike_upside_down_turn_around():
+    w = np.array([*STRAIGHT, *((-x, y) for x, y in STRAIGHT[::-1] if x)])
+    choice = chosen([FlatShape((w,)), FlatShape((np.array(STROKES),))])
+    assert choice.record["turned"] == 180
+    # So alike that this is beyond doubt, they are not.
+    assert choice.record["score"] < 0.88
+
+
 @pytest.mark.parametrize("words", ["letters", "mass"])
 def test_words_of_many_letters_are_transported(words):
     word = FlatShape(tuple(HOOK + np.array([4.0 * index, 0.0]) for index in range(7)))

@@ -47,6 +47,9 @@ _FAIR = 0.5
 # They are used if the merit is at most this share of theirs. A horse maps onto a bird with 0.31, and with 0.38 from a
 # rough map, which leaves more of the distance and is no better by eye.
 _CLEARLY = 0.75
+# Flat shapes are turned upside down if the score as they stand is at most this share of the score then, which is 0.4 to
+# 0.76 from a w to an m, 0.89 from a 9 to a g, and 0.97 from a Z to a 7.
+_UPSIDE_DOWN = 0.8
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 TRUSTED = 0.88
@@ -105,9 +108,10 @@ def mapped_pair(
 
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
-    bent limb may seem to face another way. Without guides, flat shapes are turned only if they map beyond doubt then,
-    and not as they stand: a 6 turns to become a 9, but a bolt does not turn to become a drop. Where the score is poor
-    or shapes with limbs seem to face opposite ways, they are also registered from the best of several rough maps.
+    bent limb may seem to face another way. Without guides, flat shapes that do not map beyond doubt as they stand are
+    turned if they do so then, or upside down if that is clearly better: a w turns to become an m, but a bolt does not
+    turn to become a drop. Where the score is poor, flat shapes fold, or shapes with limbs seem to face opposite ways,
+    they are also registered from the best of several rough maps.
 
     Parameters
     ----------
@@ -134,7 +138,7 @@ def mapped_pair(
     best = yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.4)
     if turn is not None and not (is_flat and best.score >= TRUSTED):
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.4, 0.8)
-        if turned.score >= TRUSTED or not is_flat:
+        if not is_flat or _may_turn(best, turned):
             best = max(best, turned, key=_rank)
     if len(pairs) or best.score >= TRUSTED:
         return best
@@ -156,6 +160,12 @@ def mapped_pair(
     if folds and surveyed.detour < FOLDING:
         needed = _CLEARLY * best.merit
     return surveyed if surveyed.merit > needed else best
+
+
+def _may_turn(standing: MappedPair, turned: MappedPair) -> bool:
+    """Return whether flat shapes may be turned: beyond doubt, or upside down if that is clearly better."""
+    upside_down = abs(turned.turn) > 179.0 and turned.score >= _FAIR
+    return turned.score >= TRUSTED or (upside_down and standing.score <= _UPSIDE_DOWN * turned.score)
 
 
 def _rank(pair: MappedPair) -> tuple[int, float]:
