@@ -47,9 +47,10 @@ _FAIR = 0.5
 # They are used if the merit is at most this share of theirs. A horse maps onto a bird with 0.31, and with 0.38 from a
 # rough map, which leaves more of the distance and is no better by eye.
 _CLEARLY = 0.75
-# Flat shapes are turned upside down if the score as they stand is at most this share of the score then, which is 0.4 to
-# 0.76 from a w to an m, 0.89 from a 9 to a g, and 0.97 from a Z to a 7.
-_UPSIDE_DOWN = 0.8
+# Flat shapes are turned upside down, or otherwise, if the score as they stand is at most this share of the score then.
+# Upside down, it is 0.4 to 0.76 from a w to an m, and 0.89 from a 9 to a g; otherwise, 0.4 from a W to an E, and 0.6 from
+# a man to a horse.
+_UPSIDE_DOWN, _SIDEWAYS = 0.8, 0.5
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 TRUSTED = 0.88
@@ -109,7 +110,7 @@ def mapped_pair(
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
     bent limb may seem to face another way. Without guides, flat shapes that do not map beyond doubt as they stand are
-    turned if they do so then, or upside down if that is clearly better: a w turns to become an m, but a bolt does not
+    turned if they do so then, or clearly better, above all upside down: a w turns to become an m, but a bolt does not
     turn to become a drop. Where the score is poor, flat shapes fold, or shapes with limbs seem to face opposite ways,
     they are also registered from the best of several rough maps.
 
@@ -163,9 +164,9 @@ def mapped_pair(
 
 
 def _may_turn(standing: MappedPair, turned: MappedPair) -> bool:
-    """Return whether flat shapes may be turned: beyond doubt, or upside down if that is clearly better."""
-    upside_down = abs(turned.turn) > 179.0 and turned.score >= _FAIR
-    return turned.score >= TRUSTED or (upside_down and standing.score <= _UPSIDE_DOWN * turned.score)
+    """Return whether flat shapes may be turned because they then map beyond doubt or clearly better."""
+    share = _UPSIDE_DOWN if abs(turned.turn) > 179.0 else _SIDEWAYS
+    return turned.score >= TRUSTED or (turned.score >= _FAIR and standing.score <= share * turned.score)
 
 
 def _rank(pair: MappedPair) -> tuple[int, float]:
