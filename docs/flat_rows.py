@@ -30,7 +30,7 @@ _WORDS = ("MILK", "TOAST")
 _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
 # Width and height of a tile, and pixels per unit: a word's length, or a letter's height.
 _WORD, _LETTER = (300, 110, 270.0), (120, 150, 75.0)
-_LETTERS = ("52", "69", "st", "GS")
+_LETTERS = ("52", "69", "st", "GS", "HU")
 # Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 

@@ -48,8 +48,8 @@ _FAIR = 0.5
 # rough map, which leaves more of the distance and is no better by eye.
 _CLEARLY = 0.75
 # Flat shapes are turned upside down, or otherwise, if the score as they stand is at most this share of the score then.
-# Upside down, it is 0.4 to 0.76 from a w to an m, and 0.89 from a 9 to a g; otherwise, 0.4 from a W to an E, and 0.6 from
-# a man to a horse.
+# Upside down, it is 0.4 to 0.76 from a w to an m, and 0.89 from a 9 to a g. Otherwise, it is 0.4 from a W to an E,
+# and 0.6 from a man to a horse.
 _UPSIDE_DOWN, _SIDEWAYS = 0.8, 0.5
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
