@@ -10,7 +10,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.one_mesh.replaced_keys import replace_keys
+from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import drive_key, object_with_keys
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -132,3 +132,54 @@ def test_a_mesh_that_keeps_its_form_has_nothing_to_follow(body, hat):
     with pytest.raises(RuntimeError, match="keeps its form, so there are no keys to follow"):
         bpy.ops.convwass.attach_parts()
     assert len(hat.data.shape_keys.key_blocks) == 2
+
+
+@pytest.fixture
+def mine(body):
+    """A copy of the body in its place, with a key of its own that has a copy of the driver of the body's first key."""
+    obj = bpy.data.objects.new("Mine", body.data.copy())
+    bpy.context.scene.collection.objects.link(obj)
+    obj.shape_key_clear()
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="Sculpted", from_mix=False)
+    drive_key(body, key, "Up", body.data.shape_keys.animation_data.drivers[0].driver.expression)
+    return obj
+
+
+def test_deleting_a_body_removes_keys_of_attached_parts_only(body, hat, mine):
+    """Also with another key that has a pasted driver on the attached part, under the name of a key of the body."""
+    expression = body.data.shape_keys.animation_data.drivers[0].driver.expression
+    drive_key(body, hat.shape_key_add(name="Sculpted", from_mix=False), "Up", expression)
+    select(hat, body)
+    bpy.ops.convwass.attach_parts()
+    drive_key(body, hat.shape_key_add(name="Up 1", from_mix=False), "Up", expression)
+    delete_keys(body)
+    assert [key.name for key in mine.data.shape_keys.key_blocks] == ["Basis", "Sculpted"]
+    assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent", "Sculpted", "Up 1.001"]
+
+
+def test_parts_that_an_earlier_version_attached_are_recognized_by_the_names_of_the_body(body, hat, mine):
+    select(hat, body)
+    bpy.ops.convwass.attach_parts()
+    del hat.data.shape_keys["convwass_attached_keys"]
+    delete_keys(body)
+    assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent"]
+    assert [key.name for key in mine.data.shape_keys.key_blocks] == ["Basis", "Sculpted"]
+
+
+def test_a_part_keeps_what_an_earlier_version_attached_to_another_body(body, hat):
+    other = object_with_keys(
+        bpy.data.objects.new("Other", body.data.copy()),
+        bpy.data.meshes.new_from_object(body),
+        [KeyPath("Down", (1.0,), world(body)[None], 0.9, 0.0, 0.0, 0.0, 0)],
+        bpy.context.scene,
+    )
+    for each in (other, body):
+        select(hat, each)
+        bpy.ops.convwass.attach_parts()
+        if each == other:
+            del hat.data.shape_keys["convwass_attached_keys"]
+    assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent", "Down", "Up 1", "Up 2"]
+    delete_keys(other)
+    delete_keys(body)
+    assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent"]

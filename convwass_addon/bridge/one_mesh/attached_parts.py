@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Container, Iterable, Sequence
 
 import bpy
@@ -16,8 +17,14 @@ from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..mesh_checks import writable_mesh
-from .records import key_names, key_records
+from .records import has_key_record, key_names, key_records
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
+
+ATTACHED_KEY = "convwass_attached_keys"
+"""Custom property of the shape keys of a part: JSON of the names of those with which it follows bodies.
+
+Parts that earlier versions attached lack it.
+"""
 
 
 def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, rigid: bool) -> list[Sentence]:
@@ -121,6 +128,7 @@ def _follow(
     labels = _components(part.data, points) if rigid else None
     inverse = part.matrix_world.inverted_safe()
     _remove_other_keys(part, body, {name for record in records for name in _names(record)})
+    attached_names = _attached_names(part)
     for record in records:
         for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
             moved = attached.followed(_placed(_points(blocks[name].data), body.matrix_world))
@@ -130,6 +138,8 @@ def _follow(
             local = np.ascontiguousarray(_placed(moved, inverse), dtype=np.float32)
             key.data.foreach_set("co", local.ravel())
             drive_key(body, key, record["name"], expression)
+            attached_names.append(key.name)
+    part.data.shape_keys[ATTACHED_KEY] = json.dumps(list(dict.fromkeys(attached_names)))
     part.data.update()
 
 
@@ -164,12 +174,42 @@ def _key(part: bpy.types.Object, body: bpy.types.Object, name: str) -> bpy.types
 
 
 def _is_following(key: bpy.types.ShapeKey, body: bpy.types.Object) -> bool:
-    """Return whether a key was made to follow a body; a user may have driven others by its sliders, too."""
+    """Return whether a key was made to follow a body; users may have driven others by its sliders.
+
+    Such a driver may be a copy of the body's own, so the names of the keys decide: those stored with the part or, if
+    an earlier version has attached it, those of the body.
+    """
+    if body not in _driving(key):
+        return False
+    stored = _stored_names(key.id_data)
+    return key.name in (body.data.shape_keys.key_blocks if stored is None else stored)
+
+
+def _driving(key: bpy.types.ShapeKey) -> list[bpy.types.ID | None]:
+    """Return the objects whose sliders drive a key by an expression as this add-on makes them."""
     data = key.id_data.animation_data
     curve = None if data is None else data.drivers.find(f"{key.path_from_id()}.value")
     if curve is None or not is_key_expression(curve.driver.expression):
-        return False
-    return any(target.id == body for own in curve.driver.variables for target in own.targets)
+        return []
+    return [target.id for own in curve.driver.variables for target in own.targets]
+
+
+def _attached_names(part: bpy.types.Object) -> list[str]:
+    """Return the names of the keys with which a part follows any bodies."""
+    return [
+        key.name
+        for key in part.data.shape_keys.key_blocks
+        if any(has_key_record(body) and _is_following(key, body) for body in _driving(key))
+    ]
+
+
+def _stored_names(keys: bpy.types.Key) -> list[str] | None:
+    """Return the names stored with the shape keys of a part; None if there are none, or they are damaged."""
+    try:
+        names = json.loads(keys[ATTACHED_KEY])
+    except (KeyError, TypeError, ValueError):
+        return None
+    return names if isinstance(names, list) else None
 
 
 def _names(record: dict[str, object]) -> list[str]:
