@@ -28,7 +28,7 @@ _NO_SETTINGS = frozenset(
         "use_preview_world",
     ]
 )
-_NO_VALUES = frozenset(("rna_type", "select", "frame_current", "is_valid"))
+_NO_VALUES = frozenset(("rna_type", "select", "frame_current", "is_valid", "inputs", "outputs"))
 _NO_NODE_VALUES = _NO_VALUES | frozenset(
     [
         "name",
@@ -48,8 +48,6 @@ _NO_NODE_VALUES = _NO_VALUES | frozenset(
         "warning_propagation",
         "panel_states",
         "internal_links",
-        "inputs",
-        "outputs",
         "node_tree",
     ]
 )
@@ -118,7 +116,10 @@ def _lines_of(
         if name in left_out or name.startswith("bl_") or place in moving:
             continue
         value = getattr(struct, name)
-        if prop.type == "COLLECTION":
+        if isinstance(value, (bpy.types.Node, bpy.types.NodeSocket)):
+            # Described elsewhere. Some nodes point to themselves or to each other.
+            yield f"{place}={_text(value.name)}"
+        elif prop.type == "COLLECTION":
             for index, item in enumerate(value):
                 yield from _lines_of(item, f"{place}[{index}]", _NO_VALUES, moving)
         elif prop.type == "POINTER" and value is not None and not isinstance(value, bpy.types.ID):
