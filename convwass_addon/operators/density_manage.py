@@ -83,6 +83,10 @@ class _ImagesJob(_BakeJob):
         left = remember_images(self.target(), self._name, made)
         return [path.name for path in left if path.parent == made[0].parent]
 
+    def folder(self) -> str:
+        """Return the folder of the images written so far."""
+        return str(Path(self.made[0]).parent)
+
     def discard(self) -> None:
         """Keep the images written so far, which are complete, unless the object was deleted."""
         if self.made:
@@ -143,9 +147,13 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
 
     def _finish(self, context, job):
         if self.output == "IMAGES":
-            left = job.remember()
-            text = rpt_("{:d} images in {:s}").format(len(job.made), bpy.path.abspath(self.folder))
-            tell(self, text, _left_notice(left))
+            from ..bridge.densities.density_images import kept_files_notices
+
+            notices = [
+                *kept_files_notices(self.folder, [Path(path) for path in job.made]),
+                *_left_notice(job.remember()),
+            ]
+            tell(self, rpt_("{:d} images in {:s}").format(len(job.made), job.folder()), notices)
         else:
             self.report({"INFO"}, job.made[0])
         return {"FINISHED"}
@@ -154,7 +162,7 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
         if self.output != "IMAGES" or not job.made:
             return False
         job.remember()
-        text = rpt_("Stopped; {:d} images are in {:s}").format(len(job.made), bpy.path.abspath(self.folder))
+        text = rpt_("Stopped; {:d} images are in {:s}").format(len(job.made), job.folder())
         self.report({"WARNING"}, text)
         return True
 

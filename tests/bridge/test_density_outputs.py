@@ -8,7 +8,12 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.densities.density_images import ImageSettings, remember_images, write_step_images
+from convwass_addon.bridge.densities.density_images import (
+    ImageSettings,
+    kept_files_notices,
+    remember_images,
+    write_step_images,
+)
 from convwass_addon.bridge.densities.density_material import GROWTHS, growth_material, heat_material
 from convwass_addon.bridge.densities.density_nodes import NAME, color_name
 from convwass_addon.bridge.densities.density_outputs import (
@@ -217,14 +222,29 @@ def test_images_of_another_blend_file_are_not_replaced(quad, tmp_path):
     path = written([1.0, 0, 0, 1])
     before = path.read_bytes()
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "second.blend"))
-    for _ in range(2):
-        with pytest.raises(InputError, match=r"Density\.0000\.png exists already, and this \.blend file has not writ"):
-            written([1.0, 1, 1, 1])
-        assert path.read_bytes() == before
+    for number in (1, 2):
+        own = folder / f"Density_{number:03d}" / path.name
+        for values in ([1.0, 1, 1, 1], [0.0, 1, 1, 1]):
+            assert written(values) == own
+            assert path.read_bytes() == before
         bpy.data.objects["Quad"].pop(DENSITIES_KEY, None)
-    path.unlink()
-    written([1.0, 1, 1, 1])
-    assert written([0.0, 1, 1, 1]) == path
+
+
+def test_images_can_be_baked_again_after_undo_and_saving_under_another_name(quad, tmp_path):
+    settings, folder = ImageSettings(size=8), tmp_path / "images"
+    first = list(write_step_images(quad, np.eye(4), folder, settings=settings))
+    before = [path.read_bytes() for path in first]
+    for number in (1, 2):
+        # Undo takes back what is stored with the object, but not the files.
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / f"v{number:03d}.blend"))
+        obj = bpy.data.objects["Quad"]
+        made = list(write_step_images(obj, np.eye(4), folder, settings=settings))
+        remember_images(obj, "Density", made)
+        assert [path.parent for path in made] == [folder / f"Density_{number:03d}"] * 4
+        (notice,) = kept_files_notices(str(folder), made)
+        assert f"{folder} already contains 4 files" in str(notice)
+    assert [path.read_bytes() for path in first] == before
+    assert kept_files_notices(str(folder), first) == []
 
 
 def test_images_are_replaced_when_they_were_moved_with_their_file(quad, tmp_path):

@@ -93,6 +93,15 @@ def test_images_of_another_object_are_not_overwritten(obj, tmp_path):
     assert bake_images(tmp_path) == {"FINISHED"}
 
 
+def test_the_message_names_the_folder_of_images_that_would_have_replaced_unknown_files(obj, tmp_path, capfd):
+    (tmp_path / "Density.0000.png").write_text("mine")
+    assert bake_images(tmp_path) == {"FINISHED"}
+    said = capfd.readouterr().out
+    assert f"5 images in {tmp_path / 'Density_001'}" in said
+    assert f"{tmp_path} already contains 1 files of these names" in said
+    assert (tmp_path / "Density.0000.png").read_text() == "mine"
+
+
 def test_images_that_a_shorter_bake_leaves_are_named(obj, tmp_path, capfd):
     bake_images(tmp_path / "elsewhere")
     bake_images(tmp_path)

@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import chain, count
 from pathlib import Path
 
 import bpy
@@ -15,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
-from ..files import made_folder
+from ...sentence import Sentence
+from ..files import absolute_folder, made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh
 from ..morphs.disk_output import for_blender
@@ -74,7 +76,9 @@ def write_step_images(
     densities : (f, n) array_like
         One non-negative value per vertex.
     folder : str or Path
-        Output folder; // stands for the folder of the .blend file. The last folder is created if missing.
+        Output folder; // stands for the folder of the .blend file. The last folder is created if missing. If it
+        contains other files of these names, such as images of a bake that was undone or of another .blend file, the
+        images are written to a folder in it.
     name : str
         File names are this name followed by the number of the step.
     settings : ImageSettings, optional
@@ -89,7 +93,7 @@ def write_step_images(
     ------
     InputError
         There is no UV map or an empty one, the mesh is in Edit Mode, the folder cannot be written, or it contains
-        files of these names that are not images of this density. Raised before the first step.
+        images of these names of another density in the .blend file. Raised before the first step.
     ConvwassError
         An image could not be written.
     """
@@ -97,13 +101,10 @@ def write_step_images(
     frames = np.atleast_2d(np.asarray(densities, dtype=np.float64))
     if frames.ndim != 2 or frames.shape[1] != len(readable_mesh(obj).vertices):
         raise ValueError(f"densities of shape {frames.shape} for {len(obj.data.vertices)} vertices")
-    target = made_folder(folder)
     pixels = mesh_pixels(obj, settings)
     largest = float(frames.max(initial=0.0))
     scale = 1.0 / largest if settings.file_format == "PNG" and largest > 0.0 else 1.0
-    suffix = SUFFIXES[settings.file_format]
-    paths = numbered_paths(target, f"{bpy.path.clean_name(name)}.", suffix, range(len(frames)))
-    _require_own(obj, name, paths)
+    paths = _own_paths(obj, name, made_folder(folder), SUFFIXES[settings.file_format], len(frames))
     return _written(pixels, frames * scale, paths, settings)
 
 
@@ -132,23 +133,49 @@ def _own_images(obj: bpy.types.Object, name: str) -> list[Path]:
     return [Path(bpy.path.abspath(path)) for path in outputs.get(IMAGES, ())]
 
 
-def _require_own(obj: bpy.types.Object, name: str, paths: Sequence[Path]) -> None:
-    """Raise InputError if files are not images of this density, but of another one or of another .blend file."""
+def _own_paths(obj: bpy.types.Object, name: str, folder: Path, suffix: str, steps: int) -> list[Path]:
+    """Return where to write images: in a folder, or in the first one in it where they replace no other files."""
+    stem = bpy.path.clean_name(name)
     own = set(map(_place, _own_images(obj, name)))
-    wanted = {_place(path): path for path in paths if _place(path) not in own}
-    for other, path in outputs_of_others(obj, name, IMAGES):
-        if _place(path) in wanted:
-            raise InputError(
-                "{file} is an image of a density of {object} and would be overwritten; choose another folder.",
-                file=bpy.path.abspath(path),
-                object=other.name,
-            )
-    unknown = next((path for path in wanted.values() if path.exists()), None)
-    if unknown is not None:
+    others = {_place(path): other for other, path in outputs_of_others(obj, name, IMAGES)}
+    for tried in chain([folder], (folder / f"{stem}_{number:03d}" for number in count(1))):
+        paths = numbered_paths(tried, f"{stem}.", suffix, range(steps))
+        foreign = [path for path in paths if _place(path) not in own]
+        if tried == folder:
+            _require_no_others(foreign, others)
+        if not any(path.exists() or _place(path) in others for path in foreign):
+            break
+    made_folder(paths[0].parent)
+    return paths
+
+
+def _require_no_others(paths: Sequence[Path], others: Mapping[str, bpy.types.Object]) -> None:
+    """Raise InputError if files are images of other densities of the .blend file."""
+    taken = [path for path in paths if _place(path) in others]
+    if taken:
         raise InputError(
-            "{file} exists already, and this .blend file has not written it; choose another folder, or delete it.",
-            file=str(unknown),
+            "{file} is an image of a density of {object} and would be overwritten; choose another folder.",
+            file=str(taken[0]),
+            object=others[_place(taken[0])].name,
         )
+
+
+def kept_files_notices(folder: str, made: Sequence[Path]) -> list[Sentence]:
+    """Return a notice if images were written to another folder, to keep files of the same names.
+
+    Parameters
+    ----------
+    folder : str
+        The folder as entered by the user.
+    made : sequence of Path
+        The images.
+    """
+    wanted = absolute_folder(folder)
+    if not made or made[0].parent == wanted:
+        return []
+    kept = sum((wanted / path.name).exists() for path in made)
+    template = "{folder} already contains {count} files of these names; they are kept, as they may be used elsewhere"
+    return [Sentence(template, {"folder": str(wanted), "count": kept})]
 
 
 def _place(path: str | Path) -> str:
