@@ -118,6 +118,31 @@ def test_edited_nodes_stay_when_materials_are_blended_again(blends):
 
 
 @pytest.mark.usefixtures("metals")
+def test_added_nodes_stay_although_the_own_ones_were_deleted():
+    blend(output="FITTED")
+    tree = bpy.data.materials["Blend A-B fitted"].node_tree
+    tree.nodes.remove(tree.nodes["Principled BSDF"])
+    glass, noise = tree.nodes.new("ShaderNodeBsdfGlass"), tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs[0], glass.inputs["Roughness"])
+    names = {node.name for node in tree.nodes}
+    assert blend(output="FITTED") == {"FINISHED"}
+    assert {node.name for node in tree.nodes} == names | {"Principled BSDF"}
+    assert glass.inputs["Roughness"].links[0].from_node == noise
+    assert tree.get_output_node("ALL").inputs["Surface"].links[0].from_node == tree.nodes["Principled BSDF"]
+
+
+@pytest.mark.usefixtures("metals")
+def test_nodes_of_earlier_versions_are_replaced():
+    blend(output="FITTED")
+    material = bpy.data.materials["Blend A-B fitted"]
+    del material["convwass_keeps_nodes"]
+    for node in material.node_tree.nodes:
+        node.pop("convwass_lobes", None)
+    assert blend(output="FITTED") == {"FINISHED"}
+    assert len(material.node_tree.nodes) == 2
+
+
+@pytest.mark.usefixtures("metals")
 def test_a_blend_no_longer_follows_a_sun_that_was_deleted(sun):
     blend(output="LOBES")
     tree = bpy.data.materials["Blend A-B"].node_tree

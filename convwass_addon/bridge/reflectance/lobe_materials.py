@@ -23,6 +23,9 @@ from .lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH, lobe_
 RESULT_OF = "convwass_lobes"
 """Custom property of a result: the source materials and the way of showing the blend."""
 
+_KEEPS_NODES = "convwass_keeps_nodes"
+"""Custom property of a result whose nodes are kept, unlike those of earlier versions, although the own ones are gone."""
+
 # A lamp shines along its Z axis, expressed by its quaternion; Blender evaluates such expressions without Python.
 _Z_AXIS = ("2*(x*z+w*y)", "2*(y*z-w*x)", "1-2*(x*x+y*y)")
 
@@ -112,15 +115,17 @@ def principled_values(fit: PrincipledFit) -> dict[str, object]:
 def result_material(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, bpy.types.NodeTree]:
     """Return the material of an earlier result with its nodes, or a new one without nodes. Objects keep the material.
 
-    Nodes of a result are marked, so that all others, which the user has added, are kept. Without marked nodes, as of
-    earlier versions, all are removed.
+    Nodes of a result are marked, so that all others, which the user has added, are kept. The nodes of results of earlier
+    versions, which have no marks, are removed.
     """
     own = f"{kind} {file or name}"
     found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own)
     material = last_result(found, name) or bpy.data.materials.new(name)
     material[RESULT_OF] = own
     tree = own_tree(material)
-    if any(RESULT_OF in node for node in tree.nodes):
+    are_kept = _KEEPS_NODES in material or any(RESULT_OF in node for node in tree.nodes)
+    material[_KEEPS_NODES] = True
+    if are_kept:
         own_action(tree)
         return material, tree
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree is not None]
