@@ -242,7 +242,7 @@ def test_images_can_be_baked_again_after_undo_and_saving_under_another_name(quad
         remember_images(obj, "Density", made)
         assert [path.parent for path in made] == [folder / f"Density_{number:03d}"] * 4
         (notice,) = kept_files_notices(str(folder), made)
-        assert f"{folder} already contains 4 files" in str(notice)
+        assert f"{folder} contains other files of these names (4)" in str(notice)
     assert [path.read_bytes() for path in first] == before
     assert kept_files_notices(str(folder), first) == []
 

@@ -98,7 +98,7 @@ def test_the_message_names_the_folder_of_images_that_would_have_replaced_unknown
     assert bake_images(tmp_path) == {"FINISHED"}
     said = capfd.readouterr().out
     assert f"5 images in {tmp_path / 'Density_001'}" in said
-    assert f"{tmp_path} already contains 1 files of these names" in said
+    assert f"{tmp_path} contains other files of these names (1), which are kept" in said
     assert (tmp_path / "Density.0000.png").read_text() == "mine"
 
 

@@ -174,8 +174,8 @@ def kept_files_notices(folder: str, made: Sequence[Path]) -> list[Sentence]:
     if not made or made[0].parent == wanted:
         return []
     kept = sum((wanted / path.name).exists() for path in made)
-    template = "{folder} already contains {count} files of these names; they are kept, as they may be used elsewhere"
-    return [Sentence(template, {"folder": str(wanted), "count": kept})]
+    values = {"folder": str(wanted), "count": kept}
+    return [Sentence("{folder} contains other files of these names ({count}), which are kept", values)]
 
 
 def _place(path: str | Path) -> str:
