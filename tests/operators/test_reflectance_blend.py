@@ -132,10 +132,23 @@ def test_added_nodes_stay_although_the_own_ones_were_deleted():
 
 
 @pytest.mark.usefixtures("metals")
+def test_a_shader_that_the_user_shows_instead_stays():
+    blend(output="BOTH")
+    trees = [bpy.data.materials[name].node_tree for name in ("Blend A-B", "Blend A-B fitted")]
+    for tree, own in zip(trees, (GROUP, "Principled BSDF"), strict=True):
+        tree.nodes.remove(tree.nodes[own])
+        glass = tree.nodes.new("ShaderNodeBsdfGlass")
+        tree.links.new(glass.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    assert blend(output="BOTH") == {"FINISHED"}
+    for tree in trees:
+        assert tree.get_output_node("ALL").inputs["Surface"].links[0].from_node.type == "BSDF_GLASS"
+
+
+@pytest.mark.usefixtures("metals")
 def test_nodes_of_earlier_versions_are_replaced():
     blend(output="FITTED")
     material = bpy.data.materials["Blend A-B fitted"]
-    del material["convwass_keeps_nodes"]
+    material.pop("convwass_keeps_nodes", None)
     for node in material.node_tree.nodes:
         node.pop("convwass_lobes", None)
     assert blend(output="FITTED") == {"FINISHED"}
@@ -356,6 +369,23 @@ def test_edited_nodes_of_a_pad_stay_when_materials_are_blended_again(blends):
     assert (side > 2) == (blends > 2)
     scaled = color.inputs["Vector"].links[0].from_node.inputs["X"].links[0].from_node
     assert scaled.inputs[1].default_value == pytest.approx((side - 1) / side)
+
+
+@pytest.mark.usefixtures("three")
+def test_a_deleted_node_of_a_pad_is_linked_again():
+    blend(materials="", blend="PAD", blends=2)
+    names = {"": GROUP, " fitted": "Principled BSDF"}
+    trees = {own: bpy.data.materials[f"Blend A-B-C on a pad{end}"].node_tree for end, own in names.items()}
+
+    def linked():
+        return [{socket.name for socket in tree.nodes[own].inputs if socket.is_linked} for own, tree in trees.items()]
+
+    before = linked()
+    assert all(before)
+    for own, tree in trees.items():
+        tree.nodes.remove(tree.nodes[own])
+    assert blend(materials="", blend="PAD", blends=2) == {"FINISHED"}
+    assert linked() == before
 
 
 @pytest.mark.usefixtures("three")

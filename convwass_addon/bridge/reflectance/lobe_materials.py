@@ -24,7 +24,7 @@ RESULT_OF = "convwass_lobes"
 """Custom property of a result: the source materials and the way of showing the blend."""
 
 _KEEPS_NODES = "convwass_keeps_nodes"
-"""Custom property of a result whose nodes are kept, unlike those of earlier versions, although the own ones are gone."""
+"""Custom property of a result whose nodes are kept, even if the own ones are gone, unlike those of earlier versions."""
 
 # A lamp shines along its Z axis, expressed by its quaternion; Blender evaluates such expressions without Python.
 _Z_AXIS = ("2*(x*z+w*y)", "2*(y*z-w*x)", "1-2*(x*x+y*y)")
@@ -80,7 +80,7 @@ def lobe_material(
         The file that the tables are from; empty for a blend.
     """
     material, tree = result_material(name, "LOBES", file)
-    node = lobe_node(tree, name, tables, lobe_group)
+    node, _ = lobe_node(tree, name, tables, lobe_group)
     follow(node, sun)
     if len(tables) > 1 and frames is not None:
         animate(node.inputs[BLEND], [0.0, 1.0], frames.of(2))
@@ -91,7 +91,7 @@ def lobe_material(
 def fitted_material(name: str, fits: Sequence[PrincipledFit], frames: Frames | None = None) -> bpy.types.Material:
     """Create a material with a Principled BSDF, animated if there are several steps and frames; see `lobe_material`."""
     material, tree = result_material(name, "FITTED")
-    node = principled_node(tree)
+    node, _ = principled_node(tree)
     for own in principled_values(fits[0]):
         values = [principled_values(fit)[own] for fit in fits]
         # Interpolation would rotate the anisotropy through oblique angles.
@@ -115,8 +115,8 @@ def principled_values(fit: PrincipledFit) -> dict[str, object]:
 def result_material(name: str, kind: str, file: str = "") -> tuple[bpy.types.Material, bpy.types.NodeTree]:
     """Return the material of an earlier result with its nodes, or a new one without nodes. Objects keep the material.
 
-    Nodes of a result are marked, so that all others, which the user has added, are kept. The nodes of results of earlier
-    versions, which have no marks, are removed.
+    Nodes of a result are marked, so that all others, which the user has added, are kept. The nodes of results of
+    earlier versions, which have no marks, are removed.
     """
     own = f"{kind} {file or name}"
     found = (item for item in bpy.data.materials if item.get(RESULT_OF) == own)
@@ -155,8 +155,8 @@ def lobe_node(
     name: str,
     tables: Sequence[NDArray[np.float32]],
     make: Callable[[bpy.types.Image], bpy.types.NodeTree],
-) -> bpy.types.Node:
-    """Return the node that shows tables; values and links of an earlier one are kept.
+) -> tuple[bpy.types.Node, bool]:
+    """Return the node that shows tables, and whether it is new; values and links of an earlier one are kept.
 
     Parameters
     ----------
@@ -182,23 +182,24 @@ def lobe_node(
         remember_made(node.node_tree)
     if is_new:
         show(node.outputs["Shader"])
-    return node
+    return node, is_new
 
 
-def principled_node(tree: bpy.types.NodeTree) -> bpy.types.Node:
-    """Return the Principled BSDF of a result; values and links of an earlier one are kept."""
+def principled_node(tree: bpy.types.NodeTree) -> tuple[bpy.types.Node, bool]:
+    """Return the Principled BSDF of a result, and whether it is new; values and links of an earlier one are kept."""
     node, is_new = result_node(tree, "Principled BSDF", "ShaderNodeBsdfPrincipled")
     if is_new:
         node.location = (-300.0, 0.0)
         show(node.outputs["BSDF"])
-    return node
+    return node, is_new
 
 
 def show(shader: bpy.types.NodeSocket) -> None:
-    """Link a shader to the output of its material."""
+    """Link a shader to the output of its material, unless that shows another one."""
     tree = shader.id_data
     output = tree.get_output_node("ALL") or tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(shader, output.inputs["Surface"])
+    if not output.inputs["Surface"].is_linked:
+        tree.links.new(shader, output.inputs["Surface"])
 
 
 def _took_image(group: bpy.types.NodeTree | None, image: bpy.types.Image) -> bool:

@@ -53,14 +53,14 @@ def pad_lobe_material(
         Drives the material.
     """
     material, tree = result_material(name, "PAD LOBES")
-    is_new = not len(tree.nodes)
+    is_empty = not len(tree.nodes)
     place = _driven_place(tree, pad)
-    node = lobe_node(tree, name, tables, lambda image: lobe_pad_group(image, pad.side))
+    node, is_new = lobe_node(tree, name, tables, lambda image: lobe_pad_group(image, pad.side))
     for slider, part in zip((ACROSS, UP), place, strict=True):
         part.feed(node.inputs[slider], is_new)
     _read(tree, pad.side, f"{name} Matte", diffuse, place).feed(node.inputs[DIFFUSE], is_new)
     follow(node, sun)
-    if is_new:
+    if is_empty:
         _lay_out(tree)
     return material
 
@@ -68,9 +68,9 @@ def pad_lobe_material(
 def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialPad) -> bpy.types.Material:
     """Create a material with a Principled BSDF whose values depend on the pad; see `pad_lobe_material`."""
     material, tree = result_material(name, "PAD FITTED")
-    is_new = not len(tree.nodes)
+    is_empty = not len(tree.nodes)
     place = _driven_place(tree, pad)
-    node = principled_node(tree)
+    node, is_new = principled_node(tree)
     values = [principled_values(fit) for fit in fits]
     colors = [own["Base Color"][:3] for own in values]
     _read(tree, pad.side, f"{name} Color", colors, place).feed(node.inputs["Base Color"], is_new)
@@ -85,7 +85,7 @@ def pad_fitted_material(name: str, fits: Sequence[PrincipledFit], pad: MaterialP
         # Interpolation would rotate the anisotropy through oblique angles.
         turned = _read(tree, pad.side, grain, [(turn, turn, turn) for turn in turns], place, "Closest")
         turned.feed(node.inputs["Anisotropic Rotation"], is_new)
-    if is_new:
+    if is_empty:
         _lay_out(tree)
     return material
 
