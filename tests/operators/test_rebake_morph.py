@@ -123,6 +123,32 @@ def test_what_refers_to_a_frame_refers_to_the_new_one(morph, has_player):
     assert sorted(obj.name for obj in bpy.data.objects if "Morph 0" in obj.name) == [obj.name for obj in frames]
 
 
+def armature():
+    bpy.ops.object.armature_add(location=(1.0, 0.0, 2.0), rotation=(0.0, 0.5, 0.0))
+    return bpy.context.object
+
+
+def test_frames_keep_their_parents(morph):
+    """An Empty with the inverse of its place, a bone, a vertex, and another frame."""
+    holder, rig, frames = bpy.data.objects.new("Holder", None), armature(), frame_objects(morph)
+    bpy.context.scene.collection.objects.link(holder)
+    holder.location, holder.rotation_euler = (2.0, 0.0, 1.0), (0.0, 0.0, 0.7)
+    bpy.context.view_layer.update()
+    frames[0].parent, frames[0].matrix_parent_inverse = holder, holder.matrix_world.inverted()
+    frames[1].parent, frames[1].parent_type, frames[1].parent_bone = rig, "BONE", "Bone"
+    frames[2].parent, frames[2].parent_type, frames[2].parent_vertices = shapes(morph)[1], "VERTEX", (3, 0, 0)
+    frames[3].parent = frames[0]
+    holder.location.x = 7.0
+    bpy.context.view_layer.update()
+    places = [np.array(obj.matrix_world) for obj in frames]
+    assert not np.allclose(places[0], np.eye(4))
+    assert bpy.ops.convwass.rebake_morph(morphs=morph.name) == {"FINISHED"}
+    bpy.context.view_layer.update()
+    again = frame_objects(morph)
+    np.testing.assert_allclose([np.array(obj.matrix_world) for obj in again], places, atol=1e-6)
+    assert [obj.parent for obj in again] == [holder, rig, shapes(morph)[1], again[0]]
+
+
 @pytest.mark.parametrize("operator", ["rebake_morph", "delete_morph"])
 def test_duplicates_of_frames_are_no_frames_and_stay(morph, operator):
     """As a user makes them for a simulation, with and without the keys of their visibility."""

@@ -27,8 +27,8 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
 
     A player keeps its keys, materials and modifiers. A blend pad is rebuilt; its handle keeps its place and keys.
     Objects that read files are kept, and show the frames of the new bake once these are written. New frames have the
-    names of the old ones and replace them everywhere, such as in constraints. They have the materials of the old ones,
-    with all edits, unless the materials of the shapes have changed.
+    names and parents of the old ones and replace them everywhere, such as in constraints. They have the materials of
+    the old ones, with all edits, unless the materials of the shapes have changed.
 
     Parameters
     ----------
@@ -63,7 +63,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
 
 
 def _replace_frames(morph: bpy.types.Collection, made: Sequence[bpy.types.Object]) -> list[bpy.types.Material]:
-    """Replace the frame objects of a morph by new ones with their names, wherever they are used.
+    """Replace the frame objects of a morph by new ones with their names and parents, wherever they are used.
 
     Returns edited materials that frames no longer have.
     """
@@ -74,11 +74,26 @@ def _replace_frames(morph: bpy.types.Collection, made: Sequence[bpy.types.Object
     edited = take_materials(gone, made)
     names = [_names(before, after) for before, after in pairs]
     for before, after in pairs:
+        _take_parent(before, after)
+    for before, after in pairs:
         before.user_remap(after)
     remove_frame_objects(gone)
     for block, name in chain.from_iterable(names):
         block.name = name
     return edited
+
+
+def _take_parent(before: bpy.types.Object, after: bpy.types.Object) -> None:
+    """Give a new frame the parent of the one that it replaces, and its place relative to it."""
+    if before.parent is None:
+        return
+    after.parent = before.parent
+    after.parent_type = before.parent_type
+    if before.parent_type == "BONE":
+        after.parent_bone = before.parent_bone
+    elif before.parent_type in {"VERTEX", "VERTEX_3"}:
+        after.parent_vertices = before.parent_vertices
+    after.matrix_parent_inverse = before.matrix_parent_inverse
 
 
 def _names(before: bpy.types.Object, after: bpy.types.Object) -> list[tuple[bpy.types.ID, str]]:
