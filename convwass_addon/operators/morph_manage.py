@@ -122,7 +122,7 @@ class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):
                 settings = context.scene.convwass_morph
                 settings.take_stored(stored)
                 settings.take_inputs(inputs, stored.get("weights"))
-                context.scene.convwass_guides.take(guides_of_entries(stored.get("guides", [])))
+                context.scene.convwass_guides.take(guides_of_entries(stored.get("guides", [])), inputs)
         except ConvwassError as error:
             return refuse(self, error)
         parts = stored_parts(morph)

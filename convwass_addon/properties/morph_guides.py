@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import bpy
@@ -88,20 +88,31 @@ class CONVWASS_PG_guides(bpy.types.PropertyGroup):
 
     def add(self, guide: NamedGuide) -> None:
         """Add a guide to the list, without points on objects that no longer exist."""
+        self._add(guide.name, _vertices(guide, ()))
+
+    def take(self, guides: Sequence[NamedGuide], inputs: Sequence[bpy.types.Object]) -> None:
+        """Add the guides of a morph that are not on the list yet, on its inputs if these have the names."""
+        known = [item.vertices for item in self.items]
+        for guide in guides:
+            vertices = _vertices(guide, inputs)
+            if vertices not in known:
+                self._add(guide.name, vertices)
+
+    def _add(self, label: str, vertices: Mapping[bpy.types.Object, int]) -> None:
         item = self.items.add()
-        item.label = guide.name
-        for name, vertex in guide.points.items():
-            obj = object_of(name, bpy.data.objects)
-            if obj is not None:
-                item.place(obj, vertex)
+        item.label = label
+        for obj, vertex in vertices.items():
+            item.place(obj, vertex)
         self.active = len(self.items) - 1
 
-    def take(self, guides: Sequence[NamedGuide]) -> None:
-        """Add the guides that are not on the list yet."""
-        known = [dict(guide.named.points) for guide in self.items]
-        for guide in guides:
-            if dict(guide.points) not in known:
-                self.add(guide)
+
+def _vertices(guide: NamedGuide, inputs: Sequence[bpy.types.Object]) -> dict[bpy.types.Object, int]:
+    """Return the vertices of a guide by object, without points on objects that no longer exist.
+
+    Objects that came into the file later may have the names of the inputs, so the inputs come first.
+    """
+    found = {name: object_of(name, inputs) or object_of(name, bpy.data.objects) for name in guide.points}
+    return {found[name]: vertex for name, vertex in guide.points.items() if found[name] is not None}
 
 
 def labeled_guides(context: bpy.types.Context) -> list[LabeledVertex]:

@@ -234,6 +234,28 @@ def test_guides_of_shapes_of_one_name_are_stored_and_come_back(namesakes):
     assert [item.vertices for item in guides().items] == before
 
 
+def test_guides_come_back_on_a_linked_shape_although_a_local_one_has_its_name_now(namesakes):
+    local, linked = namesakes
+    # Without the local object, the linked one has the plain name for its own.
+    local.name = "Later"
+    local.select_set(False)
+    bpy.data.objects["Two"].select_set(True)
+    assert bpy.ops.convwass.add_morph_guide(points='{"One": 6, "Two": 5}') == {"FINISHED"}
+    before = [item.vertices for item in guides().items]
+    assert before == [{linked: 6, bpy.data.objects["Two"]: 5}]
+    assert bake(motion="TRANSPORT") == {"FINISHED"}
+    assert stored_guides()[0]["points"] == {"One": 6, "Two": 5}
+    local.name = "One"
+    assert bpy.data.objects["One"] == local
+    morph_frame = bpy.context.object
+    for clear in (True, False):
+        if clear:
+            bpy.ops.convwass.clear_morph_guides()
+        bpy.context.view_layer.objects.active = morph_frame
+        assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
+        assert [item.vertices for item in guides().items] == before
+
+
 def test_guides_stay_with_a_shape_that_is_renamed_or_gets_a_namesake(cubes, tmp_path):
     bpy.ops.convwass.add_morph_guide(points='{"One": 3, "Two": 5}')
     path = str(tmp_path / "library.blend")
