@@ -21,6 +21,9 @@ from .boxes import Box, grown_box
 _LARGE = 0.05
 # Links join components from this fraction of the largest one on: smaller ones may be gone in the next blend.
 _LINKED = 0.1
+# Links that fill at most this fraction of their solid are light. A block that becomes two pads is none between them:
+# held whole, it would have far too much volume.
+_LIGHT = 0.4
 # Distances are smoothed and extended beyond a part by a Gaussian of this many cells, truncated at so many deviations.
 _BLUR, _TRUNCATE = 1.0, 3.0
 # Cells around a part in its box.
@@ -35,8 +38,8 @@ _FAR = np.float32(1e3)
 # and on a ball to a knot.
 _SLENDER, _BROAD = 0.35, 0.5
 _AROUND, _ABOUT, _REACH = 4.0, 1.0 / 16.0, 2.0
-# The fronts of links go further by the first number at a weight of 1, by its power of the second number before, so that
-# they close late and completely.
+# The fronts of links are further by the first number times their weight to the power of the second, so that links close
+# late and completely.
 _CLOSED, _LATE = 3.0, 5
 # Links taper within this number of halves of their thickness.
 _TAPER = 2.0
@@ -98,6 +101,8 @@ def separate_parts(
 ) -> list[SeparatePart]:
     """Separate the parts of a solid that need a front, each in its own box, or all in the whole grid if it is smaller.
 
+    Light links always need one.
+
     The mean of signed distances at the weight w leaves the length r w / (1 - w) of a part of half thickness r, which
     then vanishes at once if it is long. A cone with the depth k x at the distance x from its tip retracts by at most
     1 / k times its length per unit of the weight, so short and stout parts, like the corners of a cube, need no front.
@@ -115,7 +120,7 @@ def separate_parts(
     known : float
         Distances are clipped here.
     """
-    cells = solid & ~core
+    cells, filled = solid & ~core, np.count_nonzero(solid)
     names, count = label(cells, np.ones((3,) * cells.ndim))
     linking, links = _linking(names, count, core), np.zeros(cells.shape, np.float32)
     without, boxes = np.zeros(count + 1, np.float32), {}
@@ -123,11 +128,12 @@ def separate_parts(
         own = names[box] == name
         largest, length = (values[box].max(where=own, initial=0.0) for values in (depth, beyond))
         # Distances may be a cell too short.
-        if linking[name]:
+        length = length if length < known - 1.0 else np.inf
+        if linking[name] and np.count_nonzero(own) <= _LIGHT * filled:
             half = maximum_filter(np.where(own, depth[box], 0.0), 2 * int(np.ceil(largest)) + 1)
             links[box][own] = half[own]
         else:
-            without[name] = _without_front(largest, length if length < known - 1.0 else np.inf)
+            without[name] = _without_front(largest, length)
         if without[name] < 1.0:
             boxes[name] = grown_box(box, cells.shape, _MARGIN)
     if sum(names[box].size for box in boxes.values()) > cells.size:
@@ -169,6 +175,8 @@ class PartFronts:
     Every cell of a part has a distance from the core along the part, and a reach: the largest distance to which the
     part goes on from there. At a weight w, the part is included up to the distance w times its reach, so it grows
     evenly, and what is included is connected to the core. An arc between two places of the core opens in its middle.
+    Links have a weight of their own: if it is relative to the largest weight of a solid, those of one solid are whole
+    until those of another one are.
 
     Attributes
     ----------
@@ -231,8 +239,8 @@ class PartFronts:
         weight, link_weight : float
             Of parts and, instead, of those that are links, from 0 to 1.
         beyond : float
-            By how many cells the front is beyond the tips of parts at a weight of 1. The fronts of links meet: there,
-            it goes further, but hardly before.
+            By how many cells the front is beyond the tips of parts at a weight of 1. The fronts of a link meet, so
+            they are three times as far beyond at a link weight of 1, which they approach late.
         """
         share = np.float32(weight) + self.links * np.float32(link_weight - weight)
         further = np.float32(weight) + self.links * np.float32(_CLOSED * link_weight**_LATE - weight)

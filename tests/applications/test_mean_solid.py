@@ -133,6 +133,23 @@ def test_posts_stay_connected_by_one_rung_or_the_other(share, exact):
         )
 
 
+@pytest.mark.parametrize("share", [0.3, 0.4, 0.45, 0.5])
+def test_heavy_parts_are_no_links(share):
+    """A block becomes two pads: held whole in between, it would have far too much volume."""
+    x, y = np.meshgrid(np.arange(128) + 0.5, np.arange(128) + 0.5, indexing="ij")
+
+    def box(low, high):
+        return np.minimum(np.minimum(x - low[0], high[0] - x), np.minimum(y - low[1], high[1] - y))
+
+    block = box((20, 44), (108, 84))
+    pads = np.maximum(box((20, 44), (40, 84)), box((88, 44), (108, 84)))
+    volume = (1.0 - share) * 3520.0 + share * 1600.0
+    plain = np.clip(mean(block, pads, share) + 0.5, 0.0, 1.0).sum()
+    assert plain < 1.15 * volume
+    if share < 0.5:
+        assert pieces(mean(block, pads, share, volume)) == 1
+
+
 def test_the_volume_is_reached_where_solids_differ():
     """A rod that both solids share keeps its width; the balls next to it take up the difference."""
     common = rod((22, 22, 4), (22, 22, 40), radius=2.0)
