@@ -56,7 +56,8 @@ def flat_morph(
         Threads that compute short runs of blends in parallel; by default one per processor, as far as memory allows.
         The frames do not depend on it.
     wanted : range, optional
-        Indices of the blends to compute; runs are always computed as a whole.
+        Indices of the blends to compute; runs are always computed as a whole. Only if all blends are computed, those
+        of a path are compared with their neighbors; see :mod:`.steady_frames`.
 
     Yields
     ------
@@ -85,21 +86,21 @@ def flat_morph(
     threads = min(workers or os.cpu_count() or 1, len(runs))
     fitting = problem.lattice.fitting_workers(len(shapes), len(problem.transport.parts), threads)
     total = sum(map(len, runs.values()))
-    solve = partial(solve_flat_blends, problem)
+    solve, drawn = partial(solve_flat_blends, problem), problem
     if choice.motion is not None:
         moving = FlatMovingProblem.of(problem, shapes, choice.motion, blends, control)
         solve, problem = partial(solve_moving_blends, moving), moving.still
     with solved_in_threads(solve, problem.transport.effort, runs, control, fitting) as pending:
         frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)
         if _are_steadied(blends, settings, wanted):
-            frames = steady_frames(frames, problem)
+            frames = steady_frames(frames, problem, drawn, control)
         for done, frame in enumerate(frames, start=1):
             fraction = _CHOSEN + (1.0 - _CHOSEN) * done / total
             yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)
 
 
 def _are_steadied(blends: Sequence[Blend], settings: FlatSettings, wanted: range | None) -> bool:
-    """Return whether blends are compared with their neighbors; those of the paper's transport are kept as they are."""
+    """Return whether blends are compared with their neighbors: on whole paths, unless transport was requested."""
     along = all(blend.frame is not None for blend in blends)
     mended = settings.mend and settings.output == "outlines" and settings.level != "half-max"
     return along and mended and settings.motion != "transport" and wanted is None

@@ -14,11 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...errors import InputError
 from ...geometry.contours import outline_enclosing
 from ...geometry.coverage import coverage
 from ...geometry.flat_mending import FlatConnectivity, FlatMending
 from ...geometry.outlines import Outline
 from ...geometry.planar_fill import filled_boundary
+from ...progress import UNINTERRUPTED, Control
 from ..morphs.coinciding_solids import CoincidingSolids
 from .flat_blending import finished_frame
 from .flat_frames import FlatFrame
@@ -38,62 +40,96 @@ class _Counted:
     connectivity: FlatConnectivity
 
     @classmethod
-    def of(cls, frame: FlatFrame, problem: FlatProblem) -> _Counted:
+    def of(cls, frame: FlatFrame, drawn: FlatProblem) -> _Counted:
+        """Return a frame; an input with the outline that it has on the grid on which it was drawn."""
         source = frame.blend.source
         if source is None:
             return cls(frame, frame.outline, FlatConnectivity(**frame.record["found"]))
-        own = own_outline(problem.transport.occupancy(source), problem.silhouettes[source])
-        outline = problem.lattice.to_scene(own.outline, frame.blend.weights)
-        return cls(frame, outline, problem.connectivity[source])
+        own = own_outline(drawn.transport.occupancy(source), drawn.silhouettes[source])
+        return cls(frame, drawn.lattice.to_scene(own.outline, frame.blend.weights), drawn.connectivity[source])
+
+    @property
+    def is_input(self) -> bool:
+        return self.frame.blend.source is not None
+
+    def agrees(self, other: _Counted) -> bool:
+        return self.connectivity == other.connectivity
 
 
-def steady_frames(frames: Iterable[FlatFrame], problem: FlatProblem) -> Iterator[FlatFrame]:
+def steady_frames(
+    frames: Iterable[FlatFrame], problem: FlatProblem, drawn: FlatProblem, control: Control = UNINTERRUPTED
+) -> Iterator[FlatFrame]:
     """Yield the frames of a path, some of them replaced; a frame is at most three frames late.
+
+    A frame stays as it is if its mean has another topology than its neighbors. The record of the others has the entry
+    `mean_of_neighbors`; its solver's figures are those of the replaced frame.
 
     Parameters
     ----------
     frames : iterable of FlatFrame
         In order, with outlines that enclose the interpolated area.
     problem : FlatProblem
-        The problem whose grid they were extracted on.
+        The problem on the grid of the frames.
+    drawn : FlatProblem
+        The same problem on the grid on which its inputs were drawn.
+    control : Control
+        Stops the work; frames that wait for the next one are lost then.
+
+    Raises
+    ------
+    Cancelled
+        The work was cancelled.
     """
     before: _Counted | None = None
     waiting: list[_Counted] = []
     for frame in frames:
-        waiting.append(_Counted.of(frame, problem))
+        waiting.append(_Counted.of(frame, drawn))
         while waiting:
-            after = next((one for one in waiting if _agree(before, one)), None)
-            if after is None and before is not None and len(waiting) <= _MOST_FRAMES:
+            after = _after(before, waiting)
+            is_open = after is None and before is not None and not any(later.is_input for later in waiting)
+            if is_open and len(waiting) <= _MOST_FRAMES:
                 break
-            before = _fitted(waiting.pop(0), before, after, problem)
+            control.check()
+            current = waiting.pop(0)
+            before = current if after in (None, current) else _steadied(current, before, after, problem, drawn)
             yield before.frame
-    yield from (one.frame for one in waiting)
+    yield from (left.frame for left in waiting)
 
 
-def _agree(before: _Counted | None, after: _Counted) -> bool:
-    return before is not None and before.connectivity == after.connectivity
+def _after(before: _Counted | None, waiting: list[_Counted]) -> _Counted | None:
+    """Return the first waiting frame that agrees with the one before, up to the next input."""
+    for later in waiting:
+        if before is not None and later.agrees(before):
+            return later
+        if later.is_input:
+            break
+    return None
 
 
-def _fitted(one: _Counted, before: _Counted | None, after: _Counted | None, problem: FlatProblem) -> _Counted:
-    """Return a frame, or instead the mean of two that agree, if this has the same topology as they."""
-    if after is None or _agree(before, one) or one.frame.blend.source is not None:
-        return one
-    mean = _Counted.of(_mean(one, before, after, problem), problem)
-    return mean if _agree(before, mean) else one
+def _steadied(
+    current: _Counted, before: _Counted, after: _Counted, problem: FlatProblem, drawn: FlatProblem
+) -> _Counted:
+    """Return the mean of two frames in place of one between them, or this one if the mean does not agree with them."""
+    try:
+        mean = _Counted.of(_mean(current, before, after, problem), drawn)
+    except InputError:
+        # Frames that have nothing in common have no mean.
+        return current
+    return mean if mean.agrees(before) else current
 
 
-def _mean(one: _Counted, before: _Counted, after: _Counted, problem: FlatProblem) -> FlatFrame:
-    """Return the mean of two frames in place of one between them, with its area."""
-    numbers = [each.frame.blend.frame for each in (before, one, after)]
-    share = (numbers[1] - numbers[0]) / (numbers[2] - numbers[0])
+def _mean(current: _Counted, before: _Counted, after: _Counted, problem: FlatProblem) -> FlatFrame:
+    """Return the mean of two frames at the time and with the area of one between them."""
+    first, own, last = (counted.frame.blend.frame for counted in (before, current, after))
+    share = (own - first) / (last - first)
     lattice = problem.lattice
-    area = one.outline.area / lattice.spacing**2
+    area = current.outline.area / lattice.spacing**2
     occupancies = []
-    for other in (before, after):
-        corner, scale = lattice.corner(other.frame.blend.weights), 1.0 / lattice.spacing
-        boundary = filled_boundary([np.asarray(ring) for ring in other.outline.rings], "even-odd")
+    for end in (before, after):
+        corner, scale = lattice.corner(end.frame.blend.weights), 1.0 / lattice.spacing
+        boundary = filled_boundary([np.asarray(ring) for ring in end.outline.rings], "even-odd")
         occupancies.append(coverage(boundary.moved(-corner * scale, scale), lattice.shape))
     density = CoincidingSolids.of(occupancies, (1.0 - share, share), area).density
     mending = FlatMending(outline_enclosing(density, area), density)
-    figures = {**one.frame.record, "mean_of_neighbors": True}
-    return finished_frame(problem, one.frame.blend, mending, figures, one.frame.origins)
+    figures = {**current.frame.record, "mean_of_neighbors": True}
+    return finished_frame(problem, current.frame.blend, mending, figures, current.frame.origins)
