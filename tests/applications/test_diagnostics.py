@@ -162,6 +162,8 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "combined", "reason": "UNLIKE", "score": 0.5}, ["GOOD", "COMBINED"]),
         ({"kind": "warp", "reason": "UNLIKE", "score": 0.2}, ["GOOD", "WARPED"]),
         ({"kind": "warp", "reason": "APART", "score": 0.2, "detour": 1.7, "left": 0.3}, ["GOOD", "WARPED"]),
+        ({"kind": "warp", "reason": "FOLDS", "score": 0.6, "detour": 3.0, "left": 0.3}, ["GOOD", "FOLDS_WARP"]),
+        ({"kind": "transport", "reason": "FOLDS", "score": 0.6, "detour": 3.0}, ["GOOD", "FOLDS_TRANSPORT"]),
         ({"kind": "warp", "reason": "SOLID", "left": 0.3}, ["GOOD", "MERGED"]),
         ({"kind": "transport", "reason": "APART", "score": 0.2, "detour": 1.7}, ["GOOD", "APART"]),
         ({"kind": "transport", "reason": "FAILED", "failure": "no map"}, ["GOOD", "NO_MOTION"]),

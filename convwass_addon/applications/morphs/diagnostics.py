@@ -39,6 +39,8 @@ TEXTS: dict[str, str] = {
     "GUIDES": "{count} of the guides were left out, because the shapes map better without them: check their points",
     "APART": "Transport was chosen: there is no good map between the shapes (agreement {score:.0%}, "
     "detour {detour:.1f}); guides may help",
+    "FOLDS_WARP": "Warp was chosen: by the map between the shapes, they would fold on the way",
+    "FOLDS_TRANSPORT": "Transport was chosen: by the map between the shapes, they would fold on the way",
     "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
     "SOLID": "Transport was chosen: at least one of the shapes has no limbs",
     "MANY": "Transport was chosen: the shapes have many pieces, which move as bodies if Motion is Guided or Warp",
@@ -75,7 +77,7 @@ SEVERITIES: dict[str, Severity] = {
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART"), "INFO"),
-    **dict.fromkeys(("MERGED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(("FOLDS_WARP", "FOLDS_TRANSPORT", "MERGED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -316,6 +318,8 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
         return [Diagnostic("MERGED", {})]
     if reason in ("SOLID", "MANY", "TOPOLOGY"):
         return [Diagnostic(reason, {})]
+    if reason == "FOLDS":
+        return [Diagnostic("FOLDS_WARP" if kind == "warp" else "FOLDS_TRANSPORT", {})]
     score = {"score": _number(chosen, "motion_score")}
     if reason == "APART" and kind == "transport":
         return [Diagnostic("APART", {**score, "detour": _number(chosen, "motion_detour")})]

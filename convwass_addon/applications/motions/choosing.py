@@ -71,7 +71,7 @@ class MotionChoice:
     reason : str
         "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
         place), "UNLIKE" (they do in part, and are warped towards each other), "SOLID" (they do not, and one of them has
-        no limbs), "APART" (they do not), or "FAILED" (an error occurred).
+        no limbs), "APART" (they do not), "FOLDS" (flat shapes fold on their way), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -154,9 +154,10 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     # Where bodies divide or join far from each other, a map tears something.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
     is_flat = all(is_level(shape.vertices) for shape in request.shapes)
-    folds = is_flat and detour > FOLDING
+    folds = is_flat and detour > FOLDING and not request.guides
     if merges or folds or score < DOUBTED or (far and divides and not request.guides):
-        unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
+        reason = "SOLID" if merges else "FOLDS" if folds and score >= DOUBTED else "APART"
+        unmoved = MotionChoice("transport", reason, None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
     alone = replace(_mapped("PARTLY", guided), detour=detour)
     if score < _UNSURE and not request.guides:
