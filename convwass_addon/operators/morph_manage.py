@@ -282,7 +282,7 @@ class CONVWASS_OT_delete_morph(_OnActiveBake, bpy.types.Operator):
         bake = active_bake(context)
         if isinstance(bake, bpy.types.Object):
             name = bake.name
-            tell(self, rpt_("{:s}: deleted").format(name), delete_keys(bake))
+            tell(self, rpt_("{:s}: deleted").format(name), *delete_keys(bake))
         else:
             delete_morph(bake)
         return {"FINISHED"}

@@ -345,7 +345,10 @@ def test_drivers_of_the_user_are_named_when_their_slider_is_deleted(shapes, capf
     drive_key(obj, shirt.shape_key_add(name="Own"), "B", "v * v")
     select_and_delete(obj)
     assert [key.name for key in shirt.data.shape_keys.key_blocks] == ["Basis", "Own"]
-    assert "Drivers of shape keys of Shirt read sliders that are deleted" in capfd.readouterr().out
+    said = capfd.readouterr().out
+    assert (
+        "Warning: A Morph: deleted. Drivers of shape keys of Shirt read sliders that are deleted; remove thes" in said
+    )
 
 
 def test_a_linked_duplicate_of_the_mesh_keeps_its_keys(shapes):

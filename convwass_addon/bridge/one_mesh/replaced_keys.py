@@ -54,7 +54,7 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
     return found
 
 
-def delete_keys(keyed: bpy.types.Object) -> list[Sentence]:
+def delete_keys(keyed: bpy.types.Object) -> tuple[list[Sentence], list[Sentence]]:
     """Remove the objects of a bake, their pad and the keys of parts that follow them, and show what it has hidden.
 
     Parameters
@@ -64,29 +64,33 @@ def delete_keys(keyed: bpy.types.Object) -> list[Sentence]:
 
     Returns
     -------
-    list of Sentence
-        Messages for the user.
+    remarks : list of Sentence
+        What else was removed.
+    warnings : list of Sentence
+        What the user has to do.
     """
     hidden, pads, objects = hidden_only_by(keyed), _pads(keyed), objects_of(keyed)
-    notices = _deletion_notices(detach_parts(objects), _followers(objects))
+    remarks = _detached_notices(detach_parts(objects))
+    warnings = _dangling_notices(_followers(objects))
     _remove(objects)
     remove_idle_pads(pads)
     show_again(hidden)
-    return notices
+    return remarks, warnings
 
 
-def _deletion_notices(detached: Sequence[bpy.types.Object], left: Sequence[bpy.types.Object]) -> list[Sentence]:
-    """Return notices about objects that no longer follow a bake, and about those whose drivers read nothing now."""
-    notices = []
-    if detached:
-        notices.append(
-            Sentence("The shape keys with which {names} followed it are removed", {"names": _names(detached)})
-        )
-    if left:
-        notices.append(
-            Sentence("Drivers of shape keys of {names} read sliders that are deleted", {"names": _names(left)})
-        )
-    return notices
+def _detached_notices(detached: Sequence[bpy.types.Object]) -> list[Sentence]:
+    """Return a notice about objects that no longer follow a bake."""
+    if not detached:
+        return []
+    return [Sentence("The shape keys with which {names} followed it are removed", {"names": _names(detached)})]
+
+
+def _dangling_notices(left: Sequence[bpy.types.Object]) -> list[Sentence]:
+    """Return a notice about objects whose drivers read nothing now."""
+    if not left:
+        return []
+    names = {"names": _names(left)}
+    return [Sentence("Drivers of shape keys of {names} read sliders that are deleted; remove these drivers", names)]
 
 
 def following_notices(keyed: Sequence[bpy.types.Object]) -> list[Sentence]:
