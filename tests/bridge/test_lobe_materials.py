@@ -134,6 +134,18 @@ def test_a_new_result_replaces_the_last_one():
     assert fitted_material("Again", [PrincipledFit(Ggx(0.2, 0.2), (1, 1, 1), 1.0)]) != first
 
 
+def test_a_group_with_other_inputs_follows_the_sun_as_before():
+    sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+    sun.data.energy = 3.0
+    material = lobe_material("Again", [even(1.0)] * 2, [(0, 0, 0)] * 2, sun, Frames(1, 5))
+    bpy.context.view_layer.update()
+    assert lobe_material("Again", [even(2.0)], [(0, 0, 0)], sun) == material
+    node = material.node_tree.nodes[GROUP]
+    paths = {curve.data_path for curve in material.node_tree.animation_data.drivers}
+    assert paths == {node.inputs[name].path_from_id("default_value") for name in (DIRECTION, STRENGTH, LIGHT)}
+    assert len(material.node_tree.animation_data.drivers) == 7
+
+
 def test_a_principled_bsdf_is_read_as_cycles_uses_it():
     found = read_glossy(principled("A", 0.5, anisotropic=0.6, base_color=(0.9, 0.6, 0.3, 1.0)))
     aspect = math.sqrt(1 - 0.9 * 0.6)

@@ -12,7 +12,7 @@ from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT
 from convwass_addon.applications.reflectance.table_files import read_table
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
-from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
+from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP, LIGHT, STRENGTH
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materials
 from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
 from convwass_addon.properties.light import sun_of
@@ -163,6 +163,55 @@ def test_a_blend_no_longer_follows_a_sun_that_was_deleted(sun):
     bpy.data.objects.remove(sun)
     assert blend(output="LOBES") == {"FINISHED"}
     assert not len(tree.animation_data.drivers)
+
+
+def drivers_of(socket):
+    path = socket.path_from_id("default_value")
+    return [curve for curve in socket.id_data.animation_data.drivers if curve.data_path == path]
+
+
+@pytest.mark.usefixtures("metals")
+@pytest.mark.parametrize("blends", [3, 4])
+def test_what_users_change_of_a_light_that_follows_a_sun_stays(sun, blends):
+    blend(output="LOBES")
+    node = bpy.data.materials["Blend A-B"].node_tree.nodes[GROUP]
+    direction, strength, light = (node.inputs[name] for name in (DIRECTION, STRENGTH, LIGHT))
+    direction.driver_remove("default_value")
+    direction.default_value = (1, 0, 0)
+    (curve,) = drivers_of(strength)
+    curve.driver.variables[0].targets[0].data_path = "location.x"
+    light.driver_remove("default_value", 1)
+    light.default_value[1] = 0.125
+    other = bpy.data.objects.new("Other", bpy.data.lights.new("Other", "SUN"))
+    bpy.context.scene.collection.objects.link(other)
+    bpy.context.scene.convwass_reflectance.sun = other
+    assert blend(output="LOBES", blends=blends) == {"FINISHED"}
+    direction, strength, light = (node.inputs[name] for name in (DIRECTION, STRENGTH, LIGHT))
+    assert direction.default_value[:] == (1, 0, 0) and not drivers_of(direction)
+    target = drivers_of(strength)[0].driver.variables[0].targets[0]
+    assert (target.id, target.data_path) == (sun, "location.x")
+    assert light.default_value[1] == 0.125
+    found = {curve.array_index: curve.driver.variables[0].targets[0].id for curve in drivers_of(light)}
+    assert found == {0: other, 2: other}
+    for own in (sun, other):
+        bpy.data.objects.remove(own)
+    assert blend(output="LOBES") == {"FINISHED"}
+    assert len(drivers_of(node.inputs[STRENGTH])) == 1
+    assert len(node.id_data.animation_data.drivers) == 1
+
+
+@pytest.mark.usefixtures("metals")
+def test_a_light_as_it_was_made_or_left_follows_the_next_sun():
+    for energy in (3.0, 5.0):
+        assert blend(output="LOBES") == {"FINISHED"}
+        light = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
+        light.data.energy = energy
+        bpy.context.scene.collection.objects.link(light)
+        assert blend(output="LOBES") == {"FINISHED"}
+        tree = bpy.data.materials["Blend A-B"].node_tree
+        assert len(tree.animation_data.drivers) == 7
+        bpy.context.view_layer.update()
+        bpy.data.objects.remove(light)
 
 
 @pytest.mark.usefixtures("metals")
