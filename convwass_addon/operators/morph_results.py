@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ..bridge.edited_materials import made_as
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
 from ..bridge.morphs.replace import replace_bake
@@ -225,10 +226,17 @@ class SwapResults(ShapeKeyResults):
 
 
 def _report_kept(operator: bpy.types.Operator, materials: list[bpy.types.Material]) -> None:
-    """Report edited materials that are kept although frames no longer have them."""
-    if materials:
+    """Report materials that are kept although frames no longer have them, because they are edited or may be."""
+    edited = [material.name for material in materials if made_as(material) is not None]
+    earlier = [material.name for material in materials if made_as(material) is None]
+    if edited:
         text = rpt_("The materials of the shapes have changed, so frames have new ones; the edited ones are kept: {:s}")
-        operator.report({"WARNING"}, text.format(listed([material.name for material in materials])))
+        operator.report({"WARNING"}, text.format(listed(edited)))
+    if earlier:
+        text = rpt_(
+            "Materials of an earlier version cannot be compared, so frames have new ones; the old ones are kept: {:s}"
+        )
+        operator.report({"WARNING"}, text.format(listed(earlier)))
 
 
 def _outdated(morph: bpy.types.Collection) -> list[str]:

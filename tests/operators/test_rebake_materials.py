@@ -108,6 +108,18 @@ def test_after_a_shape_got_another_look_an_edited_material_is_kept_beside_the_fr
         assert len(bpy.data.materials) == 3
 
 
+def test_a_material_of_an_earlier_version_is_not_reported_as_changed(capfd):
+    morph = bake(textured=False)
+    (material,) = frame_objects(morph)[1].data.materials
+    del material["convwass_made"]
+    bake_again(morph)
+    printed = capfd.readouterr().out
+    assert "have changed" not in printed
+    assert "Materials of an earlier version cannot be compared" in printed
+    assert f"the old ones are kept: {material.name}" in printed
+    assert material.use_fake_user and material not in frame_objects(morph)[1].data.materials[:]
+
+
 def test_the_material_of_pictures_stays(tmp_path):
     shown = []
     for name, size in (("First", 20), ("Last", 30)):

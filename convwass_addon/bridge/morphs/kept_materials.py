@@ -26,8 +26,9 @@ def take_materials(before: Sequence[bpy.types.Object], after: Sequence[bpy.types
     Returns
     -------
     list of bpy.types.Material
-        Edited materials of the old frames that differ from all new ones, because those of the shapes have changed. They
-        no longer belong to the morph, and have a fake user.
+        Materials of the old frames that are edited and differ from all new ones, because those of the shapes have
+        changed, and those of earlier versions, which cannot be compared. They no longer belong to the morph, and have a
+        fake user.
     """
     alike = defaultdict(list)
     for material in carried_materials(before):
