@@ -10,12 +10,16 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.handles import Handle
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.look_groups import DISPLACEMENT, SURFACE
 from convwass_addon.bridge.morphs.materials import is_carrying
+from convwass_addon.bridge.morphs.mixed_materials import MixedMaterials, WholeLooks
 from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, frame_objects, stored_diagnostics
+from convwass_addon.bridge.node_trees import own_tree
 from tests.shapes import ball
 
 SIZE = 24
@@ -274,6 +278,26 @@ def test_plain_materials_are_mixed_as_one_shader(bare_scene, make_object):
     mesh = frame_objects(bake(bare_scene, inputs))[1].data
     assert not mesh.uv_layers
     assert not [tree for tree in bpy.data.node_groups if is_carrying(tree)]
+
+
+@pytest.mark.parametrize("method", ["RANDOM_WALK", "RANDOM_WALK_SKIN"])
+def test_beside_a_texture_a_material_without_a_group_shows_its_values(method):
+    """So do those whose nodes cannot be copied, such as groups with repeat zones."""
+    import bpy
+
+    plain = bpy.data.materials.new("Plain")
+    shader = own_tree(plain).nodes["Principled BSDF"]
+    shader.subsurface_method = method
+    shader.inputs["Coat Weight"].default_value = 0.375
+    group = bpy.data.node_groups.new("Look", "ShaderNodeTree")
+    group.interface.new_socket(SURFACE, in_out="OUTPUT", socket_type="NodeSocketShader")
+    group.interface.new_socket(DISPLACEMENT, in_out="OUTPUT", socket_type="NodeSocketVector")
+    group.nodes.new("NodeGroupOutput")
+    looks = WholeLooks([[None], [Handle.of("node_groups", group)]], "FADE")
+    made = MixedMaterials("Mixed", "Color", "Weight {}", [[plain], [checkered()]], looks).of([0, 0])
+    shaders = [node for node in made.node_tree.nodes if node.type == "BSDF_PRINCIPLED"]
+    coats = [shader.inputs["Coat Weight"] for shader in shaders]
+    assert [coat.default_value for coat in coats if not coat.is_linked] == [0.375]
 
 
 def test_whole_materials_are_not_reported_as_dropped_and_removed_with_the_morph(bare_scene, make_object):

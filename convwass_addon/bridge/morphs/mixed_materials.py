@@ -168,8 +168,9 @@ def _simple_look(tree: bpy.types.NodeTree, number: int, shader: ShaderValues, sh
     """Add a shader with the values and the carried color of an input, numbered from 1."""
     principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
     principled.inputs["Roughness"].default_value = ROUGHNESS
-    for name, value in shader.values.items():
-        _set(principled.inputs[name], value)
+    for socket in principled.inputs:
+        if socket.name in shader.values and not socket.is_unavailable:
+            _set(socket, shader.values[socket.name])
     principled.inputs[_STRENGTH].default_value = 1.0 if EMISSION in shader.values else 0.0
     color = tree.nodes.new("ShaderNodeVertexColor")
     color.layer_name = LOOK.format(number)
@@ -249,8 +250,12 @@ def _mix(
 
 
 def _is_mixed(socket: bpy.types.NodeSocket) -> bool:
-    """Return whether a socket has an unlinked value that frames mix."""
-    return socket.type in ("VALUE", "RGBA") and socket.name not in _LEFT_OUT and not socket.is_linked
+    """Return whether a socket has an unlinked value that frames mix.
+
+    Blender does not find unavailable ones by their names, such as those for another kind of subsurface scattering.
+    """
+    is_value = socket.type in ("VALUE", "RGBA") and not socket.is_unavailable
+    return is_value and socket.name not in _LEFT_OUT and not socket.is_linked
 
 
 def _value(socket: bpy.types.NodeSocket) -> Value:
