@@ -64,7 +64,7 @@ def holes(frames):
 @pytest.mark.parametrize("numbers", [[3], [3, 4], [1, 2, 3], [5, 6, 7], [2, 4, 5]])
 def test_short_runs_become_means_of_the_frames_around_them(problem, frames, numbers):
     given = with_disks(frames, *numbers)
-    found = list(steady_frames(given, problem, problem))
+    found = list(steady_frames(given, problem))
     assert [frame.blend for frame in found] == [frame.blend for frame in frames]
     assert holes(found) == [1] * (COUNT - 1)
     for number in numbers:
@@ -81,7 +81,7 @@ def test_short_runs_become_means_of_the_frames_around_them(problem, frames, numb
 @pytest.mark.parametrize("numbers", [[2, 3, 4, 5], [1, 2, 3, 4, 5, 6, 7]])
 def test_long_runs_remain(problem, frames, numbers):
     given = with_disks(frames, *numbers)
-    assert list(steady_frames(given, problem, problem)) == given
+    assert list(steady_frames(given, problem)) == given
 
 
 def test_a_single_change_remains(problem, frames):
@@ -89,7 +89,7 @@ def test_a_single_change_remains(problem, frames):
     shapes = [FlatShape((ellipse(CENTERS[0]),)), SHAPES[1]]
     disk = flat_problem(shapes, pieces_of(shapes, NAMES, SETTINGS), NAMES, SETTINGS)
     given = with_disks(frames, 1, 2, 3, 4)
-    assert list(steady_frames(given, disk, disk)) == given
+    assert list(steady_frames(given, disk)) == given
 
 
 def test_frames_are_kept_if_their_mean_has_another_topology(problem, frames):
@@ -99,7 +99,7 @@ def test_frames_are_kept_if_their_mean_has_another_topology(problem, frames):
 
     given = with_disks(frames, 3)
     given[2], given[4] = aside(given[2], np.array([-1.5, 0.0])), aside(given[4], np.array([1.5, 0.0]))
-    assert list(steady_frames(given, problem, problem)) == given
+    assert list(steady_frames(given, problem)) == given
 
 
 def test_inputs_have_the_outline_that_they_were_drawn_with(problem, frames):
@@ -108,7 +108,7 @@ def test_inputs_have_the_outline_that_they_were_drawn_with(problem, frames):
     larger = problem.on(problem.lattice.holding(room), ())
     assert larger.lattice.shape != problem.lattice.shape
     given = with_disks(frames, 1, 2)
-    found = list(steady_frames(given, larger, problem))
+    found = list(steady_frames(given, larger))
     assert holes(found) == [1] * (COUNT - 1)
     assert np.linalg.norm(found[1].outline.rings[0] - found[1].blend.weights @ CENTERS, axis=1) == pytest.approx(
         1.0 + 1 / COUNT, abs=0.5 * problem.lattice.spacing
@@ -123,7 +123,7 @@ def test_frames_are_not_replaced_by_means_across_an_input():
     work = flat_morph(shapes, names, path_blends(3, 4), SETTINGS)
     made = [step.payload for step in work if step.payload is not None]
     given = [relabeled(frame, int(number not in (3, 5))) for number, frame in enumerate(made)]
-    assert list(steady_frames(given, three, three)) == given
+    assert list(steady_frames(given, three)) == given
 
 
 def relabeled(frame, holes):
@@ -141,13 +141,13 @@ def test_frames_without_a_mean_are_kept(problem, frames):
         low = number / COUNT * CENTERS[1] + np.array([aside, 0.0])
         bar = Outline((FlatRegion(rectangle(low, low + np.array([0.1, 1.0]))),))
         given[number] = replace(given[number], outline=bar)
-    assert list(steady_frames(given, problem, problem)) == given
+    assert list(steady_frames(given, problem)) == given
 
 
 def test_work_can_be_cancelled_between_frames(problem, frames):
     control = CountingControl(3)
     with pytest.raises(Cancelled):
-        list(steady_frames(frames, problem, problem, control))
+        list(steady_frames(frames, problem, control))
 
 
 @pytest.mark.parametrize(
@@ -183,5 +183,5 @@ def test_frames_are_at_most_three_late(problem, frames):
             taken.append(frame)
             yield frame
 
-    for done, _ in enumerate(steady_frames(counted(), problem, problem), start=1):
+    for done, _ in enumerate(steady_frames(counted(), problem), start=1):
         assert len(taken) <= done + 3

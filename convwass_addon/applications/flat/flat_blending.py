@@ -21,7 +21,7 @@ from ..morphs.thin_shapes import wall_share
 from ..motions.motion import motion_figures
 from .flat_frames import FlatDensity, FlatFrame
 from .flat_origins import FlatOrigins, MovedOrigins
-from .flat_outlines import blend_outline, filled_area, half_max_outline, own_outline, prepared_density
+from .flat_outlines import blend_outline, filled_area, half_max_outline, prepared_density
 from .flat_problem import FlatProblem
 from .flat_regions import colored_regions
 
@@ -59,9 +59,7 @@ def input_frame(problem: FlatProblem, blend: Blend) -> FlatFrame:
     if problem.settings.output == "outlines":
         return FlatFrame(blend, None, record)
     occupancy = problem.transport.occupancy(blend.source)
-    own = own_outline(occupancy, problem.silhouettes[blend.source])
-    outline = problem.lattice.to_scene(own.outline, blend.weights)
-    return FlatFrame(blend, outline, record, _image(problem, blend, occupancy))
+    return FlatFrame(blend, problem.outlines[blend.source], record, _image(problem, blend, occupancy))
 
 
 def surfaced_frame(

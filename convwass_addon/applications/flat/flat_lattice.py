@@ -11,7 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.coverage import coverage
 from ...geometry.outlines import Outline
+from ...geometry.planar_fill import Boundary
 from ...transport import Grid
 from ..memory import available_memory
 from ..morphs.moved_room import Room
@@ -84,6 +86,11 @@ class FlatLattice:
     def corner(self, weights: Sequence[float] | NDArray[np.float64]) -> NDArray[np.float64]:
         """Low corner of the grid around a blend with these weights, (2,), scene units."""
         return self.origin + np.asarray(weights) @ self.centers
+
+    def filled(self, boundary: Boundary, weights: Sequence[float]) -> NDArray[np.float64]:
+        """Return the fraction of every cell around a blend that a boundary in scene units fills, (nx, ny)."""
+        scale = 1.0 / self.spacing
+        return coverage(boundary.moved(-self.corner(weights) * scale, scale), self.shape)
 
     def to_scene(self, outline: Outline, weights: Sequence[float]) -> Outline:
         """Convert an outline from cells to scene space, at the weighted mean of the centers."""

@@ -86,14 +86,14 @@ def flat_morph(
     threads = min(workers or os.cpu_count() or 1, len(runs))
     fitting = problem.lattice.fitting_workers(len(shapes), len(problem.transport.parts), threads)
     total = sum(map(len, runs.values()))
-    solve, drawn = partial(solve_flat_blends, problem), problem
+    solve = partial(solve_flat_blends, problem)
     if choice.motion is not None:
         moving = FlatMovingProblem.of(problem, shapes, choice.motion, blends, control)
         solve, problem = partial(solve_moving_blends, moving), moving.still
     with solved_in_threads(solve, problem.transport.effort, runs, control, fitting) as pending:
         frames = in_order(list(runs.values()), runs, as_solved(pending, control), None)
         if _are_steadied(blends, settings, wanted):
-            frames = steady_frames(frames, problem, drawn, control)
+            frames = steady_frames(frames, problem, control)
         for done, frame in enumerate(frames, start=1):
             fraction = _CHOSEN + (1.0 - _CHOSEN) * done / total
             yield Progress(fraction, Sentence("Blend {done} of {total}", {"done": done, "total": total}), frame)

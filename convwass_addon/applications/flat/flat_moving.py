@@ -11,7 +11,6 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...geometry.coverage import coverage
 from ...progress import Control
 from ..morphs.blend_solver import ALONE, BlendSolver
 from ..morphs.coinciding_solids import CoincidingSolids
@@ -88,9 +87,7 @@ class FlatMovingProblem:
 
     def _filled(self, blend: Blend, moved: Sequence[Sequence[MovedPart]]) -> list[list[NDArray[np.float64]]]:
         """Return the fraction of every cell that each part fills, by part and by input of positive weight."""
-        lattice = self.still.lattice
-        corner, scale = lattice.corner(blend.weights), 1.0 / lattice.spacing
-        return [[coverage(own.boundary.moved(-corner * scale, scale), lattice.shape) for own in part] for part in moved]
+        return [[self.still.lattice.filled(own.boundary, blend.weights) for own in part] for part in moved]
 
     def _problem_of(
         self, blend: Blend, filled: Sequence[list[NDArray[np.float64]]], active: NDArray[np.int64]

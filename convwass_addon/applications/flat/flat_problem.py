@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.flat_mending import FlatConnectivity
+from ...geometry.outlines import Outline
 from ..morphs.layouts import Blend
 from ..morphs.parts import SplitShapes
 from ..morphs.transport_problem import TransportProblem
@@ -35,8 +36,10 @@ class FlatProblem:
     ----------
     transport : TransportProblem
         The shapes as distributions, and how to blend them.
+    outlines : tuple of Outline
+        Outline of every shape at this resolution, scene units.
     connectivity : tuple of FlatConnectivity
-        Connectivity of every shape at this resolution.
+        Connectivity of these outlines.
     silhouettes : tuple of float
         Area of every shape's silhouette in cells: where it is at least half full.
     layers : tuple of InputLayers
@@ -46,6 +49,7 @@ class FlatProblem:
     """
 
     transport: TransportProblem
+    outlines: tuple[Outline, ...]
     connectivity: tuple[FlatConnectivity, ...]
     silhouettes: tuple[float, ...]
     layers: tuple[InputLayers, ...]
@@ -144,11 +148,11 @@ def flat_problem(
     )
     silhouettes = tuple(_silhouette(shape, sum(own)) for shape, own in zip(shapes, every, strict=True))
     transport = TransportProblem.of(split, lattice, settings)
+    drawn = [own_outline(transport.occupancy(index), area) for index, area in enumerate(silhouettes)]
     return FlatProblem(
         transport,
-        tuple(
-            FlatConnectivity.of(own_outline(transport.occupancy(index), area)) for index, area in enumerate(silhouettes)
-        ),
+        tuple(lattice.to_scene(own.outline, alone) for own, alone in zip(drawn, np.eye(len(drawn)), strict=True)),
+        tuple(map(FlatConnectivity.of, drawn)),
         silhouettes,
         input_layers(shapes, lattice.centers, lattice) if settings.carry else (),
     )

@@ -12,11 +12,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
 from ...errors import InputError
 from ...geometry.contours import outline_enclosing
-from ...geometry.coverage import coverage
 from ...geometry.flat_mending import FlatConnectivity, FlatMending
 from ...geometry.outlines import Outline
 from ...geometry.planar_fill import filled_boundary
@@ -24,7 +21,6 @@ from ...progress import UNINTERRUPTED, Control
 from ..morphs.coinciding_solids import CoincidingSolids
 from .flat_blending import finished_frame
 from .flat_frames import FlatFrame
-from .flat_outlines import own_outline
 from .flat_problem import FlatProblem
 
 # Longest run of frames that is replaced.
@@ -40,13 +36,12 @@ class _Counted:
     connectivity: FlatConnectivity
 
     @classmethod
-    def of(cls, frame: FlatFrame, drawn: FlatProblem) -> _Counted:
-        """Return a frame; an input with the outline that it has on the grid on which it was drawn."""
+    def of(cls, frame: FlatFrame, problem: FlatProblem) -> _Counted:
+        """Return a frame; an input with the outline that it has at the resolution of the problem."""
         source = frame.blend.source
         if source is None:
             return cls(frame, frame.outline, FlatConnectivity(**frame.record["found"]))
-        own = own_outline(drawn.transport.occupancy(source), drawn.silhouettes[source])
-        return cls(frame, drawn.lattice.to_scene(own.outline, frame.blend.weights), drawn.connectivity[source])
+        return cls(frame, problem.outlines[source], problem.connectivity[source])
 
     @property
     def is_input(self) -> bool:
@@ -57,7 +52,7 @@ class _Counted:
 
 
 def steady_frames(
-    frames: Iterable[FlatFrame], problem: FlatProblem, drawn: FlatProblem, control: Control = UNINTERRUPTED
+    frames: Iterable[FlatFrame], problem: FlatProblem, control: Control = UNINTERRUPTED
 ) -> Iterator[FlatFrame]:
     """Yield the frames of a path, some of them replaced; a frame is at most three frames late.
 
@@ -70,8 +65,6 @@ def steady_frames(
         In order, with outlines that enclose the interpolated area.
     problem : FlatProblem
         The problem on the grid of the frames.
-    drawn : FlatProblem
-        The same problem on the grid on which its inputs were drawn.
     control : Control
         Stops the work; frames that wait for the next one are lost then.
 
@@ -83,7 +76,7 @@ def steady_frames(
     before: _Counted | None = None
     waiting: list[_Counted] = []
     for frame in frames:
-        waiting.append(_Counted.of(frame, drawn))
+        waiting.append(_Counted.of(frame, problem))
         while waiting:
             after = _after(before, waiting)
             is_open = after is None and before is not None and not any(later.is_input for later in waiting)
@@ -91,7 +84,7 @@ def steady_frames(
                 break
             control.check()
             current = waiting.pop(0)
-            before = current if after in (None, current) else _steadied(current, before, after, problem, drawn)
+            before = current if after in (None, current) else _steadied(current, before, after, problem)
             yield before.frame
     yield from (left.frame for left in waiting)
 
@@ -106,12 +99,10 @@ def _after(before: _Counted | None, waiting: list[_Counted]) -> _Counted | None:
     return None
 
 
-def _steadied(
-    current: _Counted, before: _Counted, after: _Counted, problem: FlatProblem, drawn: FlatProblem
-) -> _Counted:
+def _steadied(current: _Counted, before: _Counted, after: _Counted, problem: FlatProblem) -> _Counted:
     """Return the mean of two frames in place of one between them, or this one if the mean does not agree with them."""
     try:
-        mean = _Counted.of(_mean(current, before, after, problem), drawn)
+        mean = _Counted.of(_mean(current, before, after, problem), problem)
     except InputError:
         # Frames that have nothing in common have no mean.
         return current
@@ -122,13 +113,11 @@ def _mean(current: _Counted, before: _Counted, after: _Counted, problem: FlatPro
     """Return the mean of two frames at the time and with the area of one between them."""
     first, own, last = (counted.frame.blend.frame for counted in (before, current, after))
     share = (own - first) / (last - first)
-    lattice = problem.lattice
-    area = current.outline.area / lattice.spacing**2
-    occupancies = []
-    for end in (before, after):
-        corner, scale = lattice.corner(end.frame.blend.weights), 1.0 / lattice.spacing
-        boundary = filled_boundary([np.asarray(ring) for ring in end.outline.rings], "even-odd")
-        occupancies.append(coverage(boundary.moved(-corner * scale, scale), lattice.shape))
+    area = current.outline.area / problem.lattice.spacing**2
+    occupancies = [
+        problem.lattice.filled(filled_boundary(end.outline.rings, "even-odd"), end.frame.blend.weights)
+        for end in (before, after)
+    ]
     density = CoincidingSolids.of(occupancies, (1.0 - share, share), area).density
     mending = FlatMending(outline_enclosing(density, area), density)
     figures = {**current.frame.record, "mean_of_neighbors": True}
