@@ -92,9 +92,15 @@ class SeparatePart:
     links: NDArray[np.float32]
 
 
+def linked_components(core: NDArray[np.bool_]) -> NDArray[np.int32]:
+    """Return the numbers, from 1, of the components of a core that links join; 0 in all other cells."""
+    return _large_components(core, _LINKED)
+
+
 def separate_parts(
     solid: NDArray[np.bool_],
     core: NDArray[np.bool_],
+    components: NDArray[np.int32],
     depth: NDArray[np.floating],
     beyond: NDArray[np.floating],
     known: float,
@@ -113,6 +119,8 @@ def separate_parts(
         Also (nx, ny).
     core : (nx, ny, nz) bool
         A subset of it.
+    components : (nx, ny, nz) int32
+        Its components that links join; see :func:`linked_components`.
     depth : (nx, ny, nz)
         Distances from the surface of the solid, in cells.
     beyond : (nx, ny, nz)
@@ -122,7 +130,7 @@ def separate_parts(
     """
     cells, filled = solid & ~core, np.count_nonzero(solid)
     names, count = label(cells, np.ones((3,) * cells.ndim))
-    linking, links = _linking(names, count, core), np.zeros(cells.shape, np.float32)
+    linking, links = _linking(names, count, components), np.zeros(cells.shape, np.float32)
     without, boxes = np.zeros(count + 1, np.float32), {}
     for name, box in enumerate(find_objects(names), start=1):
         own = names[box] == name
@@ -145,10 +153,9 @@ def separate_parts(
     ]
 
 
-def _linking(names: NDArray[np.int32], count: int, core: NDArray[np.bool_]) -> NDArray[np.bool_]:
+def _linking(names: NDArray[np.int32], count: int, components: NDArray[np.int32]) -> NDArray[np.bool_]:
     """Return which of some named parts are links, (count + 1,)."""
-    around = np.ones((3,) * core.ndim)
-    components = _large_components(core, _LINKED)
+    around = np.ones((3,) * names.ndim)
     links = np.zeros(count + 1, bool)
     if components.max() < 2:
         return links
@@ -225,11 +232,11 @@ class PartFronts:
         share = _smooth(known.astype(np.float32))
         scale = np.float32(1.0) / np.maximum(share, np.float32(1e-3))
         links = (known & (part.links > 0.0)).astype(np.float32)
-        taper = np.where(known, np.minimum(part.links, distance / np.float32(_TAPER)), np.float32(0.0))
-        along, far, held, linking, thins = (
-            _smooth(values) * scale for values in (distance, measured.reach, hold, links, taper)
-        )
-        return cls(along, far, share > 1e-3, held, part.cells & ~known, linking, thins)
+        thins = np.where(known, np.minimum(part.links, distance / np.float32(_TAPER)), np.float32(0.0))
+        # Most parts are no links, and smoothing zeros takes as long as anything else.
+        linking, thinned = (_smooth(values) * scale for values in (links, thins)) if links.any() else (links, thins)
+        along, far, held = (_smooth(values) * scale for values in (distance, measured.reach, hold))
+        return cls(along, far, share > 1e-3, held, part.cells & ~known, linking, thinned)
 
     def heights(self, weight: float, link_weight: float, beyond: float = 0.0) -> NDArray[np.float32]:
         """Return by how many cells the front is beyond every cell; large far from all parts.

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.part_fronts import Along, PartFronts, separate_parts, shared_core
+from convwass_addon.geometry.part_fronts import Along, PartFronts, linked_components, separate_parts, shared_core
 
 SHAPE = (30, 12, 40)
 
@@ -26,7 +26,9 @@ ARCH = filled(((4, 6, 8), (5, 7, 20)), ((4, 6, 20), (25, 7, 21)), ((24, 6, 8), (
 
 def separated(cells, depth=1.0, length=10.0, core=SLAB):
     """Parts of a largest depth and a length."""
-    return separate_parts(cells | core, core, np.where(cells, depth, -1.0), np.where(cells, length, -1.0), 40.0)
+    return separate_parts(
+        cells | core, core, linked_components(core), np.where(cells, depth, -1.0), np.where(cells, length, -1.0), 40.0
+    )
 
 
 def fronts(cells, core=SLAB):
@@ -90,7 +92,14 @@ def test_parts_are_separated_if_that_is_less_work_than_the_whole_grid():
         long[box] = True
     for box in (first, third):
         far[box] = True
-    parts = separate_parts(long, np.zeros_like(long), np.where(long, 1.0, -1.0), np.where(far, 10.0, -1.0), 40.0)
+    parts = separate_parts(
+        long,
+        np.zeros_like(long),
+        np.zeros(long.shape, np.int32),
+        np.where(long, 1.0, -1.0),
+        np.where(far, 10.0, -1.0),
+        40.0,
+    )
     assert [int(part.cells.sum()) for part in parts] == [64, 64]
     for part, own in zip(parts, (first, third), strict=True):
         found = np.zeros_like(long)

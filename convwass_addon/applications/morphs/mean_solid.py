@@ -23,7 +23,7 @@ from numpy.typing import NDArray
 
 from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.exact_depths import exact_depths
-from ...geometry.part_fronts import SHORT, PartFronts, SeparatePart, separate_parts, shared_core
+from ...geometry.part_fronts import SHORT, PartFronts, SeparatePart, linked_components, separate_parts, shared_core
 from .growing_parts import FARTHEST
 
 # Radius with which a part is rounded at its front, in cells of the grid on which fronts are measured.
@@ -119,13 +119,14 @@ class _Growth:
         core = shared_core(solids)
         if core is None:
             return None
+        components = linked_components(core)
         beyond = -grid.means(lowest) / grid.cell
         farthest = FARTHEST * max(lowest.shape) / grid.cell
         least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
         thins = np.zeros(lowest.shape, np.float32)
         del lowest
         for depth, solid, weight in zip(depths, solids, weights, strict=True):
-            parts = separate_parts(solid, core, grid.means(depth) / grid.cell, beyond, farthest)
+            parts = separate_parts(solid, core, components, grid.means(depth) / grid.cell, beyond, farthest)
             fronts = _Fronts.of(parts, solid, core, float(weight), float(weight / weights.max()), grid.cell)
             near = np.isfinite(fronts.reached)
             within = grid.within(near)
