@@ -64,10 +64,15 @@ def baked_blocks() -> list[bpy.types.Collection | bpy.types.Object]:
     return [block for block in (*bpy.data.collections, *bpy.data.objects) if MORPH_KEY in block and is_own(block)]
 
 
+def is_linked(block: bpy.types.ID) -> bool:
+    """Return whether a data-block, or the one that it overrides, is linked from another file."""
+    return block.library is not None or block.override_library is not None
+
+
 def is_own(bake: bpy.types.Collection | bpy.types.Object) -> bool:
     """Return whether a bake can be replaced: it is not linked, and if it is an object, it is in a scene."""
     # An object that was deleted remains in the file while something refers to it.
-    return bake.library is None and (isinstance(bake, bpy.types.Collection) or bool(bake.users_scene))
+    return not is_linked(bake) and (isinstance(bake, bpy.types.Collection) or bool(bake.users_scene))
 
 
 def select_only(context: bpy.types.Context, objects: Sequence[bpy.types.Object]) -> None:
@@ -89,15 +94,20 @@ def is_free_to_bake(operator: type[bpy.types.Operator], context: bpy.types.Conte
 
 
 class OnActiveMorph:
-    """Base of operators on a baked morph."""
+    """Base of operators on a baked morph, which they change unless `changes_morph` is false."""
 
     bl_options = {"REGISTER", "UNDO"}
     subject = staticmethod(active_morph)
+    changes_morph = True
 
     @classmethod
     def poll(cls, context):
-        if cls.subject(context) is None:
+        morph = cls.subject(context)
+        if morph is None:
             cls.poll_message_set("Select an object of a baked morph")
+            return False
+        if cls.changes_morph and is_linked(morph):
+            cls.poll_message_set("The morph is linked from another file; open that file to change it")
             return False
         return True
 
@@ -113,6 +123,7 @@ class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):
 
     bl_idname = "convwass.select_morph_inputs"
     bl_label = "Select Inputs"
+    changes_morph = False
 
     def execute(self, context):
         morph = active_bake(context)
@@ -216,7 +227,7 @@ def _uids(blocks: Sequence[bpy.types.Collection | bpy.types.Object]) -> str:
 
 def _require_own(bake: bpy.types.Collection | bpy.types.Object) -> None:
     """Raise InputError if a bake cannot be replaced."""
-    if bake.library is not None:
+    if is_linked(bake):
         raise InputError("{name} is linked from another file; open that file to bake it again.", name=bake.name)
     if not is_own(bake):
         raise InputError(

@@ -98,6 +98,8 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
 class _OnPlayer(_OnPlayedMorph):
     """An operator on the active player."""
 
+    changes_morph = False
+
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
@@ -108,8 +110,25 @@ class _OnPlayer(_OnPlayedMorph):
         return True
 
 
+def _has_own_keys(operator: type[bpy.types.Operator], obj: bpy.types.Object) -> bool:
+    """Return whether keys can be set on an object; otherwise set the operator's poll message."""
+    action = obj.animation_data and obj.animation_data.action
+    if all(block is None or block.is_editable for block in (obj, action)):
+        return True
+    operator.poll_message_set("The keys are linked from another file; open that file to change them")
+    return False
+
+
+class _OnKeyedPlayer(_OnPlayer):
+    """An operator that sets keys of the active player."""
+
+    @classmethod
+    def poll(cls, context):
+        return super().poll(context) and _has_own_keys(cls, context.object)
+
+
 @with_properties(Retiming)
-class CONVWASS_OT_retime_player(_OnPlayer, bpy.types.Operator):
+class CONVWASS_OT_retime_player(_OnKeyedPlayer, bpy.types.Operator):
     """Replace the keys of the player's value: ease, hold, bounce, slow motion"""
 
     bl_idname = "convwass.retime_player"
@@ -130,7 +149,7 @@ class CONVWASS_OT_retime_player(_OnPlayer, bpy.types.Operator):
         return {"FINISHED"}
 
 
-class CONVWASS_OT_update_player_speed(_OnPlayer, bpy.types.Operator):
+class CONVWASS_OT_update_player_speed(_OnKeyedPlayer, bpy.types.Operator):
     """Key the speed of the player from its current value curve, for motion blur; needed after editing the curve"""
 
     bl_idname = "convwass.update_player_speed"
@@ -157,15 +176,17 @@ class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
     bl_idname = "convwass.update_pad_velocity"
     bl_label = "Update Motion Blur"
     bl_options = {"REGISTER", "UNDO"}
+    changes_morph = False
 
     @classmethod
     def poll(cls, context):
         if not super().poll(context):
             return False
-        if handle_velocity(active_morph(context)) is None:
+        velocity = handle_velocity(active_morph(context))
+        if velocity is None:
             cls.poll_message_set("Select a pad that interpolates between blends")
             return False
-        return True
+        return _has_own_keys(cls, velocity.modifier.id_data)
 
     def execute(self, context):
         try:

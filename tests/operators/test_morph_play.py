@@ -184,3 +184,68 @@ def test_everything_explains_itself(name):
     kind = getattr(bpy.ops.convwass, name).get_rna_type()
     texts = [kind.description, *(prop.description for prop in kind.properties if prop.identifier != "rna_type")]
     assert all(text and not text.endswith(".") for text in texts)
+
+
+def linked(morph, path, how):
+    """Save the file, and link a morph to a new one."""
+    name = morph.name
+    bpy.ops.wm.save_as_mainfile(filepath=str(path))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    with bpy.data.libraries.load(str(path), link=True) as (_, wanted):
+        wanted.collections = [name]
+    collection = wanted.collections[0]
+    bpy.context.scene.collection.children.link(collection)
+    if how == "overridden":
+        collection = collection.override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    bpy.context.view_layer.objects.active = next(obj for obj in collection.all_objects if obj.visible_get())
+    return collection
+
+
+def refused(operator, **options):
+    """Return what a poll or an error says, after checking that nothing was changed."""
+    before = {(block.id_type, block.name_full) for block in bpy.data.user_map()}
+    with pytest.raises(RuntimeError) as raised:
+        getattr(bpy.ops.convwass, operator)(**options)
+    assert {(block.id_type, block.name_full) for block in bpy.data.user_map()} == before
+    return str(raised.value)
+
+
+@pytest.mark.parametrize("how", ["linked", "overridden"])
+def test_a_linked_morph_is_not_changed(path, tmp_path, how):
+    linked(path, tmp_path / "library.blend", how)
+    folder = str(tmp_path / "files")
+    for operator in ("make_player", "mark_morph_asset", "delete_morph", "make_volume", "make_cache"):
+        options = {"folder": folder} if operator in ("make_volume", "make_cache") else {}
+        assert "The morph is linked from another file" in refused(operator, **options)
+    assert not (tmp_path / "files").exists()
+
+
+@pytest.mark.parametrize("how", ["linked", "overridden"])
+def test_a_linked_player_is_shown_as_it_is(path, tmp_path, how):
+    bpy.ops.convwass.make_player()
+    morph = linked(path, tmp_path / "library.blend", how)
+    player = bpy.context.object
+    assert is_player(player)
+    for operator in ("remove_player", "delete_morph"):
+        assert "The morph is linked from another file" in refused(operator)
+    for operator in ("retime_player", "update_player_speed"):
+        assert "The keys are linked from another file" in refused(operator)
+    assert bpy.ops.convwass.bake_player(rate=24.0) == {"FINISHED"}
+    assert bpy.context.object.users_collection[0] != morph
+    assert len(frame_objects(bpy.context.object.users_collection[0])) == 4
+
+
+def test_an_overridden_morph_is_not_baked_again(path, tmp_path):
+    collection = linked(path, tmp_path / "library.blend", "overridden")
+    assert "Bake a morph first" in refused("rebake_morph", morphs=collection.name)
+
+
+def test_an_overridden_pad_with_keys_of_its_own_is_animated(sheet, tmp_path):
+    assert bpy.ops.convwass.make_blend_pad() == {"FINISHED"}
+    pad = linked(sheet, tmp_path / "library.blend", "overridden")
+    handle = next(obj for obj in pad.all_objects if obj.type == "EMPTY")
+    bpy.context.view_layer.objects.active = handle
+    for frame, place in ((1, 0.0), (10, 1.0)):
+        handle.location.x = place
+        handle.keyframe_insert("location", frame=frame)
+    assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
