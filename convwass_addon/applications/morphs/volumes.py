@@ -18,38 +18,16 @@ from ...geometry.orientation import orient_outward
 from ...geometry.solid_volume import solid_volume
 from ...geometry.thicken import LEAST_CELLS, LEAST_THICKNESS, shell_occupancy
 from ...progress import UNINTERRUPTED, Control
-from ...transport import Grid
 from ..memory import available_memory, check_memory
+from .centered_grid import CenteredGrid
 from .memory_needs import peak_bytes
-from .moved_room import Room
-
-# Sides are multiples of this, so that the grid can be halved several times.
-_MULTIPLE = 8
 
 
 @dataclass(frozen=True)
-class Lattice:
-    """The grid shared by all shapes of a morph, relative to the center of each.
+class Lattice(CenteredGrid):
+    """The grid shared by all shapes of a morph in space."""
 
-    Translating shapes translates their barycenter, so only extents relative to the centers matter: shapes far apart in
-    the scene cost no more than shapes in one place.
-
-    Attributes
-    ----------
-    shape : (int, int, int)
-        Cells per axis.
-    spacing : float
-        Size of a cell in scene units.
-    origin : (3,) float64
-        Low corner of the grid relative to a shape's center, scene units.
-    centers : (k, 3) float64
-        Centers of the shapes, scene units.
-    """
-
-    shape: tuple[int, int, int]
-    spacing: float
-    origin: NDArray[np.float64]
-    centers: NDArray[np.float64]
+    multiple = 8
 
     @classmethod
     def around(
@@ -75,24 +53,8 @@ class Lattice:
         ResourceError
             A grid too large for the memory.
         """
-        margin = 2 + int(np.ceil(2.0 * sigma))
-        if resolution < 4 * margin:
-            raise InputError(
-                "Resolution {resolution} is too coarse for a blur of {blur:.3g} cells; use at least {least}, or less "
-                "blur.",
-                resolution=resolution,
-                blur=sigma,
-                least=4 * margin,
-            )
         centers = np.stack([centroid(shape) for shape in shapes])
-        low = np.min([shape.bounds[0] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
-        high = np.max([shape.bounds[1] - c for shape, c in zip(shapes, centers, strict=True)], axis=0)
-        extent = high - low
-        spacing = float(extent.max()) / (resolution - 2 * margin)
-        cells = np.ceil(extent / spacing + 2 * margin)
-        cells = (np.ceil(cells / _MULTIPLE) * _MULTIPLE).astype(int)
-        origin = (low + high) / 2 - cells * spacing / 2
-        lattice = cls(tuple(int(n) for n in cells), spacing, origin, centers)
+        lattice = cls.of_bounds([shape.bounds for shape in shapes], centers, resolution, sigma)
         check_memory(lattice.memory(shapes, workers, parts), resolution, workers)
         return lattice
 
@@ -101,14 +63,6 @@ class Lattice:
         cells = float(np.prod(self.shape))
         filled = max(abs(shape.volume) for shape in shapes) / (self.spacing**3 * cells)
         return peak_bytes(cells, filled, len(shapes), workers, parts)
-
-    def holding(self, room: Room | None) -> Lattice:
-        """Return a lattice with the same cells and enough further ones for moved shapes."""
-        return self if room is None else room.in_lattice(self, _MULTIPLE)
-
-    def only_holding(self, room: Room) -> Lattice:
-        """Return the cells that moved shapes need; see :meth:`.Room.only_in_lattice`."""
-        return room.only_in_lattice(self, _MULTIPLE)
 
     def shell_cells(self, thickness: float) -> float:
         """Convert the thickness of a sheet from scene units to cells, at least two.
@@ -134,10 +88,6 @@ class Lattice:
     def to_scene(self, mesh: TriangleMesh, weights: NDArray[np.float64]) -> TriangleMesh:
         """Convert a surface from cells to scene space, at the weighted mean of the centers."""
         return TriangleMesh(mesh.vertices * self.spacing + self.origin + weights @ self.centers, mesh.faces)
-
-    def grid(self, sigma: float) -> Grid:
-        """Return the transport domain with a kernel of `sigma` cells."""
-        return Grid(self.shape, sigma)
 
 
 def fitting_workers(lattice: Lattice, shapes: Sequence[TriangleMesh], parts: int, most: int) -> int:
