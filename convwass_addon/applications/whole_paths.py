@@ -35,17 +35,18 @@ def whole_path(path: str | Path) -> Path:
 
 
 def path_with_suffix(path: str | Path, suffix: str) -> Path:
-    """Return a path with its suffix replaced, for example by ``.blend``.
+    """Return a path that ends in a suffix such as ``.blend``, which is added if it is missing, as Blender does.
 
     Raises
     ------
     InputError
         A path without a file name, such as ``.`` or ``/``.
     """
-    try:
-        return Path(path).with_suffix(suffix)
-    except ValueError as error:
-        raise InputError("{target} is a folder; add a file name to it.", target=_short(path)) from error
+    target = Path(path)
+    if not target.name:
+        raise InputError("{target} is a folder; add a file name to it.", target=_short(path))
+    # Other suffixes are kept: they may tell files apart, as in horse.v001 and horse.v002.
+    return target if target.suffix.lower() == suffix else target.with_name(target.name + suffix)
 
 
 def share_a_place(paths: Iterable[Path], others: Iterable[Path]) -> bool:

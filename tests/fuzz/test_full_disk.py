@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 from collections import namedtuple
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -153,6 +154,22 @@ def test_invalid_paths_are_refused(path, tmp_path):
 def test_folders_are_refused_as_files(path):
     with pytest.raises(InputError, match="is a folder"):
         path_with_suffix(path, ".blend")
+
+
+@pytest.mark.parametrize(
+    ("path", "expected"),
+    [
+        ("a/horse", "a/horse.blend"),
+        ("horse.blend", "horse.blend"),
+        ("horse.BLEND", "horse.BLEND"),
+        ("horse.v001", "horse.v001.blend"),
+        ("horse.v002", "horse.v002.blend"),
+        ("horse_0.5", "horse_0.5.blend"),
+        (".horse", ".horse.blend"),
+    ],
+)
+def test_suffixes_are_added_to_names_with_dots(path, expected):
+    assert path_with_suffix(path, ".blend") == Path(expected)
 
 
 @on_posix
