@@ -8,18 +8,14 @@ two images of their base colors and the normal map of the cow, on the UV map of 
 
 from __future__ import annotations
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
-
 import bpy
 import numpy as np
 from looks import assign, quilted, spotted, unwrap
-from photographs import PROJECT, finer, sample_shape
+from photographs import PROJECT, finer, row_picture, sample_shape
 from PIL import Image
 
 import convwass_addon
-from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.studio import Studio, world_points
+from convwass_addon.bridge.framing import View
 
 PICTURE = PROJECT / "docs" / "pictures" / "baked_textures.jpg"
 VALUES = (0.0, 0.3, 0.5, 0.7, 1.0)
@@ -72,19 +68,7 @@ def _row(obj: bpy.types.Object) -> Image.Image:
         shown.append(bpy.data.objects.new("Figure", mesh))
         # The material reads the slider of the object.
         shown[-1]["cow"] = value
-    with Studio() as studio, TemporaryDirectory() as folder:
-        across, length = _VIEW.axes[0], _STEP * max(obj.dimensions)
-        copies = [studio.show(one, length * number * across) for number, one in enumerate(shown)]
-        points = [world_points(one) for one in copies]
-        studio.build(points, _VIEW)
-        joined = np.concatenate(points)
-        middle = (joined.min(axis=0) + joined.max(axis=0)) / 2.0
-        studio.look_flat(Pose(middle + 50.0 * _VIEW.axes[2], _VIEW), length * len(shown), 200.0)
-        studio.set_quality(_ROW, _SAMPLES)
-        file = Path(folder) / "row.png"
-        studio.render(file)
-        with Image.open(file) as picture:
-            return picture.convert("RGB")
+    return row_picture(shown, _VIEW, _STEP * max(obj.dimensions), _ROW, _SAMPLES)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from tempfile import TemporaryDirectory
 
 import bpy
 import numpy as np
+from PIL import Image
 
 from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.imports import import_objects
@@ -92,12 +93,35 @@ def photograph_row(
     name : str
         Name of the picture, without suffix.
     """
+    with TemporaryDirectory() as folder:
+        _render_row(studio, shown, view, step, size, _SAMPLES, Path(folder) / "row.png")
+        save_jpeg(Path(folder) / "row.png", name)
+
+
+def row_picture(
+    shown: Sequence[bpy.types.Object], view: View, step: float, size: tuple[int, int], samples: int
+) -> Image.Image:
+    """Render copies of objects in a row, `step` apart, without perspective, with so many light paths per pixel."""
+    with Studio() as studio, TemporaryDirectory() as folder:
+        copies = [studio.show(one, step * number * view.axes[0]) for number, one in enumerate(shown)]
+        _render_row(studio, copies, view, step, size, samples, Path(folder) / "row.png")
+        with Image.open(Path(folder) / "row.png") as picture:
+            return picture.convert("RGB")
+
+
+def _render_row(
+    studio: Studio,
+    shown: Sequence[bpy.types.Object],
+    view: View,
+    step: float,
+    size: tuple[int, int],
+    samples: int,
+    target: Path,
+) -> None:
     points = [world_points(one) for one in shown]
     studio.build(points, view)
     joined = np.concatenate(points)
     middle = (joined.min(axis=0) + joined.max(axis=0)) / 2.0
     studio.look_flat(Pose(middle + 50.0 * view.axes[2], view), step * len(shown), 200.0)
-    studio.set_quality(size, _SAMPLES)
-    with TemporaryDirectory() as folder:
-        studio.render(Path(folder) / "row.png")
-        save_jpeg(Path(folder) / "row.png", name)
+    studio.set_quality(size, samples)
+    studio.render(target)

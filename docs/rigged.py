@@ -11,16 +11,14 @@ import argparse
 import math
 import sys
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import bpy
-import numpy as np
 from characters import STANDING, body_object, character, striped, turn
+from photographs import row_picture
 from PIL import Image
 
 import convwass_addon
-from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.studio import Studio, world_points
+from convwass_addon.bridge.framing import View
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
@@ -80,18 +78,7 @@ def _row(obj: bpy.types.Object) -> Image.Image:
         graph.update()
         mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(graph), depsgraph=graph)
         shown.append(bpy.data.objects.new("Figure", mesh))
-    with Studio() as studio, TemporaryDirectory() as folder:
-        across = _VIEW.axes[0]
-        copies = [studio.show(one, _STEP * number * across) for number, one in enumerate(shown)]
-        points = [world_points(one) for one in copies]
-        studio.build(points, _VIEW)
-        joined = np.concatenate(points)
-        middle = (joined.min(axis=0) + joined.max(axis=0)) / 2.0
-        studio.look_flat(Pose(middle + 50.0 * _VIEW.axes[2], _VIEW), _STEP * len(shown), 200.0)
-        studio.set_quality(_ROW, _SAMPLES)
-        studio.render(Path(folder) / "row.png")
-        with Image.open(Path(folder) / "row.png") as picture:
-            return picture.convert("RGB")
+    return row_picture(shown, _VIEW, _STEP, _ROW, _SAMPLES)
 
 
 def _export(obj: bpy.types.Object, target: Path) -> None:

@@ -7,20 +7,16 @@
 
 from __future__ import annotations
 
-from pathlib import Path
-from tempfile import TemporaryDirectory
-
 import bpy
 import numpy as np
+from photographs import PROJECT, row_picture, sample_shape
 from PIL import Image
 
 import convwass_addon
-from convwass_addon.bridge.framing import Pose, View
-from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.framing import View
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.studio import Studio, world_points
+from convwass_addon.bridge.studio import world_points
 
-PROJECT = Path(__file__).resolve().parents[1]
 PICTURE = PROJECT / "docs" / "pictures" / "two_meshes.jpg"
 SHAPES = ("knot", "octopus")
 FRAMES = (1, 6, 11, 14, 16, 20, 25)
@@ -55,7 +51,7 @@ def main() -> None:
 
 def _shape_and_ball(shape: str) -> list[str]:
     """Add a sample shape and a ball of the same volume around its center."""
-    (obj,) = import_objects(PROJECT / "assets" / "shapes" / f"{shape}.ply", None)
+    obj = sample_shape(shape)
     obj.name = shape.title()
     volume = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).volume
     radius, center = float(np.cbrt(0.75 / np.pi * volume)), np.mean(world_points(obj), axis=0)
@@ -76,18 +72,7 @@ def _row() -> Image.Image:
         mesh.transform(obj.matrix_world)
         mesh.shade_smooth()
         shown.append(bpy.data.objects.new("Figure", mesh))
-    with Studio() as studio, TemporaryDirectory() as folder:
-        across = _VIEW.axes[0]
-        copies = [studio.show(one, step * number * across) for number, one in enumerate(shown)]
-        points = [world_points(one) for one in copies]
-        studio.build(points, _VIEW)
-        joined = np.concatenate(points)
-        middle = (joined.min(axis=0) + joined.max(axis=0)) / 2.0
-        studio.look_flat(Pose(middle + 50.0 * _VIEW.axes[2], _VIEW), step * len(shown), 200.0)
-        studio.set_quality(_ROW, _SAMPLES)
-        studio.render(Path(folder) / "row.png")
-        with Image.open(Path(folder) / "row.png") as picture:
-            return picture.convert("RGB")
+    return row_picture(shown, _VIEW, step, _ROW, _SAMPLES)
 
 
 if __name__ == "__main__":
