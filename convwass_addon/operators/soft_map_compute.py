@@ -17,7 +17,7 @@ from ..applications.soft_maps.map_sides import MapSide
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
-from ..bridge.soft_maps.soft_map_store import forget_soft_map
+from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable
 from ..errors import ConvwassError, InputError
 from ..progress import Control, Progress, Work
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
@@ -46,7 +46,7 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
 
     def _begin(self, context):
         own = context.scene.convwass_soft_map
-        _require_editable(own.source)
+        require_storable(own.source)
         self._pairs = chosen_pairs(own, self.pairs)
         solve = partial(self._solver(), self._pairs, self.soft_map_settings())
         return SoftMapJob(context, own.source, own.target, self._groups(own), solve)
@@ -111,16 +111,6 @@ def _computed(
     from ..applications.soft_maps.map_solving import soft_map_steps
 
     return soft_map_steps(source, target, pairs, settings, control)
-
-
-def _require_editable(obj: bpy.types.Object) -> None:
-    """Raise InputError if an object cannot store a map."""
-    if not obj.is_editable:
-        raise InputError(
-            "{object} is linked from another file and cannot be changed here; make it local with its data: "
-            "Object > Relations > Make Local.",
-            object=obj.name,
-        )
 
 
 def chosen_pairs(own: CONVWASS_PG_soft_map, text: str) -> NDArray[np.int64]:
@@ -206,7 +196,7 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         from ..applications.soft_maps.map_repair import repaired_map
 
         way = current_way(context)
-        _require_editable(way.source)
+        require_storable(way.source)
         self._remarks = reshaped_notices(way)
         depsgraph = context.evaluated_depsgraph_get()
         meshes = [standing_mesh(obj, way.side(obj).triangles, depsgraph) for obj in (way.source, way.target)]
@@ -243,7 +233,7 @@ class CONVWASS_OT_remove_soft_map(OnStoredMap, bpy.types.Operator):
     def execute(self, context):
         source, target = mapped_objects(context)
         try:
-            _require_editable(source)
+            require_storable(source)
         except ConvwassError as error:
             return refuse(self, error)
         forget_soft_map(source, target)

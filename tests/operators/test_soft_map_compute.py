@@ -148,6 +148,22 @@ def test_linked_objects_hold_no_map(pair, asked, tmp_path):
     assert call("transfer_by_map", what={"UVS"}, direction="BACKWARD") == {"FINISHED"}
 
 
+def test_library_overrides_hold_no_map(pair, asked, tmp_path):
+    """Blender does not save it."""
+    path = str(tmp_path / "library.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    with bpy.data.libraries.load(path, link=True) as (_, linked):
+        linked.objects = ["Cow"]
+    bpy.context.collection.objects.link(linked.objects[0])
+    cow = linked.objects[0].override_create(remap_local_usages=True)
+    horse = sphere("Horse", segments=24, ring_count=12)
+    choose(cow, horse)
+    with pytest.raises(RuntimeError, match="Cow is a library override, which loses its soft maps"):
+        call("compute_soft_map")
+    assert MAPS_KEY not in cow
+
+
 def test_a_mirror_map_has_its_own_button(pair, asked):
     with pytest.raises(RuntimeError, match="Choose the same object as source and target"):
         call("mirror_map")

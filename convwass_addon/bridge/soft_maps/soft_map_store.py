@@ -30,20 +30,25 @@ class MapState(Enum):
     OTHER = "has other vertices or faces"
 
 
-def store_soft_map(source: bpy.types.Object, target: bpy.types.Object, stored: StoredSoftMap) -> None:
-    """Store a map with its source object, and replace the map to the same target.
-
-    Raises
-    ------
-    InputError
-        The source is linked from another file.
-    """
+def require_storable(source: bpy.types.Object) -> None:
+    """Raise InputError if an object cannot store maps: it is linked from another file, or a library override."""
     if not source.is_editable:
         raise InputError(
             "{object} is linked from another file and cannot be changed here; make it local with its data: "
             "Object > Relations > Make Local.",
             object=source.name,
         )
+    if source.override_library:
+        raise InputError(
+            "{object} is a library override, which loses its soft maps when the file is saved; make it local: "
+            "Object > Relations > Make Local.",
+            object=source.name,
+        )
+
+
+def store_soft_map(source: bpy.types.Object, target: bpy.types.Object, stored: StoredSoftMap) -> None:
+    """Store a map with its source object, and replace the map to the same target; raises as `require_storable`."""
+    require_storable(source)
     sides = (stored.source, stored.target)
     counts = [number for side in sides for number in (side.mark.vertices, side.mark.polygons)]
     entry = {_TARGET: target, _COUNTS: counts, _DATA: packed(stored)}
