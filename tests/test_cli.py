@@ -476,6 +476,12 @@ def test_help_names_every_option(capsys):
     assert "exit codes" in text
 
 
+@pytest.mark.parametrize("command", program.COMMANDS)
+def test_help_can_be_printed_in_any_encoding(capsys, command):
+    assert cli.main([command.name, "--help"]) == 0
+    assert capsys.readouterr().out.isascii()
+
+
 @pytest.mark.parametrize(
     "command", [command for command in program.COMMANDS if "in the project's folder" in command.description]
 )

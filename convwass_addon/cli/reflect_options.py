@@ -53,7 +53,7 @@ def add_reflect_options(parser: ArgumentParser) -> None:
         "--weights",
         type=numbers,
         action="append",
-        metavar="W,…",
+        metavar="W,W,...",
         help="weights of one blend (default: equal); repeated, the corners of a path with --steps",
     )
     group.add_argument(
