@@ -56,25 +56,9 @@ def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Seque
         _write(bag.fcurves.new(path), keys)
 
 
-def key_steps(
-    obj: bpy.types.Object, action: bpy.types.Action, path: str, axis: int, keys: list[tuple[float, float]]
-) -> None:
-    """Key a component of a property of an object, each key held until the next.
-
-    Parameters
-    ----------
-    obj : bpy.types.Object
-        Takes the action.
-    action : bpy.types.Action
-        As for `key_visibility`.
-    path : str
-        The property, which has no keys yet in this component.
-    axis : int
-        Which component.
-    keys : list of (frame, value)
-        In ascending order.
-    """
-    _write(_channels(obj, action).fcurves.new(path, index=axis), keys)
+def key_scale(obj: bpy.types.Object, action: bpy.types.Action, axis: int, keys: list[tuple[float, float]]) -> None:
+    """Key the scale of an object along an axis, which has no keys yet, by (frame, value), each held until the next."""
+    _write(_channels(obj, action).fcurves.new("scale", index=axis), keys)
 
 
 def is_shown(obj: bpy.types.Object, frame: int) -> bool:

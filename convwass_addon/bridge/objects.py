@@ -92,16 +92,13 @@ def triangle_meshes(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.De
 
 
 def labeled_mesh(
-    obj: bpy.types.Object,
-    depsgraph: bpy.types.Depsgraph,
-    kind: Literal["vertex-groups", "materials"],
-    kinds: tuple[str, ...] = ("MESH",),
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: Literal["vertex-groups", "materials"]
 ) -> LabeledMesh:
-    """Read an object as `triangle_mesh` does, with the part of every triangle after modifiers.
+    """Read an object of a type in `MESHED` as `triangle_mesh` does, with the part of every triangle after modifiers.
 
     Parameters
     ----------
-    obj, depsgraph, kinds
+    obj, depsgraph
         As for `triangle_mesh`.
     kind : "vertex-groups" or "materials"
         What defines the parts.
@@ -113,7 +110,7 @@ def labeled_mesh(
     """
     from .face_labels import LABELS
 
-    with _evaluated(obj, depsgraph, kinds) as evaluated:
+    with _evaluated(obj, depsgraph, MESHED) as evaluated:
         try:
             mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
             return LabeledMesh(_world_mesh(obj.name, evaluated, mesh), LABELS[kind](evaluated, mesh))

@@ -40,12 +40,10 @@ def add_setting_options(
         parser.add_argument(option, dest=alike[0].name, default=SUPPRESS, help=text, **_form(alike[0]))
 
 
-def given_settings(
-    options: Namespace, kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
-) -> dict[str, object]:
+def given_settings(options: Namespace, kind: type[Settings], only: Container[str] | None = None) -> dict[str, object]:
     """Return the settings given on the command line, by field name."""
     found = {}
-    for one in settings_of(kind, only, without):
+    for one in settings_of(kind, only):
         if one.option is not None and hasattr(options, one.name):
             found[one.name] = _value(one, getattr(options, one.name))
     return found

@@ -61,14 +61,14 @@ def values_of(
 
 
 def arguments_of(
-    values: Mapping[str, object], kind: type[Settings], only: Container[str] | None = None, without: Container[str] = ()
+    values: Mapping[str, object], kind: type[Settings], only: Container[str] | None = None
 ) -> dict[str, object]:
     """Return the property values, by name, that represent given settings; the inverse of `values_of`.
 
     Settings without a value are left out. Raises ValueError if a value is not one of the choices.
     """
     found = {}
-    for one in settings_of(kind, only, without):
+    for one in settings_of(kind, only):
         if one.prop is not None and one.name in values:
             found |= _arguments(one, values[one.name])
     return found

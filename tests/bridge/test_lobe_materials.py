@@ -33,7 +33,7 @@ def even(value):
 
 
 def table_of(alpha, rows=64):
-    return half_angle_table(tabulated(Ggx(alpha, alpha), incoming_directions(12, 1), rows), HEIGHT, WIDTH)
+    return half_angle_table(tabulated(Ggx(alpha, alpha), incoming_directions(12, 1), rows))
 
 
 @pytest.fixture

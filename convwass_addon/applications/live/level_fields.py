@@ -160,7 +160,7 @@ class LevelField:
             raise InputError("A blend that fills no cell has no level field; use a finer resolution.")
         span = np.stack(bounding_box(values > np.float16(_LEAST_LEVEL))) + box.low
         own = FieldBox.between(*(np.stack(bounding_box(values > np.float16(OUTSIDE))) + box.low))
-        return cls(own, values[box.overlap(own)].copy(), float(volume), _cells_inside(values, 0.0), span)
+        return cls(own, values[box.overlap(own)].copy(), float(volume), _cells_inside(values), span)
 
     def difference(self, other: LevelField) -> float:
         """Return how much two blends differ, as a fraction of their mean mass, 0 to 2.
@@ -266,7 +266,7 @@ def _densities(values: NDArray[np.float16]) -> NDArray[np.float32]:
     return np.clip(0.5 * values.astype(np.float32) + np.float32(0.5), 0.0, 1.0)
 
 
-def _cells_inside(values: NDArray[np.floating], level: float) -> float:
-    """Count the cells inside a level; cells close to it count in part."""
-    share = (values.astype(np.float32) - np.float32(level)) / np.float32(_RAMP) + np.float32(0.5)
+def _cells_inside(values: NDArray[np.floating]) -> float:
+    """Count the cells inside the level zero; cells close to it count in part."""
+    share = values.astype(np.float32) / np.float32(_RAMP) + np.float32(0.5)
     return float(np.clip(share, 0.0, 1.0).sum(dtype=np.float64))

@@ -81,30 +81,28 @@ def _read(table: LobeTable, index: NDArray[np.int64], outgoing: NDArray[np.float
     return result[:, None] * table.albedo[index]
 
 
-def half_angle_table(table: LobeTable, height: int = HEIGHT, width: int = WIDTH) -> NDArray[np.float32]:
+def half_angle_table(table: LobeTable) -> NDArray[np.float32]:
     """Tabulate a material by half and difference angle (Rusinkiewicz 1998), as an image for shaders.
 
     Parameters
     ----------
     table : LobeTable
         Of an isotropic material.
-    height, width : int
-        Size of the image. Texel (i, j) has the difference angle 90 degrees v, v = (i + 1/2) / height, and the half
-        angle 90 degrees u^2, u = (j + 1/2) / width.
 
     Returns
     -------
-    (height, width, 3) float32
+    (HEIGHT, WIDTH, 3) float32
         f in 1/sr, averaged over the azimuth of the light around the half vector; where no such pair of directions lies
-        above the surface, the last valid value of the row.
+        above the surface, the last valid value of the row. Texel (i, j) has the difference angle 90 degrees v,
+        v = (i + 1/2) / HEIGHT, and the half angle 90 degrees u^2, u = (j + 1/2) / WIDTH.
 
     Raises
     ------
     InputError
         The material is anisotropic.
     """
-    theta_d = ((np.arange(height) + 0.5) / height * (np.pi / 2))[:, None, None]
-    theta_h = (((np.arange(width) + 0.5) / width) ** 2 * (np.pi / 2))[None, :, None]
+    theta_d = ((np.arange(HEIGHT) + 0.5) / HEIGHT * (np.pi / 2))[:, None, None]
+    theta_h = (((np.arange(WIDTH) + 0.5) / WIDTH) ** 2 * (np.pi / 2))[None, :, None]
     phi_d = (np.arange(_AZIMUTHS) + 0.5) * (np.pi / _AZIMUTHS)
     theta_d, theta_h, phi_d = np.broadcast_arrays(theta_d, theta_h, phi_d)
     x, y, z = np.sin(theta_d) * np.cos(phi_d), np.sin(theta_d) * np.sin(phi_d), np.cos(theta_d)
@@ -115,7 +113,7 @@ def half_angle_table(table: LobeTable, height: int = HEIGHT, width: int = WIDTH)
     above = (incoming[:, 2] > 0) & (outgoing[:, 2] > 0)
     values = np.zeros((len(above), 3))
     values[above] = reflectance_at(table, incoming[above], outgoing[above])
-    counts = above.reshape(height, width, _AZIMUTHS).sum(axis=2)
-    means = values.reshape(height, width, _AZIMUTHS, 3).sum(axis=2) / np.maximum(counts, 1)[..., None]
-    last = np.maximum.accumulate(np.where(counts > 0, np.arange(width), 0), axis=1)
+    counts = above.reshape(HEIGHT, WIDTH, _AZIMUTHS).sum(axis=2)
+    means = values.reshape(HEIGHT, WIDTH, _AZIMUTHS, 3).sum(axis=2) / np.maximum(counts, 1)[..., None]
+    last = np.maximum.accumulate(np.where(counts > 0, np.arange(WIDTH), 0), axis=1)
     return np.take_along_axis(means, last[..., None], axis=1).astype(np.float32)

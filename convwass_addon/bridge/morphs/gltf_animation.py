@@ -9,7 +9,7 @@ from contextlib import contextmanager
 
 import bpy
 
-from ..keyframes import is_shown, key_steps
+from ..keyframes import is_shown, key_scale
 
 
 @contextmanager
@@ -45,7 +45,7 @@ def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str)
             keys = [(number, now) for number, now in enumerate(shown) if now != shown[number - 1] or number == 0]
             keys.append((len(span), shown[-1]))
             for axis in range(3):
-                key_steps(copy, action, "scale", axis, [(number, size[axis] * now) for number, now in keys])
+                key_scale(copy, action, axis, [(number, size[axis] * now) for number, now in keys])
         yield copies
     finally:
         bpy.data.batch_remove([*copies, action])

@@ -83,7 +83,7 @@ def read_shapes(
         labels = []
         for source in sources:
             with joined_shape(source, depsgraph) as obj:
-                read = labeled_mesh(obj, depsgraph, settings.parts, MESHED)
+                read = labeled_mesh(obj, depsgraph, settings.parts)
             meshes.append(read.mesh)
             labels.append(read.labels)
         # Checked before anything is created.
