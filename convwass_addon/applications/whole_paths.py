@@ -23,12 +23,17 @@ def whole_path(path: str | Path) -> Path:
     Raises
     ------
     InputError
-        A path that cannot exist on this system: too long, with an unknown user, or with circular links.
+        A path that cannot exist on this system: too long, with an unknown user, or with circular links; or one that
+        Blender cannot use, because its bytes are not UTF-8.
     """
     try:
+        str(path).encode()
         whole = Path(path).expanduser().absolute()
         with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
             os.lstat(whole)
+    except UnicodeEncodeError as error:
+        shown = _short(path).encode(errors="backslashreplace").decode()
+        raise InputError("{path} is not UTF-8, as Blender requires of paths; rename it.", path=shown) from error
     except (OSError, RuntimeError, ValueError) as error:
         raise InputError("{path} is no path of a file: {reason}.", path=_short(path), reason=_reason(error)) from error
     return whole

@@ -183,6 +183,21 @@ def test_operators_and_commands_report_invalid_paths(morph, capsys):
         assert "Traceback" not in capsys.readouterr().err, path
 
 
+@on_posix
+@pytest.mark.usefixtures("empty_scene")
+def test_names_that_are_not_utf_8_are_refused(tmp_path, capsys):
+    shape = tmp_path / "horse.ply"
+    bpy.ops.mesh.primitive_cube_add()
+    bpy.ops.wm.ply_export(filepath=str(shape))
+    odd = tmp_path / "pferd_\udcfc.ply"
+    shutil.copy(shape, odd)
+    for words in ([str(odd), str(shape)], [str(shape), str(shape), "--out", str(odd)]):
+        assert main(["morph", *words, "--resolution", "8", "--frames", "2", "--motion", "transport"]) == 3
+        said = capsys.readouterr().err
+        assert r"pferd_\udcfc.ply" in said
+        assert "is not UTF-8" in said
+
+
 def test_system_errors_become_messages():
     told = error_to_tell(FileNotFoundError(2, "No such file or directory", "/a/b"))
     assert str(told) == "/a/b cannot be read or written: No such file or directory."
