@@ -57,6 +57,13 @@ def test_inputs_are_not_overwritten(tmp_path, monkeypatch, capfd, own, words):
     assert [other for other in tmp_path.rglob("*.*") if other != path] == []
 
 
+@pytest.mark.parametrize("words", ["softmap a.obj b.obj --pairs 1:2", "armature a.obj b.obj"])
+def test_a_report_does_not_overwrite_the_result(tmp_path, monkeypatch, capfd, words):
+    monkeypatch.chdir(tmp_path)
+    assert cli.main([*words.split(), "--out", "own", "--report", "./own.blend"]) == 3
+    assert "--report would overwrite" in capfd.readouterr().err
+
+
 @pytest.mark.parametrize("spelling", ["dots", "link", "hard link"])
 def test_inputs_are_recognized_by_any_spelling(tmp_path, spelling):
     path, other = tmp_path / "own.blend", tmp_path / "other.blend"

@@ -12,7 +12,6 @@ import numpy as np
 from ..applications.skeletons.inner_points import InnerPointFinder
 from ..applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
 from ..applications.skeletons.skeleton_settings import SkeletonSettings
-from ..applications.whole_paths import path_with_suffix
 from ..bridge.armatures.auto_weights import bind_with_weights, require_bindable
 from ..bridge.armatures.fit_notices import short_notice, unweighted_notice
 from ..bridge.armatures.fit_request import FitRequest
@@ -20,14 +19,13 @@ from ..bridge.armatures.pins import pin_joints, with_pins
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
 from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
-from ..bridge.files import checked_target, save_blend
+from ..bridge.files import save_blend
 from ..bridge.imports import parse_source
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
 from .from_schema import given_settings
-from .overwriting import refuse_overwriting
-from .reports import note, write_report
+from .reports import checked_outputs, note, write_report
 
 
 def run_armature(options: Namespace) -> Answer:
@@ -38,9 +36,7 @@ def run_armature(options: Namespace) -> Answer:
     InputError, ResourceError
         The body, rig, pins or options cannot be used.
     """
-    target = checked_target(path_with_suffix(options.out, ".blend"))
-    report = None if options.report is None else checked_target(options.report)
-    refuse_overwriting([parse_source(text).path for text in (options.body, options.rig)], [target, report])
+    target, report = checked_outputs(options, [options.body, options.rig])
     settings = SkeletonSettings(**given_settings(options, SkeletonSettings))
     request = FitRequest(**given_settings(options, FitRequest))
     with with_pins():

@@ -7,11 +7,16 @@ from __future__ import annotations
 import json
 import re
 import sys
-from argparse import ArgumentParser
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
 
+from ..applications.whole_paths import path_with_suffix, share_a_place
+from ..bridge.files import checked_target
+from ..bridge.imports import parse_source
 from ..drafts import written_whole
+from ..errors import InputError
+from .overwriting import refuse_overwriting
 
 # Names of files in sequences: text, a number of at least four digits, and the extension.
 _NUMBERED = re.compile(r"(.*?)([0-9]{4,})(\.[^.]+)")
@@ -32,6 +37,29 @@ def add_output_options(parser: ArgumentParser, out: Path, report: str) -> None:
     parser.add_argument("--out", type=Path, metavar="FILE", default=out, help="the .blend to write (%(default)s)")
     parser.add_argument("--report", type=Path, metavar="FILE", help=report)
     parser.add_argument("--json", action="store_true", help="print the report as JSON")
+
+
+def checked_outputs(options: Namespace, sources: Sequence[str]) -> tuple[Path, Path | None]:
+    """Return the absolute paths of ``--out`` and ``--report``, the second one None if it was not given.
+
+    Parameters
+    ----------
+    options : Namespace
+        The options of the command.
+    sources : sequence of str
+        The files or objects that the command reads.
+
+    Raises
+    ------
+    InputError
+        A file cannot be written, or would overwrite an input or the other one.
+    """
+    target = checked_target(path_with_suffix(options.out, ".blend"))
+    report = None if options.report is None else checked_target(options.report)
+    refuse_overwriting([parse_source(text).path for text in sources], [target, report])
+    if report is not None and share_a_place([target], [report]):
+        raise InputError("--report would overwrite {file} of --out; write it to another file.", file=str(target))
+    return target, report
 
 
 def write_report(path: Path, record: dict[str, object]) -> None:

@@ -17,10 +17,8 @@ from ..applications.soft_maps.map_solving import soft_map_steps
 from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
-from ..applications.whole_paths import path_with_suffix
 from ..bridge.color_attributes import color_names
-from ..bridge.files import checked_target, save_blend
-from ..bridge.imports import parse_source
+from ..bridge.files import save_blend
 from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.carried_keys import CarriedKeys
 from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
@@ -39,8 +37,7 @@ from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
 from .from_schema import given_settings
-from .overwriting import refuse_overwriting
-from .reports import note, write_report
+from .reports import checked_outputs, note, write_report
 from .softmap_inputs import open_objects
 
 # The map before it is computed.
@@ -84,10 +81,7 @@ def run_softmap(options: Namespace) -> Answer:
         The meshes, pairs or options cannot be used.
     """
     _check_options(options)
-    target = checked_target(path_with_suffix(options.out, ".blend"))
-    report = None if options.report is None else checked_target(options.report)
-    sources = [text for text in (options.source, options.target) if text is not None]
-    refuse_overwriting([parse_source(text).path for text in sources], [target, report])
+    target, report = checked_outputs(options, [text for text in (options.source, options.target) if text is not None])
     settings = SoftMapSettings(**given_settings(options, SoftMapSettings))
     request = TransferRequest(**given_settings(options, TransferRequest))
     ends = _opened_ends(options)
