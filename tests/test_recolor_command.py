@@ -148,6 +148,8 @@ def test_palettes_have_weights(tmp_path, red, blue):
         ["red.png", "red.png", "--palette", "blue.png", "--out", "a"],
         ["red.png", "--lut", "blue.png", "--out", "a.png"],
         ["red.png", "--lut", "none.cube", "--out", "a.png"],
+        ["red.png", "--palette", "blue.png", "--workers", "0", "--out", "a.png"],
+        ["red.png", "--palette", "blue.png", "--workers", "-1", "--out", "a.png"],
     ],
 )
 def test_invalid_input_is_refused(tmp_path, red, blue, arguments, monkeypatch, capfd):

@@ -12,10 +12,25 @@ from concurrent.futures import Executor, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from typing import TYPE_CHECKING, TypeVar
 
+from ..errors import InputError
+
 if TYPE_CHECKING:
     from threadpoolctl import ThreadpoolController
 
 T = TypeVar("T")
+
+
+def thread_count(wanted: int | None = None) -> int:
+    """Return how many threads to use: the wanted number, by default one per processor.
+
+    Raises
+    ------
+    InputError
+        The number is less than one.
+    """
+    if wanted is not None and wanted < 1:
+        raise InputError("There must be at least one worker.")
+    return wanted or os.cpu_count() or 1
 
 
 @contextmanager
@@ -37,7 +52,7 @@ def frame_workers(count: int | None = None) -> Iterator[Executor]:
     """
     with ExitStack() as stack:
         stack.enter_context(one_blas_thread())
-        executor = ThreadPoolExecutor(count or os.cpu_count() or 1, thread_name_prefix="convwass")
+        executor = ThreadPoolExecutor(thread_count(count), thread_name_prefix="convwass")
         stack.callback(executor.shutdown, wait=True, cancel_futures=True)
         yield executor
 

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -16,6 +15,7 @@ from ..morphs.layouts import Blend
 from ..morphs.morph import in_order
 from ..morphs.moving_problem import solve_moving_blends
 from ..morphs.runs import as_solved, runs_of, solved_in_threads
+from ..workers import thread_count
 from .flat_blending import solve_flat_blends
 from .flat_motion import chosen_flat_motion
 from .flat_moving import FlatMovingProblem
@@ -69,8 +69,7 @@ def flat_morph(
     InputError
         Before the first frame, if the inputs or the settings are invalid.
     """
-    if workers is not None and workers < 1:
-        raise InputError("There must be at least one worker.")
+    threads = thread_count(workers)
     if not shapes or len(shapes) != len(names):
         raise InputError("A morph needs at least two shapes; select or name one more.")
     runs = dict(enumerate(runs_of(blends, wanted)))
@@ -83,7 +82,7 @@ def flat_morph(
     work = chosen_flat_motion(pieces, names, blends, settings, regions, problem.lattice.centers, control)
     choice = yield from within(work, _BEGUN, _CHOSEN)
     problem = replace(problem, motion=choice.record)
-    threads = min(workers or os.cpu_count() or 1, len(runs))
+    threads = min(threads, len(runs))
     fitting = problem.lattice.fitting_workers(len(shapes), len(problem.transport.parts), threads)
     total = sum(map(len, runs.values()))
     solve = partial(solve_flat_blends, problem)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
@@ -21,6 +20,7 @@ from ..motions.guides import Guide
 from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion
+from ..workers import thread_count
 from .animation import Animation
 from .blend_store import BlendStore
 from .computation import Computation
@@ -190,7 +190,7 @@ class BakePlan:
 
     @property
     def _threads(self) -> int:
-        return self.computation.workers or os.cpu_count() or 1
+        return thread_count(self.computation.workers)
 
     @property
     def _chosen_at(self) -> float:

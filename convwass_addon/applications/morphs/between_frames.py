@@ -10,7 +10,6 @@ shape has no potentials; next to it, blends start from their only neighbor that 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
 from contextlib import ExitStack
@@ -23,7 +22,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ...transport import Barycenter, Inputs, KernelTooNarrowError, barycenter_between, barycenter_from_neighbor
 from ..motions.guides import Guide
-from ..workers import frame_workers
+from ..workers import frame_workers, thread_count
 from .blend_solver import SolvedBlend
 from .blending import solve_blends, surfaced_frame
 from .computation import Computation
@@ -151,7 +150,7 @@ def between_frames(
         yield from _reported(0.0, len(places), (_frame_itself(place, frames) for place in places))
         return None
     workers = computation.workers
-    threads = workers or os.cpu_count() or 1
+    threads = thread_count(workers)
     side_by_side = min(workers or 1, max(len(missing), len(places)))
     problem = yield from prepared_problem(shapes, names, matching, settings, side_by_side, threads, control)
     problem = problem.with_detail_of(shapes)

@@ -7,8 +7,8 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import dataclass
 
-from ...errors import InputError
 from ..motions.motion_memory import MotionMemory
+from ..workers import thread_count
 from .frame_cache import FrameCache
 
 
@@ -54,8 +54,7 @@ class Computation:
     motions: MotionMemory | None = None
 
     def __post_init__(self) -> None:
-        if self.workers is not None and self.workers < 1:
-            raise InputError("There must be at least one worker.")
+        thread_count(self.workers)
 
 
 USUAL_COMPUTATION = Computation()

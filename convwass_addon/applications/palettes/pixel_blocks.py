@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 from collections import deque
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
@@ -16,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..workers import frame_workers
+from ..workers import frame_workers, thread_count
 from .distinct_colors import LEVELS, color_keys, distinct_colors, present_flags
 from .lookup_table import LookupTable
 from .pixel_change import recolor_rows
@@ -82,7 +81,7 @@ def recolored_blocks(
     # With a mask or filter, the result for a color depends on its place.
     is_the_same_everywhere = mask is None and not _radius(change)
     recolor = _by_distinct_colors if pixel_format.levels == LEVELS and is_the_same_everywhere else _by_pixels
-    threads = workers or os.cpu_count() or 1
+    threads = thread_count(workers)
     with frame_workers(threads) as executor:
         pool = _Pool(executor, threads, control)
         yield from recolor(_Task(pixels, pixel_format, change, mask, out), pool)
