@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import closest_in_triangles
-from .edges import distinct_corners, mesh_edges, vertex_components
+from .edges import mesh_edges, proper_faces, proper_part, vertex_components
 from .mesh import TriangleMesh
 
 # Rounds of Lloyd's algorithm, in which seeds move to the centers of their clusters.
@@ -128,9 +128,7 @@ def coarsened(
     else:
         clusters = fine.grown(seeds)
     control.check()
-    labels = clusters.labels[fine.faces]
-    a, b, c = labels.T
-    coarse = TriangleMesh(fine.points[seeds], labels[(a != b) & (b != c) & (c != a)])
+    coarse = TriangleMesh(fine.points[seeds], proper_faces(clusters.labels[fine.faces]))
     if not fine.is_whole(coarse, seeds):
         return None
     own = np.full(len(mesh.vertices), -1, np.int64)
@@ -197,13 +195,10 @@ class _Fine:
     @classmethod
     def of(cls, mesh: TriangleMesh, areas: NDArray[np.float64], control: Control) -> _Fine | None:
         """Extract this part of a mesh; None if it is empty."""
-        proper = mesh.faces[distinct_corners(mesh.faces)]
-        is_used = np.zeros(len(mesh.vertices), bool)
-        is_used[proper] = True
-        used = np.flatnonzero(is_used)
+        used, faces = proper_part(mesh)
         if not len(used):
             return None
-        faces = _without_duplicates((np.cumsum(is_used) - 1)[proper], len(used))
+        faces = _without_duplicates(faces, len(used))
         points = mesh.vertices[used]
         control.check()
         edges = mesh_edges(faces)

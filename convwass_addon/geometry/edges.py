@@ -127,7 +127,7 @@ def vertex_components(mesh: TriangleMesh) -> NDArray[np.int64]:
 
     Components share no vertex. Triangles that repeat a vertex connect nothing, as no heat flows through them.
     """
-    faces = mesh.faces[distinct_corners(mesh.faces)]
+    faces = proper_faces(mesh.faces)
     labels = np.full(len(mesh.vertices), -1, np.int64)
     used = np.zeros(len(labels), bool)
     used[faces] = True
@@ -138,10 +138,18 @@ def vertex_components(mesh: TriangleMesh) -> NDArray[np.int64]:
     return labels
 
 
-def distinct_corners(faces: NDArray[np.int64]) -> NDArray[np.bool_]:
-    """Return which triangles have three different vertices, (m,)."""
+def proper_faces(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return those of some triangles, (m, 3), that have three different vertices."""
     a, b, c = faces.T
-    return (a != b) & (b != c) & (c != a)
+    return faces[(a != b) & (b != c) & (c != a)]
+
+
+def proper_part(mesh: TriangleMesh) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Return the vertices that `proper_faces` use, (n,), and these triangles between them, (m, 3)."""
+    faces = proper_faces(mesh.faces)
+    is_used = np.zeros(len(mesh.vertices), bool)
+    is_used[faces] = True
+    return np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[faces]
 
 
 def _joined_vertices(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:

@@ -15,7 +15,7 @@ from scipy.sparse import coo_array, csc_array
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control
 from .delaunay import closed_surface, flipped_to_delaunay, heron_areas
-from .edges import distinct_corners
+from .edges import proper_part
 from .mesh import TriangleMesh
 from .normals import triangle_areas
 
@@ -190,13 +190,9 @@ class _UnitSurface:
 
 
 def _unit_surface(mesh: TriangleMesh) -> _UnitSurface:
-    proper = mesh.faces[distinct_corners(mesh.faces)]
-    is_used = np.zeros(len(mesh.vertices), bool)
-    is_used[proper] = True
-    used = np.flatnonzero(is_used)
+    used, faces = proper_part(mesh)
     if not len(used):
         raise InputError("The mesh has no triangle with three different vertices.")
-    faces = (np.cumsum(is_used) - 1)[proper]
     vertices = mesh.vertices[used]
     reach = float(np.abs(vertices).max())
     if reach > _LARGEST:

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from .edges import EdgeUse, distinct_corners, edge_ends, edge_use
+from .edges import EdgeUse, edge_ends, edge_use, proper_faces
 from .mesh import TriangleMesh
 
 # Relative lower limit of the length of a line, because the sparse graph would drop lines of length zero.
@@ -27,7 +27,7 @@ def surface_graph(mesh: TriangleMesh) -> csr_array:
     (n, n) csr_array
         Symmetric; one entry in each direction.
     """
-    faces = mesh.faces[distinct_corners(mesh.faces)]
+    faces = proper_faces(mesh.faces)
     use = edge_use(faces)
     ends = np.sort(edge_ends(faces, use), axis=1)
     lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)

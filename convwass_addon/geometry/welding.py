@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from .edges import proper_faces
 from .mesh import TriangleMesh
 
 
@@ -24,6 +25,4 @@ def welded(mesh: TriangleMesh) -> TriangleMesh:
     is_first[1:] = (points[1:] != points[:-1]).any(axis=1)
     index = np.empty(len(mesh.vertices), np.int64)
     index[order] = np.cumsum(is_first) - 1
-    faces = index[mesh.faces]
-    a, b, c = faces.T
-    return TriangleMesh(points[is_first], np.ascontiguousarray(faces[(a != b) & (b != c) & (c != a)]))
+    return TriangleMesh(points[is_first], np.ascontiguousarray(proper_faces(index[mesh.faces])))

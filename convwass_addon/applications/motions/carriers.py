@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from ...errors import InputError
 from ...geometry.coarsening import coarsened
 from ...geometry.component_links import component_links
-from ...geometry.edges import distinct_corners
+from ...geometry.edges import proper_part
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.limb_axes import LimbAxes
 from ...geometry.mesh import TriangleMesh
@@ -162,14 +162,13 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
     cut = with_short_edges(mesh, _LONGEST_EDGE * np.sqrt(mesh.area), max(len(mesh.vertices), int(_NEAR_ENOUGH * count)))
     rest = cut.mesh
     outward = orient_outward(rest)
-    used = np.zeros(len(rest.vertices), bool)
-    used[outward.faces[distinct_corners(outward.faces)]] = True
+    used, _ = proper_part(outward)
     seeds, blend = np.arange(len(rest.vertices)), None
-    if used.sum() > _NEAR_ENOUGH * count:
+    if len(used) > _NEAR_ENOUGH * count:
         found = coarsened(outward, outward.vertex_areas, count, kept, control=control)
         if found is not None and len(found.seeds) < _BEARABLE * count:
             outward, seeds, blend = found.mesh, found.seeds, _with_loose(found.prolongation, rest, found.mesh)
-        elif used.sum() > _BEARABLE * count:
+        elif len(used) > _BEARABLE * count:
             raise InputError(
                 "{name} cannot be simplified to fewer than {most} vertices: it has too many pieces or holes. "
                 "Remesh it.",

@@ -12,7 +12,7 @@ from scipy.sparse import csr_array
 
 from ...errors import InputError
 from ...geometry.coarsening import coarsened
-from ...geometry.edges import distinct_corners
+from ...geometry.edges import proper_part
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import area_normals
 from ...progress import UNINTERRUPTED, Control
@@ -75,11 +75,9 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Con
     areas = mesh.vertex_areas
     if not areas.sum() > 0:
         raise InputError("{name} has no area: the corners of every face lie on a line or in a point.", name=side.name)
-    is_used = np.zeros(len(mesh.vertices), bool)
-    is_used[mesh.faces[distinct_corners(mesh.faces)]] = True
-    used = np.flatnonzero(is_used)
+    used, faces = proper_part(mesh)
     if len(used) <= _NEAR_ENOUGH * count:
-        return _as_it_is(side, used, areas)
+        return _as_it_is(side, used, faces, areas)
     for wanted in (count, 2 * count, 4 * count):
         found = coarsened(mesh, areas, min(wanted, int(_LARGEST_SHARE * len(used))), kept, control)
         if found is not None and len(found.seeds) <= _MOST_VERTICES:
@@ -87,7 +85,7 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Con
         if wanted > len(used):
             break
     if len(used) <= _MOST_VERTICES:
-        return _as_it_is(side, used, areas)
+        return _as_it_is(side, used, faces, areas)
     raise InputError(
         "{name} cannot be simplified to fewer than {most} vertices: it has too many pieces or holes. Remesh it.",
         name=side.name,
@@ -95,16 +93,15 @@ def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Con
     )
 
 
-def _as_it_is(side: MapSide, used: NDArray[np.int64], areas: NDArray[np.float64]) -> CoarseSide:
+def _as_it_is(
+    side: MapSide, used: NDArray[np.int64], faces: NDArray[np.int64], areas: NDArray[np.float64]
+) -> CoarseSide:
     """Use the part of a mesh that triangles use, without coarsening."""
-    place = np.zeros(len(areas), np.int32)
-    place[used] = np.arange(len(used))
     shares = np.zeros((len(areas), 3), np.float32)
     shares[used, 0] = 1.0
     columns = np.zeros((len(areas), 3), np.int32)
-    columns[:, 0] = place
-    faces = side.mesh.faces[distinct_corners(side.mesh.faces)]
-    mesh = TriangleMesh(side.mesh.vertices[used], place[faces].astype(np.int64))
+    columns[used, 0] = np.arange(len(used))
+    mesh = TriangleMesh(side.mesh.vertices[used], faces)
     return _of(side, mesh, used, VertexInterpolation(columns, shares), areas)
 
 

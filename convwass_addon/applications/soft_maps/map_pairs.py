@@ -12,7 +12,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import dijkstra
 
 from ...errors import InputError
-from ...geometry.edges import distinct_corners, mesh_edges
+from ...geometry.edges import mesh_edges, proper_part
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from .map_sides import MapSide
@@ -53,9 +53,8 @@ def _check_vertices(vertices: NDArray[np.int64], side: MapSide) -> None:
             name=side.name,
             count=count,
         )
-    is_used = np.zeros(count, bool)
-    is_used[side.mesh.faces[distinct_corners(side.mesh.faces)]] = True
-    loose = np.unique(vertices[~is_used[vertices]])
+    used, _ = proper_part(side.mesh)
+    loose = np.setdiff1d(vertices, used)
     if len(loose):
         raise InputError(
             "Vertex {vertex} of {name} belongs to no face; choose another one.", vertex=int(loose[0]), name=side.name
