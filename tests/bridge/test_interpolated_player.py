@@ -99,6 +99,19 @@ def test_a_moving_ball_is_at_its_position(moving):
         assert np.allclose(mesh.vertices.mean(axis=0), (TRAVEL * value, 0, 0), atol=0.03 * cell)
 
 
+def test_balls_of_a_tenth_of_a_millimeter_are_shown(bare_scene, make_object):
+    """OpenVDB has no grids with cells as small as those of the fields."""
+
+    def solved(weights):
+        return ball(radius=1e-4, center=(1e-4 * weights[1], 0, 0), points=800)
+
+    morph = bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
+    player, cell = still_player(morph), 2e-4 / CELLS
+    morph_value(player).set(0.5)
+    off = np.linalg.norm(shown(player).vertices - (0.5e-4, 0, 0), axis=1) - 1e-4
+    assert np.abs(off).max() <= 0.08 * cell
+
+
 def test_velocity_is_that_of_the_moment(moving, bare_scene):
     player = still_player(moving)
     morph_value(player).set(0.3)

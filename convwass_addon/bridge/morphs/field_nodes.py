@@ -102,14 +102,17 @@ class FieldMixture:
         """Return a quad mesh that encloses the mixed volume, relative to the center of the blends."""
         tree, grid = self._tree, self._grid
         cube = tree.nodes.new("GeometryNodeVolumeCube")
-        cube.inputs["Min"].default_value, cube.inputs["Max"].default_value = grid.low, grid.high
+        # In cells, because OpenVDB does not create grids with cells smaller than 1.5e-5.
+        cube.inputs["Min"].default_value, cube.inputs["Max"].default_value = (0.0,) * 3, [n - 1.0 for n in grid.shape]
         for axis, count in zip("XYZ", grid.shape, strict=True):
             cube.inputs[f"Resolution {axis}"].default_value = count
         cube.inputs["Background"].default_value = -BAND
         tree.links.new(self._at(self._geometry, "FLOAT", self._mixed, self._index()), cube.inputs["Density"])
         drawn = tree.nodes.new("GeometryNodeVolumeToMesh")
         feed(tree, [drawn.inputs["Volume"], drawn.inputs["Threshold"]], [cube.outputs["Volume"], self.level])
-        return self._evened(drawn.outputs["Mesh"])
+        place = vector_math_node(tree, "SCALE", position_node(tree), grid.spacing)
+        place = vector_math_node(tree, "ADD", place, tuple(grid.low))
+        return self._evened(set_position(tree, drawn.outputs["Mesh"], position=place))
 
     def sampled(self, position: bpy.types.NodeSocket) -> Sampled:
         """Return the mixture at points relative to the center, in scene units."""
@@ -160,11 +163,10 @@ class FieldMixture:
         return node.outputs["Sum"]
 
     def _index(self) -> bpy.types.NodeSocket:
-        """Return the index of the sample at the position."""
-        tree, grid = self._tree, self._grid
-        place = vector_math_node(tree, "SUBTRACT", position_node(tree), tuple(grid.low - 0.5 * grid.spacing))
-        cell = vector_math_node(tree, "FLOOR", vector_math_node(tree, "SCALE", place, 1.0 / grid.spacing))
-        return vector_math_node(tree, "DOT_PRODUCT", cell, grid.strides)
+        """Return the index of the sample at the position in cells."""
+        tree = self._tree
+        cell = vector_math_node(tree, "FLOOR", vector_math_node(tree, "ADD", position_node(tree), (0.5, 0.5, 0.5)))
+        return vector_math_node(tree, "DOT_PRODUCT", cell, self._grid.strides)
 
     def _evened(self, mesh: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Move vertices to the mean of their neighbors, and back onto the surface by Newton steps."""

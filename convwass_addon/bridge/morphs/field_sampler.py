@@ -34,11 +34,6 @@ class SampleGrid:
     shape: tuple[int, int, int]
 
     @property
-    def high(self) -> NDArray[np.float64]:
-        """The last sample, (3,)."""
-        return self.low + self.spacing * (np.array(self.shape) - 1)
-
-    @property
     def strides(self) -> tuple[float, float, float]:
         """Change of the sample index per step along the axes."""
         _, ny, nz = self.shape
