@@ -40,6 +40,21 @@ def test_the_frames_become_files(morph, tmp_path, operator, options, files):
     assert len(frames) == 4
 
 
+@pytest.mark.parametrize("factor", [1.02, 0.98])
+def test_cells_of_volumes_are_as_wide_as_openvdb_demands(empty_scene, tmp_path, factor):
+    """Cubes of 0.1 mm at 16 cells."""
+    for x in (0.0, 1.32e-4):
+        bpy.ops.mesh.primitive_cube_add(size=1e-4 * factor, location=(x * factor, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=1, resolution=16)
+    if factor > 1.0:
+        assert bpy.ops.convwass.make_volume(folder=str(tmp_path)) == {"FINISHED"}
+    else:
+        with pytest.raises(RuntimeError, match="is too small for volumes: its cells would be"):
+            bpy.ops.convwass.make_volume(folder=str(tmp_path))
+        assert not contents(tmp_path)
+
+
 def contents(folder):
     return {path: path.read_bytes() for path in folder.rglob("*") if path.is_file()}
 

@@ -39,6 +39,8 @@ _MARGIN = 4
 _EMPTY = 1e-3
 _LEVEL = 0.5
 _FALLBACK_RESOLUTION = 100
+# OpenVDB refuses smaller cells, in scene units; see `tests/operators/test_morph_output.py`.
+_LEAST_SPACING = 1.45e-5
 
 
 def as_volume(collection: bpy.types.Collection, folder: Path, control: Control = UNINTERRUPTED) -> Work[DiskOutput]:
@@ -69,7 +71,7 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     Raises
     ------
     InputError
-        Blender lacks OpenVDB's Python module (included from 4.5), or the collection has no frames.
+        Blender lacks OpenVDB's Python module (included from 4.5), the collection has no frames, or these are too small.
     """
     openvdb = openvdb_module()
     if openvdb is None:
@@ -82,6 +84,14 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     depsgraph = bpy.context.evaluated_depsgraph_get()
     meshes = dict(zip(frames, triangle_meshes(frames, depsgraph), strict=True))
     spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
+    if spacing < _LEAST_SPACING:
+        raise InputError(
+            "{name} is too small for volumes: its cells would be {spacing:.1e} wide, but must be {least:.1e} or wider. "
+            "Scale its shapes up, or choose another output.",
+            name=collection.name,
+            spacing=spacing,
+            least=_LEAST_SPACING,
+        )
     scene_frames, shown = _timeline(collection, frames)
     files = numbered_paths(folder, f"{folder.name}_", ".vdb", scene_frames)
     for done, (file, objects) in enumerate(zip(files, shown, strict=True), 1):
