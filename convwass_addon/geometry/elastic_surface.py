@@ -137,11 +137,11 @@ class ElasticSurface:
         right = np.where(loose[:, None], points, self._sums @ (weights[:, None] * turned) + pulls)
         system = _SpringSystem(matrix, springs)
         if self._nearly is not None:
-            solution = system.solved(right, points, self._nearly, _FEW_ITERATIONS)
-            if solution.is_converged:
-                return solution.points
+            solution, is_converged = system.solved(right, points, self._nearly, _FEW_ITERATIONS)
+            if is_converged:
+                return solution
         self._nearly = factorize(system.scalar_part())
-        return system.solved(right, points, self._nearly, _MOST_ITERATIONS).points
+        return system.solved(right, points, self._nearly, _MOST_ITERATIONS)[0]
 
     def _strains(self, points: NDArray[np.float64], turned: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the mean squared strain around every edge, (e,)."""
@@ -203,14 +203,6 @@ class ElasticSurface:
 
 
 @dataclass(frozen=True)
-class _Solution:
-    """Points, (n, 3), and whether they solve the system to the tolerance."""
-
-    points: NDArray[np.float64]
-    is_converged: bool
-
-
-@dataclass(frozen=True)
 class _SpringSystem:
     """A stiffness matrix plus a spring at every vertex, for points with three coordinates.
 
@@ -233,8 +225,8 @@ class _SpringSystem:
 
     def solved(
         self, right: NDArray[np.float64], start: NDArray[np.float64], nearly: Factorization, most: int
-    ) -> _Solution:
-        """Solve by conjugate gradients with a preconditioner, in at most `most` iterations."""
+    ) -> tuple[NDArray[np.float64], bool]:
+        """Solve by conjugate gradients with a preconditioner, in at most `most` iterations; tell if they suffice."""
         count = len(start)
 
         def product(vector: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -253,4 +245,4 @@ class _SpringSystem:
             maxiter=most,
             M=LinearOperator(shape, precondition, dtype=np.float64),
         )
-        return _Solution(found.reshape(count, 3), missing == 0)
+        return found.reshape(count, 3), missing == 0
