@@ -12,9 +12,10 @@ import numpy as np
 
 from ..errors import InputError
 from .mesh_checks import not_a_mesh
+from .node_math import named_attribute, new_node, stored_attribute, without_attribute
 from .object_copies import copied, copies_of, has_copies
 from .objects import evaluated_object, frozen_copy
-from .sequence import MODIFIER, frame_group
+from .sequence import MODIFIER, frame_group, object_info
 from .shape_sources import ShapeSource, shows_collection
 
 VOLUME_THRESHOLD = 0.1
@@ -144,7 +145,7 @@ def _piece(
     if part.type not in _MESHED:
         raise not_a_mesh(part)
     mesh = _own_mesh(part, depsgraph)
-    own = None if mesh is None else _info(tree, _linked(mesh, depsgraph, stack)).outputs["Geometry"]
+    own = None if mesh is None else _geometry_of(tree, _linked(mesh, depsgraph, stack))
     return _with_copies(tree, part, own, depsgraph, stack) if has_copies(part) else own
 
 
@@ -162,7 +163,7 @@ def _with_copies(
         if mesh is None:
             continue
         source, places = _linked(mesh, depsgraph, stack), _linked(copies.as_points(), depsgraph, stack)
-        instances = copied(tree, *(_info(tree, obj).outputs["Geometry"] for obj in (places, source)))
+        instances = copied(tree, _geometry_of(tree, places), _geometry_of(tree, source))
         tree.links.new(_realized(tree, instances), join.inputs["Geometry"])
     if own is not None and part.show_instancer_for_render:
         tree.links.new(own, join.inputs["Geometry"])
@@ -194,22 +195,15 @@ def _linked(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph, stack: ExitSta
     return obj
 
 
-def _info(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.Node:
-    info = tree.nodes.new("GeometryNodeObjectInfo")
-    info.transform_space = "RELATIVE"
-    info.inputs["Object"].default_value = obj
-    return info
+def _geometry_of(tree: bpy.types.NodeTree, obj: bpy.types.Object) -> bpy.types.NodeSocket:
+    return object_info(tree, obj, space="RELATIVE").outputs["Geometry"]
 
 
 def _as_instance(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
-    info = _info(tree, part)
+    info = object_info(tree, part, space="RELATIVE")
     info.inputs["As Instance"].default_value = True
-    position = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-    position.data_type, position.domain = "FLOAT_VECTOR", "POINT"
-    position.inputs["Name"].default_value = OWN_POSITION
-    tree.links.new(info.outputs["Geometry"], position.inputs["Geometry"])
-    tree.links.new(tree.nodes.new("GeometryNodeInputPosition").outputs["Position"], position.inputs["Value"])
-    return position.outputs["Geometry"]
+    position = tree.nodes.new("GeometryNodeInputPosition").outputs["Position"]
+    return stored_attribute(tree, info.outputs["Geometry"], OWN_POSITION, position, "FLOAT_VECTOR")
 
 
 def _realized(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
@@ -219,46 +213,25 @@ def _realized(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.t
     its accumulated transform mirrors it.
     """
     for _ in range(_DEPTH):
-        mark = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-        mark.data_type, mark.domain = "BOOLEAN", "INSTANCE"
-        mark.inputs["Name"].default_value = _MIRRORED
-        tree.links.new(geometry, mark.inputs["Geometry"])
-        tree.links.new(_mirrors(tree), mark.inputs["Value"])
-        realize = tree.nodes.new("GeometryNodeRealizeInstances")
-        realize.inputs["Realize All"].default_value, realize.inputs["Depth"].default_value = False, 1
-        tree.links.new(mark.outputs["Geometry"], realize.inputs["Geometry"])
-        geometry = realize.outputs["Geometry"]
-    rest = tree.nodes.new("GeometryNodeRealizeInstances")
-    tree.links.new(geometry, rest.inputs["Geometry"])
-    flip = tree.nodes.new("GeometryNodeFlipFaces")
-    marked = tree.nodes.new("GeometryNodeInputNamedAttribute")
-    marked.data_type = "BOOLEAN"
-    marked.inputs["Name"].default_value = _MIRRORED
-    tree.links.new(rest.outputs["Geometry"], flip.inputs["Mesh"])
-    tree.links.new(marked.outputs["Attribute"], flip.inputs["Selection"])
-    unmark = tree.nodes.new("GeometryNodeRemoveAttribute")
-    unmark.inputs["Name"].default_value = _MIRRORED
-    tree.links.new(flip.outputs["Mesh"], unmark.inputs["Geometry"])
-    return unmark.outputs["Geometry"]
+        marked = stored_attribute(tree, geometry, _MIRRORED, _mirrors(tree), "BOOLEAN", "INSTANCE")
+        inputs = {"Realize All": False, "Depth": 1, "Geometry": marked}
+        geometry = new_node(tree, "GeometryNodeRealizeInstances", inputs).outputs["Geometry"]
+    rest = new_node(tree, "GeometryNodeRealizeInstances", {"Geometry": geometry}).outputs["Geometry"]
+    inputs = {"Mesh": rest, "Selection": named_attribute(tree, _MIRRORED, "BOOLEAN")}
+    return without_attribute(tree, new_node(tree, "GeometryNodeFlipFaces", inputs).outputs["Mesh"], _MIRRORED)
 
 
 def _mirrors(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
     """Return whether the transform of an instance mirrors it."""
-    transform = tree.nodes.new("GeometryNodeInstanceTransform")
-    determinant = tree.nodes.new("FunctionNodeMatrixDeterminant")
-    tree.links.new(transform.outputs["Transform"], determinant.inputs["Matrix"])
-    compare = tree.nodes.new("FunctionNodeCompare")
-    compare.operation = "LESS_THAN"
-    tree.links.new(determinant.outputs["Determinant"], compare.inputs["A"])
-    compare.inputs["B"].default_value = 0.0
-    return compare.outputs["Result"]
+    transform = tree.nodes.new("GeometryNodeInstanceTransform").outputs["Transform"]
+    determinant = new_node(tree, "FunctionNodeMatrixDeterminant", {"Matrix": transform}).outputs["Determinant"]
+    inputs = {"A": determinant, "B": 0.0}
+    return new_node(tree, "FunctionNodeCompare", inputs, operation="LESS_THAN").outputs["Result"]
 
 
 def _surface_of_volume(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:
-    mesh = tree.nodes.new("GeometryNodeVolumeToMesh")
-    mesh.inputs["Threshold"].default_value = VOLUME_THRESHOLD
-    tree.links.new(_info(tree, part).outputs["Geometry"], mesh.inputs["Volume"])
-    return mesh.outputs["Mesh"]
+    inputs = {"Threshold": VOLUME_THRESHOLD, "Volume": _geometry_of(tree, part)}
+    return new_node(tree, "GeometryNodeVolumeToMesh", inputs).outputs["Mesh"]
 
 
 def _require_radius(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
@@ -276,23 +249,15 @@ def _solid_of(tree: bpy.types.NodeTree, kind: str, geometry: bpy.types.NodeSocke
     """Return tubes along strands, or balls at points, with their radius."""
     radius = tree.nodes.new("GeometryNodeInputRadius").outputs["Radius"]
     if kind == "CURVES":
-        profile = tree.nodes.new("GeometryNodeCurvePrimitiveCircle")
-        profile.inputs["Resolution"].default_value = _TUBE_CORNERS
-        profile.inputs["Radius"].default_value = 1.0
-        tube = tree.nodes.new("GeometryNodeCurveToMesh")
-        tube.inputs["Fill Caps"].default_value = True
-        tree.links.new(geometry, tube.inputs["Curve"])
-        tree.links.new(profile.outputs["Curve"], tube.inputs["Profile Curve"])
+        circle = {"Resolution": _TUBE_CORNERS, "Radius": 1.0}
+        profile = new_node(tree, "GeometryNodeCurvePrimitiveCircle", circle).outputs["Curve"]
+        inputs = {"Fill Caps": True, "Curve": geometry, "Profile Curve": profile}
+        tube = new_node(tree, "GeometryNodeCurveToMesh", inputs)
         if "Scale" in tube.inputs:  # earlier versions of Blender apply the radius automatically
             tree.links.new(radius, tube.inputs["Scale"])
         return tube.outputs["Mesh"]
-    ball = tree.nodes.new("GeometryNodeMeshIcoSphere")
-    ball.inputs["Radius"].default_value = 1.0
-    ball.inputs["Subdivisions"].default_value = _BALL_SUBDIVISIONS
-    balls = tree.nodes.new("GeometryNodeInstanceOnPoints")
-    tree.links.new(geometry, balls.inputs["Points"])
-    tree.links.new(ball.outputs["Mesh"], balls.inputs["Instance"])
-    tree.links.new(radius, balls.inputs["Scale"])
-    realize = tree.nodes.new("GeometryNodeRealizeInstances")
-    tree.links.new(balls.outputs["Instances"], realize.inputs["Geometry"])
-    return realize.outputs["Geometry"]
+    sphere = {"Radius": 1.0, "Subdivisions": _BALL_SUBDIVISIONS}
+    ball = new_node(tree, "GeometryNodeMeshIcoSphere", sphere).outputs["Mesh"]
+    inputs = {"Points": geometry, "Instance": ball, "Scale": radius}
+    balls = new_node(tree, "GeometryNodeInstanceOnPoints", inputs).outputs["Instances"]
+    return new_node(tree, "GeometryNodeRealizeInstances", {"Geometry": balls}).outputs["Geometry"]

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Arithmetic in node trees."""
+"""Nodes with their inputs, and arithmetic in node trees."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import bpy
 
@@ -12,6 +12,30 @@ Value = bpy.types.NodeSocket | float | tuple[float, ...]
 """A socket to link, or a number or vector that stays as it is."""
 
 _NUMBERS = {"DOT_PRODUCT", "LENGTH", "DISTANCE"}
+
+
+def new_node(
+    tree: bpy.types.NodeTree, kind: str, inputs: Mapping[str | int, object] | None = None, **settings: object
+) -> bpy.types.Node:
+    """Add a node of a type.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        The tree of the node.
+    kind : str
+        Its type, such as "GeometryNodeSampleIndex".
+    inputs : mapping of str or int, optional
+        What its inputs are linked to, if it is a socket, or else set to, by name or place.
+    **settings
+        Its properties, such as ``data_type="FLOAT"``.
+    """
+    node = tree.nodes.new(kind)
+    for name, value in settings.items():
+        setattr(node, name, value)
+    for key, value in (inputs or {}).items():
+        feed(tree, [node.inputs[key]], [value])
+    return node
 
 
 def math_node(tree: bpy.types.NodeTree, operation: str, *values: bpy.types.NodeSocket | float) -> bpy.types.NodeSocket:
@@ -66,11 +90,33 @@ def switch(
     chosen: bpy.types.NodeSocket,
 ) -> bpy.types.NodeSocket:
     """Return one of two values of a kind, such as "GEOMETRY": the second where the condition holds."""
-    node = tree.nodes.new("GeometryNodeSwitch")
-    node.input_type = kind
-    for name, source in (("Switch", condition), ("False", otherwise), ("True", chosen)):
-        tree.links.new(source, node.inputs[name])
-    return node.outputs["Output"]
+    inputs = {"Switch": condition, "False": otherwise, "True": chosen}
+    return new_node(tree, "GeometryNodeSwitch", inputs, input_type=kind).outputs["Output"]
+
+
+def stored_attribute(
+    tree: bpy.types.NodeTree,
+    geometry: bpy.types.NodeSocket,
+    name: str,
+    value: bpy.types.NodeSocket,
+    kind: str = "FLOAT",
+    domain: str = "POINT",
+) -> bpy.types.NodeSocket:
+    """Return a geometry with an attribute of a kind, such as "FLOAT_COLOR"."""
+    inputs = {"Name": name, "Geometry": geometry, "Value": value}
+    return new_node(tree, "GeometryNodeStoreNamedAttribute", inputs, data_type=kind, domain=domain).outputs["Geometry"]
+
+
+def named_attribute(
+    tree: bpy.types.NodeTree, name: bpy.types.NodeSocket | str, kind: str = "FLOAT"
+) -> bpy.types.NodeSocket:
+    """Return the values of an attribute of a kind, such as "FLOAT_VECTOR"."""
+    return new_node(tree, "GeometryNodeInputNamedAttribute", {"Name": name}, data_type=kind).outputs["Attribute"]
+
+
+def without_attribute(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, name: str) -> bpy.types.NodeSocket:
+    """Return a geometry without an attribute."""
+    return new_node(tree, "GeometryNodeRemoveAttribute", {"Name": name, "Geometry": geometry}).outputs["Geometry"]
 
 
 def feed(tree: bpy.types.NodeTree, sockets: Sequence[bpy.types.NodeSocket], values: Sequence[Value]) -> None:

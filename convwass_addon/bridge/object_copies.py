@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .node_math import named_attribute, new_node, without_attribute
 from .objects import evaluated_object
 
 _TRANSFORM = "convwass_transform"
@@ -64,16 +65,8 @@ def copies_of(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> list[Cop
 
 def copied(tree: bpy.types.NodeTree, points: bpy.types.NodeSocket, mesh: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     """Return instances of a mesh at the points of :meth:`Copies.as_points`."""
-    instances = tree.nodes.new("GeometryNodeInstanceOnPoints")
-    tree.links.new(points, instances.inputs["Points"])
-    tree.links.new(mesh, instances.inputs["Instance"])
-    stored = tree.nodes.new("GeometryNodeInputNamedAttribute")
-    stored.data_type = "FLOAT4X4"
-    stored.inputs["Name"].default_value = _TRANSFORM
-    place = tree.nodes.new("GeometryNodeSetInstanceTransform")
-    tree.links.new(instances.outputs["Instances"], place.inputs["Instances"])
-    tree.links.new(stored.outputs["Attribute"], place.inputs["Transform"])
-    clean = tree.nodes.new("GeometryNodeRemoveAttribute")
-    clean.inputs["Name"].default_value = _TRANSFORM
-    tree.links.new(place.outputs["Instances"], clean.inputs["Geometry"])
-    return clean.outputs["Geometry"]
+    inputs = {"Points": points, "Instance": mesh}
+    instances = new_node(tree, "GeometryNodeInstanceOnPoints", inputs).outputs["Instances"]
+    inputs = {"Instances": instances, "Transform": named_attribute(tree, _TRANSFORM, "FLOAT4X4")}
+    placed = new_node(tree, "GeometryNodeSetInstanceTransform", inputs).outputs["Instances"]
+    return without_attribute(tree, placed, _TRANSFORM)

@@ -9,6 +9,8 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
+from .node_math import feed, new_node
+
 MODIFIER = "Frames"
 """Name of the modifier that selects the mesh."""
 
@@ -106,18 +108,13 @@ def own_geometry(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
 
 def along_x(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     """Return the point on the X axis at a number."""
-    node = tree.nodes.new("ShaderNodeCombineXYZ")
-    tree.links.new(value, node.inputs["X"])
-    return node.outputs["Vector"]
+    return new_node(tree, "ShaderNodeCombineXYZ", {"X": value}).outputs["Vector"]
 
 
 def nearest(tree: bpy.types.NodeTree, table: bpy.types.NodeSocket, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     """Return the row of a table that is nearest to a point."""
-    node = tree.nodes.new("GeometryNodeSampleNearest")
-    node.domain = "POINT"
-    tree.links.new(table, node.inputs["Geometry"])
-    tree.links.new(place, node.inputs["Sample Position"])
-    return node.outputs["Index"]
+    inputs = {"Geometry": table, "Sample Position": place}
+    return new_node(tree, "GeometryNodeSampleNearest", inputs, domain="POINT").outputs["Index"]
 
 
 def pick(
@@ -141,13 +138,7 @@ def pick(
     node.index_switch_items.clear()
     for _ in items:
         node.index_switch_items.new()
-    tree.links.new(index, node.inputs["Index"])
-    for place, item in enumerate(items):
-        socket = node.inputs[1 + place]
-        if isinstance(item, bpy.types.NodeSocket):
-            tree.links.new(item, socket)
-        else:
-            socket.default_value = item
+    feed(tree, node.inputs, [index, *items])
     return node.outputs["Output"]
 
 
@@ -165,10 +156,7 @@ def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str =
     space : "ORIGINAL" or "RELATIVE"
         Geometry in its local space and location in the world, or both relative to the modified object.
     """
-    info = tree.nodes.new("GeometryNodeObjectInfo")
-    info.transform_space = space
-    info.inputs["Object"].default_value = obj
-    return info
+    return new_node(tree, "GeometryNodeObjectInfo", {"Object": obj}, transform_space=space)
 
 
 def transformed(
@@ -180,8 +168,7 @@ def transformed(
         node.inputs["Mode"].default_value = "Matrix"
     else:  # Blender 4.5
         node.mode = "MATRIX"
-    tree.links.new(geometry, node.inputs["Geometry"])
-    tree.links.new(matrix, node.inputs["Transform"])
+    feed(tree, [node.inputs["Geometry"], node.inputs["Transform"]], [geometry, matrix])
     return node.outputs["Geometry"]
 
 
@@ -195,14 +182,11 @@ def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) 
     tree.links.new(geometry, join.inputs["Geometry"])
     # The last link comes first.
     tree.links.new(own_geometry(tree), join.inputs["Geometry"])
-    is_table = tree.nodes.new("FunctionNodeCompare")
-    is_table.data_type, is_table.operation = "INT", "LESS_THAN"
-    tree.links.new(tree.nodes.new("GeometryNodeInputIndex").outputs["Index"], is_table.inputs["A"])
-    is_table.inputs["B"].default_value = rows
-    delete = tree.nodes.new("GeometryNodeDeleteGeometry")
-    tree.links.new(join.outputs["Geometry"], delete.inputs["Geometry"])
-    tree.links.new(is_table.outputs["Result"], delete.inputs["Selection"])
-    tree.links.new(delete.outputs["Geometry"], tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    inputs = {"A": tree.nodes.new("GeometryNodeInputIndex").outputs["Index"], "B": rows}
+    is_table = new_node(tree, "FunctionNodeCompare", inputs, data_type="INT", operation="LESS_THAN").outputs["Result"]
+    inputs = {"Geometry": join.outputs["Geometry"], "Selection": is_table}
+    shown = new_node(tree, "GeometryNodeDeleteGeometry", inputs).outputs["Geometry"]
+    new_node(tree, "NodeGroupOutput", {"Geometry": shown})
 
 
 def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> bpy.types.NodeSocket:

@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..errors import InputError
 from .group_users import kept_group_users
 from .mesh_checks import readable_mesh, writable_mesh
+from .node_math import named_attribute, stored_attribute
 from .sequence import frame_group, own_geometry
 
 # Names of temporary attributes.
@@ -145,13 +146,7 @@ def _copying_tree(names: Sequence[str]) -> bpy.types.NodeTree:
     tree = frame_group("Vertex Groups")
     geometry = own_geometry(tree)
     for place, name in enumerate(names):
-        source = tree.nodes.new("GeometryNodeInputNamedAttribute")
-        source.inputs["Name"].default_value = name
-        stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-        stored.inputs["Name"].default_value = _READ.format(place)
-        tree.links.new(source.outputs["Attribute"], stored.inputs["Value"])
-        tree.links.new(geometry, stored.inputs["Geometry"])
-        geometry = stored.outputs["Geometry"]
+        geometry = stored_attribute(tree, geometry, _READ.format(place), named_attribute(tree, name))
     tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
     return tree
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..heat_map import fill_ramp
-from ..node_math import math_node
+from ..node_math import math_node, new_node
 from ..node_trees import own_tree
 from .density_nodes import NAME
 
@@ -65,10 +65,8 @@ def heat_material(name: str = NAME) -> bpy.types.Material:
     material, principled = _new(title)
     tree = material.node_tree
     principled.inputs["Roughness"].default_value = ROUGHNESS
-    ramp = tree.nodes.new("ShaderNodeValToRGB")
-    ramp.location = (-350.0, 0.0)
+    ramp = new_node(tree, "ShaderNodeValToRGB", {"Fac": _attribute(tree, name)}, location=(-350.0, 0.0))
     fill_ramp(ramp.color_ramp)
-    tree.links.new(_attribute(tree, name), ramp.inputs["Fac"])
     tree.links.new(ramp.outputs["Color"], principled.inputs["Base Color"])
     return material
 
@@ -101,10 +99,7 @@ def growth_material(
     grains = _noise(tree, growth.grain, 6.0)
     cover = _cover(tree, _attribute(tree, name), _noise(tree, growth.grain / 8.0, 5.0), growth.ragged, threshold)
     grown = _grown(tree, growth, grains, cover)
-    mixed = tree.nodes.new("ShaderNodeMixShader")
-    tree.links.new(cover, mixed.inputs[0])
-    tree.links.new(bare.outputs["BSDF"], mixed.inputs[1])
-    tree.links.new(grown.outputs["BSDF"], mixed.inputs[2])
+    mixed = new_node(tree, "ShaderNodeMixShader", {0: cover, 1: bare.outputs["BSDF"], 2: grown.outputs["BSDF"]})
     output = next(node for node in tree.nodes if node.type == "OUTPUT_MATERIAL")
     tree.links.new(mixed.outputs[0], output.inputs["Surface"])
     return material
@@ -115,26 +110,21 @@ def _new(title: str) -> tuple[bpy.types.Material, bpy.types.Node]:
     material = bpy.data.materials.new(title)
     tree = own_tree(material)
     tree.nodes.clear()
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
+    output = new_node(tree, "ShaderNodeOutputMaterial", location=(400.0, 0.0))
     principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    output.location = (400.0, 0.0)
     tree.links.new(principled.outputs["BSDF"], output.inputs["Surface"])
     return material, principled
 
 
 def _attribute(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
-    node = tree.nodes.new("ShaderNodeAttribute")
-    node.attribute_type, node.attribute_name = "GEOMETRY", name
-    node.location = (-900.0, 0.0)
-    return node.outputs["Fac"]
+    settings = {"attribute_type": "GEOMETRY", "attribute_name": name, "location": (-900.0, 0.0)}
+    return new_node(tree, "ShaderNodeAttribute", **settings).outputs["Fac"]
 
 
 def _noise(tree: bpy.types.NodeTree, scale: float, detail: float) -> bpy.types.NodeSocket:
     """Return noise in object space, from 0 to 1."""
-    place = tree.nodes.new("ShaderNodeTexCoord")
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = scale, detail
-    tree.links.new(place.outputs["Object"], noise.inputs["Vector"])
+    place = tree.nodes.new("ShaderNodeTexCoord").outputs["Object"]
+    noise = new_node(tree, "ShaderNodeTexNoise", {"Scale": scale, "Detail": detail, "Vector": place})
     return noise.outputs["Fac"] if "Fac" in noise.outputs else noise.outputs["Factor"]
 
 
@@ -147,28 +137,24 @@ def _cover(
 ) -> bpy.types.NodeSocket:
     """Return the coverage: a smooth step at the threshold, shifted by noise where the density is not zero."""
     shift = math_node(tree, "MULTIPLY_ADD", noise, 4.0 * ragged, 1.0 - 2.0 * ragged)
-    step = tree.nodes.new("ShaderNodeMapRange")
-    step.interpolation_type = "SMOOTHSTEP"
-    step.inputs["From Min"].default_value, step.inputs["From Max"].default_value = 0.7 * threshold, 1.3 * threshold
-    tree.links.new(math_node(tree, "MULTIPLY", density, shift), step.inputs["Value"])
-    return step.outputs["Result"]
+    shifted = math_node(tree, "MULTIPLY", density, shift)
+    inputs = {"From Min": 0.7 * threshold, "From Max": 1.3 * threshold, "Value": shifted}
+    return new_node(tree, "ShaderNodeMapRange", inputs, interpolation_type="SMOOTHSTEP").outputs["Result"]
 
 
 def _grown(
     tree: bpy.types.NodeTree, growth: _Growth, grains: bpy.types.NodeSocket, cover: bpy.types.NodeSocket
 ) -> bpy.types.Node:
     """Return the shader of the growth, with bump mapping for its edge and grains."""
-    shader = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    shader.location = (0.0, -700.0)
-    shader.inputs["Roughness"].default_value = growth.roughness
-    shader.inputs["Sheen Weight"].default_value = growth.sheen
-    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    ramp = new_node(tree, "ShaderNodeValToRGB", {"Fac": grains})
     for element, color, place in zip(ramp.color_ramp.elements, (growth.dark, growth.light), (0.35, 0.7), strict=True):
         element.color, element.position = (*color, 1.0), place
-    tree.links.new(grains, ramp.inputs["Fac"])
-    tree.links.new(ramp.outputs["Color"], shader.inputs["Base Color"])
-    bump = tree.nodes.new("ShaderNodeBump")
-    bump.inputs["Strength"].default_value, bump.inputs["Distance"].default_value = growth.height, 0.02
-    tree.links.new(math_node(tree, "MULTIPLY_ADD", grains, 1.0, cover), bump.inputs["Height"])
-    tree.links.new(bump.outputs["Normal"], shader.inputs["Normal"])
-    return shader
+    height = math_node(tree, "MULTIPLY_ADD", grains, 1.0, cover)
+    bump = new_node(tree, "ShaderNodeBump", {"Strength": growth.height, "Distance": 0.02, "Height": height})
+    inputs = {
+        "Roughness": growth.roughness,
+        "Sheen Weight": growth.sheen,
+        "Base Color": ramp.outputs["Color"],
+        "Normal": bump.outputs["Normal"],
+    }
+    return new_node(tree, "ShaderNodeBsdfPrincipled", inputs, location=(0.0, -700.0))

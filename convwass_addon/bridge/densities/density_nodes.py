@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..heat_map import fill_ramp
-from ..node_math import math_node
+from ..node_math import feed, math_node, named_attribute, new_node, stored_attribute, switch
 from ..sequence import frame_group, own_geometry, pick
 
 VALUE = "Density"
@@ -80,28 +80,21 @@ def fill(tree: bpy.types.NodeTree, name: str, times: Sequence[float]) -> None:
     place = _place(tree, inputs[VALUE], times)
     before = math_node(tree, "FLOOR", place)
     after = math_node(tree, "MINIMUM", math_node(tree, "ADD", before, 1.0), len(times) - 1.0)
-    mixed = tree.nodes.new("ShaderNodeMix")
-    tree.links.new(math_node(tree, "SUBTRACT", place, before), mixed.inputs["Factor"])
-    tree.links.new(_frame(tree, name, before), mixed.inputs["A"])
-    tree.links.new(_frame(tree, name, after), mixed.inputs["B"])
-    value = mixed.outputs["Result"]
+    share = math_node(tree, "SUBTRACT", place, before)
+    ends = {"Factor": share, "A": _frame(tree, name, before), "B": _frame(tree, name, after)}
+    value = new_node(tree, "ShaderNodeMix", ends).outputs["Result"]
     scaled = math_node(tree, "MULTIPLY", value, inputs[SCALE])
-    geometry = _stored(tree, own_geometry(tree), name, "FLOAT", scaled)
-    colored = _stored(tree, geometry, color_name(name), "FLOAT_COLOR", _colors(tree, value))
-    choice = tree.nodes.new("GeometryNodeSwitch")
-    choice.input_type = "GEOMETRY"
-    tree.links.new(inputs[COLORS], choice.inputs["Switch"])
-    tree.links.new(geometry, choice.inputs["False"])
-    tree.links.new(colored, choice.inputs["True"])
+    geometry = stored_attribute(tree, own_geometry(tree), name, scaled)
+    colored = stored_attribute(tree, geometry, color_name(name), _colors(tree, value), "FLOAT_COLOR")
+    shown = switch(tree, "GEOMETRY", inputs[COLORS], geometry, colored)
     # Removed because later modifiers would process all frames: subdivision would interpolate each of them.
     cleaned = tree.nodes.new("GeometryNodeRemoveAttribute")
     if "Pattern Mode" in cleaned.inputs:
         cleaned.inputs["Pattern Mode"].default_value = "Wildcard"
     else:  # Blender 4.5
         cleaned.pattern_mode = "WILDCARD"
-    cleaned.inputs["Name"].default_value = f"{_frame_prefix(name)}*"
-    tree.links.new(choice.outputs["Output"], cleaned.inputs["Geometry"])
-    tree.links.new(cleaned.outputs["Geometry"], tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    feed(tree, [cleaned.inputs["Name"], cleaned.inputs["Geometry"]], [f"{_frame_prefix(name)}*", shown])
+    new_node(tree, "NodeGroupOutput", {"Geometry": cleaned.outputs["Geometry"]})
 
 
 def _frame_prefix(name: str) -> str:
@@ -113,52 +106,26 @@ def _place(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, times: Sequenc
 
     A mesh line with one point per interval evaluates the finished share of each interval; the shares are summed.
     """
-    line = tree.nodes.new("GeometryNodeMeshLine")
-    line.inputs["Count"].default_value = len(times) - 1
+    line = new_node(tree, "GeometryNodeMeshLine", {"Count": len(times) - 1}).outputs["Mesh"]
     index = tree.nodes.new("GeometryNodeInputIndex").outputs["Index"]
-    done = tree.nodes.new("ShaderNodeMapRange")
-    tree.links.new(value, done.inputs["Value"])
-    tree.links.new(pick(tree, "FLOAT", index, [float(time) for time in times[:-1]]), done.inputs["From Min"])
-    tree.links.new(pick(tree, "FLOAT", index, [float(time) for time in times[1:]]), done.inputs["From Max"])
-    total = tree.nodes.new("GeometryNodeAttributeStatistic")
-    tree.links.new(line.outputs["Mesh"], total.inputs["Geometry"])
-    tree.links.new(done.outputs["Result"], total.inputs["Attribute"])
-    return total.outputs["Sum"]
+    begin, end = (pick(tree, "FLOAT", index, list(map(float, some))) for some in (times[:-1], times[1:]))
+    inputs = {"Value": value, "From Min": begin, "From Max": end}
+    done = new_node(tree, "ShaderNodeMapRange", inputs).outputs["Result"]
+    return new_node(tree, "GeometryNodeAttributeStatistic", {"Geometry": line, "Attribute": done}).outputs["Sum"]
 
 
 def _frame(tree: bpy.types.NodeTree, name: str, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     """Return the values of frame `place`."""
-    digits = tree.nodes.new("FunctionNodeValueToString")
-    tree.links.new(place, digits.inputs["Value"])
-    prefix = tree.nodes.new("FunctionNodeInputString")
-    prefix.string = _frame_prefix(name)
+    digits = new_node(tree, "FunctionNodeValueToString", {"Value": place})
+    prefix = new_node(tree, "FunctionNodeInputString", string=_frame_prefix(name))
     joined = tree.nodes.new("GeometryNodeStringJoin")
     # The socket that is linked last comes first.
     tree.links.new(digits.outputs["String"], joined.inputs["Strings"])
     tree.links.new(prefix.outputs["String"], joined.inputs["Strings"])
-    attribute = tree.nodes.new("GeometryNodeInputNamedAttribute")
-    attribute.data_type = "FLOAT"
-    tree.links.new(joined.outputs["String"], attribute.inputs["Name"])
-    return attribute.outputs["Attribute"]
-
-
-def _stored(
-    tree: bpy.types.NodeTree,
-    geometry: bpy.types.NodeSocket,
-    name: str,
-    kind: str,
-    value: bpy.types.NodeSocket,
-) -> bpy.types.NodeSocket:
-    node = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-    node.data_type, node.domain = kind, "POINT"
-    node.inputs["Name"].default_value = name
-    tree.links.new(geometry, node.inputs["Geometry"])
-    tree.links.new(value, node.inputs["Value"])
-    return node.outputs["Geometry"]
+    return named_attribute(tree, joined.outputs["String"])
 
 
 def _colors(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    ramp = tree.nodes.new("ShaderNodeValToRGB")
+    ramp = new_node(tree, "ShaderNodeValToRGB", {"Fac": value})
     fill_ramp(ramp.color_ramp)
-    tree.links.new(value, ramp.inputs["Fac"])
     return ramp.outputs["Color"]
