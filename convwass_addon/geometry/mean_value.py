@@ -8,7 +8,6 @@ Ju, Schaefer and Warren, "Mean value coordinates for closed triangular meshes", 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -88,25 +87,9 @@ def _summed(weights: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.floa
     return np.stack([np.bincount(corners, row.ravel(), len(mesh.vertices)) for row in weights])
 
 
-@dataclass(frozen=True)
-class PositiveCoordinates:
-    """Nonnegative weights of vertices.
-
-    Attributes
-    ----------
-    weights : (k, n) float64
-        Each row sums to 1.
-    exact : (k,) bool
-        Whether the weighted mean of the vertices equals the point.
-    """
-
-    weights: NDArray[np.float64]
-    exact: NDArray[np.bool_]
-
-
 def positive_coordinates(
     weights: NDArray[np.float64], points: ArrayLike, vertices: NDArray[np.float64]
-) -> PositiveCoordinates:
+) -> NDArray[np.float64]:
     """Make weights nonnegative while preserving their mean.
 
     Negative weights are set to zero and the others multiplied by a factor exp(lambda . vertex), which among all weights
@@ -121,19 +104,22 @@ def positive_coordinates(
         The desired means.
     vertices : (n, 3)
         Vertices of the mesh.
+
+    Returns
+    -------
+    (k, n) float64
+        Each row sums to 1.
     """
     wanted = np.asarray(points, dtype=np.float64).reshape(-1, 3)
     clamped = np.maximum(weights, 0.0)
     clamped /= clamped.sum(axis=1, keepdims=True)
-    exact = np.zeros(len(wanted), bool)
     size = float(np.linalg.norm(np.ptp(vertices, axis=0))) or 1.0
     for row, point in enumerate(wanted):
         used = np.flatnonzero(clamped[row])
         tilted = _tilted(clamped[row, used], (vertices[used] - point) / size)
-        exact[row] = tilted is not None
         if tilted is not None:
             clamped[row, used] = tilted
-    return PositiveCoordinates(clamped, exact)
+    return clamped
 
 
 def _tilted(weights: NDArray[np.float64], offsets: NDArray[np.float64]) -> NDArray[np.float64] | None:

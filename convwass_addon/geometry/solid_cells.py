@@ -21,15 +21,12 @@ class SolidCells:
 
     Attributes
     ----------
-    mass : (nx, ny, nz) float64
-        Filled fraction of every cell.
     number : (nx, ny, nz) int64
         Index of every cell among those of the solid; -1 outside.
     filled : (n,) float64
         Filled fraction of the cells of the solid.
     """
 
-    mass: NDArray[np.float64]
     number: NDArray[np.int64]
     filled: NDArray[np.float64]
 
@@ -39,7 +36,7 @@ class SolidCells:
         inside = mass >= least
         number = np.full(mass.shape, -1, np.int64)
         number[inside] = np.arange(np.count_nonzero(inside))
-        return cls(mass, number, mass[inside])
+        return cls(number, mass[inside])
 
     def __len__(self) -> int:
         return len(self.filled)

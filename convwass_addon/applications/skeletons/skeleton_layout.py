@@ -68,7 +68,7 @@ class LayoutProblem:
         self._pins = np.flatnonzero(graph.pinned)
         points = graph.positions[self._pins]
         coordinates = mean_value_coordinates(points, body.surface)
-        shares = positive_coordinates(coordinates, points, self._vertices).weights
+        shares = positive_coordinates(coordinates, points, self._vertices)
         areas = self._surface.weights
         self._given = dict(zip(self._pins.tolist(), shares / np.where(areas > 0, areas, 1.0), strict=True))
 
