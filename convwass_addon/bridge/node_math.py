@@ -94,6 +94,14 @@ def switch(
     return new_node(tree, "GeometryNodeSwitch", inputs, input_type=kind).outputs["Output"]
 
 
+def sum_over(
+    tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, values: bpy.types.NodeSocket, domain: str = "POINT"
+) -> bpy.types.NodeSocket:
+    """Return the sum of a number over a domain of a geometry, such as "FACE"."""
+    inputs = {"Geometry": geometry, "Attribute": values}
+    return new_node(tree, "GeometryNodeAttributeStatistic", inputs, data_type="FLOAT", domain=domain).outputs["Sum"]
+
+
 def stored_attribute(
     tree: bpy.types.NodeTree,
     geometry: bpy.types.NodeSocket,

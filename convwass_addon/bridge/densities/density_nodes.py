@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..heat_map import fill_ramp
-from ..node_math import feed, math_node, named_attribute, new_node, stored_attribute, switch
+from ..node_math import feed, math_node, named_attribute, new_node, stored_attribute, sum_over, switch
 from ..sequence import frame_group, own_geometry, pick
 
 VALUE = "Density"
@@ -111,7 +111,7 @@ def _place(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, times: Sequenc
     begin, end = (pick(tree, "FLOAT", index, list(map(float, some))) for some in (times[:-1], times[1:]))
     inputs = {"Value": value, "From Min": begin, "From Max": end}
     done = new_node(tree, "ShaderNodeMapRange", inputs).outputs["Result"]
-    return new_node(tree, "GeometryNodeAttributeStatistic", {"Geometry": line, "Attribute": done}).outputs["Sum"]
+    return sum_over(tree, line, done)
 
 
 def _frame(tree: bpy.types.NodeTree, name: str, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:

@@ -17,7 +17,7 @@ import numpy as np
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ...progress import Work, drained
-from ..node_math import math_node, switch
+from ..node_math import math_node, new_node, switch
 from ..pad_handles import pad_handle
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
@@ -264,13 +264,14 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
     corners = [sheet.frames[corner] for corner in sheet.corners]
     for place, (corner, foot) in enumerate(zip(sheet.corners, sheet.feet, strict=True)):
         shift = -(2.6 * TEXT + COPY) if sheet.is_below(corner) else 2.4 * TEXT
-        number = tree.nodes.new("FunctionNodeInputInt")
-        number.integer = place
-        small = tree.nodes.new("GeometryNodeTransform")
-        small.inputs["Scale"].default_value = (scale, scale, scale)
+        number = new_node(tree, "FunctionNodeInputInt", integer=place)
         lifted = sheet.points[corner] + np.array([0.0, 0.0, shift * sheet.side])
-        small.inputs["Translation"].default_value = lifted - scale * foot
-        tree.links.new(object_info(tree, corners[place]).outputs["Geometry"], small.inputs["Geometry"])
+        inputs = {
+            "Scale": (scale, scale, scale),
+            "Translation": lifted - scale * foot,
+            "Geometry": object_info(tree, corners[place]).outputs["Geometry"],
+        }
+        small = new_node(tree, "GeometryNodeTransform", inputs)
         color = color_of(tree, number.outputs["Integer"], corners)
         shown = colored(tree, small.outputs["Geometry"], color, corners)
         tree.links.new(shown, join.inputs["Geometry"])
@@ -306,10 +307,9 @@ def _result(
     place = _place_on(tree, drawn, handle)
     index = nearest(tree, drawn.outputs["Geometry"], place)
     meshes = [object_info(tree, obj).outputs["Geometry"] for obj in sheet.frames]
-    moved = tree.nodes.new("GeometryNodeTransform")
-    tree.links.new(pick(tree, "GEOMETRY", index, meshes), moved.inputs["Geometry"])
     shifts = [tuple(-foot) for foot in sheet.weights @ sheet.feet]
-    tree.links.new(pick(tree, "VECTOR", index, shifts), moved.inputs["Translation"])
+    inputs = {"Geometry": pick(tree, "GEOMETRY", index, meshes), "Translation": pick(tree, "VECTOR", index, shifts)}
+    moved = new_node(tree, "GeometryNodeTransform", inputs)
     shown, color = moved.outputs["Geometry"], color_of(tree, index, sheet.frames)
     if fields is not None:
         for name in (INTERPOLATE, DETAIL):
@@ -328,9 +328,6 @@ def _result(
 
 def _place_on(tree: bpy.types.NodeTree, pad: bpy.types.Node, handle: bpy.types.Object) -> bpy.types.NodeSocket:
     """Return the position of the Empty, given as a node, in local space of the pad."""
-    inverse = tree.nodes.new("FunctionNodeInvertMatrix")
-    tree.links.new(pad.outputs["Transform"], inverse.inputs["Matrix"])
-    place = tree.nodes.new("FunctionNodeTransformPoint")
-    tree.links.new(object_info(tree, handle).outputs["Location"], place.inputs["Vector"])
-    tree.links.new(inverse.outputs["Matrix"], place.inputs["Transform"])
-    return place.outputs["Vector"]
+    inverse = new_node(tree, "FunctionNodeInvertMatrix", {"Matrix": pad.outputs["Transform"]}).outputs["Matrix"]
+    inputs = {"Vector": object_info(tree, handle).outputs["Location"], "Transform": inverse}
+    return new_node(tree, "FunctionNodeTransformPoint", inputs).outputs["Vector"]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..node_math import feed, math_node, vector_math_node
+from ..node_math import math_node, sum_over, vector_math_node
 from .field_sampler import position_node, set_position
 
 
@@ -33,17 +33,8 @@ def with_volume(
     normal = normals.get("True Normal", normals["Normal"])
     area = tree.nodes.new("GeometryNodeInputMeshFaceArea").outputs["Area"]
     height = vector_math_node(tree, "DOT_PRODUCT", position_node(tree), normal)
-    enclosed = _total_of_faces(tree, mesh, math_node(tree, "MULTIPLY", height, math_node(tree, "DIVIDE", area, 3.0)))
-    surface = math_node(tree, "MAXIMUM", _total_of_faces(tree, mesh, area), 1e-12)
+    enclosed = sum_over(tree, mesh, math_node(tree, "MULTIPLY", height, math_node(tree, "DIVIDE", area, 3.0)), "FACE")
+    surface = math_node(tree, "MAXIMUM", sum_over(tree, mesh, area, "FACE"), 1e-12)
     way = math_node(tree, "DIVIDE", math_node(tree, "SUBTRACT", volume, enclosed), surface)
     way = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", way, farthest), -farthest)
     return set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", normal, way))
-
-
-def _total_of_faces(
-    tree: bpy.types.NodeTree, mesh: bpy.types.NodeSocket, values: bpy.types.NodeSocket
-) -> bpy.types.NodeSocket:
-    node = tree.nodes.new("GeometryNodeAttributeStatistic")
-    node.data_type, node.domain = "FLOAT", "FACE"
-    feed(tree, [node.inputs["Geometry"], node.inputs["Attribute"]], [mesh, values])
-    return node.outputs["Sum"]

@@ -12,7 +12,16 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..node_math import feed, math_node, vector_math_node, weighted_sum
+from ..node_math import (
+    feed,
+    math_node,
+    named_attribute,
+    new_node,
+    stored_attribute,
+    sum_over,
+    vector_math_node,
+    weighted_sum,
+)
 from ..sequence import object_info
 from .field_sampler import position_node, sample_index, set_position
 from .stored_fields import BAND, FIELD, SCALE, VOLUME, StoredFields
@@ -80,8 +89,9 @@ class FieldMixture:
         self._samples = object_info(tree, fields.samples).outputs["Geometry"]
         self._steps = object_info(tree, fields.steps).outputs["Geometry"]
         own = [self._field_of(term) for term in terms]
-        self._geometry = self._stored(weighted_sum(tree, own, self._weights))
-        self._mixed = self._attribute("FLOAT", _MIXED)
+        # Stored, because the mixture is used several times.
+        self._geometry = stored_attribute(tree, self._samples, _MIXED, weighted_sum(tree, own, self._weights))
+        self._mixed = named_attribute(tree, _MIXED)
         self.level = self._level()
 
     @property
@@ -94,22 +104,25 @@ class FieldMixture:
         key = (kind, name, term.index.as_pointer())
         if key not in self._of_steps:
             if (kind, name) not in self._attributes:
-                self._attributes[kind, name] = self._attribute(kind, name)
-            self._of_steps[key] = self._at(self._steps, kind, self._attributes[kind, name], term.index)
+                self._attributes[kind, name] = named_attribute(self._tree, name, kind)
+            value = self._attributes[kind, name]
+            self._of_steps[key] = sample_index(self._tree, self._steps, kind, value, term.index)
         return self._of_steps[key]
 
     def surface(self) -> bpy.types.NodeSocket:
         """Return a quad mesh that encloses the mixed volume, relative to the center of the blends."""
         tree, grid = self._tree, self._grid
-        cube = tree.nodes.new("GeometryNodeVolumeCube")
-        # In cells, because OpenVDB does not create grids with cells smaller than 1.5e-5.
-        cube.inputs["Min"].default_value, cube.inputs["Max"].default_value = (0.0,) * 3, [n - 1.0 for n in grid.shape]
-        for axis, count in zip("XYZ", grid.shape, strict=True):
-            cube.inputs[f"Resolution {axis}"].default_value = count
-        cube.inputs["Background"].default_value = -BAND
-        tree.links.new(self._at(self._geometry, "FLOAT", self._mixed, self._index()), cube.inputs["Density"])
-        drawn = tree.nodes.new("GeometryNodeVolumeToMesh")
-        feed(tree, [drawn.inputs["Volume"], drawn.inputs["Threshold"]], [cube.outputs["Volume"], self.level])
+        inputs = {
+            "Density": sample_index(tree, self._geometry, "FLOAT", self._mixed, self._index()),
+            "Background": -BAND,
+            # In cells, because OpenVDB does not create grids with cells smaller than 1.5e-5.
+            "Min": (0.0,) * 3,
+            "Max": [n - 1.0 for n in grid.shape],
+        }
+        inputs |= {f"Resolution {axis}": count for axis, count in zip("XYZ", grid.shape, strict=True)}
+        cube = new_node(tree, "GeometryNodeVolumeCube", inputs)
+        inputs = {"Volume": cube.outputs["Volume"], "Threshold": self.level}
+        drawn = new_node(tree, "GeometryNodeVolumeToMesh", inputs)
         place = vector_math_node(tree, "SCALE", position_node(tree), grid.spacing)
         place = vector_math_node(tree, "ADD", place, tuple(grid.low))
         return self._evened(set_position(tree, drawn.outputs["Mesh"], position=place))
@@ -125,21 +138,10 @@ class FieldMixture:
     def _field_of(self, term: Term) -> bpy.types.NodeSocket:
         """Return the field of a blend at the samples, in cells."""
         tree = self._tree
-        name = tree.nodes.new("FunctionNodeFormatString")
-        name.inputs["Format"].default_value = FIELD.replace("{}", "{number}")
+        name = new_node(tree, "FunctionNodeFormatString", {"Format": FIELD.replace("{}", "{number}")})
         name.format_items.new("INT", "number")
         tree.links.new(term.index, name.inputs["number"])
-        steps = self._attribute("FLOAT", name.outputs["String"])
-        return math_node(tree, "MULTIPLY", steps, 1.0 / SCALE)
-
-    def _stored(self, mixed: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return the samples with the mixture stored as an attribute, because it is used several times."""
-        tree = self._tree
-        node = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-        node.data_type, node.domain = "FLOAT", "POINT"
-        node.inputs["Name"].default_value = _MIXED
-        feed(tree, [node.inputs["Geometry"], node.inputs["Value"]], [self._samples, mixed])
-        return node.outputs["Geometry"]
+        return math_node(tree, "MULTIPLY", named_attribute(tree, name.outputs["String"]), 1.0 / SCALE)
 
     def _level(self) -> bpy.types.NodeSocket:
         """Return the level at which the mixture encloses the mixed volume, by one Newton step from zero.
@@ -151,16 +153,10 @@ class FieldMixture:
         inside = math_node(tree, "ADD", self._mixed, 0.5)
         inside.node.use_clamp = True
         near = math_node(tree, "LESS_THAN", math_node(tree, "ABSOLUTE", self._mixed), 0.5)
-        excess = math_node(tree, "SUBTRACT", self._total(inside), wanted)
-        level = math_node(tree, "DIVIDE", excess, math_node(tree, "MAXIMUM", self._total(near), 1.0))
+        excess = math_node(tree, "SUBTRACT", sum_over(tree, self._geometry, inside), wanted)
+        count = math_node(tree, "MAXIMUM", sum_over(tree, self._geometry, near), 1.0)
+        level = math_node(tree, "DIVIDE", excess, count)
         return math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", level, 0.5), -0.5)
-
-    def _total(self, values: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        """Return the sum of a field over all samples."""
-        node = self._tree.nodes.new("GeometryNodeAttributeStatistic")
-        node.data_type, node.domain = "FLOAT", "POINT"
-        feed(self._tree, [node.inputs["Geometry"], node.inputs["Attribute"]], [self._geometry, values])
-        return node.outputs["Sum"]
 
     def _index(self) -> bpy.types.NodeSocket:
         """Return the index of the sample at the position in cells."""
@@ -171,9 +167,8 @@ class FieldMixture:
     def _evened(self, mesh: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Move vertices to the mean of their neighbors, and back onto the surface by Newton steps."""
         tree = self._tree
-        blur = tree.nodes.new("GeometryNodeBlurAttribute")
-        blur.data_type = "FLOAT_VECTOR"
-        blur.inputs["Iterations"].default_value = _EVENING_ROUNDS
+        inputs = {"Iterations": _EVENING_ROUNDS}
+        blur = new_node(tree, "GeometryNodeBlurAttribute", inputs, data_type="FLOAT_VECTOR")
         feed(tree, [next(s for s in blur.inputs if s.enabled)], [position_node(tree)])
         mesh = set_position(tree, mesh, position=next(s for s in blur.outputs if s.enabled))
         for _ in range(_NEWTON_STEPS):
@@ -189,18 +184,6 @@ class FieldMixture:
     def _sample(
         self, geometry: bpy.types.NodeSocket, field: bpy.types.NodeSocket, position: bpy.types.NodeSocket
     ) -> Sampled:
-        node = self._tree.nodes.new("GeometryNodeGroup")
-        node.node_tree = self._fields.sampler
-        feed(self._tree, node.inputs, [geometry, field, position])
+        inputs = {0: geometry, 1: field, 2: position}
+        node = new_node(self._tree, "GeometryNodeGroup", inputs, node_tree=self._fields.sampler)
         return Sampled(node.outputs["Value"], node.outputs["Gradient"])
-
-    def _attribute(self, kind: str, name: str | bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self._tree.nodes.new("GeometryNodeInputNamedAttribute")
-        node.data_type = kind
-        feed(self._tree, [node.inputs["Name"]], [name])
-        return next(socket for socket in node.outputs if socket.enabled)
-
-    def _at(
-        self, geometry: bpy.types.NodeSocket, kind: str, value: bpy.types.NodeSocket, index: bpy.types.NodeSocket
-    ) -> bpy.types.NodeSocket:
-        return sample_index(self._tree, geometry, kind, value, index)

@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..node_math import feed, math_node, vector_math_node
+from ..node_math import math_node, new_node, vector_math_node
 
 
 @dataclass(frozen=True)
@@ -53,18 +53,15 @@ def field_sampler(name: str, grid: SampleGrid) -> bpy.types.NodeTree:
     place = vector_math_node(tree, "MAXIMUM", place, (0.0, 0.0, 0.0))
     place = vector_math_node(tree, "MINIMUM", place, tuple(float(n) - 1.001 for n in grid.shape))
     cell = vector_math_node(tree, "FLOOR", place)
-    part = tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(vector_math_node(tree, "SUBTRACT", place, cell), part.inputs[0])
+    part = new_node(tree, "ShaderNodeSeparateXYZ", {0: vector_math_node(tree, "SUBTRACT", place, cell)})
     first = vector_math_node(tree, "DOT_PRODUCT", cell, grid.strides)
     corners = {}
     for corner in product((0, 1), repeat=3):
         shift = sum(c * stride for c, stride in zip(corner, grid.strides, strict=True))
         corners[corner] = sample_index(tree, geometry, "FLOAT", field, math_node(tree, "ADD", first, shift))
     value, slopes = _interpolated(tree, corners, list(part.outputs))
-    combined = tree.nodes.new("ShaderNodeCombineXYZ")
-    feed(tree, combined.inputs, slopes)
-    result = tree.nodes.new("NodeGroupOutput")
-    feed(tree, result.inputs, [value, combined.outputs[0]])
+    gradient = new_node(tree, "ShaderNodeCombineXYZ", dict(enumerate(slopes))).outputs[0]
+    new_node(tree, "NodeGroupOutput", {"Value": value, "Gradient": gradient})
     return tree
 
 
@@ -102,12 +99,9 @@ def set_position(
     offset: bpy.types.NodeSocket | None = None,
 ) -> bpy.types.NodeSocket:
     """Return a geometry with points moved to positions, or by offsets."""
-    node = tree.nodes.new("GeometryNodeSetPosition")
-    tree.links.new(geometry, node.inputs["Geometry"])
-    for socket, value in (("Position", position), ("Offset", offset)):
-        if value is not None:
-            tree.links.new(value, node.inputs[socket])
-    return node.outputs["Geometry"]
+    inputs = {"Geometry": geometry, "Position": position, "Offset": offset}
+    given = {name: value for name, value in inputs.items() if value is not None}
+    return new_node(tree, "GeometryNodeSetPosition", given).outputs["Geometry"]
 
 
 def sample_index(
@@ -119,8 +113,5 @@ def sample_index(
     domain: str = "POINT",
 ) -> bpy.types.NodeSocket:
     """Return a value at a point or face of a geometry, by index."""
-    node = tree.nodes.new("GeometryNodeSampleIndex")
-    node.data_type, node.domain = kind, domain
-    for name, source in (("Geometry", geometry), ("Value", value), ("Index", index)):
-        tree.links.new(source, node.inputs[name])
-    return node.outputs["Value"]
+    inputs = {"Geometry": geometry, "Value": value, "Index": index}
+    return new_node(tree, "GeometryNodeSampleIndex", inputs, data_type=kind, domain=domain).outputs["Value"]

@@ -20,8 +20,9 @@ from ...geometry.mesh import TriangleMesh
 from ..handles import found
 from ..joined_shapes import joined_shape, shown_live
 from ..mouse_progress import progress_at_mouse
+from ..node_math import new_node
 from ..objects import MESHED, frozen_copy, triangle_mesh
-from ..sequence import MODIFIER, frame_group
+from ..sequence import MODIFIER, frame_group, transformed
 from ..shape_sources import ShapeSource
 from .animated_inputs import data_of
 from .frozen_inputs import FrozenInput
@@ -144,25 +145,15 @@ def keep_animated(obj: bpy.types.Object, own: FrozenInput, move: RigidMove | Non
         bpy.data.node_groups.remove(tree)
         return
     if move is not None:
-        place = tree.nodes.new("GeometryNodeTransform")
-        if "Mode" in place.inputs:
-            place.inputs["Mode"].default_value = "Matrix"
-        else:  # Blender 4.5
-            place.mode = "MATRIX"
-        matrix = tree.nodes.new("FunctionNodeCombineMatrix")
-        for column in range(4):
-            for row in range(4):
-                matrix.inputs[4 * column + row].default_value = float(move.matrix[row][column])
-        tree.links.new(matrix.outputs["Matrix"], place.inputs["Transform"])
-        tree.links.new(geometry, place.inputs["Geometry"])
-        geometry = place.outputs["Geometry"]
+        matrix = new_node(
+            tree, "FunctionNodeCombineMatrix", dict(enumerate(np.transpose(move.matrix).ravel().tolist()))
+        )
+        geometry = transformed(tree, geometry, matrix.outputs["Matrix"])
     material = obj.data.materials[0] if len(obj.data.materials) else None
     if shows_object_color(material) and not any(part.material_slots for part in parts):
-        assign = tree.nodes.new("GeometryNodeSetMaterial")
-        assign.inputs["Material"].default_value = material
-        tree.links.new(geometry, assign.inputs["Geometry"])
-        geometry = assign.outputs["Geometry"]
-    tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+        inputs = {"Material": material, "Geometry": geometry}
+        geometry = new_node(tree, "GeometryNodeSetMaterial", inputs).outputs["Geometry"]
+    new_node(tree, "NodeGroupOutput", {"Geometry": geometry})
     obj.modifiers.new(MODIFIER, "NODES").node_group = tree
 
 

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import bpy
 
+from ..node_math import new_node, stored_attribute
 from ..sequence import pick
 from .materials import shows_object_color
 
@@ -47,18 +48,10 @@ def colored(
     materials = [material for material in dict.fromkeys(used) if shows_object_color(material)]
     if not materials:
         return geometry
-    stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-    stored.data_type, stored.domain = "FLOAT_COLOR", "POINT"
-    stored.inputs["Name"].default_value = COLOR
-    tree.links.new(geometry, stored.inputs["Geometry"])
-    tree.links.new(color, stored.inputs["Value"])
-    result = stored.outputs["Geometry"]
+    result = stored_attribute(tree, geometry, COLOR, color, "FLOAT_COLOR")
     for material in materials:
-        replaced = tree.nodes.new("GeometryNodeReplaceMaterial")
-        replaced.inputs["Old"].default_value = material
-        replaced.inputs["New"].default_value = _colored_material(material)
-        tree.links.new(result, replaced.inputs["Geometry"])
-        result = replaced.outputs["Geometry"]
+        inputs = {"Old": material, "New": _colored_material(material), "Geometry": result}
+        result = new_node(tree, "GeometryNodeReplaceMaterial", inputs).outputs["Geometry"]
     return result
 
 
@@ -97,8 +90,7 @@ def _colored_copy(material: bpy.types.Material) -> bpy.types.Material:
     copy.name = f"{material.name} Player"
     copy[ORIGINAL_KEY] = material
     tree = copy.node_tree
-    attribute = tree.nodes.new("ShaderNodeAttribute")
-    attribute.attribute_type, attribute.attribute_name = "GEOMETRY", COLOR
+    attribute = new_node(tree, "ShaderNodeAttribute", attribute_type="GEOMETRY", attribute_name=COLOR)
     for node in [node for node in tree.nodes if node.type == "OBJECT_INFO"]:
         attribute.location = node.location
         for link in list(node.outputs["Color"].links):

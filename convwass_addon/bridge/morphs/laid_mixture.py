@@ -8,7 +8,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..node_math import feed, math_node, total, vector_math_node, weighted_sum, weighted_vectors
+from ..node_math import math_node, named_attribute, new_node, total, vector_math_node, weighted_sum, weighted_vectors
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index
 from .stored_fields import OFFSET
@@ -66,15 +66,10 @@ class LaidMixture:
         own = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
         found, shares = [], []
         for term, place, target in zip(self._terms, self._places, self._targets, strict=True):
-            node = tree.nodes.new("GeometryNodeSampleNearestSurface")
-            node.data_type = "FLOAT_VECTOR"
             theirs = tree.nodes.new("GeometryNodeInputNormal").outputs["Normal"]
-            for key, source in (("Mesh", target), ("Value", theirs), ("Sample Position", place)):
-                tree.links.new(source, node.inputs[key])
-            agrees = math_node(
-                tree, "GREATER_THAN", vector_math_node(tree, "DOT_PRODUCT", node.outputs["Value"], own), _AGREES
-            )
-            found.append(node.outputs["Value"])
+            found.append(self._nearest_on(target, theirs, place))
+            agreement = vector_math_node(tree, "DOT_PRODUCT", found[-1], own)
+            agrees = math_node(tree, "GREATER_THAN", agreement, _AGREES)
             shares.append(math_node(tree, "MULTIPLY", agrees, term.weight))
         rest = math_node(tree, "SUBTRACT", 1.0, total(tree, shares))
         return vector_math_node(tree, "NORMALIZE", weighted_vectors(tree, [*found, own], [*shares, rest]))
@@ -84,13 +79,9 @@ class LaidMixture:
     ) -> tuple[bpy.types.NodeSocket, list[bpy.types.NodeSocket]]:
         """Return a geometry that stores the index of the nearest point or face of every mesh, and these indices."""
         tree, found = self._tree, []
-        capture = tree.nodes.new("GeometryNodeCaptureAttribute")
-        capture.domain = domain
-        tree.links.new(geometry, capture.inputs["Geometry"])
+        capture = new_node(tree, "GeometryNodeCaptureAttribute", {"Geometry": geometry}, domain=domain)
         for number, (place, target) in enumerate(zip(self._places, self._targets, strict=True)):
-            node = tree.nodes.new("GeometryNodeSampleNearest")
-            node.domain = domain
-            feed(tree, node.inputs, [target, place])
+            node = new_node(tree, "GeometryNodeSampleNearest", {0: target, 1: place}, domain=domain)
             name = f"Nearest {number}"
             capture.capture_items.new("INT", name)
             tree.links.new(node.outputs["Index"], capture.inputs[name])
@@ -99,14 +90,12 @@ class LaidMixture:
 
     def has_material(self, material: bpy.types.Material, face: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return whether a face of the first mesh, by index, has a material."""
-        selection = self._tree.nodes.new("GeometryNodeMaterialSelection")
-        selection.inputs["Material"].default_value = material
-        has = selection.outputs["Selection"]
+        has = new_node(self._tree, "GeometryNodeMaterialSelection", {"Material": material}).outputs["Selection"]
         return sample_index(self._tree, self._targets[0], "BOOLEAN", has, face, domain="FACE")
 
     def at_points(self, kind: str, name: str, points: Sequence[bpy.types.NodeSocket]) -> list[bpy.types.NodeSocket]:
         """Return an attribute of the nearest points."""
-        value = self._attribute(kind, name)
+        value = named_attribute(self._tree, name, kind)
         pairs = zip(self._targets, points, strict=True)
         return [sample_index(self._tree, target, kind, value, point) for target, point in pairs]
 
@@ -123,11 +112,14 @@ class LaidMixture:
 
     def _on_surface(self, name: str, place: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return an attribute at the closest points of the first mesh."""
-        node = self._tree.nodes.new("GeometryNodeSampleNearestSurface")
-        node.data_type = "FLOAT_VECTOR"
-        value = self._attribute("FLOAT_VECTOR", name)
-        for key, source in (("Mesh", self._targets[0]), ("Value", value), ("Sample Position", place)):
-            self._tree.links.new(source, node.inputs[key])
+        return self._nearest_on(self._targets[0], named_attribute(self._tree, name, "FLOAT_VECTOR"), place)
+
+    def _nearest_on(
+        self, mesh: bpy.types.NodeSocket, vector: bpy.types.NodeSocket, place: bpy.types.NodeSocket
+    ) -> bpy.types.NodeSocket:
+        """Return a vector at the closest points of a mesh."""
+        inputs = {"Mesh": mesh, "Value": vector, "Sample Position": place}
+        node = new_node(self._tree, "GeometryNodeSampleNearestSurface", inputs, data_type="FLOAT_VECTOR")
         return node.outputs["Value"]
 
     def _missing(
@@ -139,10 +131,8 @@ class LaidMixture:
     ) -> bpy.types.NodeSocket:
         """Return by how many cells the distance to a mesh exceeds its field; 0 if unknown."""
         tree = self._tree
-        node = tree.nodes.new("GeometryNodeProximity")
-        node.target_element = "FACES"
-        tree.links.new(target, node.inputs[0])
-        tree.links.new(place, node.inputs["Sample Position"])
+        inputs = {0: target, "Sample Position": place}
+        node = new_node(tree, "GeometryNodeProximity", inputs, target_element="FACES")
         apart = vector_math_node(tree, "SUBTRACT", node.outputs["Position"], place)
         above = vector_math_node(tree, "DOT_PRODUCT", apart, normal)
         near = math_node(tree, "LESS_THAN", node.outputs["Distance"], _FAR * self._spacing)
@@ -154,16 +144,8 @@ class LaidMixture:
         missing = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", missing, _MOST_CORRECTED), -_MOST_CORRECTED)
         return math_node(tree, "MULTIPLY", missing, known)
 
-    def _attribute(self, kind: str, name: str) -> bpy.types.NodeSocket:
-        node = self._tree.nodes.new("GeometryNodeInputNamedAttribute")
-        node.data_type = kind
-        node.inputs["Name"].default_value = name
-        return next(socket for socket in node.outputs if socket.enabled)
-
 
 def _of_face(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     """Return a vector as it is for the face of a corner."""
-    node = tree.nodes.new("GeometryNodeFieldOnDomain")
-    node.data_type, node.domain = "FLOAT_VECTOR", "FACE"
-    feed(tree, node.inputs, [value])
+    node = new_node(tree, "GeometryNodeFieldOnDomain", {0: value}, data_type="FLOAT_VECTOR", domain="FACE")
     return next(socket for socket in node.outputs if socket.enabled)

@@ -14,6 +14,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..node_copies import can_copy, copied_nodes
+from ..node_math import new_node
 from ..shown_nodes import shown_tree
 from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
 from .materials import mark_as_frames
@@ -232,15 +233,11 @@ def _give_vector(tree: bpy.types.NodeTree, node: bpy.types.Node, make: Callable[
 
 
 def _uv_map(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
-    node = tree.nodes.new("ShaderNodeUVMap")
-    node.uv_map = name
-    return node.outputs["UV"]
+    return new_node(tree, "ShaderNodeUVMap", uv_map=name).outputs["UV"]
 
 
 def _attribute(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
-    node = tree.nodes.new("ShaderNodeAttribute")
-    node.attribute_name = name
-    return node.outputs["Vector"]
+    return new_node(tree, "ShaderNodeAttribute", attribute_name=name).outputs["Vector"]
 
 
 def _relink(tree: bpy.types.NodeTree, old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..node_math import math_node
+from ..node_math import math_node, new_node
 from .frame_attributes import GENERATED, LOOKS
 from .look_groups import DISPLACEMENT, SURFACE
 
@@ -43,8 +43,7 @@ class MixedLook:
 
 def group_look(tree: bpy.types.NodeTree, group: bpy.types.NodeTree, share: bpy.types.NodeSocket) -> MixedLook:
     """Add a group that :class:`.look_groups.LookGroups` has made to a material."""
-    node = tree.nodes.new("ShaderNodeGroup")
-    node.node_tree = group
+    node = new_node(tree, "ShaderNodeGroup", node_tree=group)
     output = next(own for own in group.nodes if own.type == "GROUP_OUTPUT")
     displacement = node.outputs[DISPLACEMENT] if output.inputs[DISPLACEMENT].is_linked else None
     return MixedLook(node.outputs[SURFACE], displacement, share)
@@ -78,13 +77,11 @@ def show_looks(material: bpy.types.Material, looks: Sequence[MixedLook], how: st
         shader = _mixed_shaders(tree, factor, shader, look.surface, index)
         if displacement is not None or look.displacement is not None:
             displacement = _mixed_vectors(tree, factor, displacement, look.displacement)
-    present = tree.nodes.new("ShaderNodeAttribute")
-    present.attribute_name = LOOKS
-    present.location = (100.0, 400.0)
-    shown = _mixed_shaders(tree, present.outputs["Fac"], simple, shader, len(looks))
+    present = new_node(tree, "ShaderNodeAttribute", attribute_name=LOOKS, location=(100.0, 400.0)).outputs["Fac"]
+    shown = _mixed_shaders(tree, present, simple, shader, len(looks))
     tree.links.new(shown, output.inputs["Surface"])
     if displacement is not None:
-        tree.links.new(_mixed_vectors(tree, present.outputs["Fac"], None, displacement), output.inputs["Displacement"])
+        tree.links.new(_mixed_vectors(tree, present, None, displacement), output.inputs["Displacement"])
     output.location = (900.0, 0.0)
 
 
@@ -115,24 +112,17 @@ def _threshold(
 
 def _height(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
     """Return the height of every point within the bounds of the frame, from 0 to 1."""
-    place = tree.nodes.new("ShaderNodeTexCoord")
-    axes = tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(place.outputs["Generated"], axes.inputs[0])
-    return axes.outputs["Z"]
+    place = tree.nodes.new("ShaderNodeTexCoord").outputs["Generated"]
+    return new_node(tree, "ShaderNodeSeparateXYZ", {0: place}).outputs["Z"]
 
 
 def _noise(tree: bpy.types.NodeTree, place: str) -> bpy.types.NodeSocket:
     """Return noise between 0 and 1 that stays in place on an input."""
-    where = tree.nodes.new("ShaderNodeAttribute")
-    where.attribute_name = place
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    noise.label = "Patches"
-    noise.inputs["Scale"].default_value, noise.inputs["Detail"].default_value = _PATCHES, 2.0
-    tree.links.new(where.outputs["Vector"], noise.inputs["Vector"])
-    spread = tree.nodes.new("ShaderNodeMapRange")
-    spread.inputs["From Min"].default_value, spread.inputs["From Max"].default_value = _NOISE
-    tree.links.new(noise.outputs[0], spread.inputs["Value"])
-    return spread.outputs[0]
+    where = new_node(tree, "ShaderNodeAttribute", attribute_name=place).outputs["Vector"]
+    inputs = {"Scale": _PATCHES, "Detail": 2.0, "Vector": where}
+    noise = new_node(tree, "ShaderNodeTexNoise", inputs, label="Patches").outputs[0]
+    inputs = {"From Min": _NOISE[0], "From Max": _NOISE[1], "Value": noise}
+    return new_node(tree, "ShaderNodeMapRange", inputs).outputs[0]
 
 
 def _mixed_shaders(
@@ -142,12 +132,8 @@ def _mixed_shaders(
     after: bpy.types.NodeSocket,
     place: int,
 ) -> bpy.types.NodeSocket:
-    mix = tree.nodes.new("ShaderNodeMixShader")
-    mix.location = (300.0 + 180.0 * place, 0.0)
-    tree.links.new(factor, mix.inputs[0])
-    tree.links.new(before, mix.inputs[1])
-    tree.links.new(after, mix.inputs[2])
-    return mix.outputs[0]
+    location = (300.0 + 180.0 * place, 0.0)
+    return new_node(tree, "ShaderNodeMixShader", {0: factor, 1: before, 2: after}, location=location).outputs[0]
 
 
 def _mixed_vectors(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..node_math import new_node
 from ..node_trees import own_tree
 
 MATERIAL_NAME = "Convwass Morph"
@@ -127,9 +128,8 @@ def object_property_material(name: str, key: str) -> bpy.types.Material:
         tree = material.node_tree
         (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
         tree.nodes.remove(source)
-        colors = tree.nodes.new("ShaderNodeAttribute")
-        colors.attribute_type, colors.attribute_name = "OBJECT", key
-        colors.location = (-500.0, 0.0)
+        settings = {"attribute_type": "OBJECT", "attribute_name": key, "location": (-500.0, 0.0)}
+        colors = new_node(tree, "ShaderNodeAttribute", **settings)
         tree.links.new(colors.outputs["Color"], principled_of(material).inputs["Base Color"])
     return material
 
@@ -139,9 +139,7 @@ def take_color_from(material: bpy.types.Material, attribute: str) -> None:
     tree = material.node_tree
     (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
     tree.nodes.remove(source)
-    colors = tree.nodes.new("ShaderNodeVertexColor")
-    colors.layer_name = attribute
-    colors.location = (-500.0, 0.0)
+    colors = new_node(tree, "ShaderNodeVertexColor", layer_name=attribute, location=(-500.0, 0.0))
     tree.links.new(colors.outputs["Color"], principled_of(material).inputs["Base Color"])
 
 

@@ -15,7 +15,16 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..node_math import feed, math_node, switch, total, vector_math_node, weighted_sum, weighted_vectors
+from ..node_math import (
+    math_node,
+    new_node,
+    stored_attribute,
+    switch,
+    total,
+    vector_math_node,
+    weighted_sum,
+    weighted_vectors,
+)
 from ..sequence import pick
 from .enclosed_volume import with_volume
 from .field_nodes import FieldMixture, Term
@@ -247,12 +256,8 @@ class MixedFrames:
         material: bpy.types.Material | None,
         selection: bpy.types.NodeSocket | None = None,
     ) -> bpy.types.NodeSocket:
-        node = self.tree.nodes.new("GeometryNodeSetMaterial")
-        node.inputs["Material"].default_value = material
-        self.tree.links.new(geometry, node.inputs["Geometry"])
-        if selection is not None:
-            self.tree.links.new(selection, node.inputs["Selection"])
-        return node.outputs["Geometry"]
+        inputs = {"Material": material, "Geometry": geometry, "Selection": True if selection is None else selection}
+        return new_node(self.tree, "GeometryNodeSetMaterial", inputs).outputs["Geometry"]
 
     @property
     def weights(self) -> list[bpy.types.NodeSocket]:
@@ -268,11 +273,7 @@ class MixedFrames:
         domain: str = "POINT",
     ) -> bpy.types.NodeSocket:
         """Return a geometry with an attribute, by default of points."""
-        node = self.tree.nodes.new("GeometryNodeStoreNamedAttribute")
-        node.data_type, node.domain = kind, domain
-        node.inputs["Name"].default_value = name
-        feed(self.tree, [node.inputs["Geometry"], node.inputs["Value"]], [geometry, value])
-        return node.outputs["Geometry"]
+        return stored_attribute(self.tree, geometry, name, value, kind, domain)
 
     def _shares(self, name: str) -> list[bpy.types.NodeSocket]:
         """Return the weights of the meshes for an attribute: 0 for those without it."""
@@ -289,12 +290,8 @@ class MixedFrames:
 
     def _shaded(self, mesh: bpy.types.NodeSocket, normal: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return a mesh with other point normals."""
-        node = self.tree.nodes.new("GeometryNodeSetMeshNormal")
-        node.mode, node.domain = "FREE", "POINT"
-        feed(self.tree, [node.inputs["Mesh"], node.inputs["Custom Normal"]], [mesh, normal])
-        return node.outputs["Mesh"]
+        inputs = {"Mesh": mesh, "Custom Normal": normal}
+        return new_node(self.tree, "GeometryNodeSetMeshNormal", inputs, mode="FREE", domain="POINT").outputs["Mesh"]
 
     def _smooth(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-        node = self.tree.nodes.new("GeometryNodeSetShadeSmooth")
-        self.tree.links.new(geometry, node.inputs["Geometry"])
-        return node.outputs["Geometry"]
+        return new_node(self.tree, "GeometryNodeSetShadeSmooth", {"Geometry": geometry}).outputs["Geometry"]

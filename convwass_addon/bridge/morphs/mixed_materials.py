@@ -11,6 +11,7 @@ import bpy
 
 from ..edited_materials import remember_made
 from ..handles import Handle, found
+from ..node_math import new_node
 from .frame_attributes import LOOK
 from .look_mixing import MixedLook, group_look, show_looks
 from .materials import ROUGHNESS, drop_unused_groups, mark_as_frames, principled_of, take_color_from, wire
@@ -172,8 +173,7 @@ def _simple_look(tree: bpy.types.NodeTree, number: int, shader: ShaderValues, sh
         if socket.name in shader.values and not socket.is_unavailable:
             _set(socket, shader.values[socket.name])
     principled.inputs[_STRENGTH].default_value = 1.0 if EMISSION in shader.values else 0.0
-    color = tree.nodes.new("ShaderNodeVertexColor")
-    color.layer_name = LOOK.format(number)
+    color = new_node(tree, "ShaderNodeVertexColor", layer_name=LOOK.format(number))
     tree.links.new(color.outputs["Color"], principled.inputs["Base Color"])
     return MixedLook(principled.outputs["BSDF"], None, share)
 
@@ -216,10 +216,8 @@ def _shares(tree: bpy.types.NodeTree, weight: str, count: int) -> list[bpy.types
     """Return the sockets with the shares of the inputs."""
     sockets = []
     for index in range(1, count + 1):
-        share = tree.nodes.new("ShaderNodeAttribute")
-        share.attribute_name = weight.format(index)
-        share.location = (-1100.0, -200.0 * index)
-        sockets.append(share.outputs["Fac"])
+        settings = {"attribute_name": weight.format(index), "location": (-1100.0, -200.0 * index)}
+        sockets.append(new_node(tree, "ShaderNodeAttribute", **settings).outputs["Fac"])
     return sockets
 
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..node_math import feed, math_node, switch, vector_math_node, weighted_vectors
+from ..node_math import math_node, named_attribute, stored_attribute, switch, vector_math_node, weighted_vectors
 from ..sequence import pick
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
@@ -78,12 +78,8 @@ def moved_frame(
     velocity = velocity_of_points(tree)
     mesh = pick(tree, "GEOMETRY", index, meshes)
     moved = set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", velocity, since))
-    stored = tree.nodes.new("GeometryNodeStoreNamedAttribute")
-    stored.data_type, stored.domain = "FLOAT_VECTOR", "POINT"
-    stored.inputs["Name"].default_value = VELOCITY
     faster = vector_math_node(tree, "SCALE", velocity, speed)
-    feed(tree, [stored.inputs["Geometry"], stored.inputs["Value"]], [moved, faster])
-    return stored.outputs["Geometry"]
+    return stored_attribute(tree, moved, VELOCITY, faster, "FLOAT_VECTOR")
 
 
 def has_velocity(mixture: FieldMixture, term: Term) -> bpy.types.NodeSocket:
@@ -93,7 +89,4 @@ def has_velocity(mixture: FieldMixture, term: Term) -> bpy.types.NodeSocket:
 
 def velocity_of_points(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
     """Return the velocity stored on the points of a mesh, as a field; 0 if there is none."""
-    node = tree.nodes.new("GeometryNodeInputNamedAttribute")
-    node.data_type = "FLOAT_VECTOR"
-    node.inputs["Name"].default_value = VELOCITY
-    return next(socket for socket in node.outputs if socket.enabled)
+    return named_attribute(tree, VELOCITY, "FLOAT_VECTOR")

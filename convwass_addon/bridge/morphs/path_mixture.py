@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ..node_math import feed, math_node, switch
+from ..node_math import math_node, new_node, sum_over, switch
 from ..sequence import object_info, pick, transformed
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
@@ -89,7 +89,7 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     shown = switch(tree, "GEOMETRY", mixed.is_shape, shown, pick(tree, "GEOMETRY", nearer, meshes))
     shown = transformed(tree, shown, pick(tree, "MATRIX", nearer, [info.outputs["Transform"] for info in infos]))
     shown = colored(tree, shown, mixed.color, frames)
-    tree.links.new(shown, tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    new_node(tree, "NodeGroupOutput", {"Geometry": shown})
     tree.asset_mark()
     return tree
 
@@ -108,16 +108,12 @@ def _neighbors(
     tree: bpy.types.NodeTree, steps: bpy.types.NodeSocket, value: bpy.types.NodeSocket, count: int
 ) -> tuple[Term, Term]:
     """Return the blends before and after a value, with their weights."""
-    along = tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(position_node(tree), along.inputs[0])
-    passed = math_node(tree, "SUBTRACT", 1.0, math_node(tree, "LESS_THAN", value, along.outputs["X"]))
-    total = tree.nodes.new("GeometryNodeAttributeStatistic")
-    total.data_type, total.domain = "FLOAT", "POINT"
-    feed(tree, [total.inputs["Geometry"], total.inputs["Attribute"]], [steps, passed])
-    index = math_node(tree, "SUBTRACT", total.outputs["Sum"], 1.0)
+    along = new_node(tree, "ShaderNodeSeparateXYZ", {0: position_node(tree)}).outputs["X"]
+    passed = math_node(tree, "SUBTRACT", 1.0, math_node(tree, "LESS_THAN", value, along))
+    index = math_node(tree, "SUBTRACT", sum_over(tree, steps, passed), 1.0)
     index = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", index, count - 2.0), 0.0)
     following = math_node(tree, "ADD", index, 1.0)
-    low, high = (sample_index(tree, steps, "FLOAT", along.outputs["X"], place) for place in (index, following))
+    low, high = (sample_index(tree, steps, "FLOAT", along, place) for place in (index, following))
     share = math_node(tree, "DIVIDE", math_node(tree, "SUBTRACT", value, low), math_node(tree, "SUBTRACT", high, low))
     share.node.use_clamp = True
     return Term(index, math_node(tree, "SUBTRACT", 1.0, share)), Term(following, share)

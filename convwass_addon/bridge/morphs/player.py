@@ -18,7 +18,7 @@ from ...errors import InputError
 from ...progress import Work, drained
 from ..keyframes import EASINGS
 from ..node_inputs import NodeInput, node_input
-from ..node_math import feed, math_node, switch
+from ..node_math import math_node, new_node, switch
 from ..sequence import (
     MODIFIER,
     along_x,
@@ -296,9 +296,8 @@ def _fill(
     shown = transformed(tree, shown, pick(tree, "MATRIX", index, [info.outputs["Transform"] for info in infos]))
     shown = colored(tree, shown, color_of(tree, index, frames), frames)
     if moment is not None:
-        node = tree.nodes.new("GeometryNodeGroup")
-        node.node_tree = moment
-        feed(tree, [node.inputs[name] for name in (VALUE, DETAIL, SPEED)], [value, inputs[DETAIL], inputs[SPEED]])
+        fed = {VALUE: value, DETAIL: inputs[DETAIL], SPEED: inputs[SPEED]}
+        node = new_node(tree, "GeometryNodeGroup", fed, node_tree=moment)
         shown = switch(tree, "GEOMETRY", inputs[INTERPOLATE], shown, node.outputs["Geometry"])
     output(tree, _with_override(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
 
@@ -323,9 +322,7 @@ def _with_override(
     material: bpy.types.NodeSocket,
 ) -> bpy.types.NodeSocket:
     """Return the geometry with its own materials, or with another one."""
-    other = tree.nodes.new("GeometryNodeSetMaterial")
-    tree.links.new(geometry, other.inputs["Geometry"])
-    tree.links.new(material, other.inputs["Material"])
+    other = new_node(tree, "GeometryNodeSetMaterial", {"Geometry": geometry, "Material": material})
     return switch(tree, "GEOMETRY", override, geometry, other.outputs["Geometry"])
 
 
@@ -333,19 +330,13 @@ def _played(
     tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, playback: bpy.types.NodeSocket, last: float
 ) -> bpy.types.NodeSocket:
     """Map a value to the range from 0 to `last`, as the menu selects; both ends are included."""
-    clamped = tree.nodes.new("ShaderNodeClamp")
-    clamped.inputs["Max"].default_value = last
-    tree.links.new(value, clamped.inputs["Value"])
-    outside = tree.nodes.new("FunctionNodeCompare")
-    outside.data_type, outside.operation = "FLOAT", "NOT_EQUAL"
-    outside.inputs["Epsilon"].default_value = 0.0
-    tree.links.new(value, outside.inputs["A"])
-    tree.links.new(clamped.outputs["Result"], outside.inputs["B"])
+    clamped = new_node(tree, "ShaderNodeClamp", {"Max": last, "Value": value}).outputs["Result"]
+    ends = {"Epsilon": 0.0, "A": value, "B": clamped}
+    outside = new_node(tree, "FunctionNodeCompare", ends, data_type="FLOAT", operation="NOT_EQUAL")
     # The value of the last shape is kept, because it would wrap to the first shape.
     wrapped = math_node(tree, "WRAP", value, last, 0.0)
     looped = switch(tree, "FLOAT", outside.outputs["Result"], value, wrapped)
-    menu = tree.nodes.new("GeometryNodeMenuSwitch")
-    menu.data_type = "FLOAT"
+    menu = new_node(tree, "GeometryNodeMenuSwitch", data_type="FLOAT")
     # The two items of a new menu keep their numbers 0 and 1, so all numbers are positions.
     texts = list(PLAYBACKS.values())
     for item, text in zip(menu.enum_items, texts, strict=False):
@@ -353,7 +344,7 @@ def _played(
     for text in texts[len(menu.enum_items) :]:
         menu.enum_items.new(text)
     bounced = math_node(tree, "PINGPONG", value, last)
-    for text, source in zip(texts, (clamped.outputs["Result"], looped, bounced), strict=True):
+    for text, source in zip(texts, (clamped, looped, bounced), strict=True):
         tree.links.new(source, menu.inputs[text])
     tree.links.new(playback, menu.inputs["Menu"])
     return menu.outputs["Output"]

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..node_math import math_node, switch, vector_math_node
+from ..node_math import math_node, new_node, switch, vector_math_node
 from ..sequence import object_info
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
@@ -165,8 +165,7 @@ def _place_on_sheet(tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.
 
 def _along_sheet(tree: bpy.types.NodeTree, lattice: SheetLattice, vector: bpy.types.NodeSocket) -> _SheetPlace:
     """Return a vector on the pad in rows and columns."""
-    axes = tree.nodes.new("ShaderNodeSeparateXYZ")
-    tree.links.new(vector, axes.inputs[0])
+    axes = new_node(tree, "ShaderNodeSeparateXYZ", {0: vector})
     row = math_node(tree, "DIVIDE", axes.outputs["Z"], -lattice.rise * lattice.step)
     column = math_node(tree, "DIVIDE", axes.outputs["X"], lattice.step)
     return _SheetPlace(row, math_node(tree, "MULTIPLY_ADD", row, 0.5, column) if lattice.is_triangle else column)
