@@ -10,7 +10,7 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs import hidden_inputs
-from convwass_addon.bridge.morphs.hidden_inputs import hidden_only_by, hide_shapes
+from convwass_addon.bridge.morphs.hidden_inputs import hidden_only_by, hide_shapes, show_again
 from convwass_addon.bridge.morphs.stored import MORPH_KEY
 from convwass_addon.bridge.objects import is_in
 
@@ -51,6 +51,47 @@ def test_parts_that_two_morphs_hide_are_hidden_only_by_neither(parts):
     for morph, own in ((first, parts[:2]), (second, parts[4:])):
         names = [one.name.name for one in hidden_only_by(morph) if one.in_renders and one.layers]
         assert names == [obj.name for obj in own]
+
+
+@pytest.fixture
+def second_scene(parts):
+    """A scene with the same parts, and a view layer of the same name."""
+    scene = bpy.data.scenes.new("Second")
+    for part in parts:
+        scene.collection.objects.link(part)
+    scene.view_layers[0].update()
+    assert scene.view_layers[0].name == bpy.context.view_layer.name
+    return scene
+
+
+def hidden_in(scene, parts):
+    return [part.hide_get(view_layer=scene.view_layers[0]) for part in parts]
+
+
+def test_what_is_hidden_in_another_scene_stays_hidden(parts, second_scene):
+    parts[0].hide_set(True, view_layer=second_scene.view_layers[0])
+    morph = new_morph()
+    hide_shapes(morph, parts[:2], bpy.context.scene)
+    parts[1].hide_set(True, view_layer=second_scene.view_layers[0])
+    show_again(hidden_only_by(morph))
+    assert hidden_in(bpy.context.scene, parts[:2]) == [False, False]
+    assert hidden_in(second_scene, parts[:2]) == [True, True]
+
+
+def test_what_was_hidden_but_in_another_scene_stays_hidden(parts, second_scene):
+    parts[0].hide_set(True)
+    morph = new_morph()
+    hide_shapes(morph, parts[:2], bpy.context.scene)
+    show_again(hidden_only_by(morph))
+    assert hidden_in(bpy.context.scene, parts[:2]) == [True, False]
+
+
+def test_parts_are_shown_again_after_the_scene_was_renamed(parts):
+    morph = new_morph()
+    hide_shapes(morph, parts[:2], bpy.context.scene)
+    bpy.context.scene.name = "Shot 010"
+    show_again(hidden_only_by(morph))
+    assert hidden_in(bpy.context.scene, parts[:2]) == [False, False]
 
 
 def test_a_view_layer_is_not_listed_to_find_an_object(parts):

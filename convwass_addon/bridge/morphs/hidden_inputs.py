@@ -32,13 +32,13 @@ class HiddenObject:
         The object.
     in_renders : bool
         Whether it is hidden in renders.
-    layers : tuple of str
-        Names of the view layers in which it is hidden.
+    layers : tuple of (str, str)
+        Names of the scenes and view layers in which it is hidden.
     """
 
     name: ObjectName
     in_renders: bool
-    layers: tuple[str, ...]
+    layers: tuple[tuple[str, str], ...]
 
     def without(self, other: HiddenObject) -> HiddenObject:
         """Return where the object is hidden here but not there."""
@@ -100,7 +100,7 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
         if own.in_renders:
             obj.hide_render = False
         for layer in layers_with(obj, bpy.data.scenes):
-            if layer.name in own.layers:
+            if any(_is_named(layer, *names) for names in own.layers):
                 obj.hide_set(False, view_layer=layer)
 
 
@@ -109,9 +109,9 @@ def _to_hide(
 ) -> HiddenObject:
     """Return where a morph hides an object that is shown `now`, or hidden by other morphs, but not by the user."""
     needed = [now, *claims]
-    layers = {name for one in needed for name in one.layers}
-    names = tuple(layer.name for layer in layers_with(obj, [scene]) if layer.name in layers)
-    return HiddenObject(now.name, any(one.in_renders for one in needed), names)
+    layers = {names for one in needed for names in one.layers}
+    kept = tuple(names for names in map(_names, layers_with(obj, [scene])) if names in layers)
+    return HiddenObject(now.name, any(one.in_renders for one in needed), kept)
 
 
 def _claims(morphs: Iterable[bpy.types.ID]) -> Mapping[ObjectName, list[HiddenObject]]:
@@ -134,7 +134,17 @@ def _release(shown: Mapping[ObjectName, HiddenObject], morphs: Iterable[bpy.type
 def _shown(obj: bpy.types.Object) -> HiddenObject:
     """Return where an object is shown now, and can be hidden."""
     layers = [layer for layer in layers_with(obj, bpy.data.scenes) if not obj.hide_get(view_layer=layer)]
-    return HiddenObject(ObjectName.of(obj), not obj.hide_render, tuple(layer.name for layer in layers))
+    return HiddenObject(ObjectName.of(obj), not obj.hide_render, tuple(map(_names, layers)))
+
+
+def _names(layer: bpy.types.ViewLayer) -> tuple[str, str]:
+    """Return the names of a view layer's scene and of the layer; most files have a layer of one name in every scene."""
+    return layer.id_data.name, layer.name
+
+
+def _is_named(layer: bpy.types.ViewLayer, scene: str, name: str) -> bool:
+    """Return whether a view layer has a name and is in a scene, which is unknown if there is none of that name."""
+    return layer.name == name and (layer.id_data.name == scene or scene not in bpy.data.scenes)
 
 
 def _others(morph: bpy.types.ID) -> list[bpy.types.ID]:
@@ -151,7 +161,7 @@ def _hidden_by(morph: bpy.types.ID) -> list[HiddenObject]:
     try:
         return [_read(entry) for entry in json.loads(morph[HIDDEN_KEY])]
     except (LookupError, TypeError, ValueError, RecursionError):
-        layers = {layer.name for scene in bpy.data.scenes for layer in scene.view_layers}
+        layers = {_names(layer) for scene in bpy.data.scenes for layer in scene.view_layers}
         return [HiddenObject(ObjectName.of(part), True, tuple(layers)) for part in _parts(morph)]
 
 
@@ -169,7 +179,8 @@ def _read(entry: dict[str, object]) -> HiddenObject:
     name, library, layers = entry["name"], entry["library"], entry["layers"]
     if not (isinstance(name, str) and isinstance(library, str) and isinstance(layers, list)):
         raise TypeError("not a hidden object")
-    return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), tuple(layers))
+    places = tuple((str(scene), str(layer)) for scene, layer in layers)
+    return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), places)
 
 
 def _store(morph: bpy.types.ID, hidden: Sequence[HiddenObject]) -> None:
