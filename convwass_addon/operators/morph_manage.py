@@ -33,7 +33,7 @@ from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
 from .background import is_idle
-from .reporting import refuse, tell
+from .reporting import listed, refuse, tell
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
@@ -141,6 +141,9 @@ class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):
             obj.hide_set(False)
             obj.hide_render = False
         select_only(context, parts)
+        missing = [obj.name for obj in parts if not is_in(context.view_layer, obj)]
+        if missing:
+            self.report({"WARNING"}, rpt_("Not in this view layer, so not selected: {:s}").format(listed(missing)))
         return {"FINISHED"}
 
 

@@ -631,3 +631,15 @@ def test_a_guide_on_a_missing_vertex_is_refused_and_the_morph_kept(empty_scene, 
         bpy.ops.convwass.rebake_morph()
     morph = bpy.data.collections[name]
     assert (morph["convwass_morph"], [obj.name for obj in frame_objects(morph)]) == before
+
+
+def test_shapes_outside_the_view_layer_are_named(morph, capfd):
+    first, second = shapes(morph)
+    home = bpy.data.collections.new("Sources")
+    bpy.context.scene.collection.children.link(home)
+    home.objects.link(second)
+    bpy.context.scene.collection.objects.unlink(second)
+    bpy.context.view_layer.layer_collection.children["Sources"].exclude = True
+    assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
+    assert bpy.context.selected_objects == [first]
+    assert f"Not in this view layer, so not selected: {second.name}" in capfd.readouterr().out
