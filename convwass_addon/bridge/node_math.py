@@ -82,6 +82,25 @@ def weighted_vectors(
     return whole
 
 
+def mixed(
+    tree: bpy.types.NodeTree,
+    kind: str,
+    share: bpy.types.NodeSocket,
+    first: bpy.types.NodeSocket | None,
+    second: bpy.types.NodeSocket | None,
+) -> bpy.types.NodeSocket:
+    """Return the mixture of two values, of which None stands for zero, with this share of the second.
+
+    Their kind is "Color" or "Vector".
+    """
+    node = new_node(tree, "ShaderNodeMix", data_type={"Color": "RGBA", "Vector": "VECTOR"}[kind])
+    by_name = {socket.identifier: socket for socket in node.inputs}
+    for name, value in (("Factor_Float", share), (f"A_{kind}", first), (f"B_{kind}", second)):
+        if value is not None:
+            tree.links.new(value, by_name[name])
+    return next(socket for socket in node.outputs if socket.identifier == f"Result_{kind}")
+
+
 def switch(
     tree: bpy.types.NodeTree,
     kind: str,

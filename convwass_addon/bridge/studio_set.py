@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import bpy
 
+from .node_math import new_node
 from .node_trees import own_tree
 
 _FLOOR_COLOR = (0.85, 0.85, 0.86, 1.0)
@@ -17,10 +18,8 @@ def even_sky() -> bpy.types.World:
     """Create a uniform environment light."""
     world = bpy.data.worlds.new("Studio Sky")
     tree = _emptied_tree(world)
-    background = tree.nodes.new("ShaderNodeBackground")
-    background.inputs["Color"].default_value = (*3 * (_SKY_BRIGHTNESS,), 1.0)
-    output = tree.nodes.new("ShaderNodeOutputWorld")
-    tree.links.new(background.outputs["Background"], output.inputs["Surface"])
+    background = new_node(tree, "ShaderNodeBackground", {"Color": (*3 * (_SKY_BRIGHTNESS,), 1.0)})
+    new_node(tree, "ShaderNodeOutputWorld", {"Surface": background.outputs["Background"]})
     return world
 
 
@@ -36,10 +35,8 @@ def floor_material() -> bpy.types.Material:
     """Create a matte, nearly white floor."""
     material = bpy.data.materials.new("Studio Floor")
     tree = _emptied_tree(material)
-    diffuse = tree.nodes.new("ShaderNodeBsdfDiffuse")
-    diffuse.inputs["Color"].default_value = _FLOOR_COLOR
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    tree.links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
+    diffuse = new_node(tree, "ShaderNodeBsdfDiffuse", {"Color": _FLOOR_COLOR})
+    new_node(tree, "ShaderNodeOutputMaterial", {"Surface": diffuse.outputs["BSDF"]})
     return material
 
 

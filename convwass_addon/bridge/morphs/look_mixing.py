@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..node_math import math_node, new_node
+from ..node_math import math_node, mixed, new_node
 from .frame_attributes import GENERATED, LOOKS
 from .look_groups import DISPLACEMENT, SURFACE
 
@@ -76,12 +76,12 @@ def show_looks(material: bpy.types.Material, looks: Sequence[MixedLook], how: st
         factor = _factor(tree, share, index, how)
         shader = _mixed_shaders(tree, factor, shader, look.surface, index)
         if displacement is not None or look.displacement is not None:
-            displacement = _mixed_vectors(tree, factor, displacement, look.displacement)
+            displacement = mixed(tree, "Vector", factor, displacement, look.displacement)
     present = new_node(tree, "ShaderNodeAttribute", attribute_name=LOOKS, location=(100.0, 400.0)).outputs["Fac"]
     shown = _mixed_shaders(tree, present, simple, shader, len(looks))
     tree.links.new(shown, output.inputs["Surface"])
     if displacement is not None:
-        tree.links.new(_mixed_vectors(tree, present, None, displacement), output.inputs["Displacement"])
+        tree.links.new(mixed(tree, "Vector", present, None, displacement), output.inputs["Displacement"])
     output.location = (900.0, 0.0)
 
 
@@ -134,20 +134,3 @@ def _mixed_shaders(
 ) -> bpy.types.NodeSocket:
     location = (300.0 + 180.0 * place, 0.0)
     return new_node(tree, "ShaderNodeMixShader", {0: factor, 1: before, 2: after}, location=location).outputs[0]
-
-
-def _mixed_vectors(
-    tree: bpy.types.NodeTree,
-    factor: bpy.types.NodeSocket,
-    before: bpy.types.NodeSocket | None,
-    after: bpy.types.NodeSocket | None,
-) -> bpy.types.NodeSocket:
-    """Mix vectors; a missing one counts as zero."""
-    mix = tree.nodes.new("ShaderNodeMix")
-    mix.data_type = "VECTOR"
-    by_name = {socket.identifier: socket for socket in mix.inputs}
-    tree.links.new(factor, by_name["Factor_Float"])
-    for name, vector in (("A_Vector", before), ("B_Vector", after)):
-        if vector is not None:
-            tree.links.new(vector, by_name[name])
-    return next(socket for socket in mix.outputs if socket.identifier == "Result_Vector")

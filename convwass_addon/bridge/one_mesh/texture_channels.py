@@ -15,7 +15,7 @@ from pathlib import Path
 import bpy
 
 from ..morphs.look_groups import node_trees
-from ..node_math import Value, vector_math_node
+from ..node_math import Value, new_node, vector_math_node
 from ..node_trees import own_tree
 from ..shown_nodes import shown_tree, source_node
 
@@ -93,11 +93,8 @@ def shown_channel(source: bpy.types.Material | None, channel: Channel) -> ShownC
     for own in output.inputs:
         for link in list(own.links):
             tree.links.remove(link)
-    emission = tree.nodes.new("ShaderNodeEmission")
-    if isinstance(value, bpy.types.NodeSocket):
-        tree.links.new(value, emission.inputs["Color"])
-    else:
-        emission.inputs["Color"].default_value = (*value, 1.0)
+    color = value if isinstance(value, bpy.types.NodeSocket) else (*value, 1.0)
+    emission = new_node(tree, "ShaderNodeEmission", {"Color": color})
     tree.links.new(emission.outputs[0], output.inputs["Surface"])
     return ShownChannel(material, groups, None if isinstance(value, bpy.types.NodeSocket) else value)
 

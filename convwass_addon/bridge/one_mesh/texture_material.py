@@ -9,7 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..node_math import Value, math_node, total
+from ..node_math import Value, math_node, mixed, new_node, total
 from ..node_trees import own_tree
 from .texture_channels import EMISSION, NORMAL, Channel
 
@@ -56,9 +56,7 @@ def baked_material(
     tree = own_tree(material)
     shader = next(node for node in tree.nodes if node.type == "BSDF_PRINCIPLED")
     factors = _factors(tree, sliders) if len(sliders) > 1 else []
-    place = tree.nodes.new("ShaderNodeUVMap")
-    place.uv_map = uv_map
-    place.location = (-_COLUMN * (len(sliders) + 4), 0.0)
+    place = new_node(tree, "ShaderNodeUVMap", uv_map=uv_map, location=(-_COLUMN * (len(sliders) + 4), 0.0))
     for row, (channel, own) in enumerate(channels.items()):
         shown = _mixed(tree, own.images, factors, place.outputs[0], row) if own.images else own.value
         _show(tree, shader, channel, shown, own.strength, uv_map)
@@ -81,10 +79,8 @@ def _factors(tree: bpy.types.NodeTree, sliders: Sequence[str | None]) -> list[bp
 
 
 def _slider(tree: bpy.types.NodeTree, name: str, row: int) -> bpy.types.NodeSocket:
-    node = tree.nodes.new("ShaderNodeAttribute")
-    node.attribute_type, node.attribute_name, node.label = "OBJECT", name, name
-    node.location = (-_COLUMN * 5, _ROW * (row + 1))
-    return node.outputs["Fac"]
+    settings = {"attribute_name": name, "label": name, "location": (-_COLUMN * 5, _ROW * (row + 1))}
+    return new_node(tree, "ShaderNodeAttribute", attribute_type="OBJECT", **settings).outputs["Fac"]
 
 
 def _mixed(
@@ -97,29 +93,13 @@ def _mixed(
     """Return the color of images mixed one after the other."""
     shown = None
     for column, image in enumerate(images):
-        node = tree.nodes.new("ShaderNodeTexImage")
-        node.image = image
-        node.location = (-_COLUMN * (len(images) + 3 - column), -_ROW * row)
-        tree.links.new(place, node.inputs["Vector"])
+        location = (-_COLUMN * (len(images) + 3 - column), -_ROW * row)
+        node = new_node(tree, "ShaderNodeTexImage", {"Vector": place}, image=image, location=location)
         color = node.outputs["Color"]
-        shown = color if shown is None else _mixed_colors(tree, factors[column - 1], shown, color)
+        shown = color if shown is None else mixed(tree, "Color", factors[column - 1], shown, color)
         if column:
             shown.node.location = (-_COLUMN * 2, -_ROW * row)
     return shown
-
-
-def _mixed_colors(
-    tree: bpy.types.NodeTree,
-    factor: bpy.types.NodeSocket,
-    before: bpy.types.NodeSocket,
-    after: bpy.types.NodeSocket,
-) -> bpy.types.NodeSocket:
-    mix = tree.nodes.new("ShaderNodeMix")
-    mix.data_type = "RGBA"
-    by_name = {socket.identifier: socket for socket in mix.inputs}
-    for name, own in (("Factor_Float", factor), ("A_Color", before), ("B_Color", after)):
-        tree.links.new(own, by_name[name])
-    return next(socket for socket in mix.outputs if socket.identifier == "Result_Color")
 
 
 def _show(
@@ -133,10 +113,8 @@ def _show(
     """Link a channel to the shader, or set its value."""
     if channel == NORMAL:
         if isinstance(shown, bpy.types.NodeSocket):
-            node = tree.nodes.new("ShaderNodeNormalMap")
-            node.uv_map = uv_map
-            node.location = (-_COLUMN, shown.node.location.y)
-            tree.links.new(shown, node.inputs["Color"])
+            location = (-_COLUMN, shown.node.location.y)
+            node = new_node(tree, "ShaderNodeNormalMap", {"Color": shown}, uv_map=uv_map, location=location)
             tree.links.new(node.outputs[0], shader.inputs["Normal"])
         return
     socket = shader.inputs["Emission Color" if channel == EMISSION else channel.name]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...applications.palettes.lookup_table import LookupTable
 from ..last_result import last_result
-from ..node_math import math_node
+from ..node_math import feed, math_node, mixed, new_node
 
 Socket = bpy.types.NodeSocket
 
@@ -135,18 +135,13 @@ class _Grade:
     def encoded(self, came_in: Socket) -> tuple[list[Socket], Socket]:
         """Return sRGB encoded red, green and blue with straight alpha, and alpha."""
         straight = self._alpha_node(came_in, to_straight=True)
-        convert = self.group.nodes.new("CompositorNodeConvertColorSpace")
-        convert.to_color_space = "sRGB"
-        self.group.links.new(straight, convert.inputs[0])
-        split = self.group.nodes.new("CompositorNodeSeparateColor")
-        self.group.links.new(convert.outputs[0], split.inputs[0])
-        return list(split.outputs)[:3], split.outputs[3]
+        convert = new_node(self.group, "CompositorNodeConvertColorSpace", {0: straight}, to_color_space="sRGB")
+        *channels, alpha = new_node(self.group, "CompositorNodeSeparateColor", {0: convert.outputs[0]}).outputs
+        return channels, alpha
 
     def decoded(self, channels: list[Socket], alpha: Socket) -> Socket:
         """Convert channels back to a scene linear color with premultiplied alpha."""
-        join = self.group.nodes.new("CompositorNodeCombineColor")
-        for source, target in zip((*channels, alpha), join.inputs, strict=True):
-            self.group.links.new(source, target)
+        join = new_node(self.group, "CompositorNodeCombineColor", dict(enumerate((*channels, alpha))))
         convert = self.group.nodes.new("CompositorNodeConvertColorSpace")
         # By default, a new node converts from the scene's color space.
         scene, convert.from_color_space = convert.from_color_space, "sRGB"
@@ -169,9 +164,7 @@ class _Grade:
 
     def separated(self, color: Socket) -> list[Socket]:
         """Return the red, green and blue channels."""
-        split = self.group.nodes.new("CompositorNodeSeparateColor")
-        self.group.links.new(color, split.inputs[0])
-        return list(split.outputs)[:3]
+        return list(new_node(self.group, "CompositorNodeSeparateColor", {0: color}).outputs)[:3]
 
     def looked_up(self, shares: list[Socket]) -> Socket:
         """Return the interpolated table color at coordinates from 0 to 1."""
@@ -206,25 +199,19 @@ class _Grade:
             self.group.links.new(math_node(self.group, "DIVIDE", pixel, size * count), place.inputs[axis])
         # In Blender 4.5 this input is the opacity of the result.
         place.inputs["Z"].default_value = 1.0
-        source = self.group.nodes.new("CompositorNodeImage")
-        source.image = self.image
+        source = new_node(self.group, "CompositorNodeImage", image=self.image)
         reader = self.group.nodes.new("CompositorNodeMapUV")
         if "Interpolation" in reader.inputs:
             reader.inputs["Interpolation"].default_value = "Nearest"
         else:
             reader.filter_type = "NEAREST"
-        self.group.links.new(source.outputs["Image"], reader.inputs["Image"])
-        self.group.links.new(place.outputs[0], reader.inputs["UV"])
+        feed(self.group, [reader.inputs["Image"], reader.inputs["UV"]], [source.outputs["Image"], place.outputs[0]])
         return reader.outputs[0]
 
     def _mixed(self, share: Socket, first: Socket, second: Socket) -> Socket:
-        node = self.group.nodes.new("ShaderNodeMix")
-        node.data_type, node.clamp_factor = "RGBA", False
-        factor, *_ = (socket for socket in node.inputs if socket.name == "Factor" and socket.type == "VALUE")
-        ends = [socket for socket in node.inputs if socket.type == "RGBA"]
-        for source, target in zip((share, first, second), (factor, *ends), strict=True):
-            self.group.links.new(source, target)
-        return next(socket for socket in node.outputs if socket.type == "RGBA")
+        found = mixed(self.group, "Color", share, first, second)
+        found.node.clamp_factor = False
+        return found
 
 
 def _arrange(group: bpy.types.NodeTree) -> None:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import bpy
 
 from ...applications.reflectance.lobe_lookup import HEIGHT
-from ..node_math import math_node
+from ..node_math import math_node, mixed, new_node, vector_math_node
 
 GROUP = "Interpolated Lobe"
 """Name of the node group."""
@@ -45,7 +45,7 @@ def lobe_group(image: bpy.types.Image) -> bpy.types.NodeTree:
     place = slider_place(tree, at.inputs[BLEND], steps)
     after = math_node(tree, "ADD", place.first, 1.0)
     tables = [stacked(tree, image, at.across, at.up, number) for number in (place.first, after)]
-    _shade(tree, at, mixed_vectors(tree, place.rest, *tables))
+    _shade(tree, at, mixed(tree, "Vector", place.rest, *tables))
     return tree
 
 
@@ -59,8 +59,8 @@ def lobe_pad_group(image: bpy.types.Image, side: int) -> bpy.types.NodeTree:
     for more in (0, side):
         ends = [math_node(tree, "ADD", number, float(more + right)) for right in (0, 1)]
         tables = [stacked(tree, image, at.across, at.up, end) for end in ends]
-        rows.append(mixed_vectors(tree, column.rest, *tables))
-    _shade(tree, at, mixed_vectors(tree, row.rest, *rows))
+        rows.append(mixed(tree, "Vector", column.rest, *tables))
+    _shade(tree, at, mixed(tree, "Vector", row.rest, *rows))
     return tree
 
 
@@ -71,24 +71,21 @@ class _Angles:
         self.inputs = tree.nodes.new("NodeGroupInput").outputs
         geometry = tree.nodes.new("ShaderNodeNewGeometry").outputs
         self.normal, view = geometry["Normal"], geometry["Incoming"]
-        self.light = _vector(tree, "NORMALIZE", self.inputs[DIRECTION])
-        half = _vector(tree, "NORMALIZE", _vector(tree, "ADD", view, self.light))
+        self.light = vector_math_node(tree, "NORMALIZE", self.inputs[DIRECTION])
+        half = vector_math_node(tree, "NORMALIZE", vector_math_node(tree, "ADD", view, self.light))
         self.across = math_node(tree, "SQRT", _angle(tree, self.normal, half))
         self.up = _clamped(tree, _angle(tree, self.light, half))
 
 
 def _shade(tree: bpy.types.NodeTree, at: _Angles, lobe: bpy.types.NodeSocket) -> None:
     """Shade the surface, and connect the output of the group."""
-    matte = _scaled(tree, at.inputs[DIFFUSE], 1.0 / math.pi)
-    cosine = math_node(tree, "MAXIMUM", _dot(tree, at.normal, at.light), 0.0)
+    matte = vector_math_node(tree, "SCALE", at.inputs[DIFFUSE], 1.0 / math.pi)
+    cosine = math_node(tree, "MAXIMUM", vector_math_node(tree, "DOT_PRODUCT", at.normal, at.light), 0.0)
     brightness = math_node(tree, "MULTIPLY", cosine, at.inputs[STRENGTH])
-    seen = _vector(tree, "MULTIPLY", _vector(tree, "ADD", lobe, matte), at.inputs[LIGHT])
-    shown = _scaled(tree, seen, brightness)
-    glow = tree.nodes.new("ShaderNodeEmission")
-    tree.links.new(shown, glow.inputs["Color"])
-    output = tree.nodes.new("NodeGroupOutput")
-    tree.links.new(glow.outputs["Emission"], output.inputs["Shader"])
-    tree.links.new(shown, output.inputs["Color"])
+    seen = vector_math_node(tree, "MULTIPLY", vector_math_node(tree, "ADD", lobe, matte), at.inputs[LIGHT])
+    shown = vector_math_node(tree, "SCALE", seen, brightness)
+    glow = new_node(tree, "ShaderNodeEmission", {"Color": shown}).outputs["Emission"]
+    new_node(tree, "NodeGroupOutput", {"Shader": glow, "Color": shown})
     _lay_out(tree)
 
 
@@ -135,24 +132,9 @@ def stacked(
 ) -> bpy.types.NodeSocket:
     """Look up a coordinate from 0 to 1 in one table of a stack."""
     row = math_node(tree, "DIVIDE", math_node(tree, "ADD", up, number), float(image.size[1] // HEIGHT))
-    place = tree.nodes.new("ShaderNodeCombineXYZ")
-    tree.links.new(across, place.inputs["X"])
-    tree.links.new(row, place.inputs["Y"])
-    texture = tree.nodes.new("ShaderNodeTexImage")
-    texture.image, texture.interpolation, texture.extension = image, "Linear", "EXTEND"
-    tree.links.new(place.outputs["Vector"], texture.inputs["Vector"])
-    return texture.outputs["Color"]
-
-
-def mixed_vectors(
-    tree: bpy.types.NodeTree, share: bpy.types.NodeSocket, first: bpy.types.NodeSocket, second: bpy.types.NodeSocket
-) -> bpy.types.NodeSocket:
-    """Mix two vectors or colors."""
-    mix = tree.nodes.new("ShaderNodeMix")
-    mix.data_type = "VECTOR"
-    for name, socket in zip(("Factor_Float", "A_Vector", "B_Vector"), (share, first, second), strict=True):
-        tree.links.new(socket, next(own for own in mix.inputs if own.identifier == name))
-    return next(own for own in mix.outputs if own.identifier == "Result_Vector")
+    place = new_node(tree, "ShaderNodeCombineXYZ", {"X": across, "Y": row}).outputs["Vector"]
+    settings = {"image": image, "interpolation": "Linear", "extension": "EXTEND"}
+    return new_node(tree, "ShaderNodeTexImage", {"Vector": place}, **settings).outputs["Color"]
 
 
 def _clamped(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
@@ -163,36 +145,9 @@ def _clamped(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket) -> bpy.types
 
 def _angle(tree: bpy.types.NodeTree, first: bpy.types.NodeSocket, second: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
     """Angle between unit vectors; 1 is a right angle."""
-    node = _vector_node(tree, "LENGTH", _vector(tree, "SUBTRACT", first, second))
-    half = math_node(tree, "ARCSINE", math_node(tree, "MULTIPLY", node.outputs["Value"], 0.5))
+    length = vector_math_node(tree, "LENGTH", vector_math_node(tree, "SUBTRACT", first, second))
+    half = math_node(tree, "ARCSINE", math_node(tree, "MULTIPLY", length, 0.5))
     return math_node(tree, "MULTIPLY", half, 2.0 / _RIGHT_ANGLE)
-
-
-def _dot(tree: bpy.types.NodeTree, first: bpy.types.NodeSocket, second: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    return _vector_node(tree, "DOT_PRODUCT", first, second).outputs["Value"]
-
-
-def _vector(tree: bpy.types.NodeTree, operation: str, *sockets: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
-    return _vector_node(tree, operation, *sockets).outputs["Vector"]
-
-
-def _scaled(
-    tree: bpy.types.NodeTree, vector: bpy.types.NodeSocket, factor: bpy.types.NodeSocket | float
-) -> bpy.types.NodeSocket:
-    node = _vector_node(tree, "SCALE", vector)
-    if isinstance(factor, float):
-        node.inputs["Scale"].default_value = factor
-    else:
-        tree.links.new(factor, node.inputs["Scale"])
-    return node.outputs["Vector"]
-
-
-def _vector_node(tree: bpy.types.NodeTree, operation: str, *sockets: bpy.types.NodeSocket) -> bpy.types.Node:
-    node = tree.nodes.new("ShaderNodeVectorMath")
-    node.operation = operation
-    for socket, own in zip(sockets, node.inputs, strict=False):
-        tree.links.new(socket, own)
-    return node
 
 
 def _lay_out(tree: bpy.types.NodeTree) -> None:
