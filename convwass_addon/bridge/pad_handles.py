@@ -1,8 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The Empty that is dragged on a pad."""
+"""What pads have in common: the Empty that is dragged, what it drives, and the names at the corners."""
 
 from __future__ import annotations
+
+import math
 
 import bpy
 import numpy as np
@@ -39,3 +41,26 @@ def pad_handle(name: str, size: float, points: NDArray[np.float64], pad: bpy.typ
             setattr(limit, f"use_{end}_{axis}", True)
             setattr(limit, f"{end}_{axis}", value)
     return handle
+
+
+def drive_by_handle(driver: bpy.types.Driver, handle: bpy.types.Object, expression: str) -> None:
+    """Let the place of the Empty drive a property, by an expression of x and z in local space of the pad."""
+    for letter in "xz":
+        variable = driver.variables.new()
+        variable.name, variable.type = letter, "TRANSFORMS"
+        target = variable.targets[0]
+        target.id, target.transform_type = handle, f"LOC_{letter.upper()}"
+        target.transform_space = "LOCAL_SPACE"
+    driver.expression = expression
+
+
+def pad_label(name: str, text: str, size: float, x: float, z: float, pad: bpy.types.Object) -> bpy.types.Object:
+    """Write a centered text of a size at a place on a pad; the object is not in a collection yet."""
+    font = bpy.data.curves.new(text, "FONT")
+    font.body, font.size, font.align_x = text, size, "CENTER"
+    # Move the text instead of the object: Blender draws a line from every child to its parent.
+    font.offset_x, font.offset_y = x, z
+    label = bpy.data.objects.new(name, font)
+    label.parent, label.rotation_euler.x = pad, math.pi / 2.0
+    label.hide_render = label.hide_select = True
+    return label

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 
 import bpy
@@ -13,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.live.pad_places import pad_corners, pad_height, pad_middle
 from ..handles import Handle
-from ..pad_handles import pad_handle
+from ..pad_handles import pad_handle, pad_label
 
 # Side of a pad and distance from the shapes, relative to the largest shape; lengths on the pad, relative to its side.
 _SIDE, _GAP = 1.5, 0.3
@@ -106,12 +105,7 @@ class LivePad:
         """Write the names of the shapes next to their corners."""
         labels = []
         for name, point in zip(names, points, strict=True):
-            font = bpy.data.curves.new(name, "FONT")
-            font.body, font.size, font.align_x = name, _TEXT * self.side, "CENTER"
             shift = 1.1 * _TEXT if point[2] > 0.0 else -1.9 * _TEXT
-            font.offset_x, font.offset_y = point[0], point[2] + shift * self.side
-            label = bpy.data.objects.new(f"Live Label {name}", font)
-            label.parent, label.rotation_euler.x = pad, math.pi / 2.0
-            label.hide_render = label.hide_select = True
-            labels.append(label)
+            place = point[0], point[2] + shift * self.side
+            labels.append(pad_label(f"Live Label {name}", name, _TEXT * self.side, *place, pad))
         return labels

@@ -18,7 +18,7 @@ from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ...progress import Work, drained
 from ..node_math import math_node, new_node, switch
-from ..pad_handles import pad_handle
+from ..pad_handles import pad_handle, pad_label
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
@@ -238,21 +238,18 @@ def _pad(sheet: _Sheet) -> bpy.types.Object:
     edges = np.argwhere(np.triu((spans > 0) & (spans < 1.01 * step)))
     mesh = bpy.data.meshes.new("Blend Pad")
     mesh.from_pydata(sheet.points.tolist(), edges.tolist(), [])
-    return _only_drawn(bpy.data.objects.new(mesh.name, mesh))
+    pad = bpy.data.objects.new(mesh.name, mesh)
+    pad.hide_render = True
+    return pad
 
 
 def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:
     """Write the names of the inputs at their corners: above the upper ones, below the lower ones."""
     texts = []
     for name, corner in zip(sheet.names, sheet.corners, strict=True):
-        font = bpy.data.curves.new(name, "FONT")
-        font.body, font.size, font.align_x = name, TEXT * sheet.side, "CENTER"
-        # Move the text instead of the object: Blender draws a line from every child to its parent.
         shift = -1.9 * TEXT if sheet.is_below(corner) else 1.1 * TEXT
-        font.offset_x, font.offset_y = sheet.points[corner, 0], sheet.points[corner, 2] + shift * sheet.side
-        text = _only_drawn(bpy.data.objects.new(f"{name} Label", font), pad)
-        text.rotation_euler.x = math.pi / 2.0
-        texts.append(text)
+        place = sheet.points[corner, 0], sheet.points[corner, 2] + shift * sheet.side
+        texts.append(pad_label(f"{name} Label", name, TEXT * sheet.side, *place, pad))
     return texts
 
 
@@ -276,15 +273,10 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
         shown = colored(tree, small.outputs["Geometry"], color, corners)
         tree.links.new(shown, join.inputs["Geometry"])
     output(tree, join.outputs["Geometry"], 1)
-    return _only_drawn(table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, corners)), pad)
-
-
-def _only_drawn(obj: bpy.types.Object, pad: bpy.types.Object | None = None) -> bpy.types.Object:
-    """Hide an object in renders; children of the pad cannot be selected by a click either."""
-    obj.hide_render = True
-    if pad is not None:
-        obj.parent, obj.hide_select = pad, True
-    return obj
+    copies = table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, corners))
+    copies.parent = pad
+    copies.hide_render = copies.hide_select = True
+    return copies
 
 
 def _stored(collection: bpy.types.Collection, sheet: _Sheet) -> Work[StoredFields]:

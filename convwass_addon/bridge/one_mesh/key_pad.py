@@ -17,7 +17,7 @@ from ..keyframes import driver_targets, remove_curve
 from ..mesh_checks import writable_mesh
 from ..morphs.blend_pad import GAP, SIDE, TEXT
 from ..morphs.removal import remove_objects
-from ..pad_handles import pad_handle
+from ..pad_handles import drive_by_handle, pad_handle, pad_label
 from .records import key_records
 from .shape_keys import slider_path
 
@@ -135,13 +135,7 @@ def _drive(obj: bpy.types.Object, slider: str, handle: bpy.types.Object, express
     obj.driver_remove(path)
     # Keyframes of a driven property would have no effect.
     remove_curve(obj, path)
-    driver = obj.driver_add(path).driver
-    for name, kind in (("x", "LOC_X"), ("z", "LOC_Z")):
-        variable = driver.variables.new()
-        variable.name, variable.type = name, "TRANSFORMS"
-        target = variable.targets[0]
-        target.id, target.transform_type, target.transform_space = handle, kind, "LOCAL_SPACE"
-    driver.expression = expression
+    drive_by_handle(obj.driver_add(path).driver, handle, expression)
 
 
 def _outline(name: str, points: np.ndarray, edges: Sequence[tuple[int, int]]) -> bpy.types.Object:
@@ -154,14 +148,8 @@ def _outline(name: str, points: np.ndarray, edges: Sequence[tuple[int, int]]) ->
 
 def _label(text: str, point: np.ndarray, side: float, pad: bpy.types.Object) -> bpy.types.Object:
     """Write the name of a shape next to its corner."""
-    font = bpy.data.curves.new(text, "FONT")
-    font.body, font.size, font.align_x = text, TEXT * side, "CENTER"
     shift = -1.9 * TEXT * side if point[2] == 0.0 else 1.1 * TEXT * side
-    font.offset_x, font.offset_y = point[0], point[2] + shift
-    label = bpy.data.objects.new(f"{text} Label", font)
-    label.rotation_euler.x = math.pi / 2.0
-    label.parent, label.hide_render, label.hide_select = pad, True, True
-    return label
+    return pad_label(f"{text} Label", text, TEXT * side, point[0], point[2] + shift, pad)
 
 
 def _center(obj: bpy.types.Object) -> Vector:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..pad_handles import pad_handle
+from ..pad_handles import drive_by_handle, pad_handle, pad_label
 
 PAD_OF = "convwass_material_pad"
 """Custom property of the Empty of a pad: the blend that it drives."""
@@ -55,14 +55,7 @@ class MaterialPad:
         if self.count == 3:
             along = f"{along}/max(1-{rising},{_TIP})"
         for socket, expression in ((across, f"min(max({along}+0.5,0),1)"), (up, rising)):
-            driver = socket.driver_add("default_value").driver
-            for letter in "xz":
-                variable = driver.variables.new()
-                variable.name, variable.type = letter, "TRANSFORMS"
-                target = variable.targets[0]
-                target.id, target.transform_type = self.handle, f"LOC_{letter.upper()}"
-                target.transform_space = "LOCAL_SPACE"
-            driver.expression = expression
+            drive_by_handle(socket.driver_add("default_value").driver, self.handle, expression)
 
 
 def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], side: int) -> MaterialPad:
@@ -124,10 +117,5 @@ def _lattice(corners: np.ndarray) -> bpy.types.Object:
 
 def _label(name: str, corner: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:
     """Write the name of a material at its corner: above the upper corners, below the lower ones."""
-    font = bpy.data.curves.new(name, "FONT")
-    font.body, font.size, font.align_x = name, _TEXT, "CENTER"
-    font.offset_x, font.offset_y = corner[0], corner[2] + (0.6 if corner[2] > 0 else -1.4) * _TEXT
-    label = bpy.data.objects.new(f"{name} Label", font)
-    label.rotation_euler.x = math.pi / 2.0
-    label.parent, label.hide_render, label.hide_select = lattice, True, True
-    return label
+    shift = (0.6 if corner[2] > 0 else -1.4) * _TEXT
+    return pad_label(f"{name} Label", name, _TEXT, corner[0], corner[2] + shift, lattice)
