@@ -17,7 +17,8 @@ from pathlib import Path
 from .disk_space import require_whole
 from .errors import ConvwassError
 
-_DRAFT = re.compile(r"\.convwass-[0-9a-f]{16}(\.\w+)?")
+# Blender adds @ to the name of a .blend file while it writes it.
+_DRAFT = re.compile(r"\.convwass-[0-9a-f]{16}(\.\w+)?@?")
 # Age in seconds at which a draft counts as abandoned.
 _OLD = 86_400.0
 

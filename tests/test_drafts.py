@@ -80,9 +80,11 @@ def test_abandoned_drafts_are_removed_after_a_day(tmp_path):
     others = [tmp_path / name for name in (".convwass-notes", ".hidden.txt", "convwass-0123456789abcdef.txt")]
     folder.mkdir()
     (folder / "c.obj").write_text("half")
-    for path in (old, young, *others):
+    # Blender was killed while it wrote this one.
+    saved = new_draft(tmp_path / "f.blend@")
+    for path in (old, young, saved, *others):
         path.write_text("half")
-    for path in (old, folder, *others):
+    for path in (old, folder, saved, *others):
         os.utime(path, (0, 0))
     aside = tmp_path / "aside"
     aside.mkdir()
