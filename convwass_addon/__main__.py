@@ -3,14 +3,21 @@
 """``python -m convwass_addon COMMAND …``, with the bpy module from pip."""
 
 import os
+import signal
 import sys
 
 from .console import own_stdout
+
+# As an exception, an interrupt would be ignored by Blender's start or crash it. Until then, it ends the process.
+interrupted = signal.getsignal(signal.SIGINT)
+if interrupted is signal.default_int_handler:
+    signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 try:
     with own_stdout():
         # Importing bpy prints a message to standard output.
         from .cli import main
+    signal.signal(signal.SIGINT, interrupted)
     code = main(sys.argv[1:], "python -m convwass_addon")
     sys.stdout.flush()
     sys.stderr.flush()

@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
 import subprocess
 import sys
 from dataclasses import replace
@@ -508,6 +510,24 @@ def test_as_a_module(shapes, tmp_path, project):
     )
     assert json.loads(done.stdout)["written"] == [str(out)]
     assert out.stat().st_size > 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="a process cannot interrupt itself alone")
+@pytest.mark.parametrize(("ignored", "code"), [(False, -signal.SIGINT), (True, 0)])
+def test_an_interrupt_while_blender_starts_ends_the_command(tmp_path, project, ignored, code):
+    """Blender's start reports exceptions of its add-ons, and goes on; so does this one."""
+    (tmp_path / "bpy.py").write_text(
+        "import os, signal\ntry:\n    signal.raise_signal(signal.SIGINT)\n"
+        "except BaseException:\n    pass\nos._exit(0)\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-m", "convwass_addon", "--help"],
+        cwd=project,
+        env=os.environ | {"PYTHONPATH": str(tmp_path)},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_IGN if ignored else signal.SIG_DFL),
+        check=False,
+    )
+    assert done.returncode == code
 
 
 def stored_settings(path):
