@@ -6,8 +6,9 @@ import os
 import signal
 import sys
 
-from .console import own_stdout
+from .console import open_streams, own_stdout
 
+open_streams()
 # As an exception, an interrupt would be ignored by Blender's start or crash it. Until then, it ends the process.
 interrupted = signal.getsignal(signal.SIGINT)
 if interrupted is signal.default_int_handler:

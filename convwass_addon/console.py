@@ -73,6 +73,17 @@ class ProgressBar:
         return f", {passed * (1.0 - fraction) / fraction:.0f} s left"
 
 
+def open_streams() -> None:
+    """Open the null device in place of standard streams that the caller has closed.
+
+    Otherwise, the next files to be opened would take their place and receive what Blender prints.
+    """
+    # In the order of their numbers, because every file gets the lowest free one.
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            setattr(sys, name, open(os.devnull, mode, encoding="utf-8"))  # noqa: SIM115
+
+
 @contextmanager
 def own_stdout() -> Iterator[TextIO]:
     """Reserve standard output for the caller; anything that Blender prints to it is dropped.

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -510,6 +511,16 @@ def test_as_a_module(shapes, tmp_path, project):
     )
     assert json.loads(done.stdout)["written"] == [str(out)]
     assert out.stat().st_size > 0
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="closes streams by a POSIX shell")
+@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
+def test_standard_streams_may_be_closed(shapes, tmp_path, project, closed):
+    out = tmp_path / "morph.blend"
+    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--motion", "transport", "--out", str(out)]
+    command = shlex.join([sys.executable, "-m", "convwass_addon", "morph", *words])
+    subprocess.run(f"{command} {closed}", shell=True, cwd=project, check=True)
+    assert saved_frames(out)
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="a process cannot interrupt itself alone")
