@@ -325,3 +325,16 @@ def test_triangles_are_written_unchanged():
         np.testing.assert_array_equal([list(p.vertices) for p in mesh.polygons], triangles.faces)
         assert len(mesh.edges) == 3 * len(triangles.faces) // 2
         assert not mesh.validate()
+
+
+def test_a_live_morph_ends_with_its_scene(begin):
+    session = begin()
+    ready(session)
+    gone = bpy.context.scene
+    bpy.context.window.scene = bpy.data.scenes.new("Other")
+    bpy.data.scenes.remove(gone)
+    assert session.kept_shape(0.0) is None
+    assert not any(obj.name.startswith("Blend") for obj in bpy.data.objects)
+    assert not session.tick()
+    session.end()
+    assert running_live() is None

@@ -81,8 +81,8 @@ class LiveScene:
 
     @property
     def is_there(self) -> bool:
-        """Return whether the objects still exist; undo or the user may remove them."""
-        return self.shape is not None and self.pad.handle is not None and self.pad.pad is not None
+        """Return whether the scene and the objects still exist; undo or the user may remove them."""
+        return None not in (self._scene.find(), self.shape, self.pad.handle, self.pad.pad)
 
     def show(self, blend: LiveShape) -> None:
         """Show a blend, unless its mesh is being edited."""

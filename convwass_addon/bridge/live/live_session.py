@@ -187,7 +187,7 @@ class LiveSession:
         Returns
         -------
         bool
-            Whether the live morph continues; False if undo or the user has removed its objects.
+            Whether the live morph continues; False if undo or the user has removed its scene or its objects.
         """
         if not self.scene.is_there:
             return False
@@ -292,9 +292,9 @@ class LiveSession:
             self._look_after_job(self._clock())
             time.sleep(0.01)
             shown = self._blends.shown()
-        live = self.scene.shape
-        if shown is None or live is None:
+        if shown is None or not self.scene.is_there:
             return None
+        live = self.scene.shape
         mesh = bpy.data.meshes.new("Blend")
         write_mesh(mesh, shown.mesh)
         if shown.colors is None:
