@@ -72,17 +72,13 @@ class PropagationGraph:
             raise ValueError(f"edges and fixed must name vertices between 0 and {count - 1}")
         if (pairs[:, 0] == pairs[:, 1]).any():
             raise ValueError(f"edges must not run from a vertex to itself, as one at vertex {_first_loop(pairs)} does")
-        weights = np.asarray(edge_weights, dtype=np.float64)
-        if weights.shape not in ((), (len(pairs),)):
-            raise ValueError(f"edge_weights must be one number or {len(pairs)}, got shape {weights.shape}")
-        if not (np.isfinite(weights).all() and (weights > 0).all()):
-            raise ValueError("edge_weights must be positive numbers")
+        weights = checked_edge_weights(edge_weights, len(pairs))
         is_fixed = np.zeros(count, bool)
         is_fixed[given] = True
         _check_reached(pairs, is_fixed)
         kept = ~(is_fixed[pairs[:, 0]] & is_fixed[pairs[:, 1]])
         ends = pairs[kept].ravel()
-        return cls(count, ends, np.repeat(np.broadcast_to(weights, len(pairs))[kept], 2), is_fixed)
+        return cls(count, ends, np.repeat(weights[kept], 2), is_fixed)
 
     @cached_property
     def ends_at(self) -> tuple[NDArray[np.int64], ...]:
@@ -141,6 +137,16 @@ def _check_reached(pairs: NDArray[np.int64], fixed: NDArray[np.bool_]) -> None:
     if len(lost):
         names = ", ".join(map(str, lost[:5])) + (" ..." if len(lost) > 5 else "")
         raise ValueError(f"edges must connect every vertex with a fixed one; no path leads to {names}")
+
+
+def checked_edge_weights(edge_weights: ArrayLike | float, count: int) -> NDArray[np.float64]:
+    """Return the weights of all edges, (count,), from one for each or one for all; ValueError if they are invalid."""
+    weights = np.asarray(edge_weights, dtype=np.float64)
+    if weights.shape not in ((), (count,)):
+        raise ValueError(f"edge_weights must be one number or {count}, got shape {weights.shape}")
+    if not (np.isfinite(weights).all() and (weights > 0).all()):
+        raise ValueError("edge_weights must be positive numbers")
+    return np.broadcast_to(weights, count)
 
 
 def _vertices(numbers: ArrayLike, name: str) -> NDArray[np.int64]:

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from ..geometry.laplacian import Laplacian
 from .checks import check_distribution, check_sharpness
 from .dense_kernel import dense_kernel
-from .graph import PropagationGraph
+from .graph import PropagationGraph, checked_edge_weights
 from .soft_map_sweeps import SoftMapIteration, SweepOrder
 from .surface import Surface
 
@@ -192,12 +192,7 @@ def _edges(
         raise ValueError(f"edges must name vertices between 0 and {size - 1}")
     if (pairs[:, 0] == pairs[:, 1]).any():
         raise ValueError("edges must not run from a vertex to itself")
-    weights = np.asarray(edge_weights, dtype=np.float64)
-    if weights.shape not in ((), (len(pairs),)):
-        raise ValueError(f"edge_weights must be one number or {len(pairs)}, got shape {weights.shape}")
-    if not (np.isfinite(weights).all() and (weights > 0).all()):
-        raise ValueError("edge_weights must be positive numbers")
-    return pairs.astype(np.int64), np.broadcast_to(weights, len(pairs))
+    return pairs.astype(np.int64), checked_edge_weights(edge_weights, len(pairs))
 
 
 def check_pairs(pairs: ArrayLike, size: int, areas: NDArray[np.float64]) -> NDArray[np.int64]:
