@@ -117,3 +117,21 @@ def harmonic(graph, notices=()):
     positions[free] = np.linalg.solve(laplacian[np.ix_(free, free)], known)
     inside = np.ones(count, bool)
     return FittedSkeleton(positions, inside, np.ones(count), ~inside, {"converged": True}, tuple(notices))
+
+
+def bend_by_two_bones(bar, reach, location=(0.0, 0.0, 0.0)):
+    """Add an armature with two bones along X, from -reach to 0 to reach, to a mesh, with smooth weights."""
+    bpy.ops.object.armature_add(location=location)
+    rig = bpy.context.object
+    bpy.ops.object.mode_set(mode="EDIT")
+    bones = rig.data.edit_bones
+    bones[0].name, bones[0].head, bones[0].tail = "Lower", (-reach, 0, 0), (0, 0, 0)
+    upper = bones.new("Upper")
+    upper.head, upper.tail, upper.parent = (0, 0, 0), (reach, 0, 0), bones["Lower"]
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for name, sign in (("Lower", -1.0), ("Upper", 1.0)):
+        group = bar.vertex_groups.new(name=name)
+        for vertex in bar.data.vertices:
+            group.add([vertex.index], float(np.clip(0.5 + sign * vertex.co.x, 0.0, 1.0)), "REPLACE")
+    bar.modifiers.new("Rig", "ARMATURE").object = rig
+    return rig

@@ -22,12 +22,17 @@ def box(size=(1.0, 1.0, 1.0), center=(0.0, 0.0, 0.0), angles=(0.0, 0.0, 0.0)):
     return TriangleMesh.from_arrays(Rotation.from_euler("xyz", angles).apply(corners) + center, _CUBE)
 
 
+def even_directions(count):
+    """Evenly spread unit vectors."""
+    k = np.arange(count) + 0.5
+    z, angle = 1 - 2 * k / count, np.pi * (1 + 5**0.5) * k
+    flat = np.sqrt(1 - z**2)
+    return np.stack([flat * np.cos(angle), flat * np.sin(angle), z], axis=1)
+
+
 def ball(radius=1.0, center=(0.0, 0.0, 0.0), points=1500):
     """The convex hull of evenly spread points on a sphere; its volume is slightly less than the sphere's."""
-    k = np.arange(points) + 0.5
-    z, angle = 1 - 2 * k / points, np.pi * (1 + 5**0.5) * k
-    flat = np.sqrt(1 - z**2)
-    vertices = np.stack([flat * np.cos(angle), flat * np.sin(angle), z], axis=1)
+    vertices = even_directions(points)
     faces = ConvexHull(vertices).simplices
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     inward = np.einsum("ij,ij->i", a, np.cross(b, c)) < 0
@@ -128,3 +133,24 @@ def piece_count(mesh):
 def with_faces(mesh, keep):
     """The mesh with only some of its faces."""
     return TriangleMesh.from_arrays(mesh.vertices, mesh.faces[keep])
+
+
+def turned(mesh, angle):
+    """A mesh rotated about the z axis through the origin."""
+    c, s = np.cos(angle), np.sin(angle)
+    return TriangleMesh(mesh.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), mesh.faces)
+
+
+def bent(points, angle):
+    """Points after the z axis has been bent into an arc toward y."""
+    low, high = points[:, 2].min(), points[:, 2].max()
+    radius = (high - low) / angle
+    turn, out = (points[:, 2] - (low + high) / 2) / radius, radius - points[:, 1]
+    return np.stack([points[:, 0], radius - out * np.cos(turn), out * np.sin(turn)], axis=1)
+
+
+def smallest_angles(mesh):
+    """The smallest angle of every triangle in degrees."""
+    sides = np.roll(mesh.corners, -1, axis=1) - mesh.corners
+    sides /= np.linalg.norm(sides, axis=2, keepdims=True)
+    return np.degrees(np.arccos(-np.einsum("fcd,fcd->fc", sides, np.roll(sides, 1, axis=1)))).min(axis=1)

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -16,7 +18,7 @@ from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSetti
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.unit_shape import UnitShape
 from tests.grids import figure, sheet
-from tests.shapes import ball, box, joined, square, torus
+from tests.shapes import ball, bent, box, joined, square, torus
 
 NONE = np.empty((0, 2), np.int64)
 ONE, FOUR = np.array([[0, 1]]), np.array([[0, 1], [0, 2], [1, 3], [2, 3]])
@@ -24,15 +26,6 @@ ONE, FOUR = np.array([[0, 1]]), np.array([[0, 1], [0, 2], [1, 3], [2, 3]])
 
 def side(mesh, **groups):
     return MapSide(mesh, "it", groups)
-
-
-def bent(mesh, angle):
-    points = mesh.vertices
-    low, high = points[:, 2].min(), points[:, 2].max()
-    radius = (high - low) / angle
-    turn, out = (points[:, 2] - (low + high) / 2) / radius, radius - points[:, 1]
-    bow = np.stack([points[:, 0], radius - out * np.cos(turn), out * np.sin(turn)], axis=1)
-    return TriangleMesh(bow, mesh.faces)
 
 
 def reordered(mesh, seed=0):
@@ -81,7 +74,7 @@ def test_left_and_right_are_ambiguous_without_pairs(arms):
 @pytest.mark.parametrize("is_mirrored", [False, True])
 def test_two_or_three_pairs_tell_left_from_right(arms, is_mirrored, pairs, bend):
     mesh, mirror, hand, foot = arms
-    other = bent(mesh, bend) if bend else mesh
+    other = replace(mesh, vertices=bent(mesh.vertices, bend)) if bend else mesh
     marked = np.array([hand, int(mirror[foot]), int(mirror[hand])])[:pairs]
     partner = mirror if is_mirrored else np.arange(len(mirror))
     found = comparison(side(mesh), side(other), np.stack([marked, partner[marked]], axis=1))
@@ -98,7 +91,7 @@ def test_moving_scaling_and_reordering_change_nothing(arms):
     mesh, _, hand, foot = arms
     other, order = reordered(mesh, 5)
     other = TriangleMesh(0.01 * Rotation.from_euler("z", 0.7).apply(other.vertices) - 3.0, other.faces)
-    target = bent(mesh, 0.8)
+    target = replace(mesh, vertices=bent(mesh.vertices, 0.8))
     rank = np.argsort(order)
     tips = np.array([hand, foot, int(np.argmax(mesh.vertices[:, 2]))])
     first = compatibility(side(mesh), side(target), np.stack([tips, tips], 1))

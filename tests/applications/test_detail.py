@@ -20,15 +20,10 @@ from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
-from tests.shapes import ball, box
+from tests.shapes import ball, box, turned
 
 NAMES = ("first", "second")
 ANGLE = 1.0
-
-
-def turned(mesh, angle):
-    c, s = np.cos(angle), np.sin(angle)
-    return TriangleMesh(mesh.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), mesh.faces)
 
 
 def bumpy_ball():

@@ -14,18 +14,12 @@ from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
-from tests.shapes import ball, box
+from tests.shapes import ball, box, turned
 
 ANGLE = np.pi / 2
 MIDDLE = Blend((0.5, 0.5))
 RADII = (1.0, np.cbrt(3.0))
 NAMES = ("lying", "standing")
-
-
-def turned(mesh: TriangleMesh, angle: float) -> TriangleMesh:
-    """Rotate about the hinged end of the rod."""
-    c, s = np.cos(angle), np.sin(angle)
-    return TriangleMesh(mesh.vertices @ np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]]), mesh.faces)
 
 
 ROD = box((2.0, 0.3, 0.3), center=(1.0, 0.0, 0.0))

@@ -12,18 +12,11 @@ from scipy.linalg import sqrtm
 from convwass_addon.applications.morphs.origins import PartTransport, blend_origins, displacements, velocities
 from convwass_addon.applications.morphs.volumes import Lattice
 from convwass_addon.transport import Grid, Inputs, barycenter
+from tests.shapes import even_directions
 from tests.transport.ellipsoids import Ellipsoid
 
 CELLS = 48
 MIDDLE = np.full(3, CELLS / 2)
-
-
-def directions(count=2000):
-    """Even unit vectors."""
-    k = np.arange(count) + 0.5
-    z, angle = 1 - 2 * k / count, np.pi * (1 + 5**0.5) * k
-    flat = np.sqrt(1 - z**2)
-    return np.stack([flat * np.cos(angle), flat * np.sin(angle), z], axis=1)
 
 
 def solved_part(shapes, weights, sharpness=0.75, sigma=1.0, volume=1.0, reach=None):
@@ -51,7 +44,7 @@ def test_the_origins_of_a_moved_ball_are_on_the_inputs(sharpness):
     balls = [ball(MIDDLE - shift / 2, 11.0), ball(MIDDLE + shift / 2, 11.0)]
     part = solved_part(balls, (0.7, 0.3), sharpness)
     here = balls[0].barycenter(balls[1], 0.3)
-    points = directions() * 11.0 + here.center
+    points = even_directions(2000) * 11.0 + here.center
     moves = displacements(points, part)
     np.testing.assert_allclose(moves[0], np.broadcast_to(-0.3 * shift, points.shape), atol=0.1)
     np.testing.assert_allclose(moves[1], np.broadcast_to(0.7 * shift, points.shape), atol=0.1)
@@ -61,7 +54,7 @@ def test_the_origins_of_a_moved_ball_are_on_the_inputs(sharpness):
 def test_ellipsoids_come_from_their_linear_images(t):
     one = Ellipsoid.rotated(MIDDLE, (18.0, 9.0, 11.0), (0.3, 0.2, 0.5))
     other = Ellipsoid.rotated(MIDDLE, (9.0, 15.0, 19.0), (0.8, -0.4, 0.1))
-    on_one = directions() @ one.stretch
+    on_one = even_directions(2000) @ one.stretch
     on_other = on_one @ linear_map(one, other).T
     part = solved_part([one, other], (1 - t, t))
     points = (1 - t) * on_one + t * on_other + MIDDLE
@@ -74,9 +67,9 @@ def test_ellipsoids_come_from_their_linear_images(t):
 
 def test_a_scaled_ball_comes_from_its_scaled_place():
     part = solved_part([ball(MIDDLE, 20.0), ball(MIDDLE, 10.0)], (0.5, 0.5))
-    moves = displacements(directions() * 15.0 + MIDDLE, part)
+    moves = displacements(even_directions(2000) * 15.0 + MIDDLE, part)
     np.testing.assert_allclose(np.linalg.norm(moves, axis=2), 5.0, atol=0.45)
-    assert (np.einsum("knd,nd->kn", moves, directions()) * [[1], [-1]] > 4.5).all()
+    assert (np.einsum("knd,nd->kn", moves, even_directions(2000)) * [[1], [-1]] > 4.5).all()
 
 
 @settings(max_examples=5)
@@ -119,7 +112,7 @@ def test_every_vertex_goes_with_the_part_that_it_is_on():
         solved_part([ball(low + side, 8.0), ball(low - side, 8.0)], (0.5, 0.5), volume=500.0),
     ]
     lattice = Lattice((CELLS,) * 3, 1.0, np.zeros(3), np.zeros((2, 3)))
-    surface = np.concatenate([directions(200) * 8.0 + up, directions(200) * 8.0 + low])
+    surface = np.concatenate([even_directions(200) * 8.0 + up, even_directions(200) * 8.0 + low])
     origins = blend_origins(surface, parts, lattice, (0.5, 0.5))
     expected = np.concatenate([np.tile(-side, (200, 1)), np.tile(side, (200, 1))])
     np.testing.assert_allclose(origins[0] - surface, expected, atol=0.1)
@@ -130,7 +123,7 @@ def test_an_input_of_no_weight_has_a_place_at_every_vertex():
     part = solved_part(balls, (0.5, 0.0, 0.5))
     centers = np.array([[0.0, 0, 0], [40, 0, 0], [0, 6, 0]])
     lattice = Lattice((CELLS,) * 3, 1.0, np.zeros(3), centers)
-    surface = directions(100) * 11.0 + MIDDLE
+    surface = even_directions(100) * 11.0 + MIDDLE
     origins = blend_origins(surface, [part], lattice, (0.5, 0.0, 0.5))
     assert np.isfinite(origins).all()
     np.testing.assert_allclose(origins[1], surface + centers[1], atol=1e-4)

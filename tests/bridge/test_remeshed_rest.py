@@ -19,6 +19,7 @@ from convwass_addon.bridge.vertex_groups import read_group
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.edges import topology
+from tests.rigs import bend_by_two_bones
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -124,19 +125,7 @@ def rigged_bar():
     bpy.ops.mesh.subdivide(number_cuts=9)
     bpy.ops.object.mode_set(mode="OBJECT")
     bar.scale, bar.rotation_euler, bar.location = (2.0, 0.5, 0.5), (0.1, 0.2, 0.3), (0.5, 0.2, 0.1)
-    bpy.ops.object.armature_add()
-    rig = bpy.context.object
-    bpy.ops.object.mode_set(mode="EDIT")
-    bones = rig.data.edit_bones
-    bones[0].name, bones[0].head, bones[0].tail = "Lower", (-2, 0, 0), (0, 0, 0)
-    upper = bones.new("Upper")
-    upper.head, upper.tail, upper.parent = (0, 0, 0), (2, 0, 0), bones["Lower"]
-    bpy.ops.object.mode_set(mode="OBJECT")
-    for name, sign in (("Lower", -1.0), ("Upper", 1.0)):
-        group = bar.vertex_groups.new(name=name)
-        for vertex in bar.data.vertices:
-            group.add([vertex.index], float(np.clip(0.5 + sign * vertex.co.x, 0.0, 1.0)), "REPLACE")
-    bar.modifiers.new("Rig", "ARMATURE").object = rig
+    rig = bend_by_two_bones(bar, 2)
     bone = rig.pose.bones["Upper"]
     bone.rotation_mode, bone.rotation_euler = "XYZ", (0.0, 0.0, 0.7)
     bpy.context.view_layer.update()

@@ -13,6 +13,7 @@ from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, pose_notices, rest_mesh
 from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
 from convwass_addon.errors import InputError
+from tests.rigs import bend_by_two_bones
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -47,21 +48,7 @@ def rigged():
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=9, y_subdivisions=2, size=2, location=(0.5, 0.2, 0.1))
     bar = bpy.context.object
     bar.name, bar.rotation_euler, bar.scale = "Bar", (0.1, 0.2, 0.3), (1.0, 0.4, 1.0)
-    bpy.ops.object.armature_add(location=(0.3, 0.0, 0.0))
-    rig = bpy.context.object
-    bpy.ops.object.mode_set(mode="EDIT")
-    bones = rig.data.edit_bones
-    bones[0].name, bones[0].head, bones[0].tail = "Lower", (-1, 0, 0), (0, 0, 0)
-    upper = bones.new("Upper")
-    upper.head, upper.tail, upper.parent = (0, 0, 0), (1, 0, 0), bones["Lower"]
-    bpy.ops.object.mode_set(mode="OBJECT")
-    for name, sign in (("Lower", -1.0), ("Upper", 1.0)):
-        group = bar.vertex_groups.new(name=name)
-        for vertex in bar.data.vertices:
-            group.add([vertex.index], float(np.clip(0.5 + sign * vertex.co.x, 0.0, 1.0)), "REPLACE")
-    modifier = bar.modifiers.new("Rig", "ARMATURE")
-    modifier.object = rig
-    return bar, rig
+    return bar, bend_by_two_bones(bar, 1, location=(0.3, 0.0, 0.0))
 
 
 def pose(rig, angle):

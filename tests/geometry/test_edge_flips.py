@@ -9,19 +9,13 @@ import numpy as np
 from convwass_addon.geometry.edge_flips import with_flipped_edges
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
-from tests.shapes import ball
+from tests.shapes import ball, smallest_angles
 
 
 def kite(height=0.0):
     """Two narrow triangles at the long diagonal of a rhombus; the other diagonal lies `height` above it."""
     points = [(-1, 0, 0), (1, 0, 0), (0, 0.3, height), (0, -0.3, height)]
     return TriangleMesh.from_arrays(points, [(0, 1, 2), (1, 0, 3)])
-
-
-def smallest_angles(mesh):
-    edges = np.roll(mesh.corners, -1, axis=1) - mesh.corners
-    edges /= np.linalg.norm(edges, axis=2, keepdims=True)
-    return np.degrees(np.arccos(-np.einsum("mcd,mcd->mc", edges, np.roll(edges, 1, axis=1)))).min(axis=1)
 
 
 def test_the_long_diagonal_of_a_rhombus_is_flipped():

@@ -14,7 +14,7 @@ from convwass_addon.geometry.even_surface import even_surface, straightened
 from convwass_addon.geometry.isosurface import surface_at_level, surface_enclosing
 from convwass_addon.geometry.normals import vertex_normals
 from convwass_addon.geometry.occupancy import occupancy
-from tests.shapes import box
+from tests.shapes import box, smallest_angles
 
 # Of the blur with which surfaces are read, and of a cell itself.
 BLUR = 0.76
@@ -40,12 +40,6 @@ def meshed(depth):
     density = ndtr(depth(CELLS) / BLUR).astype(np.float32)
     drawn = surface_at_level(density, 0.5)
     return drawn, even_surface(drawn, density)
-
-
-def smallest_angles(mesh):
-    sides = np.roll(mesh.corners, -1, axis=1) - mesh.corners
-    sides /= np.linalg.norm(sides, axis=2, keepdims=True)
-    return np.degrees(np.arccos(-np.einsum("fcd,fcd->fc", sides, np.roll(sides, 1, axis=1)))).min(axis=1)
 
 
 @pytest.mark.parametrize(("depth", "handles"), [(ball, 0), (ring, 1)])

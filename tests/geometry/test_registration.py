@@ -15,15 +15,7 @@ from convwass_addon.geometry.registration import BY_PAIRS, TO_THE_END, Registrat
 from convwass_addon.geometry.unit_shape import UnitShape
 from tests.controls import CountingControl
 from tests.grids import figure, sheet
-from tests.shapes import ball, box
-
-
-def bent(points, angle):
-    """Bend the z axis into an arc toward y."""
-    low, high = points[:, 2].min(), points[:, 2].max()
-    radius = (high - low) / angle
-    turn, out = (points[:, 2] - (low + high) / 2) / radius, radius - points[:, 1]
-    return np.stack([points[:, 0], radius - out * np.cos(turn), out * np.sin(turn)], axis=1)
+from tests.shapes import ball, bent, box
 
 
 def advanced(found, stages=BY_PAIRS + TO_THE_END):

@@ -96,3 +96,11 @@ def map_slope(first, second, sigma):
     inverse = np.linalg.inv(half)
     cross = 0.5 * root(4.0 * half @ second @ half + sigma**4 * np.eye(len(first)))
     return inverse @ cross @ inverse - 0.5 * sigma**2 * np.linalg.inv(first)
+
+
+def quantiles(density, levels):
+    """Positions in cells below which the fractions `levels` of the mass lie, which fills each cell evenly."""
+    mass = density / density.sum()
+    cumulated = np.cumsum(mass)
+    cells = np.searchsorted(cumulated, levels)
+    return cells + 1.0 - (cumulated[cells] - levels) / mass[cells]

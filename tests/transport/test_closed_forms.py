@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.transport import Grid, barycenter, distance, interpolate
 from tests.transport import gaussians
-from tests.transport.gaussians import gaussian, moments
+from tests.transport.gaussians import gaussian, moments, quantiles
 
 
 def matrix(*rows):
@@ -148,14 +148,6 @@ def uneven(seed):
             density += rng.random() * np.exp(-0.5 * ((x - center) / width) ** 2) * (np.abs(x - center) < 3 * width)
         density += 0.5 * (np.abs(x - rng.uniform(40, 88)) < rng.uniform(3, 10))
     return densities
-
-
-def quantiles(density, levels):
-    """Positions below which the fractions `levels` of the mass lie; the mass is uniform within each cell."""
-    mass = density / density.sum()
-    cumulated = np.cumsum(mass)
-    cells = np.searchsorted(cumulated, levels)
-    return cells + 1.0 - (cumulated[cells] - levels) / mass[cells]
 
 
 LEVELS = (np.arange(20000) + 0.5) / 20000

@@ -10,7 +10,7 @@ from convwass_addon.transport import Grid, barycenter, bisect, interpolate, prop
 from convwass_addon.transport.sharpening import entropy
 from tests.controls import CountingControl
 from tests.transport import gaussians
-from tests.transport.gaussians import gaussian, moments
+from tests.transport.gaussians import gaussian, moments, quantiles
 
 EACH = pytest.mark.parametrize("solve", [interpolate, bisect])
 
@@ -24,14 +24,6 @@ def pair(shape, seed=0):
     densities[0][low] = 1.0
     densities[1][high] = rng.random(densities[1][high].shape) ** 2 + 0.1
     return densities / densities.mean(axis=tuple(range(1, len(shape) + 1)), keepdims=True)
-
-
-def quantiles(density, levels):
-    """Positions on a line below which the fractions `levels` of the mass lie, in cells."""
-    mass = density / density.sum()
-    cumulated = np.cumsum(mass)
-    cells = np.searchsorted(cumulated, levels)
-    return cells + 1.0 - (cumulated[cells] - levels) / mass[cells]
 
 
 @pytest.mark.parametrize("sharpness", [0.0, 0.75])
