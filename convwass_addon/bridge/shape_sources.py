@@ -9,6 +9,7 @@ from dataclasses import dataclass
 
 import bpy
 
+from ..errors import InputError
 from .flat.flat_kinds import is_shape
 
 OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
@@ -60,6 +61,23 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
         if parts:
             return ShapeSource(collection.name, parts[0], parts)
     return ShapeSource(obj.name, obj, (obj,))
+
+
+def require_found(source: ShapeSource) -> None:
+    """Raise InputError if Blender shows a placeholder for something of a shape, which was not found in its library."""
+    blocks = [
+        block for part in source.parts for block in (part, part.data, part.instance_collection) if block is not None
+    ]
+    missing = next((block for block in blocks if block.is_missing), None)
+    if missing is None:
+        return
+    # Overrides of placeholders are placeholders, too.
+    linked = missing.override_library.reference if missing.override_library else missing
+    raise InputError(
+        "{name} was not found in {file}; relocate that library in the Outliner, or bring the file back.",
+        name=missing.name,
+        file=bpy.path.abspath(linked.library.filepath),
+    )
 
 
 def shape_roots(objects: Iterable[bpy.types.Object], grouping: str = OBJECTS) -> list[bpy.types.Object]:

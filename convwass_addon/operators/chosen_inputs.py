@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from dataclasses import dataclass
 
 import bpy
 
 from ..bridge.active import selected_objects
-from ..bridge.morphs.stored import stored_inputs
-from ..bridge.shape_sources import shape_roots
+from ..bridge.morphs.stored import stored_inputs, stored_settings
+from ..bridge.shape_sources import OBJECTS, require_found, shape_roots, shape_source
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
 
@@ -51,8 +51,8 @@ def chosen_inputs(
     Raises
     ------
     InputError
-        There are fewer than two shapes, selected objects must be converted first, named objects do not exist, or the
-        number of weights is wrong.
+        There are fewer than two shapes, selected objects must be converted first, named objects do not exist, the
+        library of one is missing, or the number of weights is wrong.
     """
     listed = context.scene.convwass_morph.enabled_inputs
     if names.strip():
@@ -73,6 +73,7 @@ def chosen_inputs(
         raise InputError(
             "Select at least two shapes (meshes, texts, curves, drawings or images), or add them to the input list."
         )
+    _require_found(objects, settings.grouping)
     return ChosenInputs(objects, numbers)
 
 
@@ -89,10 +90,16 @@ def baked_inputs(morph: bpy.types.Collection | bpy.types.Object, weights: str = 
     Raises
     ------
     InputError
-        An object no longer exists, or the weights are invalid.
+        An object no longer exists, its library is missing, or the weights are invalid.
     """
     objects = stored_inputs(morph)
+    _require_found(objects, stored_settings(morph).get("grouping", OBJECTS))
     return ChosenInputs(objects, _numbers(weights) if weights.strip() else [1.0] * len(objects))
+
+
+def _require_found(objects: Sequence[bpy.types.Object], grouping: str) -> None:
+    for obj in objects:
+        require_found(shape_source(obj, grouping))
 
 
 def _require_shape(obj: bpy.types.Object | None, number: int, scene: bpy.types.Scene) -> None:

@@ -643,3 +643,37 @@ def test_shapes_outside_the_view_layer_are_named(morph, capfd):
     assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
     assert bpy.context.selected_objects == [first]
     assert f"Not in this view layer, so not selected: {second.name}" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("how", "options"),
+    [("LINK", {}), ("LINK", {"output": "SHAPE_KEYS"}), ("OVERRIDE", {}), ("INSTANCE", {})],
+)
+def test_shapes_of_a_missing_library_are_named(empty_scene, tmp_path, how, options):
+    library, shot = tmp_path / "library.blend", tmp_path / "shot.blend"
+    hero = bpy.data.collections.new("Hero")
+    empty_scene.collection.children.link(hero)
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
+    hero.objects.link(bpy.context.object)
+    bpy.context.object.name = "Hero"
+    bpy.ops.wm.save_as_mainfile(filepath=str(library))
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.ops.mesh.primitive_cube_add(location=(3, 0, 0))
+    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
+        wanted.objects, wanted.collections = ["Hero"], ["Hero"]
+    shape = wanted.objects[0]
+    if how == "INSTANCE":
+        shape = bpy.data.objects.new("Instance", None)
+        shape.instance_type, shape.instance_collection = "COLLECTION", wanted.collections[0]
+    bpy.context.scene.collection.objects.link(shape)
+    if how == "OVERRIDE":
+        shape = shape.override_create(remap_local_usages=True)
+    names = f"{shape.name}, {bpy.context.object.name}"
+    bpy.ops.convwass.bake_morph(inputs=names, motion="TRANSPORT", frames=2, resolution=16, **options)
+    bpy.ops.wm.save_as_mainfile(filepath=str(shot))
+    library.rename(tmp_path / "moved.blend")
+    bpy.ops.wm.open_mainfile(filepath=str(shot))
+    with pytest.raises(RuntimeError, match=r"Error: (Hero|Icosphere) was not found in .*library\.blend; relocate"):
+        bpy.ops.convwass.rebake_morph(which="ALL")
+    with pytest.raises(RuntimeError, match=r"Error: (Hero|Icosphere) was not found in .*library\.blend; relocate"):
+        bpy.ops.convwass.bake_morph(inputs=names)
