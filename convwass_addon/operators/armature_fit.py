@@ -120,9 +120,6 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
         graph.require_pins_apart()
         return FitJob(context, body, rig, graph, self.skeleton_settings())
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Fitting armature")
 

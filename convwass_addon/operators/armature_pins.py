@@ -8,10 +8,9 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.armatures.pins import clear_pins, pin_joints, pinned_ends, unpin_joints
-from ..errors import ConvwassError
 from ..properties.armatures import chosen_rig
 from .armature_targets import OnRig, chosen_joints, joints_property
-from .reporting import refuse
+from .reporting import reporting_errors
 
 
 class _PinsJoints(OnRig):
@@ -19,18 +18,16 @@ class _PinsJoints(OnRig):
 
     _pinned: bool
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.armatures.rigs import require_movable, rig_graph
 
         rig = chosen_rig(context)
         context.view_layer.update()
-        try:
-            require_movable(rig)
-            graph = rig_graph(rig, only_deforming=False)
-            joints = chosen_joints(rig, graph, self.joints)
-            (pin_joints if self._pinned else unpin_joints)(rig, graph, joints)
-        except ConvwassError as error:
-            return refuse(self, error)
+        require_movable(rig)
+        graph = rig_graph(rig, only_deforming=False)
+        joints = chosen_joints(rig, graph, self.joints)
+        (pin_joints if self._pinned else unpin_joints)(rig, graph, joints)
         text = rpt_("Pinned: {:s}") if self._pinned else rpt_("No longer pinned: {:s}")
         self.report({"INFO"}, text.format(", ".join(graph.graph.names[joint] for joint in joints)))
         return {"FINISHED"}
@@ -73,15 +70,13 @@ class CONVWASS_OT_clear_pins(OnRig, bpy.types.Operator):
             return False
         return True
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.armatures.rigs import require_movable
 
         rig = chosen_rig(context)
-        try:
-            require_movable(rig)
-            clear_pins(rig)
-        except ConvwassError as error:
-            return refuse(self, error)
+        require_movable(rig)
+        clear_pins(rig)
         return {"FINISHED"}
 
 

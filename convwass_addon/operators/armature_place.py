@@ -18,7 +18,7 @@ from ..properties.armatures import chosen_rig, depth_property
 from .armature_targets import OnBody, chosen_joints, joints_property
 from .mesh_targets import length_text
 from .picking import PicksPoints, surface_point_at
-from .reporting import refuse
+from .reporting import refuse, reporting_errors
 from .windows import write_status
 
 if TYPE_CHECKING:
@@ -42,15 +42,13 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
 
     _waiting: list[str]
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            names = self._names(context)
-            if len(names) != 1:
-                raise InputError("One surface point cannot place {count} joints; name one joint.", count=len(names))
-            self._finder: InnerPointFinder = _finder(context)
-            self._place(context, names[0], np.array(self.location, dtype=np.float64))
-        except ConvwassError as error:
-            return refuse(self, error)
+        names = self._names(context)
+        if len(names) != 1:
+            raise InputError("One surface point cannot place {count} joints; name one joint.", count=len(names))
+        self._finder: InnerPointFinder = _finder(context)
+        self._place(context, names[0], np.array(self.location, dtype=np.float64))
         return {"FINISHED"}
 
     def invoke(self, context, event):

@@ -10,9 +10,8 @@ from bpy.props import BoolProperty
 
 from ..bridge.active import active_object, selected_objects
 from ..bridge.one_mesh.records import has_key_record
-from ..errors import ConvwassError
 from .morph_manage import select_only
-from .reporting import listed, refuse, tell
+from .reporting import listed, reporting_errors, tell
 
 
 class CONVWASS_OT_attach_parts(bpy.types.Operator):
@@ -40,15 +39,13 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
             return False
         return True
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.one_mesh.attached_parts import attach_parts
 
         body = context.object
         parts = [obj for obj in selected_objects(context) if obj != body]
-        try:
-            notices = attach_parts(body, parts, rigid=self.rigid)
-        except ConvwassError as error:
-            return refuse(self, error)
+        notices = attach_parts(body, parts, rigid=self.rigid)
         text = rpt_("{:s}: attached to {:s}").format(listed([part.name for part in parts]), body.name)
         tell(self, text, notices)
         return {"FINISHED"}
@@ -68,13 +65,11 @@ class CONVWASS_OT_make_key_pad(bpy.types.Operator):
             return False
         return True
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.one_mesh.key_pad import make_key_pad
 
-        try:
-            made = make_key_pad(context.object, context.scene)
-        except ConvwassError as error:
-            return refuse(self, error)
+        made = make_key_pad(context.object, context.scene)
         select_only(context, [made.handle])
         tell(self, rpt_("Drag {:s}").format(made.handle.name))
         return {"FINISHED"}

@@ -38,6 +38,9 @@ _SOONEST, _LEAST_FRACTION = 2.0, 0.15
 class Job(Protocol):
     """Work that is computed on a thread and written on the main thread."""
 
+    def steps(self, control: Control) -> Work[None]:
+        """Do the work."""
+
     def write(self, report: Progress[Any]) -> None:
         """Write the payload of a report, or answer its request."""
 
@@ -214,7 +217,7 @@ class BackgroundOperator:
 
     def _steps(self) -> Callable[[Control], Work[None]]:
         """Return the function that does the work. It must not access Blender's data unless `_in_turn` is true."""
-        raise NotImplementedError
+        return self._job.steps
 
     def _in_turn(self) -> bool:
         """Return whether the work accesses Blender's data and must run on the main thread, in small pieces."""

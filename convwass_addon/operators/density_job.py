@@ -100,9 +100,6 @@ class DensityOperator(BackgroundOperator):
 
     _job: DensityJob
 
-    def _steps(self):
-        return self._job.steps
-
 
 class WritingDensityOperator(DensityOperator, MeshWritingOperator):
     """Base of operators that write the result of a `DensityJob` to the mesh."""

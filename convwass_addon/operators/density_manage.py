@@ -34,7 +34,7 @@ from .background import BackgroundOperator
 from .density_changes import changed_inputs
 from .density_targets import OnDensity, chosen_density, density_property
 from .object_job import ObjectJob
-from .reporting import listed, refuse, tell
+from .reporting import listed, refuse, reporting_errors, tell
 
 if TYPE_CHECKING:
     from ..bridge.densities.density_images import ImageSettings
@@ -136,9 +136,6 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
             text = rpt_("{:s} contains the heat map; set the color in Viewport Shading to Attribute to see it")
             yield text.format(color_name(name))
 
-    def _steps(self):
-        return self._job.steps
-
     def _in_turn(self):
         return True
 
@@ -182,11 +179,9 @@ class CONVWASS_OT_remove_density(OnDensity, bpy.types.Operator):
 
     density: density_property()
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            remove_density(context.object, chosen_density(context.object, self.density))
-        except ConvwassError as error:
-            return refuse(self, error)
+        remove_density(context.object, chosen_density(context.object, self.density))
         return {"FINISHED"}
 
 
@@ -224,14 +219,12 @@ class CONVWASS_OT_show_density_material(OnDensity, bpy.types.Operator):
         subtype="FACTOR",
     )
 
+    @reporting_errors
     def execute(self, context):
         obj = context.object
         name = chosen_density(obj, self.density)
-        try:
-            density_modifier(obj, name)
-            writable_mesh(obj)
-        except ConvwassError as error:
-            return refuse(self, error)
+        density_modifier(obj, name)
+        writable_mesh(obj)
         if self.kind == "HEAT":
             obj.active_material = heat_material(name)
         else:

@@ -14,7 +14,7 @@ from ..errors import InputError
 from .chosen_inputs import split_names
 from .density_targets import MODES, OnMesh, chosen_group, chosen_pair
 from .lists import ClearsList, MovesItem, RemovesItem, SidebarList
-from .reporting import refuse
+from .reporting import reporting_errors
 
 
 @dataclass(frozen=True)
@@ -144,13 +144,11 @@ class CONVWASS_OT_add_density_stop(_OnOwnList, bpy.types.Operator):
         name="Group", description="Name of a vertex group to add to the list instead", options={"SKIP_SAVE"}
     )
 
+    @reporting_errors
     def execute(self, context):
         obj = context.object
         own = obj.convwass_density
-        try:
-            names = self._names(obj)
-        except InputError as error:
-            return refuse(self, error)
+        names = self._names(obj)
         for name in names:
             frame = own.stops[-1].frame + own.steps if own.stops else context.scene.frame_start
             stop = own.stops.add()

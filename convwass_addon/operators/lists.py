@@ -10,7 +10,7 @@ import bpy
 from bpy.props import EnumProperty, IntProperty
 
 from ..errors import InputError
-from .reporting import refuse
+from .reporting import reporting_errors
 
 ACTIVE = -1
 """The index that stands for the active item."""
@@ -102,12 +102,10 @@ class ClearsList(_OnList):
 class _OnItem(_OnList):
     index: index_property()
 
+    @reporting_errors
     def execute(self, context):
         own = self._list(context)
-        try:
-            place = own.place(self.index)
-        except InputError as error:
-            return refuse(self, error)
+        place = own.place(self.index)
         return {"FINISHED"} if self._edit(own, place) else {"CANCELLED"}
 
     def _edit(self, own: SidebarList, place: int) -> bool:

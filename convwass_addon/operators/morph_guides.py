@@ -23,7 +23,7 @@ from ..translations import translated
 from .chosen_inputs import chosen_inputs
 from .lists import ClearsList, RemovesItem, SidebarList
 from .picking import PicksPoints, depth_of, redraw_views, vertex_at
-from .reporting import refuse
+from .reporting import refuse, reporting_errors
 from .windows import write_status
 
 
@@ -72,13 +72,11 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
         self._say(context)
         return self._wait(context)
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            if not self.points:
-                raise InputError("Name the points of the guide: vertices by object name.")
-            _add(context.scene.convwass_guides, parsed_guide(self.label, self.points))
-        except ConvwassError as error:
-            return refuse(self, error)
+        if not self.points:
+            raise InputError("Name the points of the guide: vertices by object name.")
+        _add(context.scene.convwass_guides, parsed_guide(self.label, self.points))
         return {"FINISHED"}
 
     def cancel(self, context):
@@ -206,25 +204,22 @@ class CONVWASS_OT_morph_guides_from_names(_EditsGuides, bpy.types.Operator):
         ),
     )
 
+    @reporting_errors
     def execute(self, context):
         own, depsgraph = context.scene.convwass_guides, context.evaluated_depsgraph_get()
-        try:
-            objects = guided_objects(context)
-            if self.kind == "EMPTIES":
-                found = guides_from_empties(objects, depsgraph, list(context.scene.objects))
-            else:
-                found = {"GROUPS": guides_from_groups, "BONES": guides_from_bones}[self.kind](objects, depsgraph)
-            known = {guide.label for guide in own.items}
-            new = [guide for guide in found if guide.name not in known and _is_free(own, guide)]
-            if not found:
-                raise InputError(
-                    "The shapes have no small vertex groups, Empties or bones of the same name; click on points "
-                    "instead."
-                )
-            for guide in new:
-                _add(own, guide)
-        except ConvwassError as error:
-            return refuse(self, error)
+        objects = guided_objects(context)
+        if self.kind == "EMPTIES":
+            found = guides_from_empties(objects, depsgraph, list(context.scene.objects))
+        else:
+            found = {"GROUPS": guides_from_groups, "BONES": guides_from_bones}[self.kind](objects, depsgraph)
+        known = {guide.label for guide in own.items}
+        new = [guide for guide in found if guide.name not in known and _is_free(own, guide)]
+        if not found:
+            raise InputError(
+                "The shapes have no small vertex groups, Empties or bones of the same name; click on points instead."
+            )
+        for guide in new:
+            _add(own, guide)
         self.report({"INFO"}, rpt_("{:d} guides added").format(len(new)))
         return {"FINISHED"} if new else {"CANCELLED"}
 

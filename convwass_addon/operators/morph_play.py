@@ -16,11 +16,10 @@ from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects, is_solid
 from ..bridge.mouse_progress import progress_at_mouse
 from ..bridge.openvdb_module import openvdb_module
-from ..errors import ConvwassError
 from ..progress import Result, Work, drained, watched
 from ..properties.from_schema import property_of, values_of, with_properties
 from .morph_manage import OnActiveMorph, active_morph, select_only
-from .reporting import refuse
+from .reporting import reporting_errors
 
 # Settings of a timing that only some styles have.
 _OF_STYLE = {"HOLD": ("hold",), "SLOW_MOTION": ("slowness",)}
@@ -49,12 +48,10 @@ class _OnPlayedMorph(OnActiveMorph):
             return False
         return super().poll(context)
 
+    @reporting_errors
     def execute(self, context):
         morph = active_morph(context)
-        try:
-            shown = self._change(morph)
-        except ConvwassError as error:
-            return refuse(self, error)
+        shown = self._change(morph)
         select_only(context, [] if shown is None else [shown])
         return {"FINISHED"}
 
@@ -140,11 +137,9 @@ class CONVWASS_OT_retime_player(_OnKeyedPlayer, bpy.types.Operator):
         for name in ("style", "frames", *_OF_STYLE.get(self.style, ())):
             self.layout.prop(self, name)
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            span = retime(context.object, Retiming(**values_of(self, Retiming)))
-        except ConvwassError as error:
-            return refuse(self, error)
+        span = retime(context.object, Retiming(**values_of(self, Retiming)))
         self.report({"INFO"}, rpt_("Plays in frames {:d} to {:d}").format(span[0], span[-1]))
         return {"FINISHED"}
 
@@ -188,11 +183,9 @@ class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
             return False
         return _has_own_keys(cls, velocity.modifier.id_data)
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            key_handle_velocity(active_morph(context))
-        except ConvwassError as error:
-            return refuse(self, error)
+        key_handle_velocity(active_morph(context))
         return {"FINISHED"}
 
 
@@ -216,16 +209,14 @@ class CONVWASS_OT_bake_player(_OnPlayer, bpy.types.Operator):
         self.rate = render.fps / render.fps_base
         return context.window_manager.invoke_props_dialog(self)
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.morphs.dense_bake import bake_player, sample_times
 
         player, render = context.object, context.scene.render
         first, last = keyed_span(player)
         times = sample_times(first, last, render.fps / render.fps_base, self.rate)
-        try:
-            morph = _with_cursor(bake_player(player, times, first))
-        except ConvwassError as error:
-            return refuse(self, error)
+        morph = _with_cursor(bake_player(player, times, first))
         select_only(context, frame_objects(morph)[:1])
         self.report({"INFO"}, rpt_("{:s}: {:d} meshes").format(morph.name, len(times)))
         return {"FINISHED"}

@@ -51,9 +51,6 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         pictures = [read_colors_as_picture(own) for own in (obj, giver)]
         return RecolorJob(Handle.of("objects", obj), pictures[0], pictures[1:], [1.0], self.recolor_settings())
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Recoloring")
 

@@ -132,9 +132,6 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
             frames.close()
             raise
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Recoloring")
 

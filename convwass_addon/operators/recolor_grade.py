@@ -48,9 +48,6 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
             job = RecolorJob(Handle.of("images", image), *read_pictures(context, image), settings, ends="map")
         return TableJob(job, self.cube_size, self._target())
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Matching palettes")
 

@@ -139,9 +139,6 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
         inputs, ends = read_pictures(context, image), "file" if self.output == "NEW" else "pixels"
         return RecolorJob(Handle.of("images", image), *inputs, self.recolor_settings(), ends=ends)
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Recoloring")
 

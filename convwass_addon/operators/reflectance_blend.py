@@ -167,9 +167,6 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
             raise InputError("Anisotropic materials need all directions; choose .npz or .lobes.exr.")
         return target
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Blending materials")
 

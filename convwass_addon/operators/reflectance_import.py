@@ -10,10 +10,10 @@ from bpy.props import StringProperty
 
 from ..bridge.files import absolute_path
 from ..bridge.reflectance.frame_span import Frames
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..properties.light import sun_of
 from .background import is_idle
-from .reporting import refuse, tell
+from .reporting import reporting_errors, tell
 from .windows import busy_cursor
 
 
@@ -40,23 +40,21 @@ class CONVWASS_OT_import_lobes(bpy.types.Operator):
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.reflectance.lobe_files import read_lobe_file
         from ..bridge.reflectance.lobe_materials import lobe_material
 
         scene = context.scene
-        try:
-            if not self.filepath:
-                raise InputError("Choose a file to read.")
-            path = absolute_path(self.filepath)
-            with busy_cursor(context):
-                tables = read_lobe_file(path)
-            frames = Frames(scene.frame_start, max(scene.frame_end, scene.frame_start + 1))
-            dark = [(0.0, 0.0, 0.0)] * len(tables)
-            animated = frames if len(tables) > 1 else None
-            made = lobe_material(path.stem, tables, dark, sun_of(context), animated, file=str(path))
-        except ConvwassError as error:
-            return refuse(self, error)
+        if not self.filepath:
+            raise InputError("Choose a file to read.")
+        path = absolute_path(self.filepath)
+        with busy_cursor(context):
+            tables = read_lobe_file(path)
+        frames = Frames(scene.frame_start, max(scene.frame_end, scene.frame_start + 1))
+        dark = [(0.0, 0.0, 0.0)] * len(tables)
+        animated = frames if len(tables) > 1 else None
+        made = lobe_material(path.stem, tables, dark, sun_of(context), animated, file=str(path))
         tell(self, rpt_("Made {:s}").format(made.name))
         return {"FINISHED"}
 

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import wraps
 
 import bpy
 
@@ -12,6 +13,8 @@ from ..applications.system_errors import error_to_tell
 from ..errors import ConvwassError
 from ..sentence import Sentence
 from ..translations import translated
+
+Execute = Callable[[bpy.types.Operator, bpy.types.Context], set[str]]
 
 # Longest list of names in a message.
 _NAMED = 5
@@ -21,6 +24,19 @@ def refuse(operator: bpy.types.Operator, error: ConvwassError) -> set[str]:
     """Report an error in the user's language and cancel the operator."""
     operator.report({"ERROR"}, translated(error.sentence))
     return {"CANCELLED"}
+
+
+def reporting_errors(execute: Execute) -> Execute:
+    """Let `execute` of an operator report errors that the user can act on, and cancel."""
+
+    @wraps(execute)
+    def reporting(self: bpy.types.Operator, context: bpy.types.Context) -> set[str]:
+        try:
+            return execute(self, context)
+        except ConvwassError as error:
+            return refuse(self, error)
+
+    return reporting
 
 
 def refuse_if_known(operator: bpy.types.Operator, error: BaseException) -> set[str]:

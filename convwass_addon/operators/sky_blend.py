@@ -161,9 +161,6 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
             raise InputError("Choose at least two worlds, not {count}.", count=len(worlds))
         return worlds
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Blending skies")
 

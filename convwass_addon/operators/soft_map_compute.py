@@ -18,13 +18,13 @@ from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..progress import Control, Progress, Work
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from ..sentence import Sentence
 from .background import BackgroundOperator
 from .mesh_targets import ignored_notice
-from .reporting import refuse, tell
+from .reporting import reporting_errors, tell
 from .soft_map_job import RepairJob, SoftMapJob, equal_groups
 from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_objects, reshaped_notices
 
@@ -58,9 +58,6 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
     def _groups(self, own: CONVWASS_PG_soft_map) -> list[str]:
         """Return the names of the vertex groups to use."""
         return []
-
-    def _steps(self):
-        return self._job.steps
 
     def _finish(self, context, job):
         found = job.found
@@ -202,9 +199,6 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         meshes = [standing_mesh(obj, way.side(obj).triangles, depsgraph) for obj in (way.source, way.target)]
         return RepairJob(way, partial(_repaired, partial(repaired_map, way.stored.found, *meshes, self.threshold)))
 
-    def _steps(self):
-        return self._job.steps
-
     def _title(self):
         return rpt_("Repairing soft map")
 
@@ -230,12 +224,10 @@ class CONVWASS_OT_remove_soft_map(OnStoredMap, bpy.types.Operator):
     bl_idname = "convwass.remove_soft_map"
     bl_label = "Remove Soft Map"
 
+    @reporting_errors
     def execute(self, context):
         source, target = mapped_objects(context)
-        try:
-            require_storable(source)
-        except ConvwassError as error:
-            return refuse(self, error)
+        require_storable(source)
         forget_soft_map(source, target)
         return {"FINISHED"}
 

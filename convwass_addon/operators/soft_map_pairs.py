@@ -9,11 +9,11 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty, StringProperty
 
 from ..bridge.soft_maps.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties
 from .lists import ClearsList, RemovesItem, SidebarList
 from .mesh_targets import selected_vertices
-from .reporting import listed, refuse
+from .reporting import listed, reporting_errors
 from .soft_map_pick import PicksPair, require_free
 from .soft_map_targets import OnMapObjects, one_selected
 
@@ -40,13 +40,11 @@ class CONVWASS_OT_add_map_pair(PicksPair, OnMapObjects, bpy.types.Operator):
         options={"SKIP_SAVE"},
     )
 
+    @reporting_errors
     def execute(self, context):
         own = context.scene.convwass_soft_map
-        try:
-            pair = MapPair(self.label, *self._vertices(own))
-            _require_new(own, pair)
-        except ConvwassError as error:
-            return refuse(self, error)
+        pair = MapPair(self.label, *self._vertices(own))
+        _require_new(own, pair)
         _add(own, pair)
         return {"FINISHED"}
 
@@ -100,14 +98,12 @@ def _add(own: CONVWASS_PG_soft_map, pair: MapPair) -> None:
 class _FromNames(OnMapObjects):
     """Base of operators that make pairs from equal names."""
 
+    @reporting_errors
     def execute(self, context):
         own = context.scene.convwass_soft_map
-        try:
-            found = self._found(context, own)
-            if not found.pairs:
-                raise self._nothing(own, found)
-        except ConvwassError as error:
-            return refuse(self, error)
+        found = self._found(context, own)
+        if not found.pairs:
+            raise self._nothing(own, found)
         new, added = [pair for pair in found.pairs if _is_new(own, pair)], []
         for pair in new:
             # Two new ones may be nearest to the same vertex.

@@ -104,9 +104,6 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
             require_names(giver, known, names)
             return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver, names)))
 
-    def _steps(self):
-        return self._job.steps
-
     def _ends(
         self, way: StoredWay, giver: bpy.types.Object, receiver: bpy.types.Object, names: list[str]
     ) -> TransferEnds:

@@ -11,22 +11,19 @@ from bpy.props import IntProperty
 
 from ..bridge.soft_maps.map_view import CONFIDENCE, show_distribution, show_places, write_confidence
 from ..bridge.soft_maps.resting_surface import resting_mesh
-from ..errors import ConvwassError
-from .reporting import refuse, tell
+from .reporting import reporting_errors, tell
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, one_selected, reshaped_notices
 
 
 class _ViewsMap(OnStoredMap):
     """Base of operators that show the stored map on both objects."""
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            way = current_way(context)
-            # Attributes and groups cannot be written in Edit Mode.
-            with edit_mode_left(context):
-                text = self._show(context, way)
-        except ConvwassError as error:
-            return refuse(self, error)
+        way = current_way(context)
+        # Attributes and groups cannot be written in Edit Mode.
+        with edit_mode_left(context):
+            text = self._show(context, way)
         tell(self, text, reshaped_notices(way))
         return {"FINISHED"}
 

@@ -36,9 +36,6 @@ class CONVWASS_OT_bake_textures(BackgroundOperator, TextureProperties, bpy.types
             raise InputError("Enable the add-on Cycles Render Engine in the preferences; it bakes the images.")
         return TextureJob(context.scene, context.evaluated_depsgraph_get(), context.object, self.texture_settings())
 
-    def _steps(self):
-        return self._job.steps
-
     def _in_turn(self):
         return True
 
