@@ -128,7 +128,6 @@ def test_degenerate_input_gives_finite_numbers(source, target, pairs):
     assert found.costs.shape == (len(source.vertices), len(target.vertices))
     assert np.isfinite(found.costs).all()
     assert found.costs.min() >= 0
-    assert np.isfinite(found.overlay.energy)
 
 
 def test_loose_vertices_are_ignored():

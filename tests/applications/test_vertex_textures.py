@@ -10,14 +10,13 @@ import pytest
 from convwass_addon.applications.one_mesh.vertex_textures import (
     LARGEST_TEXTURE,
     TextureGrid,
-    joined_steps,
     packed_normals,
     padded_triangles,
     split_steps,
-    unpacked_normals,
     y_up,
 )
 from convwass_addon.errors import InputError
+from tests.vertex_textures import gathered, joined_steps, unpacked_normals
 
 
 @pytest.fixture
@@ -34,7 +33,7 @@ def test_a_shader_finds_every_vertex_in_every_frame(points):
         u, v = (grid.coordinates() + np.array([0.0, frame / 5])).T
         read = image[(v * grid.height).astype(int), (u * grid.width).astype(int)]
         np.testing.assert_array_equal(read, points[frame])
-    np.testing.assert_array_equal(grid.gathered(image), points)
+    np.testing.assert_array_equal(gathered(grid, image), points)
 
 
 def test_positions_come_back_within_half_a_quantum(points):

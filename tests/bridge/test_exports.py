@@ -13,7 +13,7 @@ import pytest
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
-from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, joined_steps, y_up
+from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
 from convwass_addon.bridge.image_files import opened_image
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs import exports
@@ -23,6 +23,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.moving_meshes import srgb
 from convwass_addon.errors import ConvwassError, InputError
+from tests.vertex_textures import gathered, joined_steps
 
 # Blender's own add-on for glTF uses what newer versions of numpy and Python advise against.
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -186,8 +187,8 @@ def test_textures_hold_the_triangles_of_every_frame(collection, tmp_path, invent
     grid = TextureGrid(record["vertices"], record["frames"], record["texture"]["width"])
     halves = read["positions_png"].reshape(2, grid.height, grid.width, 3)
     bounds = np.array([record["bounds"]["low"], record["bounds"]["high"]])
-    points = joined_steps(np.stack([grid.gathered(half) for half in halves]), bounds)
-    colors = grid.gathered(read["colors_png"])
+    points = joined_steps(np.stack([gathered(grid, half) for half in halves]), bounds)
+    colors = gathered(grid, read["colors_png"])
     depsgraph = bpy.context.evaluated_depsgraph_get()
     for obj, own in zip(frames, points.reshape(len(frames), -1, 3, 3), strict=True):
         corners = y_up(triangle_mesh(obj, depsgraph).corners)

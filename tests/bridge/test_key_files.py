@@ -12,13 +12,14 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
-from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, joined_steps, unpacked_normals, y_up
+from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
 from convwass_addon.bridge.image_files import opened_image
 from convwass_addon.bridge.keyframes import make_linear
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.errors import InputError
+from tests.vertex_textures import gathered, joined_steps, unpacked_normals
 
 # Blender's own add-ons use what newer versions of NumPy and Python advise against.
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -159,9 +160,9 @@ def decoded(record, folder):
     grid = TextureGrid(record["vertices"], record["frames"], record["texture"]["width"])
     bounds = np.array([record["bounds"]["low"], record["bounds"]["high"]])
     split = np.rint(255 * pixels(folder / record["files"]["positions_png"])).reshape(2, grid.height, grid.width, 3)
-    packed = grid.gathered(255 * pixels(folder / record["files"]["normals_png"]))
-    exact = grid.gathered(pixels(folder / record["files"]["positions_exr"]))
-    return joined_steps(np.stack([grid.gathered(half) for half in split]), bounds), exact, unpacked_normals(packed)
+    packed = gathered(grid, 255 * pixels(folder / record["files"]["normals_png"]))
+    exact = gathered(grid, pixels(folder / record["files"]["positions_exr"]))
+    return joined_steps(np.stack([gathered(grid, half) for half in split]), bounds), exact, unpacked_normals(packed)
 
 
 def glb_vertices(record, folder):

@@ -85,10 +85,6 @@ class TextureGrid:
         image[:, : self.points] = values
         return image.reshape(self.height, self.width, channels)
 
-    def gathered(self, image: NDArray[np.generic]) -> NDArray[np.generic]:
-        """Return the values, (frames, n, c), of an image that `arranged` made."""
-        return image.reshape(self.frames, self.rows * self.width, -1)[:, : self.points]
-
 
 @dataclass(frozen=True)
 class VertexAnimation:
@@ -167,20 +163,9 @@ def split_steps(points: NDArray[np.float64], bounds: NDArray[np.float64]) -> NDA
     return np.stack([steps >> 8, steps & 255]).astype(np.uint8)
 
 
-def joined_steps(split: NDArray[np.uint8], bounds: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the positions, (f, n, 3), from the bytes of `split_steps`, as a shader does."""
-    steps = 256.0 * split[0] + split[1]
-    return bounds[0] + steps / _STEPS * (bounds[1] - bounds[0])
-
-
 def packed_normals(normals: NDArray[np.float64]) -> NDArray[np.uint8]:
     """Quantize unit vectors, (f, n, 3), to 8 bits per axis: 0 stands for -1 and 255 for 1."""
     return np.clip(np.rint((normals * 0.5 + 0.5) * 255.0), 0, 255).astype(np.uint8)
-
-
-def unpacked_normals(packed: NDArray[np.uint8]) -> NDArray[np.float64]:
-    """Return the vectors, (f, n, 3), from the bytes of `packed_normals`, not normalized."""
-    return packed / 127.5 - 1.0
 
 
 def y_up(vectors: NDArray[np.float64]) -> NDArray[np.float64]:

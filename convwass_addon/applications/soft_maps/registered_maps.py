@@ -36,23 +36,16 @@ class Overlay:
     ----------
     images : ClosestPoints
         The target point for every source vertex, and its distance.
-    energy : float
-        Remaining strain and distance; about 0.05 for a bent shape, and 0.5 for a different animal.
-    start : str
-        "pairs", "guess" or "placed".
     is_mirrored : bool
         Whether left and right are exchanged.
     """
 
     images: ClosestPoints
-    energy: float
-    start: str
     is_mirrored: bool
 
 
 @dataclass(frozen=True)
 class _Start:
-    name: str
     is_mirrored: bool
     points: NDArray[np.float64]
     stages: tuple[Stage, ...]
@@ -74,17 +67,17 @@ def overlaid(
         Stops the work.
     """
     shapes = {False: source, True: source.mirrored()}
-    best: dict[bool, tuple[float, Registration, str]] = {}
+    best: dict[bool, tuple[float, Registration]] = {}
     for start in _starts(shapes, target, pairs, guess):
         found = Registration(shapes[start.is_mirrored], target, pairs, start.points)
         found.advance(start.stages, control)
         energy = found.energy()
         if start.is_mirrored not in best or energy < best[start.is_mirrored][0]:
-            best[start.is_mirrored] = energy, found, start.name
-    is_mirrored = _is_mirrored({way: (energy, found) for way, (energy, found, _) in best.items()}, control)
-    _, found, name = best[is_mirrored]
+            best[start.is_mirrored] = energy, found
+    is_mirrored = _is_mirrored(best, control)
+    _, found = best[is_mirrored]
     found.advance(TO_THE_END, control)
-    return Overlay(found.images(), found.energy(), name, is_mirrored)
+    return Overlay(found.images(), is_mirrored)
 
 
 def _is_mirrored(best: dict[bool, tuple[float, Registration]], control: Control) -> bool:
@@ -105,18 +98,18 @@ def _starts(
     if len(pairs) >= _ENOUGH:
         aligned = {way: _aligned_by_pairs(shape, target, pairs) for way, shape in shapes.items()}
         missed = {way: _alignment_error(points, target, pairs) for way, points in aligned.items()}
-        yield _Start("pairs", False, aligned[False], BY_PAIRS)
+        yield _Start(False, aligned[False], BY_PAIRS)
         mirrored_too = missed[True] <= _WORTH_TRYING * missed[False]
         if mirrored_too:
-            yield _Start("pairs", True, aligned[True], BY_PAIRS)
+            yield _Start(True, aligned[True], BY_PAIRS)
     else:
         here, there = pairs.T
         offset = (target.vertices[there] - shapes[False].vertices[here]).mean(axis=0) if len(pairs) else np.zeros(3)
-        yield _Start("placed", False, shapes[False].vertices + offset, AS_PLACED)
+        yield _Start(False, shapes[False].vertices + offset, AS_PLACED)
     if inverted < 1.0 - _MOSTLY:
-        yield _Start("guess", False, target.vertices[guess], BY_GUESS)
+        yield _Start(False, target.vertices[guess], BY_GUESS)
     if inverted > _MOSTLY and mirrored_too:
-        yield _Start("guess", True, target.vertices[guess], BY_GUESS)
+        yield _Start(True, target.vertices[guess], BY_GUESS)
 
 
 def _inverted_fraction(source: UnitShape, target: UnitShape, guess: NDArray[np.int64]) -> float:
