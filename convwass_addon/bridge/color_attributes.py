@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .element_values import element_values
 
 _KINDS = ("BYTE_COLOR", "FLOAT_COLOR")
 
@@ -21,9 +22,7 @@ def color_names(obj: bpy.types.Object) -> list[str]:
 def read_colors(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
     """Return a color attribute as scene linear RGBA, per vertex, (n, 4), or per face corner, (l, 4)."""
     attribute = obj.data.color_attributes[name]
-    colors = np.empty(4 * len(attribute.data), np.float32)
-    attribute.data.foreach_get("color", colors)
-    return colors.reshape(-1, 4).astype(np.float64)
+    return element_values(attribute.data, "color", 4).astype(np.float64)
 
 
 def is_per_corner(obj: bpy.types.Object, name: str) -> bool:
@@ -97,6 +96,4 @@ def show_colors(obj: bpy.types.Object, name: str) -> None:
 
 
 def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    return corners
+    return element_values(mesh.loops, "vertex_index", kind=np.int32)

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..applications.morphs.part_labels import FaceLabels
+from .element_values import element_values
 
 
 def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
@@ -43,7 +44,7 @@ def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> Fa
         ),
         shape=(len(mesh.vertices), len(names) + 1),
     )
-    corners = _triangles(mesh, "vertices", 3)
+    corners = element_values(mesh.loop_triangles, "vertices", 3, np.int32).ravel()
     incidence = csr_array(
         (np.ones(len(corners)), corners, np.arange(0, len(corners) + 1, 3)),
         shape=(len(corners) // 3, len(mesh.vertices)),
@@ -70,17 +71,10 @@ def material_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLa
     names = tuple(called.values())
     places = {name: index for index, name in enumerate(called)}
     table = np.array([*(places.get(name, -1) for name in slots), -1])
-    index = _triangles(mesh, "material_index", 1)
+    index = element_values(mesh.loop_triangles, "material_index", kind=np.int32)
     # A face may have an invalid slot index; Blender then uses the last slot.
     return FaceLabels(names, table[np.minimum(index, max(len(slots) - 1, 0))])
 
 
 LABELS = {"vertex-groups": vertex_group_labels, "materials": material_labels}
 """The labeling functions, by the name of the option."""
-
-
-def _triangles(mesh: bpy.types.Mesh, name: str, size: int) -> np.ndarray:
-    """Return a property of all triangles, (size * m,)."""
-    values = np.empty(size * len(mesh.loop_triangles), dtype=np.int32)
-    mesh.loop_triangles.foreach_get(name, values)
-    return values

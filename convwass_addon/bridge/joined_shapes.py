@@ -8,9 +8,9 @@ from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 
 import bpy
-import numpy as np
 
 from ..errors import InputError
+from .element_values import element_values, write_attribute
 from .mesh_checks import not_a_mesh
 from .node_math import named_attribute, new_node, stored_attribute, without_attribute
 from .object_copies import copied, copies_of, has_copies
@@ -180,10 +180,9 @@ def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.typ
     mesh = frozen_copy(part, depsgraph, _MESHED)
     own = mesh.copy()
     own.transform(part.matrix_world.inverted_safe())
-    positions = np.empty(3 * len(own.vertices), np.float32)
-    own.vertices.foreach_get("co", positions)
+    positions = element_values(own.vertices, "co", 3)
     bpy.data.meshes.remove(own)
-    mesh.attributes.new(OWN_POSITION, "FLOAT_VECTOR", "POINT").data.foreach_set("vector", positions)
+    write_attribute(mesh, OWN_POSITION, "FLOAT_VECTOR", positions)
     return mesh
 
 

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from .element_values import write_attribute
 from .node_math import named_attribute, new_node, without_attribute
 from .objects import evaluated_object
 
@@ -37,9 +38,8 @@ class Copies:
         """Return a new mesh with a vertex for every copy, which stores its transform."""
         mesh = bpy.data.meshes.new(self.original.name)
         mesh.vertices.add(len(self.transforms))
-        attribute = mesh.attributes.new(_TRANSFORM, "FLOAT4X4", "POINT")
         # Blender stores matrices by columns.
-        attribute.data.foreach_set("value", self.transforms.transpose(0, 2, 1).astype(np.float32).ravel())
+        write_attribute(mesh, _TRANSFORM, "FLOAT4X4", self.transforms.transpose(0, 2, 1))
         return mesh
 
 

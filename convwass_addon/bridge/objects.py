@@ -16,6 +16,7 @@ from mathutils import Matrix
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
+from .element_values import element_values
 from .keyframes import curves_of
 from .mesh_checks import not_a_mesh
 
@@ -189,17 +190,15 @@ def _transformed_normals(mesh: bpy.types.Mesh, matrix: Matrix) -> np.ndarray | N
     is_even = lengths[-1] >= (1.0 - _UNEVEN) * lengths[0] and not matrix.is_negative
     if is_even or not mesh.has_custom_normals:
         return None
-    normals = np.empty(3 * len(mesh.loops), np.float32)
-    mesh.corner_normals.foreach_get("vector", normals)
-    turned = normals.reshape(-1, 3) @ np.linalg.inv(linear)
+    normals = element_values(mesh.corner_normals, "vector", 3)
+    turned = normals @ np.linalg.inv(linear)
     return turned / np.linalg.norm(turned, axis=1, keepdims=True)
 
 
 def _corner_order(mesh: bpy.types.Mesh) -> np.ndarray:
     """Return the corners of a mesh by face and vertex, an order that flipping faces keeps, (l,)."""
-    counts, vertices = np.empty(len(mesh.polygons), np.int32), np.empty(len(mesh.loops), np.int32)
-    mesh.polygons.foreach_get("loop_total", counts)
-    mesh.loops.foreach_get("vertex_index", vertices)
+    counts = element_values(mesh.polygons, "loop_total", kind=np.int32)
+    vertices = element_values(mesh.loops, "vertex_index", kind=np.int32)
     return np.lexsort((vertices, np.repeat(np.arange(len(counts)), counts)))
 
 
@@ -348,11 +347,8 @@ def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) ->
 def _arrays(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Return vertices, (n, 3) float64, and triangles, (m, 3) int32, in local space."""
     mesh.calc_loop_triangles()
-    vertices = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", vertices)
-    faces = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", faces)
-    return vertices.reshape(-1, 3).astype(np.float64), faces.reshape(-1, 3)
+    vertices = element_values(mesh.vertices, "co", 3).astype(np.float64)
+    return vertices, element_values(mesh.loop_triangles, "vertices", 3, np.int32)
 
 
 def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:

@@ -20,6 +20,7 @@ from mathutils import Matrix
 from ..disk_space import require_whole
 from ..drafts import new_draft
 from ..errors import Cancelled, ConvwassError, InputError
+from .element_values import element_values
 from .files import checked_target
 from .framing import Pose, View
 from .studio_set import even_sky, floor_material, floor_mesh
@@ -259,10 +260,9 @@ def move_result(source: Path, target: Path) -> None:
 
 def world_points(obj: bpy.types.Object) -> np.ndarray:
     """Return the vertices of a mesh object in world space, (n, 3), even if it is hidden."""
-    points = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-    obj.data.vertices.foreach_get("co", points)
+    points = element_values(obj.data.vertices, "co", 3)
     matrix = np.array(world_matrix(obj))
-    return points.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
+    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def world_matrix(obj: bpy.types.Object) -> Matrix:

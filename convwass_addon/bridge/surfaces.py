@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry.mesh import TriangleMesh
+from .element_values import element_values
 from .mesh_checks import readable_mesh
 from .objects import is_current, shown_objects
 
@@ -167,9 +168,7 @@ def _shape(mesh: bpy.types.Mesh) -> _Shape:
     if len(mesh.loops) == 3 * len(mesh.polygons):
         return _Shape(vertices, _corner_vertices(mesh).reshape(-1, 3))
     mesh.calc_loop_triangles()
-    faces = np.empty((len(mesh.loop_triangles), 3), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("vertices", faces.ravel())
-    return _Shape(vertices, faces)
+    return _Shape(vertices, element_values(mesh.loop_triangles, "vertices", 3, np.int32))
 
 
 def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from .element_values import element_values
 
 _MOST_MAPS = 8
 
@@ -22,9 +23,7 @@ def uv_names(obj: bpy.types.Object) -> list[str]:
 
 def read_uvs(obj: bpy.types.Object, name: str) -> NDArray[np.float64]:
     """Return a UV map, (l, 2)."""
-    places = np.empty(2 * len(obj.data.loops), np.float32)
-    obj.data.uv_layers[name].uv.foreach_get("vector", places)
-    return places.reshape(-1, 2).astype(np.float64)
+    return element_values(obj.data.uv_layers[name].uv, "vector", 2).astype(np.float64)
 
 
 def require_uv_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
@@ -92,9 +91,8 @@ def write_uvs(obj: bpy.types.Object, name: str, loops: NDArray[np.int64], places
 def mark_seams(obj: bpy.types.Object, seams: NDArray[np.int64]) -> None:
     """Mark edges as seams, (s, 2) vertices, in addition to existing seams."""
     mesh = obj.data
-    ends, marked = np.empty(2 * len(mesh.edges), np.int32), np.empty(len(mesh.edges), bool)
-    mesh.edges.foreach_get("vertices", ends)
-    mesh.edges.foreach_get("use_seam", marked)
+    ends = element_values(mesh.edges, "vertices", 2, np.int32)
+    marked = element_values(mesh.edges, "use_seam", kind=bool)
     count = len(mesh.vertices)
     keys, wanted = (
         np.sort(np.asarray(pairs).reshape(-1, 2), axis=1).astype(np.int64) @ (count, 1) for pairs in (ends, seams)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .element_values import write_attribute
 from .group_users import kept_group_users
 from .mesh_checks import readable_mesh, writable_mesh
 from .node_math import named_attribute, stored_attribute
@@ -165,9 +166,7 @@ def _convert(obj: bpy.types.Object, mesh: bpy.types.Mesh, values: NDArray[np.flo
 
     This is the only call that sets all weights at once. It works for hidden objects and without a scene, too.
     """
-    attribute = mesh.attributes.new(_WRITTEN, "FLOAT", "POINT")
-    attribute.data.foreach_set("value", values)
-    mesh.attributes.active = attribute
+    mesh.attributes.active = write_attribute(mesh, _WRITTEN, "FLOAT", values)
     with bpy.context.temp_override(object=obj, active_object=obj):
         bpy.ops.geometry.attribute_convert(mode="VERTEX_GROUP")
 

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 
+from ..bridge.element_values import element_values
 from ..errors import InputError
 from ..sentence import Sentence
 
@@ -45,8 +46,7 @@ def selected_vertices(obj: bpy.types.Object) -> list[int]:
     """
     if obj.data.is_editmode:
         obj.update_from_editmode()
-    selected = np.empty(len(obj.data.vertices), dtype=bool)
-    obj.data.vertices.foreach_get("select", selected)
+    selected = element_values(obj.data.vertices, "select", kind=bool)
     if selected.all() and len(selected) > 1:
         raise InputError("All vertices of {object} are selected; select fewer.", object=obj.name)
     return np.flatnonzero(selected).tolist()

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
+from ..element_values import element_values
 from ..mesh_checks import other_vertices, readable_mesh
 from .pins import pinned_vertices
 from .rig_graphs import RigGraph, world_matrix
@@ -36,14 +37,12 @@ def edge_graph(obj: bpy.types.Object) -> RigGraph:
         )
     if not len(mesh.edges):
         raise InputError("{object} has no edges; a skeleton must be an armature, or a mesh of edges.", object=obj.name)
-    edges = np.empty(2 * len(mesh.edges), dtype=np.int32)
-    mesh.edges.foreach_get("vertices", edges)
+    edges = element_values(mesh.edges, "vertices", 2, np.int32)
     joints, compact = np.unique(edges, return_inverse=True)
     matrix = world_matrix(obj)
     points = _points(mesh)[joints] @ matrix[:3, :3].T + matrix[:3, 3]
     names = tuple(str(vertex) for vertex in joints)
-    selected = np.empty(len(mesh.vertices), dtype=bool)
-    mesh.vertices.foreach_get("select", selected)
+    selected = element_values(mesh.vertices, "select", kind=bool)
     return RigGraph(
         graph=JointGraph.from_arrays(points, compact.reshape(-1, 2), pinned_vertices(mesh)[joints], names),
         ends=tuple((name,) for name in names),
@@ -87,6 +86,4 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
 
 
 def _points(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
-    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", points)
-    return points.reshape(-1, 3).astype(np.float64)
+    return element_values(mesh.vertices, "co", 3).astype(np.float64)

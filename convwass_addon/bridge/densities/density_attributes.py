@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ..element_values import write_attribute
 from .density_nodes import NAME, TAKEN_BY_RENDERERS, color_name, frame_name, is_frame
 
 # Values are rounded to this share of the maximum, because numbers that end in zeros compress well.
@@ -58,8 +59,7 @@ def write_frames(mesh: bpy.types.Mesh, name: str, frames: NDArray[np.float64]) -
     """Replace the stored frames by others, (f, n), with maximum 1."""
     remove_frames(mesh, name)
     for place, values in enumerate(frames):
-        attribute = mesh.attributes.new(frame_name(name, place), "FLOAT", "POINT")
-        attribute.data.foreach_set("value", (np.rint(values / _STEP) * _STEP).astype(np.float32))
+        write_attribute(mesh, frame_name(name, place), "FLOAT", np.rint(values / _STEP) * _STEP)
 
 
 def remove_frames(mesh: bpy.types.Mesh, name: str) -> None:

@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
+from ..element_values import element_values
 from ..files import absolute_folder, made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh
@@ -195,13 +196,9 @@ def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:
         raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
     layer = _uv_layer(obj, settings.uv_map)
     mesh.calc_loop_triangles()
-    count = len(mesh.loop_triangles)
-    loops, faces = np.empty((2, 3 * count), dtype=np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    mesh.loop_triangles.foreach_get("vertices", faces)
-    uv = np.empty(2 * len(mesh.loops), dtype=np.float32)
-    layer.uv.foreach_get("vector", uv)
-    pixels = uv_pixels(uv.reshape(-1, 2)[loops.reshape(-1, 3)], faces.reshape(-1, 3), settings.size, settings.margin)
+    loops, faces = (element_values(mesh.loop_triangles, name, 3, np.int32) for name in ("loops", "vertices"))
+    uv = element_values(layer.uv, "vector", 2)
+    pixels = uv_pixels(uv[loops], faces, settings.size, settings.margin)
     if not len(pixels.places):
         raise InputError(
             "The UV map {layer} of {object} covers no pixel between 0 and 1; unwrap the mesh in Edit Mode: UV > "

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...applications.flat.flat_frames import FlatFrame
 from ...geometry.fitting import BezierRing, fitted_beziers
 from ...geometry.outlines import Outline, ring_area
+from ..element_values import element_values
 from .flat_rings import CurveStyle
 
 # Steps per curve segment, which is short: the first with which Blender fills the whole area. Where points are
@@ -120,8 +121,7 @@ def _filled_area(curve: bpy.types.Curve) -> float:
     flat.fill_mode = "FRONT"
     obj = bpy.data.objects.new(curve.name, flat)
     mesh = mesh_of(obj)
-    areas = np.zeros(len(mesh.polygons), np.float32)
-    mesh.polygons.foreach_get("area", areas)
+    areas = element_values(mesh.polygons, "area")
     bpy.data.meshes.remove(mesh)
     bpy.data.objects.remove(obj)
     bpy.data.curves.remove(flat)

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.ring_nesting import closed_chains
+from ..element_values import element_values
 from .flat_rings import FlatRings
 from .planes import plane_of
 
@@ -29,11 +30,9 @@ def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     points = _points(mesh, matrix)
     plane = plane_of(points, matrix)
-    corners, loops = plane.coordinates(points), np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", loops)
-    starts, totals, slots = (np.empty(len(mesh.polygons), np.int32) for _ in range(3))
-    for name, values in (("loop_start", starts), ("loop_total", totals), ("material_index", slots)):
-        mesh.polygons.foreach_get(name, values)
+    corners, loops = plane.coordinates(points), element_values(mesh.loops, "vertex_index", kind=np.int32)
+    names = ("loop_start", "loop_total", "material_index")
+    starts, totals, slots = (element_values(mesh.polygons, name, kind=np.int32) for name in names)
     rings: list[NDArray[np.int64]] = []
     owners: list[int] = []
     for slot in np.unique(slots):
@@ -45,9 +44,7 @@ def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
 
 
 def _points(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    found = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", found)
-    return found.reshape(-1, 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    return element_values(mesh.vertices, "co", 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> list[NDArray[np.int64]]:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
+from ..element_values import element_values, write_attribute
 from ..morphs.appearance import COLOR
 from ..morphs.materials import attribute_material, object_property_material
 
@@ -55,18 +56,13 @@ def paint_mesh(mesh: bpy.types.Mesh, colors: Sequence[Sequence[float]]) -> None:
     colors : sequence of (r, g, b, a)
         Colors of the regions.
     """
-    slots = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("material_index", slots)
-    totals = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", totals)
-    corners = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
+    slots = element_values(mesh.polygons, "material_index", kind=np.int32)
+    totals = element_values(mesh.polygons, "loop_total", kind=np.int32)
+    corners = element_values(mesh.loops, "vertex_index", kind=np.int32)
     table = np.array(colors, dtype=np.float32)
     points = np.repeat(table[:1], len(mesh.vertices), axis=0)
     points[corners] = table[np.minimum(np.repeat(slots, totals), len(table) - 1)]
-    if COLOR in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[COLOR])
-    mesh.attributes.new(COLOR, "BYTE_COLOR", "POINT").data.foreach_set("color", points.ravel())
+    write_attribute(mesh, COLOR, "BYTE_COLOR", points)
     mesh.color_attributes.active_color_name = COLOR
     mesh.color_attributes.render_color_index = mesh.color_attributes.find(COLOR)
     mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))

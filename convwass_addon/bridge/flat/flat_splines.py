@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...sentence import Sentence
+from ..element_values import element_values
 from .flat_rings import CurveStyle, FlatRings
 
 # Points per curve segment. A circle of four segments with 24 points each has a relative area error of 1 - sin(x) / x, x
@@ -131,9 +132,7 @@ def _blenders_points(spline: bpy.types.Spline) -> NDArray[np.float64]:
 
 
 def _vectors(items: bpy.types.bpy_prop_collection, name: str, width: int) -> NDArray[np.float64]:
-    found = np.empty(len(items) * width, dtype=np.float32)
-    items.foreach_get(name, found)
-    return found.reshape(-1, width).astype(np.float64)
+    return element_values(items, name, width).reshape(-1, width).astype(np.float64)
 
 
 def _style(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveStyle:

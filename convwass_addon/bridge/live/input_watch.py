@@ -8,8 +8,8 @@ import zlib
 from collections.abc import Sequence
 
 import bpy
-import numpy as np
 
+from ..element_values import element_values
 from ..handles import Handle, found
 from ..morphs.changes import signature
 from ..shape_sources import ShapeSource
@@ -74,7 +74,6 @@ def _state(obj: bpy.types.Object) -> tuple[object, ...]:
     points = 0
     # In Edit Mode the mesh keeps its old state; leaving it changes the points.
     if obj.type == "MESH" and not obj.data.is_editmode:
-        places = np.empty(3 * len(obj.data.vertices), np.float32)
-        obj.data.attributes["position"].data.foreach_get("vector", places)
+        places = element_values(obj.data.attributes["position"].data, "vector", 3)
         points = zlib.crc32(places.tobytes())
     return (*signature(ShapeSource(obj.name, obj, (obj,))), points)

@@ -13,6 +13,7 @@ from ...applications.morphs.appearance import Appearance, Carried, Paint, Painte
 from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
+from ..element_values import element_values, write_attribute
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, shows_color_attribute
 from .mixed_materials import emission_node
@@ -47,11 +48,11 @@ def read_appearance(
     """
     mesh.calc_loop_triangles()
     triangles = mesh.loop_triangles
-    faces = _gathered(triangles, "vertices", 3, np.int32).astype(np.int64)
-    corners = _gathered(mesh.vertices, "co", 3, np.float32).astype(np.float64)[faces]
-    loops = _gathered(triangles, "loops", 3, np.int32)
+    faces = element_values(triangles, "vertices", 3, np.int32).astype(np.int64)
+    corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[faces]
+    loops = element_values(triangles, "loops", 3, np.int32)
     slots = list(mesh.materials) or [None]
-    materials = _gathered(triangles, "material_index", 1, np.int32)[:, 0].astype(np.int64)
+    materials = element_values(triangles, "material_index", kind=np.int32).astype(np.int64)
     return Appearance(
         corners,
         # A face may have an invalid slot index; Blender then uses the last slot.
@@ -72,10 +73,10 @@ def read_shading(mesh: bpy.types.Mesh) -> Shading:
     """
     mesh.calc_loop_triangles()
     triangles = mesh.loop_triangles
-    faces = _gathered(triangles, "vertices", 3, np.int32).astype(np.int64)
-    corners = _gathered(mesh.vertices, "co", 3, np.float32).astype(np.float64)[faces]
-    normals = _gathered(mesh.corner_normals, "vector", 3, np.float32)
-    return Shading(corners, faces, normals[_gathered(triangles, "loops", 3, np.int32)])
+    faces = element_values(triangles, "vertices", 3, np.int32).astype(np.int64)
+    corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[faces]
+    normals = element_values(mesh.corner_normals, "vector", 3)
+    return Shading(corners, faces, normals[element_values(triangles, "loops", 3, np.int32)])
 
 
 def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: TriangleMesh) -> None:
@@ -95,10 +96,8 @@ def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: Triangle
     vectors = normals.vectors
     if normals.of_corners and len(mesh.loops) != len(vectors):
         vectors = vectors[Polygons.of_quads(surface).sources]
-    if CUSTOM_NORMAL in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[CUSTOM_NORMAL])
-    attribute = mesh.attributes.new(CUSTOM_NORMAL, "FLOAT_VECTOR", "CORNER" if normals.of_corners else "POINT")
-    attribute.data.foreach_set("vector", (np.rint(vectors * _NORMAL_STEPS) / _NORMAL_STEPS).ravel())
+    rounded = np.rint(vectors * _NORMAL_STEPS) / _NORMAL_STEPS
+    write_attribute(mesh, CUSTOM_NORMAL, "FLOAT_VECTOR", rounded, "CORNER" if normals.of_corners else "POINT")
 
 
 def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
@@ -117,14 +116,14 @@ def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
     """
     _write_colors(mesh, COLOR, carried.color)
     for index, weight in enumerate(carried.weights, start=1):
-        _write(mesh, SOURCE_WEIGHT.format(index), "FLOAT", np.full(len(mesh.vertices), weight, np.float32))
+        write_attribute(mesh, SOURCE_WEIGHT.format(index), "FLOAT", np.full(len(mesh.vertices), weight, np.float32))
     for index, seen in carried.inputs.items():
         _write_colors(mesh, LOOK.format(index + 1), seen.colors)
         if seen.materials.any():
-            _write(mesh, SOURCE_MATERIAL.format(index + 1), "INT", seen.materials.astype(np.int32))
+            write_attribute(mesh, SOURCE_MATERIAL.format(index + 1), "INT", seen.materials.astype(np.int32))
     for name, weights in carried.groups.items():
         if name not in mesh.attributes:
-            _write(mesh, name, "FLOAT", weights)
+            write_attribute(mesh, name, "FLOAT", weights)
     mesh.color_attributes.active_color_name = COLOR
     mesh.color_attributes.render_color_index = mesh.color_attributes.find(COLOR)
 
@@ -166,20 +165,20 @@ def write_velocity(mesh: bpy.types.Mesh, velocity: np.ndarray) -> None:
     largest = float(np.abs(velocity).max(initial=0.0))
     # A power of two, so that rounded numbers end in zeros.
     step = 2.0 ** np.floor(np.log2(largest * _ROUNDED)) if largest > 0 else 1.0
-    _write(mesh, VELOCITY, "FLOAT_VECTOR", np.round(velocity / step) * step)
+    write_attribute(mesh, VELOCITY, "FLOAT_VECTOR", np.round(velocity / step) * step)
 
 
 def seen_colors(mesh: bpy.types.Mesh, color: Sequence[float]) -> np.ndarray:
     """Colors of the points of a mesh as rendered, (n, 4); `color` is that of its object."""
     carried = mesh.color_attributes.get(COLOR)
     if carried is not None and carried.domain == "POINT" and _shows_carried(mesh):
-        return _gathered(carried.data, "color", 4, np.float32)
-    return read_appearance(mesh, color).at(_gathered(mesh.vertices, "co", 3, np.float32)).colors
+        return element_values(carried.data, "color", 4)
+    return read_appearance(mesh, color).at(element_values(mesh.vertices, "co", 3)).colors
 
 
 def _shows_carried(mesh: bpy.types.Mesh) -> bool:
     """Return whether the faces of a frame have its own materials, not others that its user has assigned."""
-    slots = np.unique(_gathered(mesh.polygons, "material_index", 1, np.int32))
+    slots = np.unique(element_values(mesh.polygons, "material_index", kind=np.int32))
     used = [mesh.materials[slot] for slot in slots if slot < len(mesh.materials)]
     return all(is_carrying(material) or shows_color_attribute(material) for material in used)
 
@@ -189,7 +188,7 @@ def _write_colors(mesh: bpy.types.Mesh, name: str, colors: np.ndarray) -> None:
 
     Values are clamped to one.
     """
-    _write(mesh, name, "BYTE_COLOR", colors)
+    write_attribute(mesh, name, "BYTE_COLOR", colors)
 
 
 def write_own_appearance(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
@@ -205,27 +204,12 @@ def write_own_appearance(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
     attribute = _render_colors(mesh)
     if any(mesh.materials) or attribute is None:
         return False
-    domain, colors = attribute.domain, _gathered(attribute.data, "color", 4, np.float32)
-    if COLOR in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[COLOR])
-    mesh.attributes.new(COLOR, "FLOAT_COLOR", domain).data.foreach_set("color", colors.ravel())
+    domain, colors = attribute.domain, element_values(attribute.data, "color", 4)
+    write_attribute(mesh, COLOR, "FLOAT_COLOR", colors, domain)
     for other in range(count):
         weight = np.full(len(mesh.vertices), float(other == index), np.float32)
-        _write(mesh, SOURCE_WEIGHT.format(other + 1), "FLOAT", weight)
+        write_attribute(mesh, SOURCE_WEIGHT.format(other + 1), "FLOAT", weight)
     return True
-
-
-def _write(mesh: bpy.types.Mesh, name: str, kind: str, values: np.ndarray) -> None:
-    prop, dtype = {
-        "FLOAT": ("value", np.float32),
-        "INT": ("value", np.int32),
-        "FLOAT_VECTOR": ("vector", np.float32),
-        "BYTE_COLOR": ("color", np.float32),
-    }[kind]
-    if name in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[name])
-    attribute = mesh.attributes.new(name, kind, "POINT")
-    attribute.data.foreach_set(prop, np.ascontiguousarray(values, dtype=dtype).ravel())
 
 
 def _paint(
@@ -269,7 +253,7 @@ def upstream_nodes(socket: bpy.types.NodeSocket) -> list[bpy.types.Node]:
 
 
 def _painted(attribute: bpy.types.Attribute, faces: np.ndarray, loops: np.ndarray) -> Painted:
-    colors = _gathered(attribute.data, "color", 4, np.float32)
+    colors = element_values(attribute.data, "color", 4)
     return Painted(colors[faces if attribute.domain == "POINT" else loops])
 
 
@@ -281,7 +265,7 @@ def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray, tex
     pixels = _pixels(node.image, texture_size)
     if layer is None or pixels is None:
         return None
-    return Textured(pixels, _gathered(layer.uv, "vector", 2, np.float32)[loops], node.extension == "REPEAT")
+    return Textured(pixels, element_values(layer.uv, "vector", 2)[loops], node.extension == "REPEAT")
 
 
 def render_uv_map(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
@@ -341,10 +325,3 @@ def _groups(mesh: bpy.types.Mesh, names: Sequence[str]) -> dict[str, np.ndarray]
             if entry.group < len(names):
                 groups[entry.group, vertex.index] = entry.weight
     return {name: own for name, own in zip(names, groups, strict=True) if own.any()}
-
-
-def _gathered(items: bpy.types.bpy_prop_collection, name: str, size: int, dtype: type) -> np.ndarray:
-    """Return a property of all items, (n, size)."""
-    values = np.empty(len(items) * size, dtype=dtype)
-    items.foreach_get(name, values)
-    return values.reshape(-1, size)

@@ -17,6 +17,7 @@ import numpy as np
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ...progress import Work, drained
+from ..element_values import element_values
 from ..node_math import math_node, new_node, switch
 from ..pad_handles import pad_handle, pad_label
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
@@ -225,9 +226,7 @@ def _layout(weights: np.ndarray) -> list[Blend] | None:
 
 def _bounds(obj: bpy.types.Object) -> np.ndarray:
     """Return the lower and upper corner of a mesh, local space, (2, 3)."""
-    points = np.empty(3 * len(obj.data.vertices), dtype=np.float32)
-    obj.data.vertices.foreach_get("co", points)
-    points = points.reshape(-1, 3).astype(np.float64)
+    points = element_values(obj.data.vertices, "co", 3).astype(np.float64)
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 

@@ -19,6 +19,7 @@ from ...applications.morphs.shading import FrameNormals, frame_normals
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ...progress import Work
+from ..element_values import element_values
 from ..handles import Handle, found
 from .appearance import (
     COLOR,
@@ -172,9 +173,8 @@ class Carrying:
         both.append(passing)
         mesh = self._frozen[shape.source].find()
         if len(both) == 2 and mesh is not None:
-            points = np.empty(3 * len(mesh.vertices), np.float32)
-            mesh.vertices.foreach_get("co", points)
-            velocity = np.mean([side.at(points.reshape(-1, 3)) for side in both], axis=0)
+            points = element_values(mesh.vertices, "co", 3)
+            velocity = np.mean([side.at(points) for side in both], axis=0)
             shown = self._shown[shape.source].find() if self._shown[shape.source] else mesh
             if shown is not None and len(shown.vertices) == len(velocity):
                 write_velocity(shown, velocity)

@@ -17,6 +17,7 @@ from ...applications.whole_paths import whole_path
 from ...disk_space import require_space, require_whole
 from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
+from ..element_values import element_values
 from ..files import checked_target
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
@@ -302,8 +303,7 @@ def _write_point_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
 
 def _write_corner_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
     """Write colors per corner, the only kind that Blender's Alembic exporter supports."""
-    vertices = np.empty(len(mesh.loops), dtype=np.int32)
-    mesh.loops.foreach_get("vertex_index", vertices)
+    vertices = element_values(mesh.loops, "vertex_index", kind=np.int32)
     attribute = mesh.color_attributes.new(COLORS, "BYTE_COLOR", "CORNER")
     attribute.data.foreach_set("color", np.ascontiguousarray(colors.reshape(-1, 4)[vertices], dtype=np.float32).ravel())
 

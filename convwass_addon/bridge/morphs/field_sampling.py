@@ -24,13 +24,13 @@ from ...geometry.thicken import solid_or_shell_occupancy
 from ...geometry.welding import welded
 from ...progress import Progress, Work
 from ...sentence import Sentence
+from ..element_values import write_attribute
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from .field_sampler import SampleGrid, field_sampler
 from .stored import WEIGHTS_KEY
 from .stored_fields import BAND, COLOR, ENCLOSED, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
 
-_PROPERTIES = {"FLOAT": "value", "FLOAT_VECTOR": "vector", "FLOAT_COLOR": "color"}
 # Margin of samples around all blends.
 _MARGIN = 3
 # A part is missing where so many samples in it are lost, at least so deep inside of it, in cells.
@@ -95,8 +95,7 @@ def store_fields(
             closed = closed_surface(inner, grid.shape) if own.max() == 1.0 else inner
             field = signed_distances(openvdb, closed, grid.shape)
             steps = np.rint(field * SCALE).astype(np.int32)
-            attribute = data.attributes.new(FIELD.format(number - 1), "INT8", "POINT")
-            attribute.data.foreach_set("value", steps.ravel())
+            write_attribute(data, FIELD.format(number - 1), "INT8", steps)
             volumes.append(counted_volume(steps / SCALE))
             enclosed.append(abs(closed.volume) * grid.spacing**3)
             if last is not None:
@@ -208,7 +207,6 @@ def _table(name: str, places: NDArray[np.float64], columns: Sequence[Column]) ->
     mesh.vertices.add(len(places))
     mesh.vertices.foreach_set("co", np.asarray(places, np.float32).ravel())
     for column in columns:
-        attribute = mesh.attributes.new(column.name, column.kind, "POINT")
-        attribute.data.foreach_set(_PROPERTIES[column.kind], np.asarray(column.values, np.float32).ravel())
+        write_attribute(mesh, column.name, column.kind, column.values)
     mesh.update()
     return bpy.data.objects.new(mesh.name, mesh)

@@ -13,6 +13,7 @@ from mathutils import Matrix
 
 from ...errors import InputError
 from ...geometry.alignment import RigidMove
+from ..element_values import element_values
 from ..handles import Handle
 from ..joined_shapes import joined_shape
 from ..objects import MESHED, frozen_copy
@@ -71,9 +72,8 @@ def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | No
 
 def _described(source: ShapeSource, obj: bpy.types.Object, mesh: bpy.types.Mesh) -> FrozenInput:
     """Describe an input and its world-space copy."""
-    points = np.empty(3 * len(mesh.vertices), dtype=np.float32)
-    mesh.vertices.foreach_get("co", points)
-    low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
+    points = element_values(mesh.vertices, "co", 3)
+    low, high = points.min(axis=0), points.max(axis=0)
     middle = (low + high) / 2.0
     return FrozenInput(
         obj=Handle.of("objects", source.root),

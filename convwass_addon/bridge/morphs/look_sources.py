@@ -13,6 +13,7 @@ import numpy as np
 from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.carried_uvs import UvMap
 from ...geometry.normals import unit_vectors
+from ..element_values import element_values, write_attribute
 from ..joined_shapes import OWN_POSITION
 from .appearance import render_uv_map
 from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT
@@ -74,15 +75,12 @@ def with_looks(
         Names on frames of positions to add in any case.
     """
     mesh.calc_loop_triangles()
-    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    loops = loops.reshape(-1, 3)
+    loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
     repeats = _repeats([mesh.materials[slot] for slot in np.unique(appearance.materials) if len(mesh.materials)])
     uv_maps = {}
     for carried, name in names.uvs.items():
-        uvs = np.empty(2 * len(mesh.loops), np.float32)
-        mesh.uv_layers[name].uv.foreach_get("vector", uvs)
-        corners = uvs.reshape(-1, 2)[loops].astype(np.float64)
+        uvs = element_values(mesh.uv_layers[name].uv, "vector", 2)
+        corners = uvs[loops].astype(np.float64)
         uv_maps[carried] = UvMap(appearance.corners, appearance.faces, corners, repeats)
     fields = {carried: _corner_values(mesh, name, appearance, loops) for carried, name in names.values.items()}
     wanted = {*names.vectors, *always}
@@ -94,9 +92,8 @@ def with_looks(
         positions = {REST_POSITION.format(number): own, GENERATED.format(number): (own - low) / spread}
         fields |= {name: values[appearance.faces] for name, values in positions.items() if name in wanted}
     if REST_NORMAL.format(number) in wanted:
-        normals = np.empty(3 * len(mesh.loops), np.float32)
-        mesh.corner_normals.foreach_get("vector", normals)
-        turned = normals.reshape(-1, 3)[loops] @ np.linalg.pinv(source.own_space[:3, :3])
+        normals = element_values(mesh.corner_normals, "vector", 3)
+        turned = normals[loops] @ np.linalg.pinv(source.own_space[:3, :3])
         fields[REST_NORMAL.format(number)] = unit_vectors(turned.reshape(-1, 3)).reshape(turned.shape)
     fields = {name: np.asarray(values, np.float32) for name, values in fields.items()}
     return replace(appearance, uv_maps=uv_maps, fields=fields)
@@ -122,11 +119,9 @@ def write_looks(
         For each corner of the mesh, the corner of a triangle that it is, 3 f + c; by default in the same order.
     """
     for name, corners in uvs.items():
-        if name in mesh.attributes:
-            mesh.attributes.remove(mesh.attributes[name])
         values = corners.reshape(-1, 2)
-        layer = mesh.attributes.new(name, "FLOAT2", "CORNER")
-        layer.data.foreach_set("vector", _rounded(values if sources is None else values[sources]))
+        values = _rounded(values if sources is None else values[sources])
+        write_attribute(mesh, name, "FLOAT2", values, "CORNER")
     for name in list(uvs)[:1]:
         mesh.uv_layers.active = mesh.uv_layers[name]
         mesh.uv_layers[name].active_render = True
@@ -148,13 +143,12 @@ def write_own_looks(mesh: bpy.types.Mesh, appearance: Appearance, number: int, c
         Number of the input, from 1, and how many inputs there are.
     """
     names = [layer.name for layer in mesh.uv_layers]
-    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
+    loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
     for name, uv_map in appearance.uv_maps.items():
         if name not in names:
             values = np.zeros((len(mesh.loops), 2), np.float32)
-            values[loops] = uv_map.uvs.reshape(-1, 2)
-            mesh.attributes.new(name, "FLOAT2", "CORNER").data.foreach_set("vector", values.ravel())
+            values[loops] = uv_map.uvs
+            write_attribute(mesh, name, "FLOAT2", values, "CORNER")
     for name, corners in appearance.fields.items():
         values = np.zeros((len(mesh.vertices), corners.shape[2]), np.float32)
         values[appearance.faces] = corners
@@ -167,30 +161,23 @@ def write_own_looks(mesh: bpy.types.Mesh, appearance: Appearance, number: int, c
 
 def _own_positions(mesh: bpy.types.Mesh, source: FrozenInput) -> np.ndarray:
     """Return the vertices in the own space of their object, (n, 3)."""
-    points = np.empty(3 * len(mesh.vertices), np.float32)
     if OWN_POSITION in mesh.attributes:
-        mesh.attributes[OWN_POSITION].data.foreach_get("vector", points)
-        return points.reshape(-1, 3).astype(np.float64)
-    mesh.vertices.foreach_get("co", points)
-    return points.reshape(-1, 3) @ source.own_space[:3, :3].T + source.own_space[:3, 3]
+        return element_values(mesh.attributes[OWN_POSITION].data, "vector", 3).astype(np.float64)
+    return element_values(mesh.vertices, "co", 3) @ source.own_space[:3, :3].T + source.own_space[:3, 3]
 
 
 def _corner_values(mesh: bpy.types.Mesh, name: str, appearance: Appearance, loops: np.ndarray) -> np.ndarray:
     """Return the values of an attribute at the corners of triangles, (m, 3, d)."""
     attribute = mesh.attributes[name]
     prop, size = _VALUES[attribute.data_type]
-    values = np.empty(len(attribute.data) * size, bool if attribute.data_type == "BOOLEAN" else np.float32)
-    if attribute.data_type == "INT":
-        values = values.astype(np.int32)
-    attribute.data.foreach_get(prop, values)
-    values = values.reshape(-1, size).astype(np.float32)
+    kind = {"BOOLEAN": bool, "INT": np.int32}.get(attribute.data_type, np.float32)
+    values = element_values(attribute.data, prop, size, kind).reshape(-1, size).astype(np.float32)
     if attribute.domain == "CORNER":
         return values[loops]
     if attribute.domain == "POINT":
         return values[appearance.faces]
     if attribute.domain == "FACE":
-        polygons = np.empty(len(loops), np.int32)
-        mesh.loop_triangles.foreach_get("polygon_index", polygons)
+        polygons = element_values(mesh.loop_triangles, "polygon_index", kind=np.int32)
         return np.repeat(values[polygons][:, None], 3, axis=1)
     return np.zeros((len(loops), 3, size), np.float32)
 
@@ -213,12 +200,8 @@ def _images(materials: Sequence[bpy.types.Material | None]) -> Iterator[bpy.type
 def _rounded(uvs: np.ndarray) -> np.ndarray:
     """Round UVs to a 32nd of a pixel at 2K; files compress better."""
     steps = np.float32(1 << 16)
-    return np.ascontiguousarray(np.rint(uvs * steps) / steps, dtype=np.float32).ravel()
+    return np.rint(uvs * steps) / steps
 
 
 def _write(mesh: bpy.types.Mesh, name: str, values: np.ndarray) -> None:
-    kind = _KINDS[values.shape[1]]
-    if name in mesh.attributes:
-        mesh.attributes.remove(mesh.attributes[name])
-    data = mesh.attributes.new(name, kind, "POINT").data
-    data.foreach_set(_VALUES[kind][0], np.ascontiguousarray(values, dtype=np.float32).ravel())
+    write_attribute(mesh, name, _KINDS[values.shape[1]], values)

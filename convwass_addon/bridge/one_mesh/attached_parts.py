@@ -16,6 +16,7 @@ from ...errors import InputError
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
+from ..element_values import element_values
 from ..mesh_checks import writable_mesh
 from .records import has_key_record, key_names, key_records
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
@@ -223,9 +224,7 @@ def _components(mesh: bpy.types.Mesh, points: NDArray[np.float64]) -> NDArray[np
 
 
 def _points(items: bpy.types.bpy_prop_collection) -> NDArray[np.float64]:
-    found = np.empty(3 * len(items), np.float32)
-    items.foreach_get("co", found)
-    return found.reshape(-1, 3).astype(np.float64)
+    return element_values(items, "co", 3).astype(np.float64)
 
 
 def _placed(points: NDArray[np.float64], matrix: object) -> NDArray[np.float64]:
@@ -235,6 +234,4 @@ def _placed(points: NDArray[np.float64], matrix: object) -> NDArray[np.float64]:
 
 def _triangles(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
     mesh.calc_loop_triangles()
-    found = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("vertices", found)
-    return found.reshape(-1, 3).astype(np.int64)
+    return element_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)

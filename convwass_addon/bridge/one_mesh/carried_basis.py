@@ -17,6 +17,7 @@ from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, write_colors
+from ..element_values import element_values
 from ..morphs.appearance import render_uv_map
 from ..uv_maps import read_uvs, uv_names, write_uvs
 from ..vertex_groups import group_names, read_groups, write_group
@@ -44,17 +45,13 @@ class _Triangles:
     @classmethod
     def of(cls, mesh: bpy.types.Mesh) -> _Triangles:
         mesh.calc_loop_triangles()
-        points = np.empty(3 * len(mesh.vertices), np.float32)
-        mesh.vertices.foreach_get("co", points)
+        points = element_values(mesh.vertices, "co", 3)
         triangles = mesh.loop_triangles
-        found = {name: np.empty(3 * len(triangles), np.int32) for name in ("vertices", "loops")}
-        for name, values in found.items():
-            triangles.foreach_get(name, values)
-        materials = np.empty(len(triangles), np.int32)
-        triangles.foreach_get("material_index", materials)
-        vertices = found["vertices"].reshape(-1, 3).astype(np.int64)
-        corners = points.reshape(-1, 3).astype(np.float64)[vertices]
-        return cls(corners, vertices, found["loops"].reshape(-1, 3).astype(np.int64), materials.astype(np.int64))
+        materials = element_values(triangles, "material_index", kind=np.int32)
+        vertices = element_values(triangles, "vertices", 3, np.int32).astype(np.int64)
+        corners = points.astype(np.float64)[vertices]
+        loops = element_values(triangles, "loops", 3, np.int32)
+        return cls(corners, vertices, loops.astype(np.int64), materials.astype(np.int64))
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
 from ...errors import InputError
+from ..element_values import element_values
 from ..keyframes import curves_of, driver_targets
 from ..morphs.appearance import seen_colors
 
@@ -104,12 +105,10 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
     for obj in objects:
         mesh, matrix = obj.data, np.array(obj.matrix_world, dtype=np.float64)
         mesh.calc_loop_triangles()
-        loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-        mesh.loop_triangles.foreach_get("loops", loops)
-        vertices = np.empty(3 * len(mesh.loop_triangles), np.int32)
-        mesh.loop_triangles.foreach_get("vertices", vertices)
-        corners.append(_placed(_read(mesh.vertices, "co"), matrix)[vertices].reshape(-1, 3, 3))
-        normals.append(_turned(_read(mesh.corner_normals, "vector"), matrix)[loops].reshape(-1, 3, 3))
+        loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
+        vertices = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
+        corners.append(_placed(_read(mesh.vertices, "co"), matrix)[vertices])
+        normals.append(_turned(_read(mesh.corner_normals, "vector"), matrix)[loops])
         seen = srgb(np.asarray(seen_colors(mesh, obj.color), dtype=np.float64)[:, :3])
         colors.append(seen[vertices].reshape(-1, 3, 3))
     return padded_triangles(corners, normals, colors)
@@ -123,9 +122,7 @@ def srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _read(items: bpy.types.bpy_prop_collection, name: str) -> NDArray[np.float64]:
-    values = np.empty(3 * len(items), np.float32)
-    items.foreach_get(name, values)
-    return values.reshape(-1, 3).astype(np.float64)
+    return element_values(items, name, 3).astype(np.float64)
 
 
 def _placed(points: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -14,6 +14,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ...progress import UNINTERRUPTED
 from ...sentence import Sentence
+from ..element_values import element_values
 from ..objects import frozen_copy, write_mesh
 from .carried_basis import carry_to_basis
 from .rest_mesh import RestMesh, at_rest
@@ -78,8 +79,6 @@ def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: 
 
 def _triangles(mesh: bpy.types.Mesh) -> TriangleMesh:
     mesh.calc_loop_triangles()
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
-    corners = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("vertices", corners)
-    return TriangleMesh.from_arrays(points.reshape(-1, 3), corners.reshape(-1, 3))
+    points = element_values(mesh.vertices, "co", 3)
+    corners = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
+    return TriangleMesh.from_arrays(points, corners)

@@ -21,6 +21,7 @@ from ...applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from ...errors import InputError
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
+from ..element_values import element_values
 from ..objects import evaluated_object, frozen_copy, take_own_materials, transform_mesh, triangle_mesh
 from .shape_keys import require_mixable_keys
 from .skinning import approximation_notices, armatures, deforms_by_groups, is_posed, skinning
@@ -201,6 +202,4 @@ def _hidden(modifiers: Sequence[bpy.types.Modifier]) -> Iterator[None]:
 def _basis(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
     """Return the vertices in the first key, (n, 3)."""
     items = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.key_blocks[0].data
-    found = np.empty(3 * len(items), np.float32)
-    items.foreach_get("co", found)
-    return found.reshape(-1, 3).astype(np.float64)
+    return element_values(items, "co", 3).astype(np.float64)

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...applications.one_mesh.key_paths import KeyPath
 from ...errors import InputError
+from ..element_values import write_attribute
 from ..keyframes import driver_targets
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
@@ -174,7 +175,7 @@ def _mark(mesh: bpy.types.Mesh, name: str, vertices: np.ndarray) -> None:
     if len(vertices):
         marked = np.zeros(len(mesh.vertices), dtype=bool)
         marked[vertices] = True
-        mesh.attributes.new(name, "BOOLEAN", "POINT").data.foreach_set("value", marked)
+        write_attribute(mesh, name, "BOOLEAN", marked)
 
 
 def add_slider(obj: bpy.types.Object, name: str) -> None:

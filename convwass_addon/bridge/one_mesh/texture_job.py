@@ -16,6 +16,7 @@ from ...applications.one_mesh.texture_settings import TextureSettings
 from ...errors import ConvwassError, InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
+from ..element_values import element_values, write_attribute
 from ..files import absolute_folder
 from ..handles import Handle
 from ..mesh_checks import writable_mesh
@@ -214,9 +215,8 @@ class TextureJob:
     def _reaches(self, look: Look, mesh: bpy.types.Mesh) -> list[float]:
         if look.shape is None:
             return [0.0]
-        points = np.empty(3 * len(mesh.vertices), np.float32)
-        mesh.vertices.foreach_get("co", points)
-        world = points.reshape(-1, 3) @ look.onto.world[:3, :3].T
+        points = element_values(mesh.vertices, "co", 3)
+        world = points @ look.onto.world[:3, :3].T
         diagonal = float(np.linalg.norm(np.ptp(world, axis=0)))
         return [max(times * look.reach, least * diagonal) for times, least in _REACHES]
 
@@ -301,8 +301,7 @@ def _materials(look: Look) -> list[bpy.types.Material | None]:
     mesh = look.source.mesh.find()
     if mesh is None:
         raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
-    slots = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("material_index", slots)
+    slots = element_values(mesh.polygons, "material_index", kind=np.int32)
     count = len(mesh.materials)
     return [mesh.materials[slot] if count else None for slot in np.unique(np.minimum(slots, max(count - 1, 0)))]
 
@@ -311,18 +310,16 @@ def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
     """Copy the mesh of an object as it was before an earlier baking, undeformed and without shape keys."""
     mesh = obj.data.copy()
     holder = bpy.data.objects.new("Holder", mesh)
-    positions = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.shape_keys.key_blocks[0].data.foreach_get("co", positions)
+    positions = element_values(mesh.shape_keys.key_blocks[0].data, "co", 3)
     keys = Handle.of("shape_keys", mesh.shape_keys)
     holder.shape_key_clear()
     bpy.data.objects.remove(holder)
     left = keys.find()
     if left is not None:  # Blender 4.5
         bpy.data.batch_remove([left])
-    mesh.vertices.foreach_set("co", positions)
+    mesh.vertices.foreach_set("co", positions.ravel())
     if SLOTS in mesh.attributes:
-        slots = np.empty(len(mesh.polygons), np.int32)
-        mesh.attributes[SLOTS].data.foreach_get("value", slots)
+        slots = element_values(mesh.attributes[SLOTS].data, "value", kind=np.int32)
         mesh.polygons.foreach_set("material_index", slots)
     return mesh
 
@@ -343,9 +340,7 @@ def _assign_baked_material(
     mesh.uv_layers[uv_map].uv.foreach_set("vector", np.ascontiguousarray(uvs).ravel())
     mesh.uv_layers.active = mesh.uv_layers[uv_map]
     if SLOTS not in mesh.attributes:
-        slots = np.empty(len(mesh.polygons), np.int32)
-        mesh.polygons.foreach_get("material_index", slots)
-        mesh.attributes.new(SLOTS, "INT", "FACE").data.foreach_set("value", slots)
+        write_attribute(mesh, SLOTS, "INT", element_values(mesh.polygons, "material_index", kind=np.int32), "FACE")
     place = next((own for own, used in enumerate(mesh.materials) if used is not None and BAKED in used), None)
     if place is None:
         mesh.materials.append(material)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from ...errors import ConvwassError, InputError
 from ...geometry.closest_points import ClosestPointFinder
+from ..element_values import element_values
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
 from ..objects import evaluated_object, take_own_materials, triangle_mesh
@@ -173,8 +174,7 @@ def end_look(
     key = obj.data.shape_keys.key_blocks.get(key_names(slider, len(record["times"]))[-1])
     if key is None:
         raise InputError("The shape key of {slider} was removed or renamed; bake it again.", slider=slider)
-    positions = np.empty(3 * len(key.data), np.float32)
-    key.data.foreach_get("co", positions)
+    positions = element_values(key.data, "co", 3)
     there = triangle_mesh(shape, depsgraph)
     onto = _posed(obj, prepared, positions, scene, depsgraph)
     points = there.vertices @ placement[:3, :3].T + placement[:3, 3]
@@ -198,10 +198,9 @@ def _check_arrival(
 ) -> None:
     """Raise InputError if a mesh is not at its shape, such as in another pose."""
     mesh = onto.mesh.find()
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
+    points = element_values(mesh.vertices, "co", 3)
     every = max(1, len(mesh.vertices) // _CHECKED)
-    sample = points.reshape(-1, 3)[::every].astype(np.float64) @ onto.world[:3, :3].T + onto.world[:3, 3]
+    sample = points[::every].astype(np.float64) @ onto.world[:3, :3].T + onto.world[:3, 3]
     found = ClosestPointFinder(triangles).find(sample)
     if np.quantile(found.distances, 0.9) > (_SLACK * distance + _LEAST) * diagonal:
         raise InputError(
@@ -221,7 +220,7 @@ def _posed(
     """Freeze an object with other positions of its vertices, modifiers applied."""
     mesh = prepared.copy()
     if positions is not None:
-        mesh.vertices.foreach_set("co", positions)
+        mesh.vertices.foreach_set("co", positions.ravel())
     copy = obj.copy()
     copy.animation_data_clear()
     copy.data = mesh

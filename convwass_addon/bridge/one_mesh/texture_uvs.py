@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
+from ..element_values import element_values
 from ..morphs.appearance import render_uv_map
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
@@ -54,24 +55,20 @@ def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str, made: str = "") -> s
 
 def texture_pixels(mesh: bpy.types.Mesh, uv_map: str, size: int) -> UvPixels:
     """Rasterize a UV map without margin; see :func:`.uv_pixels.uv_pixels`."""
-    vertices = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("vertices", vertices)
-    return uv_pixels(triangle_uvs(mesh, uv_map), vertices.reshape(-1, 3), size, 0)
+    vertices = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
+    return uv_pixels(triangle_uvs(mesh, uv_map), vertices, size, 0)
 
 
 def triangle_uvs(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32]:
     """Return the UV coordinates at the corners of the triangles, (m, 3, 2)."""
     mesh.calc_loop_triangles()
-    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    return loop_uvs(mesh, uv_map)[loops].reshape(-1, 3, 2)
+    loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
+    return loop_uvs(mesh, uv_map)[loops]
 
 
 def loop_uvs(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32]:
     """Return the UV coordinates of the face corners, (l, 2)."""
-    found = np.empty(2 * len(mesh.loops), np.float32)
-    mesh.uv_layers[uv_map].uv.foreach_get("vector", found)
-    return found.reshape(-1, 2)
+    return element_values(mesh.uv_layers[uv_map].uv, "vector", 2)
 
 
 def _is_usable(mesh: bpy.types.Mesh, uv_map: str) -> bool:

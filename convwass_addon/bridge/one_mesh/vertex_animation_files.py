@@ -17,6 +17,7 @@ from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_nor
 from ...applications.palettes.png_bytes import png_bytes
 from ...drafts import written_whole
 from ...errors import ConvwassError
+from ..element_values import element_values
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
@@ -59,8 +60,7 @@ def write_moving_mesh(mesh: bpy.types.Mesh, name: str, moving: MovingVertices, t
     animation = VertexAnimation(y_up(moving.points), y_up(moving.normals))
     mesh.vertices.foreach_set("co", moving.points[0].astype(np.float32).ravel())
     mesh.update()
-    vertices = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", vertices)
+    vertices = element_values(mesh.loops, "vertex_index", kind=np.int32)
     uv_map = _add_coordinates(mesh, animation.grid.coordinates()[vertices], name)
     return _written(animation, mesh, target, fps, uv_map)
 

@@ -12,6 +12,7 @@ from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..color_attributes import color_kind, read_colors, require_color_name, show_colors
+from ..element_values import element_values
 from .image_pixels import scene_to_rec709
 
 
@@ -34,8 +35,7 @@ def read_colors_as_picture(obj: bpy.types.Object) -> Picture:
     if mesh.color_attributes[name].domain == "CORNER":
         areas = corners
     else:
-        vertices = np.empty(len(mesh.loops), np.int32)
-        mesh.loops.foreach_get("vertex_index", vertices)
+        vertices = element_values(mesh.loops, "vertex_index", kind=np.int32)
         areas = np.bincount(vertices, corners, len(mesh.vertices))
     if not areas.sum() > 0:
         raise InputError("{object} has no faces, so its colors cover no area.", object=obj.name)
@@ -69,7 +69,6 @@ def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: 
 
 def _corner_areas(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
     """Distribute the area of every face over its corners, (l,)."""
-    areas, counts = np.empty(len(mesh.polygons), np.float32), np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("area", areas)
-    mesh.polygons.foreach_get("loop_total", counts)
+    areas = element_values(mesh.polygons, "area")
+    counts = element_values(mesh.polygons, "loop_total", kind=np.int32)
     return np.repeat(areas.astype(np.float64) / np.maximum(counts, 1), counts)

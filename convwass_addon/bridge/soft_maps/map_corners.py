@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ..element_values import element_values
 
 
 def triangle_polygons(obj: bpy.types.Object) -> NDArray[np.int64]:
@@ -33,8 +34,7 @@ def triangle_loops(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> NDArr
         The triangles belong to another mesh.
     """
     mesh = obj.data
-    corners, totals = np.empty(len(mesh.loops), np.int32), _totals(mesh)
-    mesh.loops.foreach_get("vertex_index", corners)
+    corners, totals = element_values(mesh.loops, "vertex_index", kind=np.int32), _totals(mesh)
     polygons = triangle_polygons(obj)
     if len(polygons) == len(triangles):
         # A polygon contains a vertex only once, so that both indices together identify a corner.
@@ -53,6 +53,4 @@ def triangle_loops(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> NDArr
 
 
 def _totals(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
-    totals = np.empty(len(mesh.polygons), np.int32)
-    mesh.polygons.foreach_get("loop_total", totals)
-    return totals
+    return element_values(mesh.polygons, "loop_total", kind=np.int32)

@@ -11,6 +11,8 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..element_values import element_values
+
 
 @dataclass(frozen=True)
 class KeyOffsets:
@@ -105,6 +107,4 @@ def _move(block: bpy.types.ShapeKey, change: NDArray[np.float64]) -> None:
 
 
 def _positions(block: bpy.types.ShapeKey) -> NDArray[np.float64]:
-    positions = np.empty(3 * len(block.data), np.float32)
-    block.data.foreach_get("co", positions)
-    return positions.reshape(-1, 3).astype(np.float64)
+    return element_values(block.data, "co", 3).astype(np.float64)

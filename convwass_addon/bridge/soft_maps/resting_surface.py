@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
+from ..element_values import element_values
 
 
 def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> TriangleMesh:
@@ -21,9 +22,7 @@ def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> Triangl
     triangles : (m, 3) int64
         Triangles of the map.
     """
-    points = np.empty(3 * len(obj.data.vertices), np.float32)
     keys = obj.data.shape_keys
-    (keys.reference_key.data if keys else obj.data.vertices).foreach_get("co", points)
+    local = element_values(keys.reference_key.data if keys else obj.data.vertices, "co", 3).astype(np.float64)
     matrix = np.array(obj.matrix_world, dtype=np.float64)
-    local = points.reshape(-1, 3).astype(np.float64)
     return TriangleMesh(local @ matrix[:3, :3].T + matrix[:3, 3], triangles)

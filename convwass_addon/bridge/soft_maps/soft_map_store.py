@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ..element_values import element_values
 from ..mesh_checks import readable_mesh
 from .soft_map_bytes import MappedSide, MeshMark, StoredSoftMap, packed, unpacked
 
@@ -117,11 +118,9 @@ def mesh_mark(obj: bpy.types.Object) -> MeshMark:
         Not a mesh.
     """
     mesh = readable_mesh(obj)
-    corners, starts = np.empty(len(mesh.loops), np.int32), np.empty(len(mesh.polygons), np.int32)
-    mesh.loops.foreach_get("vertex_index", corners)
-    mesh.polygons.foreach_get("loop_start", starts)
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
+    corners = element_values(mesh.loops, "vertex_index", kind=np.int32)
+    starts = element_values(mesh.polygons, "loop_start", kind=np.int32)
+    points = element_values(mesh.vertices, "co", 3)
     return MeshMark(len(mesh.vertices), len(mesh.polygons), _digest(corners, starts), _digest(points))
 
 
