@@ -229,6 +229,19 @@ def test_objects_restored_by_undo_are_removed(begin, inventory):
     assert not any(obj.hide_get() for obj in hidden)
 
 
+def test_shapes_that_are_hidden_in_another_scene_stay_so(begin):
+    session = begin()
+    other = bpy.data.scenes.new("Other")
+    hidden = [obj for obj in bpy.data.objects if obj.hide_get()]
+    for obj in hidden:
+        other.collection.objects.link(obj)
+        obj.hide_set(True, view_layer=other.view_layers[0])
+    remove_leftovers()
+    assert not any(obj.hide_get() for obj in hidden)
+    assert all(obj.hide_get(view_layer=other.view_layers[0]) for obj in hidden)
+    assert not session.tick()
+
+
 def test_names_that_earlier_versions_stored_do_not_stop_the_removal(begin, inventory):
     session = begin()
     session.end()

@@ -20,10 +20,11 @@ Its material has the property, too.
 def remove_leftovers() -> None:
     """Remove ended live morphs that undo has restored, and show their inputs."""
     for home in [collection for collection in bpy.data.collections if LIVE_KEY in collection]:
+        scenes = [scene for scene in bpy.data.scenes if home in scene.collection.children_recursive]
         # Earlier versions stored names.
         uids = [int(line) for line in str(home[LIVE_KEY]).splitlines() if line.isascii() and line.isdigit()]
         for obj in found([Handle("objects", uid) for uid in uids]):
-            for layer in layers_with(obj, bpy.data.scenes):
+            for layer in layers_with(obj, scenes):
                 obj.hide_set(False, view_layer=layer)
         remove_live_objects(home)
 
