@@ -486,6 +486,27 @@ def test_help_can_be_printed_in_any_encoding(capsys, command):
 
 
 @pytest.mark.parametrize(
+    ("words", "name", "count"),
+    [
+        ("density m.ply --through A B --through C", "through", 3),
+        ("density m.ply --propagate A=x --propagate x=B", "propagate", 2),
+        ("density m.ply --distance-from 1 --distance-from 2", "distance_from", 2),
+        ("softmap a.ply b.ply --pairs 1:2 --pairs 3:4", "pairs", 2),
+        ("softmap a.ply b.ply --transfer weights --transfer keys", "transfer", 2),
+        ("softmap a.ply b.ply --names A --names B", "names", 2),
+        ("armature a.ply b.ply --pin A.head --pin B.tail", "pin", 2),
+        ("armature a.ply b.ply --place A.head=0,0,0 --place B.tail=0,0,0", "place", 2),
+        ("recolor a.png --palette b.png --palette c.png", "palette", 2),
+    ],
+)
+def test_lists_may_be_given_in_parts(words, name, count):
+    parser = program.command_line_parser("convwass")
+    assert len(getattr(parser.parse_args(words.split()), name)) == count
+    # The second command does not add to the list of the first one.
+    assert len(getattr(parser.parse_args(words.split()), name)) == count
+
+
+@pytest.mark.parametrize(
     "command", [command for command in program.COMMANDS if "in the project's folder" in command.description]
 )
 def test_examples_name_files_of_the_project(project, command):

@@ -57,7 +57,13 @@ def _add_tasks(parser: ArgumentParser) -> None:
     group.add_argument("--from", dest="start", metavar="GROUP", help="start of the animation, with --to")
     tasks = group.add_mutually_exclusive_group(required=True)
     tasks.add_argument("--to", dest="end", metavar="GROUP", help="animate the density from --from to this group")
-    tasks.add_argument("--through", nargs="+", metavar="GROUP", help="animate a density through these groups, in order")
+    tasks.add_argument(
+        "--through",
+        nargs="+",
+        action="extend",
+        metavar="GROUP",
+        help="animate a density through these groups, in order",
+    )
     tasks.add_argument(
         "--blend", type=named_numbers, metavar="GROUP=NUMBER,...", help="blend groups by weights, such as A=0.3,B=0.7"
     )
@@ -65,6 +71,7 @@ def _add_tasks(parser: ArgumentParser) -> None:
         "--propagate",
         type=place_pair,
         nargs="+",
+        action="extend",
         metavar="PLACE=PLACE",
         help="interpolate over a graph with these edges, such as Head=x x=y y=Tail; places that are not groups become "
         "groups",
@@ -72,7 +79,12 @@ def _add_tasks(parser: ArgumentParser) -> None:
     tasks.add_argument("--measure", nargs=2, metavar="GROUP", help="the distance between two groups")
     tasks.add_argument("--matrix", action="store_true", help="the distances between all groups of the object")
     tasks.add_argument(
-        "--distance-from", type=int, nargs="+", metavar="VERTEX", help="the distance from these vertices to all others"
+        "--distance-from",
+        type=int,
+        nargs="+",
+        action="extend",
+        metavar="VERTEX",
+        help="the distance from these vertices to all others",
     )
 
 

@@ -37,7 +37,13 @@ def add_recolor_options(parser: ArgumentParser) -> None:
         "images", metavar="IMAGE", nargs="+", type=Path, help="an image, the frames of a clip, or a movie"
     )
     parser.add_argument(
-        "--palette", type=Path, nargs="+", default=[], metavar="IMAGE", help="images whose colors are used"
+        "--palette",
+        type=Path,
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="IMAGE",
+        help="images whose colors are used",
     )
     parser.add_argument(
         "--weights", type=numbers, metavar="W,W,...", help="weights of several palettes (default: equal)"

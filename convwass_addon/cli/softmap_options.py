@@ -50,7 +50,13 @@ def add_softmap_options(parser: ArgumentParser) -> None:
 def _add_pair_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("corresponding points")
     group.add_argument(
-        "--pairs", type=vertex_pair, nargs="+", default=[], metavar="S:T", help="vertices of SOURCE and TARGET"
+        "--pairs",
+        type=vertex_pair,
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="S:T",
+        help="vertices of SOURCE and TARGET",
     )
     group.add_argument(
         "--pairs-from",
@@ -70,10 +76,21 @@ def _add_pair_options(parser: ArgumentParser) -> None:
 def _add_transfer_options(parser: ArgumentParser) -> None:
     group = parser.add_argument_group("transfer")
     group.add_argument(
-        "--transfer", nargs="+", choices=KINDS, default=[], metavar="KIND", help=f"any of {', '.join(KINDS)}"
+        "--transfer",
+        nargs="+",
+        action="extend",
+        choices=KINDS,
+        default=[],
+        metavar="KIND",
+        help=f"any of {', '.join(KINDS)}",
     )
     group.add_argument(
-        "--names", nargs="+", default=[], metavar="NAME", help="only groups, keys or maps with these names"
+        "--names",
+        nargs="+",
+        action="extend",
+        default=[],
+        metavar="NAME",
+        help="only groups, keys or maps with these names",
     )
     add_setting_options(group, TransferRequest)
 
