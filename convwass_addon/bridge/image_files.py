@@ -136,3 +136,11 @@ def _format_scene(how: ImageFormat) -> Iterator[bpy.types.Scene]:
         yield scene
     finally:
         bpy.data.scenes.remove(scene)
+
+
+def pixel_values(image: bpy.types.Image) -> NDArray[np.float32]:
+    """Return the pixels of an image as Blender stores them, (height, width, channels), bottom row first."""
+    width, height = image.size
+    values = np.empty(width * height * image.channels, np.float32)
+    image.pixels.foreach_get(values)
+    return values.reshape(height, width, image.channels)

@@ -12,7 +12,7 @@ from scipy.ndimage import gaussian_filter
 from ...errors import InputError
 from ...geometry.contours import outline_enclosing
 from ...geometry.fitting import fitted_polygons
-from ..image_files import refuse_damaged
+from ..image_files import pixel_values, refuse_damaged
 from .flat_rings import FlatRings
 
 # Larger images are downsampled to this number of pixels per side.
@@ -81,9 +81,7 @@ def pixels_of(image: bpy.types.Image) -> NDArray[np.float32]:
     if not (wide and high and image.channels):
         refuse_damaged(image)
         raise InputError("The image {name} could not be read; does its file still exist?", name=image.name)
-    pixels = np.empty(wide * high * image.channels, np.float32)
-    image.pixels.foreach_get(pixels)
-    pixels = np.nan_to_num(pixels).reshape(high, wide, image.channels)
+    pixels = np.nan_to_num(pixel_values(image))
     block = -(-max(wide, high) // _MOST_PIXELS)
     if block > 1:
         padded = np.pad(pixels, ((0, -high % block), (0, -wide % block), (0, 0)), mode="edge")

@@ -14,6 +14,7 @@ from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..element_values import element_values, write_attribute
+from ..image_files import pixel_values
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, shows_color_attribute
 from .mixed_materials import emission_node
@@ -280,12 +281,10 @@ def _pixels(image: bpy.types.Image | None, texture_size: int) -> np.ndarray | No
     """
     if image is None or not all(image.size):
         return None
-    values = np.empty(image.size[0] * image.size[1] * 4, dtype=np.float32)
     # An unreadable file has a size but no pixels.
-    if len(image.pixels) != len(values):
+    if len(image.pixels) != image.size[0] * image.size[1] * 4:
         return None
-    image.pixels.foreach_get(values)
-    pixels = values.reshape(image.size[1], image.size[0], 4)
+    pixels = pixel_values(image)
     if not image.is_float and image.colorspace_settings.name == "sRGB":
         pixels[..., :3] = _linear(pixels[..., :3])
     while max(pixels.shape[:2]) > texture_size:

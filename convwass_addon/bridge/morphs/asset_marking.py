@@ -13,7 +13,7 @@ import numpy as np
 
 from ...errors import Cancelled, ConvwassError
 from ..framing import broad_view, orbit
-from ..image_files import opened_image
+from ..image_files import opened_image, pixel_values
 from ..sequence import MODIFIER
 from ..studio import Studio, opening, world_points
 from .contact_sheet import ELEVATION
@@ -99,9 +99,7 @@ def _picture(collection: bpy.types.Collection) -> np.ndarray | None:
             path = Path(folder) / "preview.png"
             studio.render(path)
             with opened_image(path) as image:
-                pixels = np.empty(4 * _SIDE * _SIDE, np.float32)
-                image.pixels.foreach_get(pixels)
-                return pixels.reshape(_SIDE, _SIDE, 4)
+                return pixel_values(image)
     except Cancelled:
         raise
     except ConvwassError:

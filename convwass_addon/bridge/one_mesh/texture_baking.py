@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import ConvwassError
+from ..image_files import pixel_values
 from ..node_trees import own_tree
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
@@ -77,11 +78,9 @@ def baked_pixels(look: Look, channel: Channel, size: TextureSize, reach: float) 
             finally:
                 if look.shape is not None:
                     bpy.data.materials.remove(receiving[0])
-        found = np.empty(4 * size.pixels**2, np.float32)
-        image.pixels.foreach_get(found)
+        return pixel_values(image)
     finally:
         bpy.data.images.remove(image)
-    return found.reshape(size.pixels, size.pixels, 4)
 
 
 @contextmanager

@@ -13,7 +13,7 @@ from ...applications.palettes.distinct_colors import LEVELS
 from ...applications.palettes.pixels import PixelFormat
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
-from ..image_files import refuse_damaged
+from ..image_files import pixel_values, refuse_damaged
 from ..last_result import last_result
 from .image_kinds import RESULT_OF
 
@@ -64,9 +64,7 @@ def read_pixels(image: bpy.types.Image) -> NDArray[np.float32]:
             "{image} has no pixels that could be read; load it, or save a render as a file first.", image=image.name
         )
     channels = image.channels
-    raw = np.empty(width * height * channels, dtype=np.float32)
-    image.pixels.foreach_get(raw)
-    found = raw.reshape(height, width, channels)
+    found = pixel_values(image)
     if channels == 4:
         return found
     full = np.ones((height, width, 4), dtype=np.float32)

@@ -12,6 +12,7 @@ import numpy as np
 from ...applications.reflectance.materials import Ggx
 from ...errors import InputError
 from ...sentence import Sentence
+from ..image_files import pixel_values
 from ..shown_nodes import shown_tree, source_node
 
 _QUARTER_TOLERANCE = 1e-3
@@ -130,9 +131,7 @@ def _mean_of(link: bpy.types.NodeLink) -> float | None:
     # Accessing a pixel loads the file.
     if image is None or not image.colorspace_settings.is_data or not len(image.pixels) or image.channels < 3:
         return None
-    values = np.empty(len(image.pixels), dtype=np.float32)
-    image.pixels.foreach_get(values)
-    mean = float(values.reshape(-1, image.channels)[:, :3].mean())
+    mean = float(pixel_values(image).reshape(-1, image.channels)[:, :3].mean())
     return min(max(mean, 0.0), 1.0) if np.isfinite(mean) else None
 
 

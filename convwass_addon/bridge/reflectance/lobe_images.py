@@ -18,7 +18,7 @@ from ...applications.whole_paths import whole_path
 from ...drafts import written_whole
 from ...errors import InputError
 from ..files import checked_target
-from ..image_files import opened_image
+from ..image_files import opened_image, pixel_values
 from .exr_header import exr_size
 
 # Brighter lobes are invalid.
@@ -131,6 +131,4 @@ def _read_exr(file: Path) -> NDArray[np.float32]:
         width, height = image.size
         if not image.is_float or len(image.pixels) != width * height * image.channels or image.channels < 3:
             raise InputError("{name} is not a table of lobes.", name=file.name)
-        values = np.empty(width * height * image.channels, dtype=np.float32)
-        image.pixels.foreach_get(values)
-        return values.reshape(height, width, -1)[..., :3]
+        return pixel_values(image)[..., :3]

@@ -14,7 +14,7 @@ from scipy.sparse import csr_array
 from ...applications.palettes.lab_colors import linear_of_srgb
 from ...errors import InputError
 from ...transport.sphere import solid_angles
-from ..image_files import ImageFormat, drawn_image, opened_image, refuse_damaged, write_image
+from ..image_files import ImageFormat, drawn_image, opened_image, pixel_values, refuse_damaged, write_image
 from ..palettes.image_pixels import image_format
 
 
@@ -44,9 +44,7 @@ def read_sky(image: bpy.types.Image) -> NDArray[np.float32]:
             width=width,
             height=height,
         )
-    values = np.empty(width * height * image.channels, dtype=np.float32)
-    image.pixels.foreach_get(values)
-    colors = values.reshape(height, width, -1)[::-1, :, :3]
+    colors = pixel_values(image)[::-1, :, :3]
     # Non-color data is used as radiance unchanged.
     if not (image.is_float or image.colorspace_settings.is_data) and image_format(image).encoding == "srgb":
         colors = linear_of_srgb(colors)
