@@ -15,7 +15,7 @@ from ..operators.armature_pins import CONVWASS_OT_clear_pins, CONVWASS_OT_pin_jo
 from ..operators.armature_place import CONVWASS_OT_place_joint
 from ..properties.armatures import FitProperties, chosen_rig
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_wrapped, large_button, with_labels_beside
 
 # Longest list of pins that is shown in full.
 _LISTED = 30
@@ -37,9 +37,7 @@ class CONVWASS_PT_armature(Sidebar, bpy.types.Panel):
         if own.rig is None and rig is not None:
             text = iface_("Active armature: {:s}").format(rig.name)
             layout.label(text=text, icon="ARMATURE_DATA", translate=False)
-        row = layout.row()
-        row.scale_y = 1.6
-        fill_operator(row.operator(CONVWASS_OT_fit_armature.bl_idname, icon="BONE_DATA"), own, FitProperties)
+        large_button(layout, CONVWASS_OT_fit_armature, "BONE_DATA", own, FitProperties)
         layout.prop(own, "auto_weights")
 
 
@@ -87,9 +85,7 @@ class CONVWASS_PT_armature_settings(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, own = self.layout, context.scene.convwass_armature
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, own = with_labels_beside(self.layout), context.scene.convwass_armature
         draw_settings(layout, own, FitRequest, "settings")
         draw_settings(layout, own, SkeletonSettings, "settings")
 

@@ -44,7 +44,7 @@ from ..operators.density_travel import (
 from ..operators.mesh_targets import length_text
 from ..properties.densities import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_wrapped, fill_operator, large_button, with_labels_beside
 
 
 class CONVWASS_UL_density_stops(bpy.types.UIList):
@@ -121,9 +121,7 @@ class _Subpanel(Sidebar):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        self.draw_tools(context, self.layout, context.object.convwass_density)
+        self.draw_tools(context, with_labels_beside(self.layout), context.object.convwass_density)
 
 
 class _OfGroups(_Subpanel):
@@ -197,10 +195,7 @@ class CONVWASS_PT_density_interpolate(_OfGroups, bpy.types.Panel):
         draw_settings(column, own, DensitySettings, "path")
         draw_settings(column, own, DensityRequest, "path")
         column.prop(own, "add_material")
-        row = layout.row()
-        row.scale_y = 1.6
-        operator = row.operator(CONVWASS_OT_interpolate_density.bl_idname, icon="ANIM")
-        fill_operator(operator, own, PathProperties)
+        operator = large_button(layout, CONVWASS_OT_interpolate_density, "ANIM", own, PathProperties)
         if not own.stops:
             operator.first, operator.second = own.first, own.second
         if own.stops:

@@ -17,7 +17,7 @@ from ..operators.reflectance_import import CONVWASS_OT_import_lobes
 from ..operators.sky_blend import CONVWASS_OT_blend_skies
 from ..properties.light import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_wrapped, large_button, with_labels_beside
 
 # The properties that each kind of blend uses.
 _SPAN = ("blends", "frame_start", "frame_end")
@@ -46,12 +46,8 @@ class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
         layout, own = self.layout, context.scene.convwass_reflectance
         layout.prop(own, "blend", text="")
         _draw_materials(layout, own)
-        row = layout.row()
-        row.scale_y = 1.6
         hint = _missing(own)
-        row.enabled = hint is None
-        operator = row.operator(CONVWASS_OT_blend_materials.bl_idname, icon="MATERIAL")
-        fill_operator(operator, own, ReflectanceProperties)
+        large_button(layout, CONVWASS_OT_blend_materials, "MATERIAL", own, ReflectanceProperties, hint is None)
         if hint is not None:
             draw_wrapped(layout, context, hint, "INFO")
         column = layout.column(align=True)
@@ -100,9 +96,7 @@ class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, own = self.layout, context.scene.convwass_reflectance
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, own = with_labels_beside(self.layout), context.scene.convwass_reflectance
         layout.prop(own, "output")
         layout.prop(own, "sun")
         draw_settings(layout, own, ReflectanceSettings, "settings")
@@ -123,14 +117,11 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
         column = layout.column(align=True)
         for name in _slots(own, WORLDS, 2):
             column.prop(own, name, text="")
-        row = layout.row()
-        row.scale_y = 1.6
-        row.enabled = len(own.chosen_worlds) >= 2
-        fill_operator(row.operator(CONVWASS_OT_blend_skies.bl_idname, icon="WORLD"), own, SkyProperties)
-        if not row.enabled:
+        is_ready = len(own.chosen_worlds) >= 2
+        large_button(layout, CONVWASS_OT_blend_skies, "WORLD", own, SkyProperties, is_ready)
+        if not is_ready:
             layout.label(text="Choose at least two worlds", icon="INFO")
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        with_labels_beside(layout)
         for name in ("folder", "width", "frame_start", "frame_end"):
             layout.prop(own, name)
         draw_settings(layout, own, SkySettings, "sky")

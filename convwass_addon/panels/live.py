@@ -17,7 +17,7 @@ from ..operators.live_morph import (
 from ..properties.live import LiveProperties
 from ..properties.morphs import MorphProperties
 from ..translations import translated
-from .sidebar import Sidebar, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_wrapped, fill_operator, large_button, with_labels_beside
 
 
 class CONVWASS_PT_live(Sidebar, bpy.types.Panel):
@@ -31,19 +31,15 @@ class CONVWASS_PT_live(Sidebar, bpy.types.Panel):
         return context.mode != "PAINT_WEIGHT"
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = with_labels_beside(self.layout)
         session = running_live()
         if session is None:
             settings = context.scene.convwass_live
             column = layout.column()
             column.prop(settings, "live_resolution")
             column.prop(settings, "live_memory")
-            row = layout.row()
-            row.scale_y = 1.6
-            operator = row.operator(CONVWASS_OT_live_morph.bl_idname, icon="PLAY")
-            fill_operator(operator, context.scene.convwass_morph, MorphProperties)
+            own = context.scene.convwass_morph
+            operator = large_button(layout, CONVWASS_OT_live_morph, "PLAY", own, MorphProperties)
             fill_operator(operator, settings, LiveProperties)
             return
         handle = context.window_manager.convwass_live

@@ -29,7 +29,7 @@ from ..properties.morphs import MorphProperties
 from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
 from ..translations import translated
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_wrapped, large_button, with_labels_beside
 
 # Longest list of selected shapes that is shown in full.
 _NAMED = 8
@@ -78,9 +78,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         return context.mode != "PAINT_WEIGHT"
 
     def draw(self, context):
-        layout = self.layout
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout = with_labels_beside(self.layout)
         settings = context.scene.convwass_morph
         if settings.inputs:
             _draw_list(layout, settings)
@@ -107,11 +105,8 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         draw_settings(column, settings, MorphSettings, "motion")
 
         needed, problem = _NEEDED.get(settings.used_layout), settings.request().output_problem
-        row = layout.row()
-        row.scale_y = 1.6
-        row.enabled = problem is None and (count >= 2 if needed is None else count == needed)
-        operator = row.operator(CONVWASS_OT_bake_morph.bl_idname, icon="MOD_REMESH")
-        fill_operator(operator, settings, MorphProperties)
+        is_ready = problem is None and (count >= 2 if needed is None else count == needed)
+        large_button(layout, CONVWASS_OT_bake_morph, "MOD_REMESH", settings, MorphProperties, is_ready)
         if problem is not None:
             draw_wrapped(layout, context, translated(problem), "INFO")
         # For fewer selected shapes, the selection box shows a hint.
@@ -212,9 +207,7 @@ class _Subpanel(Sidebar):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        self.draw_settings(self.layout, context.scene.convwass_morph)
+        self.draw_settings(with_labels_beside(self.layout), context.scene.convwass_morph)
 
 
 class CONVWASS_PT_morph_placement(_Subpanel, bpy.types.Panel):

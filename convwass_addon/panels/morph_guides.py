@@ -15,7 +15,7 @@ from ..operators.morph_guides import (
 )
 from ..properties.morph_inputs import CONVWASS_PG_morph
 from ..translations import translated
-from .sidebar import Sidebar, draw_numbered, draw_wrapped
+from .sidebar import Sidebar, draw_numbered, draw_wrapped, with_labels_beside
 
 
 class CONVWASS_UL_morph_guides(bpy.types.UIList):
@@ -40,9 +40,7 @@ class CONVWASS_PT_morph_guides(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, own = self.layout, context.scene.convwass_guides
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, own = with_labels_beside(self.layout), context.scene.convwass_guides
         if own.items:
             row = layout.row()
             row.template_list("CONVWASS_UL_morph_guides", "", own, "items", own, "active", rows=3)

@@ -21,7 +21,7 @@ from ..operators.morph_manage import (
 from ..operators.texture_bake import CONVWASS_OT_bake_textures
 from ..properties.one_mesh import TextureProperties
 from ..translations import translated
-from .sidebar import Sidebar, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_wrapped, fill_operator, with_labels_beside
 
 
 class CONVWASS_PT_one_mesh(Sidebar, bpy.types.Panel):
@@ -73,9 +73,7 @@ class CONVWASS_PT_textures(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, settings = self.layout, context.scene.convwass_textures
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, settings = with_labels_beside(self.layout), context.scene.convwass_textures
         for name in ("texture_looks", "texture_size", "texture_samples", "texture_uvs", "texture_folder"):
             layout.prop(settings, name)
         operator = layout.operator(CONVWASS_OT_bake_textures.bl_idname, icon="TEXTURE")

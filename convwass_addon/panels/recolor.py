@@ -15,7 +15,7 @@ from ..operators.recolor_image import CONVWASS_OT_recolor_image
 from ..operators.recolor_targets import shown_image
 from ..properties.recolor import PALETTES, CONVWASS_PG_recolor, RecolorProperties
 from .from_schema import draw_settings
-from .sidebar import ImageSidebar, Sidebar, fill_operator
+from .sidebar import ImageSidebar, Sidebar, fill_operator, large_button, with_labels_beside
 
 
 class CONVWASS_PT_recolor_image(ImageSidebar, bpy.types.Panel):
@@ -34,20 +34,13 @@ class CONVWASS_PT_recolor_image(ImageSidebar, bpy.types.Panel):
 
 def _draw_image(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
     """Draw the buttons for a still image."""
-    row = layout.row()
-    row.scale_y = 1.6
-    operator = row.operator(CONVWASS_OT_recolor_image.bl_idname, icon="COLOR")
-    fill_operator(operator, own, RecolorProperties)
-    operator.output = own.output
+    large_button(layout, CONVWASS_OT_recolor_image, "COLOR", own, RecolorProperties).output = own.output
     layout.row().prop(own, "output", expand=True)
 
 
 def _draw_clip(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
     """Draw the buttons for a clip: recolor all frames, or try out the current one."""
-    row = layout.row()
-    row.scale_y = 1.6
-    operator = row.operator(CONVWASS_OT_recolor_clip.bl_idname, icon="RENDER_ANIMATION")
-    fill_operator(operator, own, RecolorProperties)
+    operator = large_button(layout, CONVWASS_OT_recolor_clip, "RENDER_ANIMATION", own, RecolorProperties)
     operator.folder = own.clip_folder
     layout.prop(own, "clip_folder")
     operator = layout.operator(CONVWASS_OT_recolor_image.bl_idname, text="Recolor This Frame", icon="COLOR")
@@ -82,9 +75,7 @@ class CONVWASS_PT_recolor_settings(ImageSidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, own = self.layout, context.scene.convwass_recolor
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, own = with_labels_beside(self.layout), context.scene.convwass_recolor
         for name in ("mask", "palette_mask"):
             layout.prop(own, name)
         draw_settings(layout, own, RecolorSettings, "settings")
@@ -116,17 +107,12 @@ class CONVWASS_PT_recolor_attribute(Sidebar, bpy.types.Panel):
     bl_options = {"DEFAULT_CLOSED"}
 
     def draw(self, context):
-        layout, own = self.layout, context.scene.convwass_recolor
-        layout.use_property_split = True
-        layout.use_property_decorate = False
+        layout, own = with_labels_beside(self.layout), context.scene.convwass_recolor
         layout.prop(own, "palette_object")
         layout.prop(own, "result")
         draw_settings(layout, own, RecolorSettings, "attribute")
         draw_settings(layout, own, RecolorSettings, "settings")
-        row = layout.row()
-        row.scale_y = 1.6
-        operator = row.operator(CONVWASS_OT_recolor_attribute.bl_idname, icon="COLOR")
-        fill_operator(operator, own, RecolorProperties)
+        operator = large_button(layout, CONVWASS_OT_recolor_attribute, "COLOR", own, RecolorProperties)
         # The edge radius is measured in pixels and does not apply to vertices.
         operator.edge_radius = 0
         operator.result = own.result

@@ -55,6 +55,29 @@ def draw_wrapped(layout: bpy.types.UILayout, context: bpy.types.Context, text: s
         icon = "BLANK1"
 
 
+def with_labels_beside(layout: bpy.types.UILayout) -> bpy.types.UILayout:
+    """Let a layout draw labels to the left of their properties, without dots for keyframes; return it."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    return layout
+
+
+def large_button(
+    layout: bpy.types.UILayout,
+    operator: type[bpy.types.Operator],
+    icon: str,
+    own: bpy.types.PropertyGroup,
+    kind: type,
+    enabled: bool = True,
+) -> bpy.types.OperatorProperties:
+    """Draw the main button of a panel; the operator takes the annotated properties of a class from a property group."""
+    row = layout.row()
+    row.scale_y, row.enabled = 1.6, enabled
+    button = row.operator(operator.bl_idname, icon=icon)
+    fill_operator(button, own, kind)
+    return button
+
+
 def fill_operator(operator: bpy.types.OperatorProperties, own: bpy.types.PropertyGroup, kind: type) -> None:
     """Copy the annotated properties of a class from a property group to an operator."""
     names = [name for base in kind.__mro__ for name in get_annotations(base)]

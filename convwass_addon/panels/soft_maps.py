@@ -33,7 +33,7 @@ from ..operators.soft_map_view import (
 )
 from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties, SoftMapProperties, TransferProperties
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_numbered, draw_wrapped, fill_operator
+from .sidebar import Sidebar, draw_numbered, draw_wrapped, fill_operator, large_button, with_labels_beside
 
 
 class CONVWASS_UL_map_pairs(bpy.types.UIList):
@@ -80,18 +80,14 @@ def _draw_compute(layout: bpy.types.UILayout, own: CONVWASS_PG_soft_map) -> None
     kind, icon = (
         (CONVWASS_OT_mirror_map, "MOD_MIRROR") if is_mirror else (CONVWASS_OT_compute_soft_map, "MOD_DATA_TRANSFER")
     )
-    row = layout.row()
-    row.scale_y = 1.6
-    fill_operator(row.operator(kind.bl_idname, icon=icon), own, SoftMapProperties)
+    large_button(layout, kind, icon, own, SoftMapProperties)
 
 
 class _Subpanel(Sidebar):
     bl_parent_id = "CONVWASS_PT_soft_map"
 
     def draw(self, context):
-        self.layout.use_property_split = True
-        self.layout.use_property_decorate = False
-        self.draw_tools(context, self.layout, context.scene.convwass_soft_map)
+        self.draw_tools(context, with_labels_beside(self.layout), context.scene.convwass_soft_map)
 
 
 class _OfMap(_Subpanel):
@@ -152,9 +148,7 @@ class CONVWASS_PT_map_transfer(_OfMap, bpy.types.Panel):
         if "GROUPS" in own.what:
             draw_settings(column, own, TransferRequest, "groups")
         draw_settings(column, own, TransferRequest, "names")
-        row = layout.row()
-        row.scale_y = 1.6
-        fill_operator(row.operator(CONVWASS_OT_transfer_by_map.bl_idname, icon="PASTEDOWN"), own, TransferProperties)
+        large_button(layout, CONVWASS_OT_transfer_by_map, "PASTEDOWN", own, TransferProperties)
 
 
 class CONVWASS_PT_map_view(_OfMap, bpy.types.Panel):
