@@ -18,6 +18,7 @@ from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import refuse_volumes
 from ..bridge.morphs.exports import FORMATS
+from ..bridge.morphs.followed_inputs import FOLLOW
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import SHAPE_KEYS, folder_beside
 from ..errors import InputError
@@ -25,7 +26,7 @@ from .from_schema import given_options, given_settings
 
 # Options and settings of a request that only apply to frames.
 _OF_FRAMES = ("weights", "render", "at", "frames_range", "cache", "scheduler")
-_SETTINGS_OF_FRAMES = ("layout", "steps", "flat_output", "faces", "looks", "grays", "between")
+_SETTINGS_OF_FRAMES = ("layout", "follow", "steps", "flat_output", "faces", "looks", "grays", "between")
 # Settings of a request that only apply to shape keys.
 _SETTINGS_OF_SHAPE_KEYS = ("basis", "key_error", "symmetric", "two_meshes")
 
@@ -122,6 +123,9 @@ def refuse_idle_options(options: Namespace) -> None:
         _refuse_options_of_frames(options)
     else:
         _refuse_options_of_shape_keys(options)
+    layout = given_settings(options, MorphRequest, ("layout",)).get("layout", "BLEND")
+    if options.weights is not None and layout != "BLEND":
+        raise InputError("--weights makes a single blend; leave out --layout.")
     given = given_options(options, TextureSettings)
     if given and not options.textures:
         raise InputError(
@@ -154,6 +158,8 @@ def between_of(options: Namespace, request: MorphRequest, path: list[Blend]) -> 
     """
     if request.layout != "PATH":
         raise InputError("--at requires a path; leave out --weights and --layout.")
+    if request.follow == FOLLOW:
+        raise InputError("--at requires inputs at rest; leave out --follow.")
     if options.frames_range is not None:
         raise InputError("--at makes blends, but --frames-range only fills the cache; choose one of them.")
     if options.cache is None:

@@ -115,15 +115,8 @@ class MorphJob:
     ) -> Work[None]:
         """Return the computation of blends between the frames of a path.
 
-        See :func:`.between_frames.between_frames`.
-
-        Raises
-        ------
-        InputError
-            The inputs are to be followed.
+        See :func:`.between_frames.between_frames`; the inputs must not be followed.
         """
-        if self._follows:
-            raise InputError("--at requires inputs at rest; leave out --follow.")
         work = between_frames(
             self._shapes,
             self._names,
