@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .rotation_fields import rotation_matrices, rotation_vectors
+from .rotations import nearest_rotation
 
 # Rounds in which every shape is aligned to the others; two shapes need only one.
 _ROUNDS = 30
@@ -150,11 +151,7 @@ def _realigned(
 ) -> NDArray[np.float64]:
     """Return the rotation that best aligns one shape to the others in their current poses."""
     parts = [turns[shapes[1]] @ moment.T for shapes, moment in moments if shapes[0] == shape]
-    if not parts:
-        return turns[shape]
-    left, _, right = np.linalg.svd(sum(parts))
-    left[:, 2] *= np.sign(np.linalg.det(left @ right))
-    return left @ right
+    return nearest_rotation(sum(parts)) if parts else turns[shape]
 
 
 def _mean_rotation(turns: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -86,6 +86,18 @@ def nearest_rotations_in_plane(matrices: NDArray[np.float64]) -> FittedTurns:
     return FittedTurns(turns, traces)
 
 
+def nearest_rotation(matrix: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation nearest to a single matrix, (3, 3)."""
+    left, _, right = np.linalg.svd(matrix)
+    left[:, 2] *= np.sign(np.linalg.det(left @ right))
+    return left @ right
+
+
+def best_turn(points: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation, (3, 3), that best maps points to images about their centers, (n, 3) (S. Umeyama 1991)."""
+    return nearest_rotation((images - images.mean(axis=0)).T @ (points - points.mean(axis=0)))
+
+
 def _cofactors(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return det M times the transposed inverse of each matrix M, (3, 3, n)."""
     after, last = matrices[_NEXT], matrices[_LAST]

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ...geometry.rotations import best_turn
 from .map_pieces import PieceMatch
 from .map_sides import MapSide
 from .surface_maps import PointMap
@@ -37,7 +38,7 @@ def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: 
     own, other = source.mesh.vertices[match.source], target.mesh.vertices[match.target]
     center = own.mean(axis=0)
     near = known[np.argsort(np.linalg.norm(source.mesh.vertices[known] - center, axis=1))[:_AROUND]]
-    turn = _turn(source.mesh.vertices[near], forward.positions(target.mesh)[near])
+    turn = best_turn(source.mesh.vertices[near], forward.positions(target.mesh)[near])
     aligned = (own - center) @ turn.T
     spread = other - other.mean(axis=0)
     size = np.sqrt(np.square(aligned).sum(axis=1).mean())
@@ -46,13 +47,6 @@ def guessed_pairs(source: MapSide, target: MapSide, match: PieceMatch, forward: 
     nearest = cKDTree(spread).query(aligned[chosen])[1]
     _, first = np.unique(nearest, return_index=True)
     return np.stack([match.source[chosen[first]], match.target[nearest[first]]], axis=1)
-
-
-def _turn(points: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotation, (3, 3), that best maps points to images (S. Umeyama 1991)."""
-    left, _, right = np.linalg.svd((images - images.mean(axis=0)).T @ (points - points.mean(axis=0)))
-    left[:, 2] *= np.sign(np.linalg.det(left @ right))
-    return left @ right
 
 
 def far_apart(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...geometry.closest_points import ClosestPoints
 from ...geometry.normals import vertex_normals
 from ...geometry.registration import AS_PLACED, BY_GUESS, BY_PAIRS, TO_THE_END, Registration, Stage
+from ...geometry.rotations import best_turn
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 
@@ -127,11 +128,9 @@ def _inverted_fraction(source: UnitShape, target: UnitShape, guess: NDArray[np.i
 
 
 def _aligned_by_pairs(source: UnitShape, target: UnitShape, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Align the source rigidly such that its pairs are closest to their partners (S. Umeyama 1991)."""
+    """Align the source rigidly such that its pairs are closest to their partners."""
     here, there = source.vertices[pairs[:, 0]], target.vertices[pairs[:, 1]]
-    left, _, right = np.linalg.svd((there - there.mean(axis=0)).T @ (here - here.mean(axis=0)))
-    left[:, 2] *= np.sign(np.linalg.det(left @ right))
-    return (source.vertices - here.mean(axis=0)) @ (left @ right).T + there.mean(axis=0)
+    return (source.vertices - here.mean(axis=0)) @ best_turn(here, there).T + there.mean(axis=0)
 
 
 def _alignment_error(points: NDArray[np.float64], target: UnitShape, pairs: NDArray[np.int64]) -> float:
