@@ -13,6 +13,7 @@ from ..bridge.armatures.fit_request import FitRequest
 from ..bridge.armatures.joint_dots import JointDots
 from ..bridge.armatures.pins import KINDS, register_pins, unregister_pins
 from .from_schema import values_of, with_properties
+from .registration import registration
 
 
 @with_properties(FitRequest)
@@ -83,15 +84,15 @@ def dotted_rig(context: bpy.types.Context) -> bpy.types.Object | None:
     return rig if rig is not None and rig.type in KINDS else None
 
 
-_classes = (CONVWASS_PG_armature,)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
 _dots = JointDots(dotted_rig)
+_register, _unregister = registration(
+    (CONVWASS_PG_armature,), ((bpy.types.Scene, "convwass_armature", CONVWASS_PG_armature),)
+)
 
 
 def register() -> None:
     """Add the settings to scenes and the pins to bones, and draw the joints."""
-    _register_classes()
-    bpy.types.Scene.convwass_armature = PointerProperty(type=CONVWASS_PG_armature)
+    _register()
     register_pins()
     _dots.register()
 
@@ -100,5 +101,4 @@ def unregister() -> None:
     """Remove them."""
     _dots.unregister()
     unregister_pins()
-    del bpy.types.Scene.convwass_armature
-    _unregister_classes()
+    _unregister()

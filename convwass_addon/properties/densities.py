@@ -11,7 +11,6 @@ from bpy.props import (
     EnumProperty,
     FloatProperty,
     IntProperty,
-    PointerProperty,
     StringProperty,
 )
 
@@ -19,6 +18,7 @@ from ..applications.densities.density_settings import DensitySettings
 from ..bridge.densities.density_nodes import NAME
 from ..bridge.densities.density_request import DensityRequest
 from .from_schema import values_of, with_properties
+from .registration import registration
 
 DEFAULT_FOLDER = "//density"
 """Next to the .blend file."""
@@ -210,19 +210,10 @@ class CONVWASS_PG_density_findings(bpy.types.PropertyGroup):
     table: StringProperty(name="Table")
 
 
-_classes = (CONVWASS_PG_density_stop, CONVWASS_PG_densities, CONVWASS_PG_density_findings)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-
-
-def register() -> None:
-    """Add the settings and figures to objects."""
-    _register_classes()
-    bpy.types.Object.convwass_density = PointerProperty(type=CONVWASS_PG_densities)
-    bpy.types.Object.convwass_density_findings = PointerProperty(type=CONVWASS_PG_density_findings)
-
-
-def unregister() -> None:
-    """Remove both."""
-    del bpy.types.Object.convwass_density_findings
-    del bpy.types.Object.convwass_density
-    _unregister_classes()
+register, unregister = registration(
+    (CONVWASS_PG_density_stop, CONVWASS_PG_densities, CONVWASS_PG_density_findings),
+    (
+        (bpy.types.Object, "convwass_density", CONVWASS_PG_densities),
+        (bpy.types.Object, "convwass_density_findings", CONVWASS_PG_density_findings),
+    ),
+)

@@ -12,6 +12,7 @@ from ..applications.skies.sky_settings import SkySettings
 from ..bridge.morphs.stored import FIRST_FRAMES
 from ..bridge.reflectance.frame_span import Frames
 from .from_schema import values_of, with_properties
+from .registration import registration
 
 MATERIALS = ("material", "material_2", "material_3", "material_4")
 """Names of the material properties; their weights are named weight, weight_2 and so on."""
@@ -186,19 +187,10 @@ def sun_of(context: bpy.types.Context) -> bpy.types.Object | None:
     return next((obj for obj in context.scene.objects if _is_sun(None, obj)), None)
 
 
-_classes = (CONVWASS_PG_reflectance, CONVWASS_PG_sky)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-
-
-def register() -> None:
-    """Add the settings to scenes."""
-    _register_classes()
-    bpy.types.Scene.convwass_reflectance = PointerProperty(type=CONVWASS_PG_reflectance)
-    bpy.types.Scene.convwass_sky = PointerProperty(type=CONVWASS_PG_sky)
-
-
-def unregister() -> None:
-    """Remove them."""
-    del bpy.types.Scene.convwass_sky
-    del bpy.types.Scene.convwass_reflectance
-    _unregister_classes()
+register, unregister = registration(
+    (CONVWASS_PG_reflectance, CONVWASS_PG_sky),
+    (
+        (bpy.types.Scene, "convwass_reflectance", CONVWASS_PG_reflectance),
+        (bpy.types.Scene, "convwass_sky", CONVWASS_PG_sky),
+    ),
+)

@@ -5,12 +5,13 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import FloatProperty, PointerProperty
+from bpy.props import FloatProperty
 
 from ..applications.live.live_settings import LiveSettings
 from ..bridge.live.leftovers import ignore_undo
 from ..bridge.live.running import running_live, set_running
 from .from_schema import values_of, with_properties
+from .registration import registration
 
 
 @with_properties(LiveSettings)
@@ -80,21 +81,17 @@ class CONVWASS_PG_live_handle(bpy.types.PropertyGroup):
     )
 
 
-_classes = (CONVWASS_PG_live, CONVWASS_PG_live_handle)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-
-
-def register() -> None:
-    """Register the properties of scenes and of the window manager."""
-    _register_classes()
-    bpy.types.Scene.convwass_live = PointerProperty(type=CONVWASS_PG_live)
-    bpy.types.WindowManager.convwass_live = PointerProperty(type=CONVWASS_PG_live_handle)
+register, _unregister = registration(
+    (CONVWASS_PG_live, CONVWASS_PG_live_handle),
+    (
+        (bpy.types.Scene, "convwass_live", CONVWASS_PG_live),
+        (bpy.types.WindowManager, "convwass_live", CONVWASS_PG_live_handle),
+    ),
+)
 
 
 def unregister() -> None:
     """Remove the properties."""
     ignore_undo()
     set_running(None)
-    del bpy.types.WindowManager.convwass_live
-    del bpy.types.Scene.convwass_live
-    _unregister_classes()
+    _unregister()

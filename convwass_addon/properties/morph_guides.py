@@ -14,6 +14,7 @@ from ..bridge.morphs.morph_guides import NamedGuide
 from ..bridge.object_names import object_of, unique_name
 from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
 from ..sentence import Sentence
+from .registration import registration
 
 
 class CONVWASS_PG_guide_point(bpy.types.PropertyGroup):
@@ -129,20 +130,8 @@ def labeled_guides(context: bpy.types.Context) -> list[LabeledVertex]:
     ]
 
 
-_classes = (CONVWASS_PG_guide_point, CONVWASS_PG_guide, CONVWASS_PG_guides)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-_labels = PairLabels(labeled_guides)
-
-
-def register() -> None:
-    """Add the guides to scenes, and draw their numbers."""
-    _register_classes()
-    bpy.types.Scene.convwass_guides = PointerProperty(type=CONVWASS_PG_guides)
-    _labels.register()
-
-
-def unregister() -> None:
-    """Remove both."""
-    _labels.unregister()
-    del bpy.types.Scene.convwass_guides
-    _unregister_classes()
+register, unregister = registration(
+    (CONVWASS_PG_guide_point, CONVWASS_PG_guide, CONVWASS_PG_guides),
+    ((bpy.types.Scene, "convwass_guides", CONVWASS_PG_guides),),
+    (PairLabels(labeled_guides),),
+)

@@ -19,6 +19,7 @@ from bpy.props import (
 
 from ..bridge.shape_sources import is_part
 from .morphs import MorphProperties
+from .registration import registration
 
 VERDICTS = (
     ("UNCHECKED", "Not Checked", "The shape has not been checked yet"),
@@ -90,17 +91,6 @@ class CONVWASS_PG_morph(MorphProperties, bpy.types.PropertyGroup):
         return [item for item in self.inputs if item.enabled]
 
 
-_classes = (CONVWASS_PG_input, CONVWASS_PG_morph)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-
-
-def register() -> None:
-    """Add the settings to scenes."""
-    _register_classes()
-    bpy.types.Scene.convwass_morph = PointerProperty(type=CONVWASS_PG_morph)
-
-
-def unregister() -> None:
-    """Remove them."""
-    del bpy.types.Scene.convwass_morph
-    _unregister_classes()
+register, unregister = registration(
+    (CONVWASS_PG_input, CONVWASS_PG_morph), ((bpy.types.Scene, "convwass_morph", CONVWASS_PG_morph),)
+)

@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 import bpy
-from bpy.props import PointerProperty
 
 from ..applications.one_mesh.texture_settings import TextureSettings
 from .from_schema import values_of, with_properties
+from .registration import registration
 
 
 @with_properties(TextureSettings)
@@ -24,16 +24,6 @@ class CONVWASS_PG_textures(TextureProperties, bpy.types.PropertyGroup):
     """Settings of baked images in a scene."""
 
 
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory((CONVWASS_PG_textures,))
-
-
-def register() -> None:
-    """Add the settings to scenes."""
-    _register_classes()
-    bpy.types.Scene.convwass_textures = PointerProperty(type=CONVWASS_PG_textures)
-
-
-def unregister() -> None:
-    """Remove them."""
-    del bpy.types.Scene.convwass_textures
-    _unregister_classes()
+register, unregister = registration(
+    (CONVWASS_PG_textures,), ((bpy.types.Scene, "convwass_textures", CONVWASS_PG_textures),)
+)

@@ -9,6 +9,7 @@ from bpy.props import EnumProperty, FloatProperty, PointerProperty, StringProper
 
 from ..applications.palettes.palette_settings import RecolorSettings, TableSettings
 from .from_schema import values_of, with_properties
+from .registration import registration
 
 PALETTES = ("palette", "palette_2", "palette_3", "palette_4")
 """Names of the palette properties; their weights are named weight, weight_2 and so on."""
@@ -106,17 +107,6 @@ class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
         return [(image, weight) for image, weight in pairs if image is not None]
 
 
-_classes = (CONVWASS_PG_recolor,)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-
-
-def register() -> None:
-    """Add the settings to scenes."""
-    _register_classes()
-    bpy.types.Scene.convwass_recolor = PointerProperty(type=CONVWASS_PG_recolor)
-
-
-def unregister() -> None:
-    """Remove them."""
-    del bpy.types.Scene.convwass_recolor
-    _unregister_classes()
+register, unregister = registration(
+    (CONVWASS_PG_recolor,), ((bpy.types.Scene, "convwass_recolor", CONVWASS_PG_recolor),)
+)

@@ -19,6 +19,7 @@ from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
 from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from .from_schema import values_of, with_properties
+from .registration import registration
 
 TRANSFERRED = (
     ("GROUPS", "Vertex Groups", "Weights of vertex groups"),
@@ -147,20 +148,8 @@ def labeled_vertices(context: bpy.types.Context) -> list[LabeledVertex]:
     return found
 
 
-_classes = (CONVWASS_PG_map_pair, CONVWASS_PG_soft_map)
-_register_classes, _unregister_classes = bpy.utils.register_classes_factory(_classes)
-_labels = PairLabels(labeled_vertices)
-
-
-def register() -> None:
-    """Add the settings to scenes, and draw the numbers of pairs."""
-    _register_classes()
-    bpy.types.Scene.convwass_soft_map = PointerProperty(type=CONVWASS_PG_soft_map)
-    _labels.register()
-
-
-def unregister() -> None:
-    """Remove both."""
-    _labels.unregister()
-    del bpy.types.Scene.convwass_soft_map
-    _unregister_classes()
+register, unregister = registration(
+    (CONVWASS_PG_map_pair, CONVWASS_PG_soft_map),
+    ((bpy.types.Scene, "convwass_soft_map", CONVWASS_PG_soft_map),),
+    (PairLabels(labeled_vertices),),
+)
