@@ -63,13 +63,9 @@ def key_scale(obj: bpy.types.Object, action: bpy.types.Action, axis: int, keys: 
 
 def is_shown(obj: bpy.types.Object, frame: int) -> bool:
     """Return whether an object is rendered at a scene frame, by its keys or else by its current setting."""
-    data = obj.animation_data
-    if data and data.action and data.action_slot:
-        bag = action_get_channelbag_for_slot(data.action, data.action_slot)
-        curve = bag.fcurves.find("hide_render") if bag else None
-        if curve:
-            return curve.evaluate(frame) < 0.5
-    return not obj.hide_render
+    bag = channels_of(obj)
+    curve = bag.fcurves.find("hide_render") if bag else None
+    return curve.evaluate(frame) < 0.5 if curve else not obj.hide_render
 
 
 def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
@@ -81,17 +77,21 @@ def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
     return range(round(min(span[0] for span in spans)), round(max(span[1] for span in spans)) + 1)
 
 
+def channels_of(block: bpy.types.ID) -> bpy.types.ActionChannelbag | None:
+    """Return what holds the F-curves of a data-block, or of a node tree; None if there are none."""
+    data = block.animation_data
+    return action_get_channelbag_for_slot(data.action, data.action_slot) if data and data.action else None
+
+
 def curves_of(block: bpy.types.ID) -> list[bpy.types.FCurve]:
     """Return the F-curves of a data-block, or of a node tree."""
-    data = block.animation_data
-    bag = action_get_channelbag_for_slot(data.action, data.action_slot) if data and data.action else None
+    bag = channels_of(block)
     return list(bag.fcurves) if bag is not None else []
 
 
 def remove_curve(block: bpy.types.ID, path: str) -> None:
     """Remove the keyframes of a property of a data-block, if it has any."""
-    data = block.animation_data
-    bag = action_get_channelbag_for_slot(data.action, data.action_slot) if data and data.action else None
+    bag = channels_of(block)
     for curve in [own for own in bag.fcurves if own.data_path == path] if bag is not None else []:
         bag.fcurves.remove(curve)
 

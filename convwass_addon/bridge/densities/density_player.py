@@ -14,11 +14,10 @@ from dataclasses import dataclass, replace
 
 import bpy
 import numpy as np
-from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ..keyframes import EASINGS, own_action
+from ..keyframes import EASINGS, channels_of, own_action
 from ..mesh_checks import writable_mesh
 from ..node_inputs import NodeInput, node_input
 from .density_attributes import remove_color, remove_frames, require_free, write_frames
@@ -202,7 +201,7 @@ def _unkey(value: NodeInput) -> None:
         return
     own_action(value.modifier.id_data)
     data = value.modifier.id_data.animation_data
-    bag, action = _channels(value), data.action
+    bag, action = channels_of(value.modifier.id_data), data.action
     bag.fcurves.remove(_curve(value))
     if not bag.fcurves:
         data.action = None
@@ -211,12 +210,5 @@ def _unkey(value: NodeInput) -> None:
 
 
 def _curve(value: NodeInput) -> bpy.types.FCurve | None:
-    bag = _channels(value)
+    bag = channels_of(value.modifier.id_data)
     return bag.fcurves.find(value.data_path) if bag else None
-
-
-def _channels(value: NodeInput) -> bpy.types.ActionChannelbag | None:
-    data = value.modifier.id_data.animation_data
-    if not (data and data.action and data.action_slot):
-        return None
-    return action_get_channelbag_for_slot(data.action, data.action_slot)

@@ -12,11 +12,10 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from bpy_extras.anim_utils import action_get_channelbag_for_slot
 
 from ...errors import InputError
 from ...progress import Work, drained
-from ..keyframes import EASINGS
+from ..keyframes import EASINGS, channels_of
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
 from ..sequence import (
@@ -357,9 +356,7 @@ def _key(value: NodeInput, frames: Sequence[bpy.types.Object], first_frame: int,
     for place in sorted(corners):
         value.set(float(values[place]))
         value.owner.keyframe_insert(value.path, frame=first_frame + frame_number(frames[place]))
-    data = value.modifier.id_data.animation_data
-    bag = action_get_channelbag_for_slot(data.action, data.action_slot)
-    curve = bag.fcurves.find(value.data_path)
+    curve = channels_of(value.modifier.id_data).fcurves.find(value.data_path)
     for point in curve.keyframe_points:
         point.interpolation = EASINGS[easing]
         point.easing = "EASE_IN_OUT"
