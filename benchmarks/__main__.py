@@ -35,54 +35,13 @@ from . import (
     table1,
 )
 
-ALL = (
-    "morph",
-    "live",
-    "moments",
-    "files",
-    "flat",
-    "looks",
-    "quality",
-    "coherence",
-    "mesh",
-    "rivals",
-    "table1",
-    "surface",
-    "skeleton",
-    "softmap",
-    "recolor",
-    "sphere",
-    "peers",
-    "constants",
-)
-"""The names of all benchmarks."""
-
 
 def main(arguments: list[str] | None = None) -> int:
     """Run the benchmarks named on the command line."""
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
-    names = parser.add_subparsers(
-        title="benchmarks",
-        metavar=" | ".join(ALL),
-    )
-    _add_morph(names.add_parser("morph", help=morph.__doc__))
-    _add_live(names.add_parser("live", help=live.__doc__))
-    _add_files(names.add_parser("files", help=files.__doc__))
-    names.add_parser("moments", help=moments.__doc__).set_defaults(run=lambda _options: moments.main())
-    _add_flat(names.add_parser("flat", help=flat.__doc__))
-    _add_looks(names.add_parser("looks", help=looks.__doc__))
-    _add_quality(names.add_parser("quality", help=quality.__doc__))
-    _add_coherence(names.add_parser("coherence", help=coherence.__doc__))
-    _add_mesh(names.add_parser("mesh", help=mesh.__doc__))
-    _add_rivals(names.add_parser("rivals", help=side_by_side.__doc__))
-    _add_table1(names.add_parser("table1", help=table1.__doc__))
-    _add_surface(names.add_parser("surface", help=surface.__doc__))
-    _add_skeleton(names.add_parser("skeleton", help=skeleton.__doc__))
-    _add_softmap(names.add_parser("softmap", help=correspondences.__doc__))
-    names.add_parser("recolor", help=recolor.__doc__).set_defaults(run=lambda _options: recolor.main())
-    _add_sphere(names.add_parser("sphere", help=sphere.__doc__))
-    _add_peers(names.add_parser("peers", help=peers.__doc__))
-    _add_constants(names.add_parser("constants", help=constants.__doc__))
+    names = parser.add_subparsers(title="benchmarks", metavar=" | ".join(ALL))
+    for name, (module, add_options) in _BENCHMARKS.items():
+        add_options(names.add_parser(name, help=module.__doc__))
     arguments = sys.argv[1:] if arguments is None else arguments
     for chosen in [arguments] if arguments else [[name] for name in ALL]:
         options = parser.parse_args(chosen)
@@ -103,6 +62,10 @@ def _add_live(parser: argparse.ArgumentParser) -> None:
         "--resolutions", type=_numbers, default="48,64,100", help="cells along the longest side (%(default)s)"
     )
     parser.set_defaults(run=lambda options: live.main(options.resolutions))
+
+
+def _add_moments(parser: argparse.ArgumentParser) -> None:
+    parser.set_defaults(run=lambda _options: moments.main())
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:
@@ -226,6 +189,10 @@ def _add_softmap(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=lambda options: correspondences.main(options.meshes, options.vertices))
 
 
+def _add_recolor(parser: argparse.ArgumentParser) -> None:
+    parser.set_defaults(run=lambda _options: recolor.main())
+
+
 def _add_sphere(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rows", type=_numbers, default="64,128", help="rows of the spheres (%(default)s)")
     parser.set_defaults(run=lambda options: sphere.main(options.rows))
@@ -250,6 +217,31 @@ def _numbers(text: str) -> list[int]:
 
 def _names(text: str) -> list[str]:
     return [part.strip() for part in text.split(",")]
+
+
+_BENCHMARKS = {
+    "morph": (morph, _add_morph),
+    "live": (live, _add_live),
+    "moments": (moments, _add_moments),
+    "files": (files, _add_files),
+    "flat": (flat, _add_flat),
+    "looks": (looks, _add_looks),
+    "quality": (quality, _add_quality),
+    "coherence": (coherence, _add_coherence),
+    "mesh": (mesh, _add_mesh),
+    "rivals": (side_by_side, _add_rivals),
+    "table1": (table1, _add_table1),
+    "surface": (surface, _add_surface),
+    "skeleton": (skeleton, _add_skeleton),
+    "softmap": (correspondences, _add_softmap),
+    "recolor": (recolor, _add_recolor),
+    "sphere": (sphere, _add_sphere),
+    "peers": (peers, _add_peers),
+    "constants": (constants, _add_constants),
+}
+
+ALL = tuple(_BENCHMARKS)
+"""The names of all benchmarks."""
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from assets.sculpting import Clay, Solid, tube
+from assets.sculpting import Clay, Solid
 from convwass_addon.geometry.mesh import TriangleMesh
 
 from .deformed_pairs import decimated
@@ -68,11 +68,6 @@ class Sculpture:
         vertices, faces = clay.surface()
         reduced = decimated(TriangleMesh.from_arrays(vertices, faces), triangles)
         return TriangleMesh(clay.relaxed(reduced.vertices, reduced.faces, _RELAXING_ROUNDS), reduced.faces)
-
-
-def capsules(points: ArrayLike, radii: ArrayLike) -> Solid:
-    """Straight rods with round ends from point to point, (n, 3), joined where they meet; radii (n,)."""
-    return tube(points, radii, steps=1)
 
 
 def mirrored(points: ArrayLike, side: float) -> NDArray[np.float64]:
