@@ -61,7 +61,7 @@ def main(arguments):
     if sys.version_info < (3, 11):
         # pyproject.toml can only be read from Python 3.11 on; an older Python can still find a newer one.
         return run_child([pythons.find().path, str(PROJECT / "run.py"), *arguments])
-    version, arguments = take_version(arguments)
+    version, arguments = take_option("--python", pythons.WANTED, arguments)
     if not arguments or arguments[0] in ("-h", "--help", "help"):
         print(__doc__.strip())
         return 0 if arguments else 2
@@ -72,7 +72,7 @@ def main(arguments):
     if command not in COMMANDS:
         print(f"run.py: there is no command {command!r}; these are: {', '.join(COMMANDS)}", file=sys.stderr)
         return 2
-    blender, rest = take_blender(rest) if command == "test" else (None, rest)
+    blender, rest = take_option("--blender", pythons.BLENDERS, rest) if command == "test" else (None, rest)
     environment = prepared_environment(version, blender)
     # Commands run in the project's folder, `python` in the user's current folder.
     folder = None if command == "python" else PROJECT
@@ -83,21 +83,12 @@ def main(arguments):
     return 0
 
 
-def take_version(arguments):
-    """Remove ``--python VERSION`` from the front of the arguments; return the version, or None if not given."""
-    if not arguments or arguments[0] != "--python":
+def take_option(name, known, arguments):
+    """Remove an option and its value from the front of the arguments; return the value, or None if not given."""
+    if not arguments or arguments[0] != name:
         return None, arguments
-    if len(arguments) < 2 or arguments[1] not in pythons.WANTED:
-        raise pythons.NoPythonError(f"After --python say one of: {', '.join(pythons.WANTED)}")
-    return arguments[1], arguments[2:]
-
-
-def take_blender(arguments):
-    """Remove ``--blender VERSION`` from the front of the arguments; return the version, or None if not given."""
-    if not arguments or arguments[0] != "--blender":
-        return None, arguments
-    if len(arguments) < 2 or arguments[1] not in pythons.BLENDERS:
-        raise pythons.NoPythonError(f"After --blender say one of: {', '.join(pythons.BLENDERS)}")
+    if len(arguments) < 2 or arguments[1] not in known:
+        raise pythons.NoPythonError(f"After {name} say one of: {', '.join(known)}")
     return arguments[1], arguments[2:]
 
 

@@ -107,14 +107,14 @@ def test_commands_are_understood(page, command):
 
 def understood_by_run(words: list[str]) -> None:
     """Fail unless run.py accepts a command and those of its arguments that the project defines."""
-    _, words = run.take_version(words)
+    _, words = run.take_option("--python", run.pythons.WANTED, words)
     if words in (["help"], ["--help"]):
         return
     assert words[0] in run.COMMANDS
     if words[:3] == ["python", "-m", "convwass_addon"]:
         understood_by_convwass(words[3:])
     elif words[0] == "test":
-        run.take_blender(words[1:])
+        run.take_option("--blender", run.pythons.BLENDERS, words[1:])
     elif words[0] == "python" and words[1:] and words[1].endswith(".py"):
         assert (PROJECT / words[1]).is_file()
 
