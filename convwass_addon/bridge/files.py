@@ -20,7 +20,7 @@ def checked_target(path: Path) -> Path:
     Raises
     ------
     InputError
-        The folder does not exist or cannot be written, or the path is a folder.
+        The folder does not exist or cannot be written, or the path is a folder or a protected file.
     """
     target = whole_path(path)
     if target.is_dir():
@@ -31,6 +31,9 @@ def checked_target(path: Path) -> Path:
         )
     if not os.access(target.parent, os.W_OK):
         raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target.parent))
+    # Drafts would replace it all the same, on other systems than Windows.
+    if target.exists() and not os.access(target, os.W_OK):
+        raise InputError("{target} is protected from being overwritten; write to another file.", target=str(target))
     return target
 
 

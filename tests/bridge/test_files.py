@@ -84,6 +84,16 @@ def test_folder_that_cannot_be_written(tmp_path, monkeypatch):
         save_blend(tmp_path / "a.blend")
 
 
+def test_protected_files_are_kept(tmp_path, monkeypatch):
+    target = tmp_path / "a.blend"
+    target.write_bytes(b"published")
+    # The superuser may write everything.
+    monkeypatch.setattr(os, "access", lambda path, _: Path(path) != target)
+    with pytest.raises(InputError, match="is protected from being overwritten"):
+        save_blend(target)
+    assert target.read_bytes() == b"published"
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="HOME is not what Windows asks")
 def test_home(tmp_path, monkeypatch):
     monkeypatch.setenv("HOME", str(tmp_path))
