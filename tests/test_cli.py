@@ -294,6 +294,26 @@ def test_errors_have_codes_and_instructions(shapes, tmp_path, capfd, monkeypatch
     assert sorted(tmp_path.rglob("*")) == before
 
 
+@pytest.mark.parametrize(
+    ("taken", "words"),
+    [
+        ("morph.png", ["--render"]),
+        ("morph.mp4", ["--render"]),
+        ("frame_0002.ply", ["--export", "{at}/frame.ply"]),
+        ("morph files", ["--output", "volume"]),
+    ],
+)
+def test_places_of_other_files_are_checked_before_the_work(shapes, tmp_path, capfd, monkeypatch, taken, words):
+    monkeypatch.setattr(MorphJob, "write", None)
+    if taken == "morph files":
+        (tmp_path / taken).touch()
+    else:
+        (tmp_path / taken).mkdir()
+    inputs = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--out", str(tmp_path / "morph.blend")]
+    assert cli.main(["morph", *inputs, *QUICK, *(word.format(at=tmp_path) for word in words)]) == 3
+    assert taken in capfd.readouterr().err
+
+
 def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch):
     def moved(meshes, names, *_):
         yield Progress(0.5, Sentence("Half"))

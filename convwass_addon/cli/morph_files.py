@@ -10,9 +10,10 @@ from pathlib import Path
 
 import bpy
 
+from ..bridge.files import checked_folder, checked_target
 from ..bridge.flat.flat_imports import TEXT
 from ..bridge.imports import parse_source
-from ..bridge.morphs.outputs import folder_beside
+from ..bridge.morphs.outputs import ON_DISK, folder_beside
 from ..bridge.numbered_files import numbered_paths
 
 
@@ -24,7 +25,7 @@ def files_read(options: Namespace) -> list[Path]:
 
 
 def files_written(options: Namespace, target: Path, count: int) -> list[Path]:
-    """Return the files that a morph may replace.
+    """Return the files that a morph may replace, which are checked before the work begins.
 
     Parameters
     ----------
@@ -34,15 +35,23 @@ def files_written(options: Namespace, target: Path, count: int) -> list[Path]:
         The .blend to write.
     count : int
         Number of blends.
+
+    Raises
+    ------
+    InputError
+        A file or the folder for other outputs cannot be written.
     """
-    rendered = [target.with_suffix(suffix) for suffix in (".png", ".mp4")] if options.render else []
+    rendered = [checked_target(target.with_suffix(suffix)) for suffix in (".png", ".mp4")] if options.render else []
     exported = _exported(options.export, count) if options.export else []
     # Its files are named after the morph.
     folder = Path(bpy.path.abspath(folder_beside(target), start=str(target.parent)))
+    if options.output in ON_DISK:
+        checked_folder(folder)
     return [target, *rendered, *exported, *folder.rglob("*")]
 
 
 def _exported(path: Path, count: int) -> list[Path]:
     """Return the files of an export: a single one, one per blend, or one with others next to it."""
     beside = path.parent.glob(f"{glob.escape(path.stem)}_*.*") if path.suffix.lower() == ".json" else []
-    return [path, *numbered_paths(path.parent, f"{path.stem}_", path.suffix, range(1, count + 1)), *beside]
+    numbered = numbered_paths(path.parent, f"{path.stem}_", path.suffix, range(1, count + 1))
+    return [*map(checked_target, [path, *numbered]), *beside]
