@@ -14,6 +14,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ..errors import InputError
+from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
 from .element_values import element_values
@@ -334,7 +335,7 @@ def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) ->
     matrix = _checked_matrix(evaluated)
     vertices, faces = _arrays(mesh)
     _check_faces(name, mesh)
-    world = vertices @ matrix[:3, :3].T + matrix[:3, 3]
+    world = transformed_points(vertices, matrix)
     try:
         result = TriangleMesh.from_arrays(world, faces)
     except InputError as error:

@@ -20,6 +20,7 @@ from mathutils import Matrix
 from ..disk_space import require_whole
 from ..drafts import new_draft
 from ..errors import Cancelled, ConvwassError, InputError
+from ..geometry.affine import transformed_points
 from .element_values import element_values
 from .files import checked_target
 from .framing import Pose, View
@@ -261,8 +262,7 @@ def move_result(source: Path, target: Path) -> None:
 def world_points(obj: bpy.types.Object) -> np.ndarray:
     """Return the vertices of a mesh object in world space, (n, 3), even if it is hidden."""
     points = element_values(obj.data.vertices, "co", 3)
-    matrix = np.array(world_matrix(obj))
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
+    return transformed_points(points, world_matrix(obj))
 
 
 def world_matrix(obj: bpy.types.Object) -> Matrix:

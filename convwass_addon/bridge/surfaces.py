@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from .element_values import element_values
 from .mesh_checks import readable_mesh
@@ -222,7 +223,7 @@ def _world(obj: bpy.types.Object, shape: _Shape, matrix: NDArray[np.float64]) ->
             count=len(shape.vertices),
         )
     vertices = shape.vertices.astype(np.float64)
-    mesh = TriangleMesh.from_arrays(vertices @ matrix[:3, :3].T + matrix[:3, 3], shape.faces)
+    mesh = TriangleMesh.from_arrays(transformed_points(vertices, matrix), shape.faces)
     if not _has_area(mesh):
         raise InputError("The surface of {object} has no area; check its scale in Item > Transform.", object=obj.name)
     return mesh.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else mesh

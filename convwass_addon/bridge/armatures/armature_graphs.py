@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from .joint_layout import JointLayout, joint_layout
 from .rig_bones import SIDES, RigBone, bone_ends
 from .rig_graphs import RigGraph, world_matrix
@@ -45,7 +46,7 @@ def armature_graph(obj: bpy.types.Object, only_deforming: bool = True) -> RigGra
     ends = _ends_of_joints(layout, kept, new, len(joints))
     matrix = world_matrix(obj)
     state = {f"{bone.name}.{side}": bone for bone in bones for side in SIDES}
-    positions, rest = (points[joints] @ matrix[:3, :3].T + matrix[:3, 3] for points in (layout.points(), layout.rest()))
+    positions, rest = (transformed_points(points[joints], matrix) for points in (layout.points(), layout.rest()))
     pinned = [any(_flag(state, end, "pinned") for end in own) for own in ends]
     return RigGraph(
         graph=JointGraph.from_arrays(positions, edges, pinned, tuple(own[0] for own in ends), rest),

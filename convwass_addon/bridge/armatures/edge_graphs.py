@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from ..element_values import element_values
 from ..mesh_checks import other_vertices, readable_mesh
 from .pins import pinned_vertices
@@ -40,7 +41,7 @@ def edge_graph(obj: bpy.types.Object) -> RigGraph:
     edges = element_values(mesh.edges, "vertices", 2, np.int32)
     joints, compact = np.unique(edges, return_inverse=True)
     matrix = world_matrix(obj)
-    points = _points(mesh)[joints] @ matrix[:3, :3].T + matrix[:3, 3]
+    points = transformed_points(_points(mesh)[joints], matrix)
     names = tuple(str(vertex) for vertex in joints)
     selected = element_values(mesh.vertices, "select", kind=bool)
     return RigGraph(
@@ -72,9 +73,8 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
     mesh = readable_mesh(obj)
     if rig.parts != (str(len(mesh.vertices)),):
         raise other_vertices(obj)
-    inverse = np.linalg.inv(rig.matrix)
     points = _points(mesh)
-    points[[int(name) for name in rig.graph.names]] = positions @ inverse[:3, :3].T + inverse[:3, 3]
+    points[[int(name) for name in rig.graph.names]] = transformed_points(positions, np.linalg.inv(rig.matrix))
     if not mesh.is_editmode:
         mesh.vertices.foreach_set("co", np.ascontiguousarray(points, dtype=np.float32).ravel())
         mesh.update()

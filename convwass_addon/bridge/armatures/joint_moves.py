@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from .joint_layout import JointLayout, joint_layout
 from .rig_bones import SIDES, bone_ends
 from .rig_graphs import RigGraph
@@ -47,8 +48,7 @@ def move_armature_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArra
     InputError
         The bones have changed since the joints were read.
     """
-    inverse = np.linalg.inv(rig.matrix)
-    local = positions @ inverse[:3, :3].T + inverse[:3, 3]
+    local = transformed_points(positions, np.linalg.inv(rig.matrix))
     with _edited_bones(obj) as bones:
         present = bone_ends(obj)
         if sorted(bone.name for bone in present) != sorted(rig.parts):

@@ -13,6 +13,7 @@ import numpy as np
 from mathutils import Matrix
 
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from ..element_values import element_values
 from ..image_files import loaded_image
 from ..imports import BLEND, READERS, checked_file, import_objects, only_kept_data, parse_source, run_importer
@@ -104,12 +105,11 @@ def _one_of(curves: list[bpy.types.Object]) -> bpy.types.Object:
 
 def _copy_spline(spline: bpy.types.Spline, data: bpy.types.Curve, place: Matrix, slot: int) -> None:
     """Add a transformed Bezier spline to a curve."""
-    matrix = np.array(place, dtype=np.float64)
     own = data.splines.new("BEZIER")
     own.bezier_points.add(len(spline.bezier_points) - 1)
     for name in ("co", "handle_left", "handle_right"):
         points = element_values(spline.bezier_points, name, 3)
-        moved = points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+        moved = transformed_points(points.astype(np.float64), place)
         for kind in ("handle_left_type", "handle_right_type"):
             own.bezier_points.foreach_set(kind, np.zeros(len(moved), np.int32))
         own.bezier_points.foreach_set(name, moved.astype(np.float32).ravel())

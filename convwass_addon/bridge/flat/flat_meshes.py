@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.affine import transformed_points
 from ...geometry.ring_nesting import closed_chains
 from ..element_values import element_values
 from .flat_rings import FlatRings
@@ -44,7 +45,7 @@ def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
 
 
 def _points(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    return element_values(mesh.vertices, "co", 3).astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    return transformed_points(element_values(mesh.vertices, "co", 3).astype(np.float64), matrix)
 
 
 def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> list[NDArray[np.int64]]:

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from .flat_rings import FlatRings
 
 # Blender's curve type for Bezier curves, and points per segment.
@@ -35,7 +36,7 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
             if fill is None or len(stroke.points) < 3:
                 continue
             points = _points_of(stroke)
-            rings.append(points @ place[:3, :3].T + place[:3, 3])
+            rings.append(transformed_points(points, place))
             slots.append(stroke.material_index)
             fills.append(known.setdefault((number, fill), len(known)))
     if not rings:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from ...sentence import Sentence
 from ..element_values import element_values
 from .flat_rings import CurveStyle, FlatRings
@@ -68,7 +69,7 @@ def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: b
     if len(closed) < len(found):
         values = {"name": obj.name, "count": len(found) - len(closed)}
         notice = Sentence("{name}: {count} open splines are ignored, since they fill no area.", values)
-    rings = [ring @ matrix[:3, :3].T + matrix[:3, 3] for _, ring in closed]
+    rings = [transformed_points(ring, matrix) for _, ring in closed]
     return FlatRings(rings, matrix, "non-zero" if is_text else "even-odd", letters, slots, style, notice)
 
 

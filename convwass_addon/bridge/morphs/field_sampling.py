@@ -14,6 +14,7 @@ from scipy.ndimage import gaussian_filter, maximum_filter
 
 from ...applications.morphs.extraction import EXTRACTION_BLUR
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from ...geometry.centroid import centroid
 from ...geometry.edges import edge_use, topology
 from ...geometry.isosurface import surface_enclosing
@@ -191,8 +192,7 @@ def closed_surface(mesh: TriangleMesh, shape: tuple[int, int, int]) -> TriangleM
 
 def _local_mesh(obj: bpy.types.Object, world: TriangleMesh) -> TriangleMesh:
     """Return the mesh of a frame object, given in world space, in its local space."""
-    inverse = np.array(obj.matrix_world.inverted())
-    return TriangleMesh(world.vertices @ inverse[:3, :3].T + inverse[:3, 3], world.faces)
+    return TriangleMesh(transformed_points(world.vertices, obj.matrix_world.inverted()), world.faces)
 
 
 def _centers(meshes: Sequence[TriangleMesh], weights: NDArray[np.float64]) -> NDArray[np.float64]:

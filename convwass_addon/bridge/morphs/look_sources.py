@@ -12,6 +12,7 @@ import numpy as np
 
 from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.carried_uvs import UvMap
+from ...geometry.affine import transformed_points
 from ...geometry.normals import unit_vectors
 from ..element_values import element_values, write_attribute
 from ..joined_shapes import OWN_POSITION
@@ -163,7 +164,7 @@ def _own_positions(mesh: bpy.types.Mesh, source: FrozenInput) -> np.ndarray:
     """Return the vertices in the own space of their object, (n, 3)."""
     if OWN_POSITION in mesh.attributes:
         return element_values(mesh.attributes[OWN_POSITION].data, "vector", 3).astype(np.float64)
-    return element_values(mesh.vertices, "co", 3) @ source.own_space[:3, :3].T + source.own_space[:3, 3]
+    return transformed_points(element_values(mesh.vertices, "co", 3), source.own_space)
 
 
 def _corner_values(mesh: bpy.types.Mesh, name: str, appearance: Appearance, loops: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.one_mesh.attachment import Attachment, rigidly_moved
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
@@ -68,7 +69,7 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
         raise InputError(
             "The shape key {key} of {name} is missing; make the keys again.", key=missing[0], name=body.name
         )
-    surface = TriangleMesh(_placed(_points(blocks[0].data), body.matrix_world), _triangles(body.data))
+    surface = TriangleMesh(transformed_points(_points(blocks[0].data), body.matrix_world), _triangles(body.data))
     notices = []
     for part in parts:
         notices += _own_mesh(part)
@@ -124,7 +125,7 @@ def _follow(
     if part.data.shape_keys is None:
         part.shape_key_add(name="Basis", from_mix=False)
     blocks = body.data.shape_keys.key_blocks
-    points = _placed(_points(part.data.shape_keys.key_blocks[0].data), part.matrix_world)
+    points = transformed_points(_points(part.data.shape_keys.key_blocks[0].data), part.matrix_world)
     attached = Attachment.of(points, surface)
     labels = _components(part.data, points) if rigid else None
     inverse = part.matrix_world.inverted_safe()
@@ -132,11 +133,11 @@ def _follow(
     attached_names = _attached_names(part)
     for record in records:
         for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
-            moved = attached.followed(_placed(_points(blocks[name].data), body.matrix_world))
+            moved = attached.followed(transformed_points(_points(blocks[name].data), body.matrix_world))
             if labels is not None:
                 moved = rigidly_moved(points, moved, labels)
             key = _key(part, body, name)
-            local = np.ascontiguousarray(_placed(moved, inverse), dtype=np.float32)
+            local = np.ascontiguousarray(transformed_points(moved, inverse), dtype=np.float32)
             key.data.foreach_set("co", local.ravel())
             drive_key(body, key, record["name"], expression)
             attached_names.append(key.name)
@@ -225,11 +226,6 @@ def _components(mesh: bpy.types.Mesh, points: NDArray[np.float64]) -> NDArray[np
 
 def _points(items: bpy.types.bpy_prop_collection) -> NDArray[np.float64]:
     return element_values(items, "co", 3).astype(np.float64)
-
-
-def _placed(points: NDArray[np.float64], matrix: object) -> NDArray[np.float64]:
-    own = np.array(matrix, dtype=np.float64)
-    return points @ own[:3, :3].T + own[:3, 3]
 
 
 def _triangles(mesh: bpy.types.Mesh) -> NDArray[np.int64]:

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.affine import transformed_points
 from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
 from ..handles import Handle
@@ -80,6 +81,5 @@ class KeyBasis:
             Aligned the shape; the mesh stays where the shape stands in the scene.
         """
         if move is not None:
-            inverse = np.linalg.inv(np.array(move.matrix, dtype=np.float64))
-            positions = positions @ inverse[:3, :3].T + inverse[:3, 3]
+            positions = transformed_points(positions, np.linalg.inv(np.array(move.matrix, dtype=np.float64)))
         return self.rest.key_coordinates(positions)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from ..element_values import element_values
 from ..keyframes import curves_of, driver_targets
 from ..morphs.appearance import seen_colors
@@ -87,7 +88,7 @@ def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: rang
             evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
             mesh = evaluated.to_mesh()
             matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-            points.append(_placed(_read(mesh.vertices, "co"), matrix))
+            points.append(transformed_points(_read(mesh.vertices, "co"), matrix))
             normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
             evaluated.to_mesh_clear()
     finally:
@@ -107,7 +108,7 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
         mesh.calc_loop_triangles()
         loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
         vertices = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
-        corners.append(_placed(_read(mesh.vertices, "co"), matrix)[vertices])
+        corners.append(transformed_points(_read(mesh.vertices, "co"), matrix)[vertices])
         normals.append(_turned(_read(mesh.corner_normals, "vector"), matrix)[loops])
         seen = srgb(np.asarray(seen_colors(mesh, obj.color), dtype=np.float64)[:, :3])
         colors.append(seen[vertices].reshape(-1, 3, 3))
@@ -123,10 +124,6 @@ def srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _read(items: bpy.types.bpy_prop_collection, name: str) -> NDArray[np.float64]:
     return element_values(items, name, 3).astype(np.float64)
-
-
-def _placed(points: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    return points @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def _turned(normals: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ...applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from ...errors import InputError
+from ...geometry.affine import transformed_points
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..element_values import element_values
@@ -68,8 +69,7 @@ class RestMesh:
         """
         points = _basis(self.mesh)
         if self.linear is None:
-            inverse = np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64))
-            points = points @ inverse[:3, :3].T + inverse[:3, 3]
+            points = transformed_points(points, np.linalg.inv(np.array(obj.matrix_world, dtype=np.float64)))
         return MirrorSymmetry.of(points, MirrorPlane(np.zeros(3), np.array([1.0, 0.0, 0.0])), obj.name)
 
 

@@ -15,6 +15,7 @@ from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...errors import ConvwassError, InputError
+from ...geometry.affine import transformed_points
 from ...geometry.closest_points import ClosestPointFinder
 from ..element_values import element_values
 from ..handles import Handle
@@ -177,7 +178,7 @@ def end_look(
     positions = element_values(key.data, "co", 3)
     there = triangle_mesh(shape, depsgraph)
     onto = _posed(obj, prepared, positions, scene, depsgraph)
-    points = there.vertices @ placement[:3, :3].T + placement[:3, 3]
+    points = transformed_points(there.vertices, placement)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     try:
         _check_arrival(onto, points[there.faces], slider, diagonal, float(record.get("distance_95", 0.0)))
@@ -200,7 +201,7 @@ def _check_arrival(
     mesh = onto.mesh.find()
     points = element_values(mesh.vertices, "co", 3)
     every = max(1, len(mesh.vertices) // _CHECKED)
-    sample = points[::every].astype(np.float64) @ onto.world[:3, :3].T + onto.world[:3, 3]
+    sample = transformed_points(points[::every].astype(np.float64), onto.world)
     found = ClosestPointFinder(triangles).find(sample)
     if np.quantile(found.distances, 0.9) > (_SLACK * distance + _LEAST) * diagonal:
         raise InputError(

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.affine import transformed_points
 from ...geometry.mesh import TriangleMesh
 from ..element_values import element_values
 
@@ -24,5 +25,4 @@ def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> Triangl
     """
     keys = obj.data.shape_keys
     local = element_values(keys.reference_key.data if keys else obj.data.vertices, "co", 3).astype(np.float64)
-    matrix = np.array(obj.matrix_world, dtype=np.float64)
-    return TriangleMesh(local @ matrix[:3, :3].T + matrix[:3, 3], triangles)
+    return TriangleMesh(transformed_points(local, obj.matrix_world), triangles)
