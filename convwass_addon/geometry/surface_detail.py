@@ -4,7 +4,8 @@
 
 For every shape i, each vertex v of the surface has a point y_i on the coarsely extracted surface of the shape, with
 sum_i w_i y_i = v. The detail lost by the coarse extraction is d_i = p_i - y_i, where p_i is the closest point of the
-shape itself with a similar normal, searched again along the normal of the surface where it is on an oblique face. The
+shape itself with a similar normal, searched again along the normal of the surface where it is on an oblique face. Where
+the coarse surface does not reach a thin rim, p_i is on the rim (:mod:`.missed_rims`). The
 detailed surface has the vertices v + sum_i w_i c_i d_i. The trust c_i is 1 unless the shape is far away, faces away, or
 is inside its own solid there. With full trust these are sum_i w_i p_i: the surface becomes the shape as its weight goes
 to one.
@@ -32,6 +33,7 @@ from .edges import edge_ends, edge_use
 from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
+from .missed_rims import FARTHEST, missed_rims
 from .normals import area_normals, mean_directions, triangle_normals, unit_vectors, vertex_normals
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
@@ -139,7 +141,7 @@ def with_detail(
         Edge length of the surface in cells: edges that are twice as long may deviate four times as much.
     """
     normals = _even_normals(surface)
-    laid = _Laid(surface, normals, [_Carried.found(source, normals, control) for source in sources])
+    laid = _Laid(surface, normals, [_Carried.found(source, normals, cell, control) for source in sources])
     most = int(_MOST_TRIANGLES * len(surface.faces))
     for _ in range(_ROUNDS):
         control.check()
@@ -150,7 +152,7 @@ def with_detail(
     control.check()
     means = EdgeMeans.of(laid.mesh)
     laid = laid.relaxed(means)
-    details = [own.details(means.spread_minimum(own.trust(laid.normals, cell), _FADING)) for own in laid.carried]
+    details = [own.details(own.faded_trust(laid.normals, cell, means)) for own in laid.carried]
     wanted = sum(amount * own.source.weight * detail for own, detail in zip(laid.carried, details, strict=True))
     offsets = without_folds(laid.mesh, laid.normals, wanted, means)
     detailed = _with_volume(TriangleMesh(laid.mesh.vertices + offsets, laid.mesh.faces), laid.normals, volume, cell)
@@ -174,9 +176,11 @@ class _Carried:
     certainty: NDArray[np.float64]
     places: ClosestPoints
     points: NDArray[np.float64]
+    on_rim: NDArray[np.bool_]
+    """Whether points are on rims that the coarse surface does not reach, (n,)."""
 
     @classmethod
-    def found(cls, source: DetailSource, normals: NDArray[np.float64], control: Control) -> _Carried:
+    def found(cls, source: DetailSource, normals: NDArray[np.float64], cell: float, control: Control) -> _Carried:
         """Find the points for the vertices of a surface with these normals, (n, 3)."""
         finder, corners, starts = source.shape.finder, source.shape.mesh.corners, source.starts
         places, facing = finder.find(starts, normals, control), triangle_normals(corners)
@@ -188,7 +192,12 @@ class _Carried:
         ahead = np.einsum("nd,nd->n", points[oblique] - begin, along)
         found = finder.find(begin + ahead[:, None] * along, along, control)
         points[oblique] = found.interpolated(corners)
-        return cls(source, facing, starts, source.certainty, places.replaced(oblique, found), points)
+        rims = missed_rims(source.shape.mesh, starts, normals, cell, source.filled)
+        points[rims.vertices] = rims.points
+        places = places.replaced(oblique, found).replaced(rims.vertices, finder.find_closest(rims.points))
+        on_rim = np.zeros(len(points), bool)
+        on_rim[rims.vertices] = True
+        return cls(source, facing, starts, source.certainty, places, points, on_rim)
 
     @cached_property
     def normals(self) -> NDArray[np.float64]:
@@ -208,6 +217,8 @@ class _Carried:
         first, second = ends.T
         normals = self.normals
         wanted = meeting_points(self.points[first], normals[first], self.points[second], normals[second])
+        on_rim = self.on_rim[first] & self.on_rim[second]
+        wanted[on_rim] = 0.5 * (self.points[first] + self.points[second])[on_rim]
         found = self.source.shape.finder.find_closest(wanted)
         return replace(
             self,
@@ -215,6 +226,7 @@ class _Carried:
             certainty=np.concatenate([self.certainty, self.certainty[ends].mean(axis=1)]),
             places=self.places.followed_by(found),
             points=np.concatenate([self.points, found.interpolated(self.source.shape.mesh.corners)]),
+            on_rim=np.concatenate([self.on_rim, on_rim]),
         )
 
     def triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -247,11 +259,18 @@ class _Carried:
         agreement = np.einsum("nd,nd->n", self.normals, normals)
         outside = (_INSIDE - self.source.filled(self.points)) / (_INSIDE - _SURFACE)
         near = (_FARTHEST - distances) / (_FARTHEST - _TRUSTED)
+        # At a sharp rim, one of both sides is found, and neither faces away from the shape.
+        agreement[self.on_rim], near[self.on_rim] = 1.0, FARTHEST + 1.0 - distances[self.on_rim]
         known = self.certainty * np.prod([np.clip(part, 0.0, 1.0) for part in (near, 2.0 * agreement, outside)], axis=0)
         if self.source.reliability is None:
             return known
         corners = self.source.shape.mesh.faces.take(self.places.triangles, axis=0)
         return known * np.einsum("nc,nc->n", self.places.shares, self.source.reliability.take(corners))
+
+    def faded_trust(self, normals: NDArray[np.float64], cell: float, means: EdgeMeans) -> NDArray[np.float64]:
+        """Return the trust in offsets, smoothed towards points without trust, except on rims, (n,)."""
+        trust = self.trust(normals, cell)
+        return np.where(self.on_rim, trust, means.spread_minimum(trust, _FADING))
 
     def relaxed(self, faces: NDArray[np.int64], facing: NDArray[np.float64], means: EdgeMeans) -> _Carried:
         """Move points of flipped or upright triangles to the mean of their neighbors, projected onto the shape.
@@ -277,7 +296,7 @@ class _Carried:
                 break
             near = np.zeros(len(points), bool)
             near[faces[turned]] = True
-            chosen = means.with_neighbors(near)
+            chosen = means.with_neighbors(near) & ~self.on_rim
             moved = np.flatnonzero(chosen)
             found = self.source.shape.finder.find_closest(means.mean_points(points)[moved])
             places = places.replaced(moved, found)
