@@ -87,6 +87,25 @@ def test_changes_of_the_world_are_kept(worlds):
     assert shown_files(copy) == {worlds / f"sky.000{frame}.exr" for frame in (4, 5, 6)}
 
 
+def test_a_sky_that_was_blended_again_can_be_undone(worlds):
+    """Blender crashed where the image had been replaced by another one."""
+
+    def shown():
+        world = bpy.context.scene.world
+        return next(node for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT").image
+
+    blend(worlds)
+    bpy.ops.ed.undo_push(message="first")
+    before = shown()
+    blend(worlds, frame_start=14, frame_end=15)
+    assert shown() == before
+    bpy.ops.ed.undo_push(message="second")
+    bpy.ops.ed.undo()
+    assert bpy.path.basename(shown().filepath) == "sky.0004.exr"
+    bpy.ops.ed.redo()
+    assert bpy.path.basename(shown().filepath) == "sky.0014.exr"
+
+
 def test_the_world_of_the_scene_stays_in_the_file(worlds, tmp_path):
     bpy.context.scene.world = bpy.data.worlds.new("Studio")
     blend(worlds)

@@ -156,12 +156,14 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
         world.use_nodes = True
     nodes = world.node_tree.nodes
     texture = next((node for node in nodes if RESULT_OF in node), None) or _new_texture(world.node_tree)
-    before, texture.image = texture.image, None
-    if before is not None and not before.users:
-        bpy.data.images.remove(before)
-    texture.image = bpy.data.images.load(str(files[0]))
-    texture.image.name = name
-    texture.image.source, texture.image.filepath = "SEQUENCE", for_blender(files[0])
+    image = texture.image
+    # If the image were removed for a new one, Blender would crash at undo.
+    if image is None or image.users > 1:
+        image = texture.image = bpy.data.images.load(str(files[0]))
+    image.name = name
+    image.source, image.filepath = "SEQUENCE", for_blender(files[0])
+    # The files of another blend have the same names.
+    image.reload()
     _key_numbers(texture, first_frame, len(files))
     return world
 
