@@ -14,10 +14,11 @@ from ..bridge.armatures.auto_weights import bind_with_weights, require_bindable
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.handles import Handle
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control, Progress, Work
+from ..progress import UNINTERRUPTED, Control, Work
 from ..properties.armatures import FitProperties, chosen_rig
 from ..sentence import Sentence
 from .armature_targets import OnBody
+from .background import Job
 from .mesh_writing import MeshWritingOperator
 from .reporting import tell
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from ..applications.skeletons.skeleton_fit import FittedSkeleton
 
 
-class FitJob:
+class FitJob(Job):
     """A fit. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
@@ -65,9 +66,6 @@ class FitJob:
         from ..applications.skeletons.skeleton_fit import fit_steps
 
         self.found = yield from fit_steps(self._mesh, self.graph.graph, self._settings, control)
-
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
         """Discard the result."""

@@ -42,7 +42,7 @@ class Job(Protocol):
         """Do the work."""
 
     def write(self, report: Progress[Any]) -> None:
-        """Write the payload of a report, or answer its request."""
+        """Write the payload of a report, or answer its request; by default, the file is only changed at the end."""
 
     def discard(self) -> None:
         """Remove everything that was written."""

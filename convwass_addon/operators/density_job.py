@@ -80,9 +80,6 @@ class DensityJob(ObjectJob, Generic[Result]):
         self.warnings += [] if notice is None else [notice]
         self.found = yield from within(self._solve(surface, control), _SURFACE_SHARE, 1.0)
 
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: the file is only changed at the end."""
-
     def discard(self) -> None:
         """Discard the result."""
         self.found = None

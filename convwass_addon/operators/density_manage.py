@@ -58,9 +58,6 @@ class _BakeJob(ObjectJob):
             self.target()
             self.made.append(next(self._writer))
 
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: `steps` writes."""
-
     def discard(self) -> None:
         """Do nothing: `steps` writes each output as a whole."""
 

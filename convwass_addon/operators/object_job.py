@@ -8,9 +8,10 @@ import bpy
 
 from ..bridge.handles import Handle
 from ..errors import ConvwassError
+from .background import Job
 
 
-class ObjectJob:
+class ObjectJob(Job):
     """Work on an object that may be edited, renamed or deleted in the meantime.
 
     Parameters

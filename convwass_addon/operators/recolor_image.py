@@ -21,7 +21,7 @@ from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..properties.recolor import RecolorProperties
 from ..sentence import Sentence
-from .background import BackgroundOperator
+from .background import BackgroundOperator, Job
 from .recolor_targets import OnImage, chosen_image, image_property, palette_names, read_pictures
 from .reporting import tell
 
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 _RECOLORED = 0.95
 
 
-class RecolorJob:
+class RecolorJob(Job):
     """Recolors a picture. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
@@ -82,9 +82,6 @@ class RecolorJob:
         if packs:
             yield Progress(_RECOLORED, Sentence("Packing the image"))
             self.file = png_bytes(found.pixels, control)
-
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
         """Discard the result."""

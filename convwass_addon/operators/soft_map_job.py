@@ -17,13 +17,14 @@ from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, 
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control, Progress, Work
+from ..progress import UNINTERRUPTED, Control, Work
+from .background import Job
 from .soft_map_targets import StoredWay
 
 Solve = Callable[[MapSide, MapSide, Control], Work[SurfaceMap]]
 
 
-class _MapJob:
+class _MapJob(Job):
     """Base of jobs that produce a map between two objects. Everything except the steps must run on the main thread."""
 
     _objects: tuple[Handle, Handle]
@@ -36,9 +37,6 @@ class _MapJob:
 
     def _work(self, control: Control) -> Work[SurfaceMap]:
         raise NotImplementedError
-
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: the file is only changed at the end."""
 
     def discard(self) -> None:
         """Discard the map."""

@@ -55,9 +55,6 @@ class TransferJob(ObjectJob):
         yield from all_carried(self.parts.values(), control)
         yield Progress(1.0, Sentence("Writing"))
 
-    def write(self, report: Progress[object]) -> None:
-        """Do nothing: the file is only changed at the end."""
-
     def discard(self) -> None:
         """Discard the results."""
         self.parts = {}
