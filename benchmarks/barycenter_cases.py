@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 import time
 from pathlib import Path
 
@@ -16,7 +13,7 @@ from numpy.typing import NDArray
 from convwass_addon.transport import Grid, barycenter
 
 from .measures import edge_width
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 _SHAPES = ("horse", "bird")
 # Silhouettes are projections along this axis.
@@ -107,10 +104,5 @@ def _write(folder: Path, filled: NDArray[np.floating]) -> dict[str, object]:
     return {"shape": filled.shape[1:]}
 
 
-CASES = {"volumes": volumes, "silhouettes": silhouettes, "own": own, "judged": judged}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(volumes, silhouettes, own, judged)

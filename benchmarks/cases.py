@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 import tempfile
 import threading
 import time
@@ -29,7 +26,7 @@ from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.transport import Grid, Inputs, barycenter
 
 from .blends import ASSETS, Pair
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 T = TypeVar("T")
 
@@ -141,10 +138,5 @@ def path(cells: int, frames: int) -> dict[str, object]:
     }
 
 
-CASES = {"single": single, "path": path}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(single, path)

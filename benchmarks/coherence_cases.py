@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -41,6 +38,7 @@ from .coherence_measures import (
 from .coherence_pairs import Ends, pairs_named
 from .coherence_turned import turned
 from .end_frames import EndLoss
+from .processes import run_case
 from .recorded_motions import recorded_motions
 from .rival_measures import Connectivity
 
@@ -216,10 +214,5 @@ def _brief(record: dict[str, object]) -> dict[str, object]:
     return {key: record[key] for key in ("weights", "found", "mended", "motion") if key in record}
 
 
-CASES = {"passage": passage, "mapping": mapping, "guiding": guiding, "turning": turning}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options)), default=str), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(passage, mapping, guiding, turning)

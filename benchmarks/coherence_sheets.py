@@ -7,9 +7,6 @@ Rendered with the product's own contact sheet: ``python -m benchmarks.coherence_
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -23,7 +20,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import drained
 
 from .coherence_cases import read_frames
-from .processes import measured
+from .processes import measured, run_case
 
 COLUMNS = 7
 WIDTH = 2100
@@ -94,10 +91,5 @@ def _object(mesh: TriangleMesh, clay: bpy.types.Material, place: tuple[float, fl
     return obj
 
 
-CASES = {"sheet": sheet}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(sheet)

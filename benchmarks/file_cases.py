@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 import time
 from pathlib import Path
 from typing import Any
@@ -19,7 +16,7 @@ from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.imports import import_objects
 
 from .blends import ASSETS
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 _SHAPES = ("horse", "cow")
 # Operators that turn a morph into an output, with their arguments.
@@ -92,10 +89,5 @@ def empty() -> dict[str, object]:
     return {"memory": peak_megabytes()}
 
 
-CASES = {"bake": bake, "store": store, "play": play, "empty": empty}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(bake, store, play, empty)

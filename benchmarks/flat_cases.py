@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,7 +14,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.geometry.fitting import fitted_beziers
 
 from .clock import Clock
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 _LETTER = ((0, 0), (0.9, 3), (1.5, 3), (2.4, 0), (1.8, 0), (1.6, 0.7), (0.8, 0.7), (0.6, 0))
 _HOLE = ((0.95, 1.2), (1.45, 1.2), (1.2, 2.2))
@@ -77,4 +74,4 @@ def frames(name: str, cells: int, count: int) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    print(json.dumps({"frames": frames}[sys.argv[1]](**json.loads(sys.argv[2]))))
+    run_case(frames)

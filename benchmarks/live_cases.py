@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 from collections.abc import Callable, Sequence
 
@@ -36,7 +34,7 @@ from convwass_addon.progress import Control, drained
 
 from .blends import ASSETS, read_meshes
 from .measures import mean_surface_distance
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 # Number of blends to compare with solved ones, and of blends drawn in sequence while a handle moves back and forth.
 _COMPARED, _DRAWN = 9, 60
@@ -240,8 +238,5 @@ def _scattered(count: int, blends: int) -> list[NDArray[np.float64]]:
     return list(drawn / drawn.sum(axis=1, keepdims=True))
 
 
-CASES = {"lattice": lattice, "hand": hand, "jumps": jumps}
-
 if __name__ == "__main__":
-    name, options = sys.argv[1], json.loads(sys.argv[2])
-    print(json.dumps(CASES[name](**options)))
+    run_case(lattice, hand, jumps)

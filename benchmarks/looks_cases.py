@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 from pathlib import Path
 
@@ -36,6 +34,7 @@ from .look_scenes import (
     textured_sphere,
     three_materials,
 )
+from .processes import run_case
 
 # Close-ups: their number, width in the scene, and width in pixels. A pixel of the texture is about eight of these wide.
 _VIEWS, _WIDTH, _PIXELS = 6, 0.1, 256
@@ -214,5 +213,4 @@ def _difference(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
 
 
 if __name__ == "__main__":
-    CASES = {"checker": checker, "animals": animals, "start": start, "seconds": seconds}
-    print(json.dumps(CASES[sys.argv[1]](**json.loads(sys.argv[2]))))
+    run_case(checker, animals, start, seconds)

@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 from dataclasses import asdict
 from pathlib import Path
 
@@ -24,6 +21,7 @@ from convwass_addon.progress import UNINTERRUPTED, drained
 from .clock import Clock
 from .coherence_pairs import pairs_named
 from .mesh_measures import MeshFigures, PlayedKeys
+from .processes import run_case
 
 
 def keys(pair: str, error: float, keep: str | None = None) -> dict[str, object]:
@@ -88,10 +86,6 @@ def _write(
 
 _ARRAYS = ("vertices", "faces")
 
-CASES = {"keys": keys}
 
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options)), default=str), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(keys)

@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -29,6 +26,7 @@ from tests.shapes import ball, box, torus
 from .blends import ASSETS, read_meshes
 from .clock import Clock
 from .coherence_measures import WORST_PERCENTILE, smallest_angles
+from .processes import run_case
 
 # Blur of a morph's density before its surface is extracted.
 _BLUR = 0.7
@@ -154,10 +152,5 @@ def _turn(
     return float(np.degrees(np.arccos(np.clip(np.einsum("nd,nd->n", slopes, normals), -1.0, 1.0))).mean())
 
 
-CASES = {"meshed": meshed}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(meshed)

@@ -7,8 +7,6 @@ Every case prints one line of JSON. None of them needs Blender.
 
 from __future__ import annotations
 
-import json
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +16,7 @@ from convwass_addon.transport import Surface, barycenter, point_distances
 
 from .clock import Clock
 from .meshes import blob
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 from .surface_cases import caps, ladder
 
 # Number of values that the kernel is applied to at once.
@@ -99,8 +97,5 @@ def marginals_apart(log_v: NDArray[np.float64], masses: NDArray[np.float64], sur
     return float(np.abs(first - second).sum())
 
 
-CASES = {"own": own, "costs": costs}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))))
+    run_case(own, costs)

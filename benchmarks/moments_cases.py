@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 from collections.abc import Sequence
 
@@ -23,6 +21,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 from .coherence_pairs import HELD_BACK, TUNED, Ends
 from .measures import mean_surface_distance
+from .processes import run_case
 
 # Steps of the bake; every other blend is left out and compared.
 _STEPS = 24
@@ -105,8 +104,5 @@ def _mean_and_worst(values: Sequence[float]) -> tuple[float, float]:
     return float(np.mean(values)), float(np.max(values))
 
 
-CASES = {"between": between}
-
 if __name__ == "__main__":
-    name, options = sys.argv[1], json.loads(sys.argv[2])
-    print(json.dumps(CASES[name](**options)))
+    run_case(between)

@@ -8,7 +8,9 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
 
 PROJECT = Path(__file__).resolve().parent.parent
 
@@ -50,6 +52,15 @@ def reports(
     if done.returncode > 0 and "MemoryError" not in done.stderr:
         sys.exit(f"benchmark {case} {options} failed:\n{done.stderr}")
     return [json.loads(line) for line in done.stdout.splitlines()]
+
+
+def run_case(*cases: Callable[..., dict[str, object]]) -> NoReturn:
+    """Run the case that the command line names, print its report, and end the process."""
+    name, options = sys.argv[1:]
+    chosen = {case.__name__: case for case in cases}[name]
+    print(json.dumps(chosen(**json.loads(options)), default=str), flush=True)
+    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
+    os._exit(0)
 
 
 def peak_megabytes() -> float:

@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 from dataclasses import asdict
 from itertools import pairwise
 
@@ -31,6 +28,7 @@ from .measures import (
     thin_volume,
     topology,
 )
+from .processes import run_case
 from .rods import Legged
 
 TIMES = (0.25, 0.5, 0.75)
@@ -158,17 +156,5 @@ def _curve(values: np.ndarray) -> dict[str, object]:
     return {"step": float(lengths.max()), "bend": bend, "frame": where + 1}
 
 
-CASES = {
-    "ellipsoids": ellipsoids,
-    "handles": handles,
-    "edges": edges,
-    "legs": legs,
-    "thin": thin,
-    "stability": stability,
-}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(ellipsoids, handles, edges, legs, thin, stability)

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -29,6 +27,7 @@ from convwass_addon.applications.palettes.recoloring import Recoloring, recolori
 from convwass_addon.progress import drained
 
 from .clock import Clock
+from .processes import run_case
 
 # Number of directions along which palettes are compared, and smallest gradient whose growth counts.
 _DIRECTIONS, _EDGE = 64, 0.3
@@ -221,4 +220,4 @@ def table_error(source: str, target: str, size: int) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(globals()[sys.argv[1]](**json.loads(sys.argv[2]))))
+    run_case(pair, table_error)

@@ -4,9 +4,6 @@
 
 from __future__ import annotations
 
-import json
-import sys
-
 import bpy
 import numpy as np
 from numpy.typing import NDArray
@@ -22,7 +19,7 @@ from convwass_addon.applications.palettes.recoloring import recoloring
 from convwass_addon.progress import drained
 
 from .clock import Clock
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 from .recolor_cases import opaque, photograph
 
 _HEIGHT, _WIDTH = 2160, 3840
@@ -91,4 +88,4 @@ def editor(source: str, target: str, output: str) -> dict[str, float]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(globals()[sys.argv[1]](**json.loads(sys.argv[2]))))
+    run_case(arrays, editor)

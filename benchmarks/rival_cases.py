@@ -4,15 +4,12 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
-
 import numpy as np
 
 from convwass_addon.applications.morphs.moved_room import Room
 
 from .clock import Clock
+from .processes import run_case
 from .rival_measures import Passage
 from .rivals import METHODS, TIMES, Ends, has_sdf_grids
 
@@ -46,10 +43,5 @@ def passage(paths: list[str], cells: int, method: str, keep: str | None = None) 
     }
 
 
-CASES = {"passage": passage}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))), flush=True)
-    # Blender 4.5 may wait forever for one of its own threads if the process ends normally.
-    os._exit(0)
+    run_case(passage)

@@ -8,7 +8,6 @@ A case prints one line of JSON. It needs Blender to read meshes.
 from __future__ import annotations
 
 import json
-import sys
 import time
 from dataclasses import replace
 from itertools import pairwise
@@ -31,6 +30,7 @@ from convwass_addon.geometry.solid_angles import winding_numbers
 from convwass_addon.progress import drained
 
 from .meshes import blob
+from .processes import run_case
 
 _SKELETONS = Path(__file__).parent / "skeletons.json"
 # Bones are longer or shorter than by hand by up to this fraction.
@@ -165,8 +165,5 @@ def _read(path: Path) -> TriangleMesh:
     return mesh
 
 
-CASES = {"fit": fit, "large": large}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))))
+    run_case(fit, large)

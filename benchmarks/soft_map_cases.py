@@ -7,8 +7,6 @@ Each prints one line of JSON. A pair is made once and written to a file, which t
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 from pathlib import Path
 
@@ -27,7 +25,7 @@ from convwass_addon.geometry.normals import vertex_normals
 from convwass_addon.progress import drained
 
 from .deformed_pairs import PAIRS, DeformedPair, Geodesics, deformed_pair
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 RADII = (0.01, 0.02, 0.03, 0.05, 0.1, 0.2)
 """Radii of the Princeton curve, in square roots of the target's area."""
@@ -140,8 +138,5 @@ def _aligned(pair: DeformedPair) -> NDArray[np.float64]:
     return turn.apply(pair.source.vertices - center) + goal
 
 
-CASES = {"make": make, "ours": ours, "nearest": nearest, "inpainted": inpainted, "matched": matched}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))))
+    run_case(make, ours, nearest, inpainted, matched)

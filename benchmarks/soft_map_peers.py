@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import contextlib
 import io
-import json
-import sys
 import time
 import warnings
 
 import numpy as np
+
+from .processes import run_case
 
 # Numbers of functions of the first fit and of the refined map, as in pyFM's examples.
 _FIRST, _LAST, _STEP = 30, 150, 5
@@ -49,8 +49,5 @@ def functional_map(path: str, landmarks: int, fitted: str, refined: str) -> dict
     return {"seconds": time.process_time() - begun}
 
 
-CASES = {"functional_map": functional_map}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))))
+    run_case(functional_map)

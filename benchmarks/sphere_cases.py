@@ -7,8 +7,6 @@ A case prints one line of JSON.
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 
 import numpy as np
@@ -24,6 +22,8 @@ from convwass_addon.applications.skies.sky_images import LUMINANCE, add_disc, gr
 from convwass_addon.progress import drained
 from convwass_addon.transport import Sphere, barycenter
 from convwass_addon.transport.sphere import directions, solid_angles
+
+from .processes import run_case
 
 _PAIRS: dict[str, tuple[Material, Material]] = {
     "round": (Ggx(0.1, 0.1), Ggx(0.5, 0.5)),
@@ -121,8 +121,5 @@ def _sky(rows: int, sun: NDArray[np.float64], haze: tuple, flux: tuple) -> NDArr
     return image
 
 
-CASES = {"kernel": kernel, "lobes": lobes, "skies": skies}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))))
+    run_case(kernel, lobes, skies)

@@ -7,8 +7,6 @@ The case prints one line of JSON. It does not need Blender.
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 
 import numpy as np
@@ -17,7 +15,7 @@ from numpy.typing import NDArray
 from convwass_addon.transport import Surface, bisect
 
 from .meshes import blob
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 # Radius of the caps, and distance between their centers, in radians.
 _RADIUS, _APART = 0.3, 1.6
@@ -65,8 +63,5 @@ def _cap(surface: Surface, angle: float) -> NDArray[np.float64]:
     return 1.0 / (1.0 + np.exp(np.minimum((away - _RADIUS) / (0.1 * _RADIUS), 50.0)))
 
 
-CASES = {"interpolation": interpolation}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))))
+    run_case(interpolation)

@@ -7,8 +7,6 @@ Every case prints one line of JSON. None of them needs Blender.
 
 from __future__ import annotations
 
-import json
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -21,7 +19,7 @@ from scipy.sparse.csgraph import dijkstra
 from convwass_addon.transport import Distance, Surface, distance
 
 from .meshes import blob, bumps, edge_graph, great_circle_distances, random_densities, sphere
-from .processes import peak_megabytes
+from .processes import peak_megabytes, run_case
 
 _GAMMA_PER_MEDIAN_COST = 0.01
 _SOURCES = 50
@@ -148,8 +146,5 @@ def _bound(surface: Surface) -> float | None:
     return 1e3 * surface.steps * 2 * 8 * entries / bytes_per_second
 
 
-CASES = {"shape": shape, "paths": paths, "sampled_gamma": sampled_gamma, "noise": noise, "smooth": smooth}
-
 if __name__ == "__main__":
-    case, options = sys.argv[1:]
-    print(json.dumps(CASES[case](**json.loads(options))))
+    run_case(shape, paths, sampled_gamma, noise, smooth)
