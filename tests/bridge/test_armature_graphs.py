@@ -19,6 +19,7 @@ from convwass_addon.bridge.armatures.pins import clear_pins, pin_joints, pinned_
 from convwass_addon.bridge.armatures.rig_bones import note_rest
 from convwass_addon.bridge.armatures.rigs import is_posed, require_movable, resting_body, rig_graph
 from convwass_addon.errors import InputError
+from tests.linked_objects import linked_to_new_file
 from tests.rigs import armature, chain, select_joints, tube, world_ends
 
 pytestmark = pytest.mark.usefixtures("registered_addon")
@@ -427,13 +428,7 @@ def test_hidden_armatures_are_refused():
 @pytest.fixture
 def library(tmp_path):
     chain(2)
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
-        wanted.objects = ["Rig"]
-    (obj,) = wanted.objects
-    bpy.context.collection.objects.link(obj)
-    return obj
+    return linked_to_new_file("Rig", tmp_path)
 
 
 def test_linked_armatures_are_refused(library):

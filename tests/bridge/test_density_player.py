@@ -28,6 +28,7 @@ from convwass_addon.bridge.heat_map import heat_colors
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.errors import InputError
+from tests.linked_objects import linked_to_new_file
 
 TIMES = np.array([0.0, 0.1, 0.5, 0.55, 1.0])
 KEYS = [DensityKey(10, 0.0), DensityKey(30, 1.0)]
@@ -394,13 +395,9 @@ def test_it_plays_in_a_blender_without_the_extension(obj, densities, tmp_path):
 
 
 def test_linked_objects_are_refused(obj, densities, tmp_path):
-    file = tmp_path / "library.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(file))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(str(file), link=True) as (_, target):
-        target.objects = ["A"]
+    linked = linked_to_new_file("A", tmp_path)
     with pytest.raises(InputError, match="A is linked from another file"):
-        animate_density(target.objects[0], densities, TIMES)
+        animate_density(linked, densities, TIMES)
 
 
 def test_no_modifier_of_another_kind_is_taken(obj, densities):

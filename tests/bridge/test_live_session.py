@@ -17,6 +17,7 @@ from convwass_addon.bridge.live.live_scene import write_triangles
 from convwass_addon.bridge.live.live_session import LiveRequest, LiveSession
 from convwass_addon.bridge.live.running import running_live
 from convwass_addon.errors import InputError
+from tests.linked_objects import linked_object
 from tests.shapes import ball
 
 SIZES = (0.6, 1.0, 0.8, 0.9)
@@ -264,11 +265,7 @@ def namesakes(make_object, tmp_path):
     path = str(tmp_path / "library.blend")
     bpy.data.libraries.write(path, {local})
     local.location.x = 3.0
-    with bpy.data.libraries.load(path, link=True) as (_, wanted):
-        wanted.objects = [local.name]
-    (linked,) = wanted.objects
-    bpy.context.scene.collection.objects.link(linked)
-    return local, linked
+    return local, linked_object(path, local.name)
 
 
 def test_two_inputs_of_one_name_are_told_apart(begin, namesakes):

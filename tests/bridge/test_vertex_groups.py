@@ -11,6 +11,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from convwass_addon.bridge.vertex_groups import as_weights, group_names, read_group, read_groups, write_group
 from convwass_addon.errors import InputError
+from tests.linked_objects import linked_to_new_file
 
 WEIGHTS = np.array([0.0, 1.0, 0.25, 0.25, 0.123456789, 1e-6])
 
@@ -193,15 +194,11 @@ def test_shape_keys_and_modifiers_do_not_matter(obj):
 
 def test_linked_objects_are_read_and_not_written(obj, tmp_path, inventory):
     write_group(obj, "Head", WEIGHTS)
-    file = tmp_path / "library.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(file))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(str(file), link=True) as (_, target):
-        target.objects = ["A"]
+    linked = linked_to_new_file("A", tmp_path)
     before = inventory()
-    assert read_group(target.objects[0], "Head") == pytest.approx(WEIGHTS, rel=1e-6)
+    assert read_group(linked, "Head") == pytest.approx(WEIGHTS, rel=1e-6)
     with pytest.raises(InputError, match="A is linked from another file"):
-        write_group(target.objects[0], "Head", WEIGHTS)
+        write_group(linked, "Head", WEIGHTS)
     assert inventory() == before
 
 

@@ -12,6 +12,7 @@ import pytest
 from tests.fuzz.__main__ import BAD, batch
 from tests.fuzz.operator_session import stored_keys
 from tests.fuzz.stages import baked_morph, solved_density, stored_map
+from tests.linked_objects import linked_to_new_file
 from tests.operators.densities import ball
 from tests.panels.test_panels import draw, panels
 from tests.rigs import chain
@@ -103,13 +104,7 @@ def _linked_and_overridden(obj):
 def test_lists_of_linked_objects_are_unchanged(tmp_path, capfd):
     obj = ball()
     bpy.ops.convwass.add_density_stop(group="A")
-    name = obj.name
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"), copy=True)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, here):
-        here.objects = [name]
-    bpy.context.scene.collection.objects.link(here.objects[0])
-    for own in _linked_and_overridden(here.objects[0]):
+    for own in _linked_and_overridden(linked_to_new_file(obj.name, tmp_path)):
         bpy.context.view_layer.objects.active = own
         for operator in ("add", "remove", "move"):
             assert not getattr(bpy.ops.convwass, f"{operator}_density_stop").poll()

@@ -19,6 +19,7 @@ from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, density_pick, picking
 from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_density
+from tests.linked_objects import linked_to_new_file
 from tests.operators.densities import ESCAPE, TIMER, Pressed, ball, center, positions, two_balls, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -243,15 +244,9 @@ def test_tools_need_a_group(tool):
 
 def linked(tmp_path):
     """Save a painted ball and link it into an empty file."""
-    ball()
-    path = str(tmp_path / "ball.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (source, target):
-        target.objects = source.objects
-    bpy.context.scene.collection.objects.link(target.objects[0])
-    bpy.context.view_layer.objects.active = target.objects[0]
-    return target.objects[0]
+    obj = linked_to_new_file(ball().name, tmp_path)
+    bpy.context.view_layer.objects.active = obj
+    return obj
 
 
 @pytest.mark.parametrize("tool", TOOLS)

@@ -16,6 +16,7 @@ from convwass_addon.bridge.one_mesh.records import key_records
 from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.errors import InputError
+from tests.linked_objects import linked_object
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -103,10 +104,7 @@ def test_a_mesh_of_another_file_is_refused(tmp_path):
     obj, _ = cube_with_targets(2)
     bpy.data.libraries.write(str(tmp_path / "mesh.blend"), {obj})
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    with bpy.data.libraries.load(str(tmp_path / "mesh.blend"), link=True) as (_, wanted):
-        wanted.objects = ["Cube Morph"]
-    (linked,) = wanted.objects
-    bpy.context.scene.collection.objects.link(linked)
+    linked = linked_object(tmp_path / "mesh.blend", "Cube Morph")
     bpy.context.view_layer.objects.active = linked
     for press in (bpy.ops.convwass.make_key_pad, bpy.ops.convwass.bake_textures):
         with pytest.raises(RuntimeError, match="linked from another file"):

@@ -11,6 +11,7 @@ from convwass_addon.bridge.morphs.stored import stored_morph
 from convwass_addon.bridge.object_names import object_of
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
+from tests.linked_objects import linked_object
 from tests.operators.densities import inventory
 
 
@@ -201,10 +202,7 @@ def namesakes(cubes, tmp_path):
     local.vertex_groups["Tip"].remove([6])
     local.vertex_groups["Tip"].add([1], 1.0, "REPLACE")
     local.location.x = 9.0
-    with bpy.data.libraries.load(path, link=True) as (_, wanted):
-        wanted.objects = ["One"]
-    (linked,) = wanted.objects
-    bpy.context.scene.collection.objects.link(linked)
+    linked = linked_object(path, "One")
     linked.select_set(True)
     bpy.context.view_layer.update()
     return local, linked

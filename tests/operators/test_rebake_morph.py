@@ -18,6 +18,7 @@ from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.object_names import ObjectName, objects_named
 from convwass_addon.bridge.objects import triangle_mesh
+from tests.linked_objects import linked_object
 
 
 def bake(**options):
@@ -402,10 +403,7 @@ def heroes(empty_scene, tmp_path):
     bpy.ops.mesh.primitive_cube_add(location=(4, 0, 0))
     local = bpy.context.object
     local.name = "Hero"
-    with bpy.data.libraries.load(str(library), link=True) as (_, wanted):
-        wanted.objects = ["Hero"]
-    linked = wanted.objects[0]
-    bpy.context.scene.collection.objects.link(linked)
+    linked = linked_object(library, "Hero")
     for obj in (local, linked):
         obj.select_set(True)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=24)

@@ -20,6 +20,7 @@ from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image, Re
 from convwass_addon.operators.recolor_table import CubeFile, TableJob
 from convwass_addon.operators.recolor_targets import read_pictures
 from tests.controls import ConditionalControl
+from tests.linked_objects import linked_object
 from tests.operators.densities import Pressed, inventory, started, until, window_context
 from tests.pictures import SIZE, blue_image, image_of, mean_lab, pixels_of, red_image
 from tests.rigs import call
@@ -294,10 +295,7 @@ def test_attributes_of_linked_objects_are_read_and_not_written(own, tmp_path):
     _colored("Linked", (0.1, 0.3, 0.5), 1)
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "library.blend"))
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, target):
-        target.objects = ["Linked"]
-    linked, obj = target.objects[0], _colored("Local", (0.4, 0.2, 0.2), 2)
-    bpy.context.collection.objects.link(linked)
+    linked, obj = linked_object(tmp_path / "library.blend", "Linked"), _colored("Local", (0.4, 0.2, 0.2), 2)
     settings = bpy.context.scene.convwass_recolor
     settings.palette_object = linked
     assert call("recolor_attribute") == {"FINISHED"}

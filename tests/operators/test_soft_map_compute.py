@@ -21,6 +21,7 @@ from convwass_addon.operators import background
 from convwass_addon.operators.soft_map_compute import CONVWASS_OT_compute_soft_map
 from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.sentence import Sentence
+from tests.linked_objects import linked_to_new_file
 from tests.operators.densities import ESCAPE, Pressed, until, window_context
 from tests.operators.soft_maps import call, choose, own, points, select, sphere, store_closest, store_mirror
 from tests.surface_maps import closest_map
@@ -130,13 +131,7 @@ def test_an_error_of_the_application_leaves_the_map_that_was_there(pair, asked, 
 
 
 def test_linked_objects_hold_no_map(pair, asked, tmp_path):
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (_, linked):
-        linked.objects = ["Cow"]
-    (cow,) = linked.objects
-    bpy.context.collection.objects.link(cow)
+    cow = linked_to_new_file("Cow", tmp_path)
     horse = sphere("Horse", segments=24, ring_count=12)
     choose(cow, horse)
     with pytest.raises(RuntimeError, match="Cow is linked from another file and cannot be changed here"):
@@ -150,13 +145,7 @@ def test_linked_objects_hold_no_map(pair, asked, tmp_path):
 
 def test_library_overrides_hold_no_map(pair, asked, tmp_path):
     """Blender does not save it."""
-    path = str(tmp_path / "library.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    with bpy.data.libraries.load(path, link=True) as (_, linked):
-        linked.objects = ["Cow"]
-    bpy.context.collection.objects.link(linked.objects[0])
-    cow = linked.objects[0].override_create(remap_local_usages=True)
+    cow = linked_to_new_file("Cow", tmp_path).override_create(remap_local_usages=True)
     horse = sphere("Horse", segments=24, ring_count=12)
     choose(cow, horse)
     with pytest.raises(RuntimeError, match="Cow is a library override, which loses its soft maps"):
