@@ -29,6 +29,9 @@ def whole_path(path: str | Path) -> Path:
     try:
         str(path).encode()
         whole = Path(path).expanduser().absolute()
+        if whole.root == "//":
+            # In Blender, this would be relative to the open file; for the system, it is the root.
+            whole = Path("/", *whole.parts[1:])
         with suppress(FileNotFoundError, NotADirectoryError, PermissionError):
             os.lstat(whole)
     except UnicodeEncodeError as error:

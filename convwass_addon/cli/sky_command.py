@@ -8,6 +8,7 @@ from argparse import Namespace
 
 from ..applications.skies.sky_frames import require_light
 from ..applications.skies.sky_settings import SkySettings
+from ..applications.whole_paths import whole_path
 from ..bridge.skies.sky_pixels import read_sky_file, resized
 from ..bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
 from ..console import ProgressBar
@@ -34,7 +35,7 @@ def run_sky(options: Namespace) -> Answer:
     if options.width is not None and not 64 <= options.width <= 16384:
         raise InputError("--width must be 64 to 16384.")
     settings = SkySettings(**given_settings(options, SkySettings))
-    files = SkyFiles(options.out, options.first, options.steps)
+    files = SkyFiles(whole_path(options.out), options.first, options.steps)
     refuse_overwriting(options.skies, files.paths)
     skies = [read_sky_file(path) for path in options.skies]
     for path, sky in zip(options.skies, skies, strict=True):

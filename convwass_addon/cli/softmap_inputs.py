@@ -8,6 +8,7 @@ from contextlib import suppress
 
 import bpy
 
+from ..applications.whole_paths import whole_path
 from ..bridge.blend_files import appended_objects
 from ..bridge.imports import BLEND, READERS, Source, import_objects, parse_source
 from .density_inputs import object_in_scene, opened_object
@@ -56,7 +57,7 @@ def _added(source: Source) -> bpy.types.Object:
         before = set(bpy.data.objects)
         # If this fails, import_objects below reports why.
         with suppress(RuntimeError):
-            READERS[source.path.suffix.lower()](str(source.path.absolute()))
+            READERS[source.path.suffix.lower()](str(whole_path(source.path)))
         new = [obj for obj in bpy.data.objects if obj not in before]
         meshes = [obj for obj in new if obj.type == "MESH"]
         if len(meshes) == 1:

@@ -150,6 +150,14 @@ def test_invalid_paths_are_refused(path, tmp_path):
     assert whole_path(tmp_path / "not there") == tmp_path / "not there"
 
 
+@on_posix
+def test_paths_may_begin_with_two_slashes(tmp_path):
+    """As those of scripts that join a root of / and a path."""
+    assert str(whole_path(f"/{tmp_path}/a.ply")) == f"{tmp_path}/a.ply"
+    assert str(whole_path(f"//{tmp_path}/a.ply")) == f"{tmp_path}/a.ply"
+    assert str(checked_target(f"/{tmp_path}/a.ply")) == f"{tmp_path}/a.ply"
+
+
 @pytest.mark.parametrize("path", [".", "/", ""])
 def test_folders_are_refused_as_files(path):
     with pytest.raises(InputError, match="is a folder"):
