@@ -125,4 +125,9 @@ def listed_names(names: Iterable[str]) -> str | Sentence:
 
 
 def _unreadable(file: Path) -> InputError:
+    """Return the error for a file that Blender cannot read."""
+    try:
+        file.open("rb").close()
+    except OSError as error:
+        return InputError("{file} cannot be opened: {reason}.", file=str(file), reason=error.strerror)
     return InputError("{file} could not be read; it is damaged, or not a Blender file.", file=file.name)

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
 import pytest
 
@@ -74,3 +76,17 @@ def test_lists_end():
     assert str(listed_names([])) == "no objects"
     assert listed_names(["b", "a"]) == "a, b"
     assert str(listed_names(map(str, range(NAMES_SHOWN + 3)))).endswith("and 3 more")
+
+
+def test_files_that_may_not_be_opened_are_not_called_damaged(tmp_path, monkeypatch):
+    path = tmp_path / "secret.blend"
+    path.write_bytes(b"no .blend file")
+
+    def refuse(*_):
+        raise PermissionError(13, "Permission denied")
+
+    # The superuser may read everything.
+    monkeypatch.setattr(Path, "open", refuse)
+    for use in (open_blend, lambda file: appended_objects(file, None), lambda file: appended_instances(file, ["A"])):
+        with pytest.raises(InputError, match=r"secret\.blend cannot be opened: Permission denied"):
+            use(path)
