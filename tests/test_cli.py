@@ -622,6 +622,7 @@ def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
     [
         ('[{"points": {"Cube": 0, "Nobody": 3}}]', "refer to Nobody, which is not one of the shapes: Cube, Ball"),
         ('[{"points": {"Cube": 0, "Ball": 900}}]', "Guide 1 refers to vertex 900 of Ball, which has 42 vertices"),
+        ('[{"points": {"Cube": 0}}]', "A guide connects points of at least two shapes"),
         ("[]", "contains no guides"),
         ("{", "cannot be read"),
         (None, "guides.json: there is no such file; name groups, empties, bones or a JSON file"),

@@ -101,8 +101,12 @@ def guides_among(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Objec
 
 
 def check_guide_names(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Object]) -> None:
-    """Raise InputError if guides refer to other objects than those that are morphed."""
+    """Raise InputError if guides refer to other objects than those that are morphed, or to fewer than two."""
     for guide in guides:
+        if len(guide.points) < 2:
+            raise InputError(
+                "A guide connects points of at least two shapes; mark the same point on another shape, too."
+            )
         for name in guide.points:
             if object_of(name, objects) is None:
                 raise InputError(
