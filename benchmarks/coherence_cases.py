@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
@@ -127,7 +128,7 @@ def passage(
     except ConvwassError as error:
         return {"error": str(error)}
     if keep is not None:
-        _write(Path(keep), bake)
+        write_frames(Path(keep), bake.meshes)
     motion = recorded[-1] if recorded else None
     figures = {**held(bake, ends), **clean(bake, motion), "records": [_brief(record) for record in bake.records]}
     if motion is not None:
@@ -204,9 +205,10 @@ def read_frames(path: Path) -> list[TriangleMesh]:
         return [TriangleMesh(stored[f"vertices{i}"], stored[f"faces{i}"]) for i in range(count)]
 
 
-def _write(path: Path, bake: Bake) -> None:
+def write_frames(path: Path, meshes: Sequence[TriangleMesh]) -> None:
+    """Keep frames for :func:`read_frames`."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    arrays = {f"{kind}{i}": getattr(mesh, kind) for i, mesh in enumerate(bake.meshes) for kind in ("vertices", "faces")}
+    arrays = {f"{kind}{i}": getattr(mesh, kind) for i, mesh in enumerate(meshes) for kind in ("vertices", "faces")}
     np.savez_compressed(path, **arrays)
 
 

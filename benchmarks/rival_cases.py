@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import numpy as np
 
 from convwass_addon.applications.morphs.moved_room import Room
 
 from .clock import Clock
+from .coherence_cases import write_frames
 from .processes import run_case
 from .rival_measures import Passage
 from .rivals import METHODS, TIMES, Ends, has_sdf_grids
@@ -23,10 +26,7 @@ def passage(paths: list[str], cells: int, method: str, keep: str | None = None) 
     frames = METHODS[method](ends)
     used = clock.read()
     if keep is not None:
-        arrays = {
-            f"{kind}{i}": getattr(frame, kind) for i, frame in enumerate(frames) for kind in ("vertices", "faces")
-        }
-        np.savez_compressed(keep, **arrays)
+        write_frames(Path(keep), frames)
     # Limbs that swing may leave the grid of the two shapes.
     bounds = np.stack([mesh.bounds for mesh in (*frames, *ends.shapes)])
     lattice = ends.lattice.holding(Room(bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)))

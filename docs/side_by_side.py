@@ -28,6 +28,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+from benchmarks.coherence_cases import read_frames
 from benchmarks.rivals import TIMES
 from benchmarks.side_by_side import COLUMNS, PAIRS, TITLES, line, passage
 
@@ -67,16 +68,10 @@ def _block(pair: tuple[str, str], cells: int, samples: int, folder: Path) -> Ima
     for method in TITLES:
         kept = folder / f"{'-'.join(pair)}-{method}.npz"
         print(line(method, passage(pair, cells, method, kept)), flush=True)
-        rows.append(_kept_frames(kept))
+        rows.append(read_frames(kept))
     block = _rendered(rows, samples, folder / "block.png")
     _write_names(block, pair)
     return block
-
-
-def _kept_frames(path: Path) -> list[TriangleMesh]:
-    with np.load(path) as arrays:
-        count = len(arrays.files) // 2
-        return [TriangleMesh(arrays[f"vertices{i}"], arrays[f"faces{i}"]) for i in range(count)]
 
 
 def _rendered(rows: Sequence[Sequence[TriangleMesh]], samples: int, path: Path) -> Image.Image:
