@@ -10,6 +10,7 @@ from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_
 from mathutils import Vector
 from numpy.typing import NDArray
 
+from ..bridge.surface_marks import nearest_vertex
 from ..bridge.surfaces import surface_mesh
 from ..errors import ConvwassError
 from .reporting import refuse
@@ -117,11 +118,7 @@ def vertex_at(
         The object has no surface.
     """
     point = surface_point_at(obj, depsgraph, region, place)
-    if point is None:
-        return None
-    mesh = surface_mesh(obj, depsgraph)
-    used = np.unique(mesh.faces)
-    return int(used[np.linalg.norm(mesh.vertices[used] - point, axis=1).argmin()])
+    return None if point is None else nearest_vertex(surface_mesh(obj, depsgraph), point)
 
 
 def redraw_views(context: bpy.types.Context) -> None:
