@@ -70,7 +70,11 @@ def is_shown(obj: bpy.types.Object, frame: int) -> bool:
 
 def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
     """Return the scene frames from the first to the last visibility key of some objects; empty without keys."""
-    curves = [curve for obj in objects for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS]
+    return key_span(curve for obj in objects for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS)
+
+
+def key_span(curves: Iterable[bpy.types.FCurve]) -> range:
+    """Return the scene frames from the first to the last key of some curves; empty without keys."""
     spans = [curve.range() for curve in curves if len(curve.keyframe_points)]
     if not spans:
         return range(0)

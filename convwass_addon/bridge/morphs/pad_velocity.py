@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ..keyframes import curves_of
+from ..keyframes import curves_of, key_span
 from ..node_inputs import NodeInput, node_input
 from ..sequence import MODIFIER
 from .stand_ins import stand_ins
@@ -46,9 +46,8 @@ def key_handle_velocity(collection: bpy.types.Collection) -> None:
     curves = [curve for curve in curves_of(handle) if curve.data_path == "location" and len(curve.keyframe_points)]
     if not curves:
         raise InputError("The location of {name} has no keyframes; animate it first.", name=handle.name)
-    first = round(min(curve.range()[0] for curve in curves))
-    last = round(max(curve.range()[1] for curve in curves))
-    frames = np.arange(first - 1, last + 2)
+    keyed = key_span(curves)
+    frames = np.arange(keyed.start - 1, keyed.stop + 1)
     before, after = (_places(handle, curves, frames + side) for side in (-0.5, 0.5))
     render = bpy.context.scene.render
     _write(target, frames, (after - before) * (render.fps / render.fps_base))

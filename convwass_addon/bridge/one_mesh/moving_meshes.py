@@ -15,7 +15,7 @@ from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_tri
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..element_values import element_values
-from ..keyframes import curves_of, driver_targets
+from ..keyframes import curves_of, driver_targets, key_span
 from ..morphs.appearance import seen_colors
 
 # Above this value sRGB is a power law, below it is linear (IEC 61966-2-1).
@@ -48,15 +48,15 @@ def keyed_span(obj: bpy.types.Object) -> range:
         There are no keyframes.
     """
     blocks = _with_drivers(obj)
-    spans = [curve.range() for block in blocks for curve in curves_of(block) if len(curve.keyframe_points)]
+    found = key_span(curve for block in blocks for curve in curves_of(block))
+    if found:
+        return found
     driving = next((own for own in blocks if isinstance(own, bpy.types.Object) and own != obj), None)
-    if not spans and driving is not None:
+    if driving is not None:
         raise InputError(
             "{name} is not animated; key {driving}, which drives it, first.", name=obj.name, driving=driving.name
         )
-    if not spans:
-        raise InputError("{name} is not animated; key its sliders first.", name=obj.name)
-    return range(round(min(span[0] for span in spans)), round(max(span[1] for span in spans)) + 1)
+    raise InputError("{name} is not animated; key its sliders first.", name=obj.name)
 
 
 def _with_drivers(obj: bpy.types.Object) -> list[bpy.types.ID]:
