@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 import convwass_addon
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_trees import own_tree
 
 _ASSETS = Path(__file__).resolve().parent
 _FRAMES, _RESOLUTION = 5, 160
@@ -127,9 +128,7 @@ def _dark_scene(name: str) -> bpy.types.Scene:
     scene.view_settings.view_transform = "AgX"
     scene.view_settings.look = "AgX - Punchy"
     scene.world = bpy.data.worlds.new(name)
-    if scene.world.node_tree is None:  # Blender 4.5
-        scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (*_NIGHT, 1.0)
+    own_tree(scene.world).nodes["Background"].inputs["Color"].default_value = (*_NIGHT, 1.0)
     return scene
 
 
@@ -143,9 +142,7 @@ def _figure(scene: bpy.types.Scene, mesh: bpy.types.Mesh, color: NDArray[np.floa
     middle = (points.min(axis=0) + points.max(axis=0)) / 2.0
     obj.matrix_world = Matrix.Rotation(math.radians(-24.0), 4, "Z") @ Matrix.Translation(-Vector(middle))
     material = bpy.data.materials.new(mesh.name)
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    shader = material.node_tree.nodes["Principled BSDF"]
+    shader = own_tree(material).nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (*color, 1.0)
     shader.inputs["Roughness"].default_value = 0.38
     shader.inputs["Coat Weight"].default_value = 0.35
@@ -185,9 +182,7 @@ def _backdrop(scene: bpy.types.Scene) -> None:
     mesh.from_pydata(vertices, [], faces)
     mesh.shade_smooth()
     material = bpy.data.materials.new("Backdrop")
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    shader = material.node_tree.nodes["Principled BSDF"]
+    shader = own_tree(material).nodes["Principled BSDF"]
     shader.inputs["Base Color"].default_value = (0.07, 0.085, 0.21, 1.0)
     shader.inputs["Roughness"].default_value = 1.0
     shader.inputs["Specular IOR Level"].default_value = 0.0

@@ -15,6 +15,7 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.bridge.studio import world_points
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -107,9 +108,7 @@ def striped(places: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _textured(image: bpy.types.Image) -> bpy.types.Material:
     material = bpy.data.materials.new("Clothes")
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
+    nodes = own_tree(material).nodes
     shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     shader.inputs["Roughness"].default_value = 0.7
     texture = nodes.new("ShaderNodeTexImage")

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import bpy
 
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import write_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
 
@@ -13,9 +14,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 def clay(color: tuple[float, float, float, float]) -> bpy.types.Material:
     """Return a new material of one color, RGBA in scene linear."""
     material = bpy.data.materials.new("Clay")
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader = next(node for node in own_tree(material).nodes if node.type == "BSDF_PRINCIPLED")
     shader.inputs["Base Color"].default_value = color
     shader.inputs["Roughness"].default_value = 0.5
     return material

@@ -23,6 +23,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.progress import drained
 
 _ROWS = {"COLORS": "Colors", "FADE": "Fade", "FRONT": "Front", "PATCHES": "Patches"}
@@ -86,9 +87,7 @@ def unwrap(obj: bpy.types.Object) -> None:
 
 def _material(name: str) -> tuple[bpy.types.Material, bpy.types.NodeTree, bpy.types.Node]:
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader = next(node for node in own_tree(material).nodes if node.type == "BSDF_PRINCIPLED")
     return material, material.node_tree, shader
 
 

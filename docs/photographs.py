@@ -14,6 +14,7 @@ from PIL import Image
 
 from convwass_addon.bridge.framing import Pose, View
 from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.studio import Studio, world_points
 
 PROJECT = Path(__file__).resolve().parents[1]
@@ -41,9 +42,7 @@ def finer(obj: bpy.types.Object, levels: int) -> bpy.types.Object:
 def color_material(name: str, attribute: str, roughness: float = 0.5) -> bpy.types.Material:
     """Make a material that shows a color attribute; a new one has the roughness 0.5."""
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:  # Blender 4.5
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
+    nodes = own_tree(material).nodes
     shader = next(node for node in nodes if node.type == "BSDF_PRINCIPLED")
     shader.inputs["Roughness"].default_value = roughness
     source = nodes.new("ShaderNodeVertexColor")

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from convwass_addon.applications.skies.sky_frames import Skies
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.skies.sky_pixels import turned
 from convwass_addon.bridge.skies.world_skies import world_sky
 
@@ -46,9 +47,7 @@ def main() -> None:
 
 def _world(elevation: float, rotation: float) -> bpy.types.World:
     world = bpy.data.worlds.new("Sky")
-    if world.node_tree is None:  # Blender 4.5
-        world.use_nodes = True
-    tree = world.node_tree
+    tree = own_tree(world)
     texture = tree.nodes.new("ShaderNodeTexSky")
     kinds = texture.bl_rna.properties["sky_type"].enum_items.keys()
     texture.sky_type = "MULTIPLE_SCATTERING" if "MULTIPLE_SCATTERING" in kinds else "NISHITA"

@@ -7,15 +7,14 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.transport.sphere import directions, solid_angles
 
 
 def principled(name, roughness, **values):
     """Make a metal; `values` are inputs of the Principled BSDF with underscores for spaces."""
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    node = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    node = next(node for node in own_tree(material).nodes if node.type == "BSDF_PRINCIPLED")
     node.inputs["Roughness"].default_value = roughness
     node.inputs["Metallic"].default_value = 1.0
     for key, value in values.items():
@@ -26,9 +25,7 @@ def principled(name, roughness, **values):
 def glossy(name, roughness):
     """Make a white Glossy BSDF."""
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    tree = material.node_tree
+    tree = own_tree(material)
     tree.nodes.clear()
     node = tree.nodes.new("ShaderNodeBsdfAnisotropic")
     node.distribution = "GGX"

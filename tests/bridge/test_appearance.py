@@ -16,6 +16,7 @@ from convwass_addon.bridge.morphs.dropped_appearance import dropped_notes, dropp
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import frozen_copy
 from convwass_addon.geometry.closest_points import ClosestPoints
 from convwass_addon.geometry.normals import triangle_normals
@@ -28,8 +29,7 @@ def material(name, color=WHITE, roughness=0.5):
     import bpy
 
     made = bpy.data.materials.new(name)
-    if made.node_tree is None:
-        made.use_nodes = True
+    own_tree(made)
     shader = principled(made)
     shader.inputs["Base Color"].default_value = color
     shader.inputs["Roughness"].default_value = roughness
@@ -245,9 +245,7 @@ def rendered_color(scene, tmp_path, obj):
     scene.collection.objects.link(camera)
     scene.camera = camera
     world = scene.world = bpy.data.worlds.new("White")
-    if world.node_tree is None:
-        world.use_nodes = True
-    world.node_tree.nodes["Background"].inputs["Color"].default_value = WHITE
+    own_tree(world).nodes["Background"].inputs["Color"].default_value = WHITE
     scene.render.engine, scene.cycles.device, scene.cycles.samples = "CYCLES", "CPU", 16
     scene.cycles.use_denoising = False
     scene.render.resolution_x = scene.render.resolution_y = 4

@@ -13,6 +13,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_trees import own_tree
 from tests.shapes import ball
 
 TRAVEL, BLENDS = 2.0, path_blends(2, 2)
@@ -45,9 +46,7 @@ def textured_ball(make_object, name, color):
     image = bpy.data.images.new(name, 4, 4)
     image.pixels.foreach_set(np.tile(np.float32(color), 16))
     material = bpy.data.materials.new(name)
-    if material.node_tree is None:
-        material.use_nodes = True
-    texture = material.node_tree.nodes.new("ShaderNodeTexImage")
+    texture = own_tree(material).nodes.new("ShaderNodeTexImage")
     texture.image = image
     base = material.node_tree.nodes["Principled BSDF"].inputs["Base Color"]
     material.node_tree.links.new(texture.outputs["Color"], base)

@@ -20,6 +20,7 @@ from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.moving_meshes import srgb
 from convwass_addon.errors import ConvwassError, InputError
@@ -128,9 +129,7 @@ def test_an_obj_names_its_materials_and_textures_as_seen_from_its_folder(collect
     image.save()
     for obj in collection.objects:
         material = bpy.data.materials.new("Moss")
-        if material.node_tree is None:
-            material.use_nodes = True
-        shader = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+        shader = next(node for node in own_tree(material).nodes if node.type == "BSDF_PRINCIPLED")
         texture = material.node_tree.nodes.new("ShaderNodeTexImage")
         texture.image = image
         material.node_tree.links.new(texture.outputs[0], shader.inputs["Base Color"])

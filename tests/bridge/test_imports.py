@@ -12,6 +12,7 @@ import pytest
 
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.imports import READERS, Source, import_objects, parse_source
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
 
@@ -88,9 +89,7 @@ def test_materials_stay(two_parts, tmp_path, suffix):
 def test_textures_stay(make_object, tmp_path):
     obj = make_object("A")
     material = bpy.data.materials.new("Textured")
-    if material.node_tree is None:
-        material.use_nodes = True
-    nodes = material.node_tree.nodes
+    nodes = own_tree(material).nodes
     picture = nodes.new("ShaderNodeTexImage")
     picture.image = bpy.data.images.new("Picture", 4, 4)
     picture.image.pack()

@@ -16,6 +16,7 @@ from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT, WIDTH, h
 from convwass_addon.applications.reflectance.lobe_table import incoming_directions, tabulated
 from convwass_addon.applications.reflectance.materials import Ggx
 from convwass_addon.applications.reflectance.table_pictures import has_table_size, table_of_picture, table_picture
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.reflectance.frame_span import Frames
 from convwass_addon.bridge.reflectance.glossy_materials import read_glossy
 from convwass_addon.bridge.reflectance.lobe_files import read_lobe_file, read_whole_table
@@ -92,9 +93,7 @@ def test_the_blend_goes_evenly_from_one_table_of_the_stack_to_the_next(studio):
 
 def test_matte_tables_look_like_a_diffuse_bsdf(studio):
     exact = bpy.data.materials.new("Diffuse")
-    if exact.node_tree is None:
-        exact.use_nodes = True
-    tree = exact.node_tree
+    tree = own_tree(exact)
     tree.nodes.clear()
     node = tree.nodes.new("ShaderNodeBsdfDiffuse")
     node.inputs["Color"].default_value = (0.8, 0.4, 0.2, 1)

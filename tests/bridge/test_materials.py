@@ -14,6 +14,7 @@ from convwass_addon.bridge.morphs.materials import (
     plain_copy,
     shows_object_color,
 )
+from convwass_addon.bridge.node_trees import own_tree
 
 RED = (0.8, 0.1, 0.2, 1.0)
 
@@ -23,8 +24,7 @@ def colored(make_object):
     """Give an object with a material that has nodes."""
     obj = make_object("A")
     material = bpy.data.materials.new("Paint")
-    if material.node_tree is None:
-        material.use_nodes = True
+    own_tree(material)
     obj.data.materials.append(material)
     obj.color = (0.0, 0.0, 1.0, 1.0)
     material.diffuse_color = (0.0, 1.0, 0.0, 1.0)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from convwass_addon.bridge.node_copies import can_copy, copied_nodes
+from convwass_addon.bridge.node_trees import own_tree
 
 
 def tree_of(name):
     import bpy
 
     made = bpy.data.materials.new(name)
-    if made.node_tree is None:
-        made.use_nodes = True
-    return made.node_tree
+    return own_tree(made)
 
 
 def described(tree):

@@ -14,6 +14,7 @@ from hypothesis import given, strategies as st
 from convwass_addon.applications.skies.lamps import split_lamps
 from convwass_addon.applications.skies.sky_images import light_of
 from convwass_addon.applications.skies.sky_settings import SkySettings
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.skies import sky_sequence, world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
 from convwass_addon.bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
@@ -268,9 +269,7 @@ def test_the_sun_of_blenders_sky_texture_is_found():
     """Within a quarter of a pixel of 512 x 256, in a panorama that Cycles renders."""
     elevation = 12.0
     world = bpy.data.worlds.new("Sky")
-    if world.node_tree is None:
-        world.use_nodes = True
-    tree = world.node_tree
+    tree = own_tree(world)
     texture = tree.nodes.new("ShaderNodeTexSky")
     kinds = texture.bl_rna.properties["sky_type"].enum_items.keys()
     texture.sky_type = "MULTIPLE_SCATTERING" if "MULTIPLE_SCATTERING" in kinds else "NISHITA"

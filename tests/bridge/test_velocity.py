@@ -14,6 +14,7 @@ from convwass_addon.bridge.morphs.carrying import rates_of
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_trees import own_tree
 from tests.shapes import ball
 
 DISTANCE, STEPS, SHUTTER, RADIUS = 4.0, 4, 0.8, 0.5
@@ -58,13 +59,9 @@ def length_of_trace(scene, path):
     scene.collection.objects.link(camera)
     scene.camera = camera
     scene.world = bpy.data.worlds.new("White")
-    if scene.world.node_tree is None:
-        scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
+    own_tree(scene.world).nodes["Background"].inputs["Color"].default_value = (1, 1, 1, 1)
     black = bpy.data.materials.new("Black")
-    if black.node_tree is None:
-        black.use_nodes = True
-    emission = black.node_tree.nodes.new("ShaderNodeEmission")
+    emission = own_tree(black).nodes.new("ShaderNodeEmission")
     emission.inputs["Strength"].default_value = 0
     output = next(node for node in black.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
     black.node_tree.links.new(emission.outputs[0], output.inputs["Surface"])

@@ -48,9 +48,7 @@ def material(name):
     import bpy
 
     made = bpy.data.materials.new(name)
-    if made.node_tree is None:
-        made.use_nodes = True
-    nodes, links = made.node_tree.nodes, made.node_tree.links
+    nodes, links = own_tree(made).nodes, made.node_tree.links
     nodes.remove(nodes["Principled BSDF"])
     glow = nodes.new("ShaderNodeEmission")
     glow.name = "Glow"
@@ -272,8 +270,7 @@ def test_plain_materials_are_mixed_as_one_shader(bare_scene, make_object):
     inputs = []
     for name in "AB":
         made = bpy.data.materials.new(name)
-        if made.node_tree is None:
-            made.use_nodes = True
+        own_tree(made)
         inputs.append(add_ball(make_object, name, made))
     mesh = frame_objects(bake(bare_scene, inputs))[1].data
     assert not mesh.uv_layers

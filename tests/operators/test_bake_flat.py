@@ -13,6 +13,7 @@ from convwass_addon.bridge.flat.flat_objects import flat_objects
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.player import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
+from convwass_addon.bridge.node_trees import own_tree
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -245,9 +246,7 @@ def colored(obj, *colors):
     """Give an object materials of plain colors."""
     for number, color in enumerate(colors):
         material = bpy.data.materials.new(f"{obj.name} {number}")
-        if material.node_tree is None:
-            material.use_nodes = True
-        material.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = color
+        own_tree(material).nodes["Principled BSDF"].inputs["Base Color"].default_value = color
         obj.data.materials.append(material)
     return obj
 

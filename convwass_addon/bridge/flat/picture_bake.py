@@ -29,6 +29,7 @@ from ..morphs.frozen_inputs import FrozenInput
 from ..morphs.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY, frame_objects
 from ..morphs.written_files import drop_surplus, store_written
+from ..node_trees import own_tree
 from ..numbered_files import numbered_paths
 from ..palettes.image_files import save_pixels
 from .gray_inputs import GrayInput
@@ -210,9 +211,7 @@ def _picture_material(name: str) -> bpy.types.Material:
     """Create an emissive material that shows a picture, transparent where the picture is transparent or missing."""
     material = bpy.data.materials.new(name)
     mark_as_frames(material)
-    if material.node_tree is None:  # Blender 4.5; later versions always use nodes and warn about this property
-        material.use_nodes = True
-    tree = material.node_tree
+    tree = own_tree(material)
     tree.nodes.clear()
     kinds = ("OutputMaterial", "MixShader", "BsdfTransparent", "Emission", "TexImage")
     output, mixed, clear, shine, picture = (tree.nodes.new(f"ShaderNode{kind}") for kind in kinds)

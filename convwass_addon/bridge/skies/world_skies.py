@@ -19,6 +19,7 @@ from ...applications.whole_paths import whole_path
 from ..keyframes import clear_animation, curves_of, own_action, remove_curve
 from ..last_result import last_result
 from ..morphs.disk_output import for_blender
+from ..node_trees import own_tree
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
@@ -152,9 +153,7 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
     own = (item for item in bpy.data.worlds if item.get(RESULT_OF) == name)
     world = last_result(own, name) or bpy.data.worlds.new(name)
     world[RESULT_OF] = name
-    if world.node_tree is None:  # Blender 4.5; later versions create nodes automatically and deprecate this property
-        world.use_nodes = True
-    nodes = world.node_tree.nodes
+    nodes = own_tree(world).nodes
     texture = next((node for node in nodes if RESULT_OF in node), None) or _new_texture(world.node_tree)
     image = texture.image
     # If the image were removed for a new one, Blender would crash at undo.
