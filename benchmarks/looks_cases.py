@@ -17,6 +17,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.carrying import Carrying
@@ -148,24 +149,16 @@ def _seams(mesh: bpy.types.Mesh, number: int, even: float = np.inf) -> float:
     Only triangles count whose origins on the shape are stretched or squeezed by less than `even`.
     """
     mesh.calc_loop_triangles()
-    loops = np.empty(3 * len(mesh.loop_triangles), np.int32)
-    mesh.loop_triangles.foreach_get("loops", loops)
-    vertices = np.empty(len(mesh.loops), np.int32)
-    mesh.loops.foreach_get("vertex_index", vertices)
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
+    loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
+    faces = element_values(mesh.loops, "vertex_index", kind=np.int32)[loops]
     layer = next(own for own in mesh.uv_layers if own.name.startswith(f"uv_{number}_"))
-    uvs = np.empty(2 * len(mesh.loops), np.float32)
-    layer.uv.foreach_get("vector", uvs)
-    faces = vertices[loops].reshape(-1, 3)
-    corners = points.reshape(-1, 3)[faces].astype(np.float64)
+    corners = element_values(mesh.vertices, "co", 3)[faces].astype(np.float64)
     areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
-    sizes = uv_sizes(corners, uvs.reshape(-1, 2)[loops].reshape(-1, 3, 2).astype(np.float64))
+    sizes = uv_sizes(corners, element_values(layer.uv, "vector", 2)[loops].astype(np.float64))
     off = _is_uneven(sizes, faces, _OFF)
     if even < np.inf:
-        places = np.empty(3 * len(mesh.vertices), np.float32)
-        mesh.attributes[f"rest_position_{number}"].data.foreach_get("vector", places)
-        off &= ~_is_uneven(_stretches(corners, places.reshape(-1, 3)[faces].astype(np.float64)), faces, even)
+        places = element_values(mesh.attributes[f"rest_position_{number}"].data, "vector", 3)
+        off &= ~_is_uneven(_stretches(corners, places[faces].astype(np.float64)), faces, even)
     return float(areas[off].sum() / areas.sum())
 
 

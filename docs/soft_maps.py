@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from photographs import color_material, photograph_row, sample_shape
 
 import convwass_addon
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.framing import View
 from convwass_addon.bridge.studio import Studio
 
@@ -138,9 +139,7 @@ def _read(animal: Animal) -> bpy.types.Object:
 
 
 def _points(obj: bpy.types.Object) -> NDArray[np.float64]:
-    points = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", points)
-    return points.reshape(-1, 3).astype(float)
+    return element_values(obj.data.vertices, "co", 3).astype(float)
 
 
 def _rig(animal: Animal) -> bpy.types.Object:

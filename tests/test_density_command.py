@@ -15,6 +15,7 @@ from convwass_addon.applications import memory
 from convwass_addon.bridge.densities.density_attributes import stored_frames
 from convwass_addon.bridge.densities.density_player import played_densities
 from convwass_addon.bridge.densities.density_store import stored_density
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group
 
 pytestmark = [
@@ -93,8 +94,7 @@ def test_a_group_is_interpolated_to_another_in_the_users_scene(files, tmp_path, 
     for frame in (1, 5):
         bpy.context.scene.frame_set(frame)
         values = ball.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.attributes["Density"].data
-        read = np.empty(len(values), np.float32)
-        values.foreach_get("value", read)
+        read = element_values(values, "value")
         seen[frame] = read @ points
     assert seen[1][0] > 10 * abs(seen[1][1])
     assert seen[5][1] > 10 * abs(seen[5][0])

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from convwass_addon import cli
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.soft_maps.soft_map_store import stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group
 
@@ -24,9 +25,7 @@ QUICK = ("--vertices", "200", "--sweeps", "4")
 
 
 def points_of(mesh):
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
-    return points.reshape(-1, 3).astype(float)
+    return element_values(mesh.vertices, "co", 3).astype(float)
 
 
 def vertices_near(obj, places):
@@ -118,9 +117,8 @@ def test_weights_keys_uvs_and_colors_are_transferred_in_the_users_scene(files, t
     key.data.foreach_get("co", moved)
     expected = np.clip(points[:, 2:], 0, None) * [0, 0, 0.5]
     assert np.linalg.norm(moved.reshape(-1, 3) - points - expected) < 0.3 * np.linalg.norm(expected)
-    colors = np.empty(4 * len(points), np.float32)
-    dog.data.color_attributes["Fur"].data.foreach_get("color", colors)
-    assert np.abs(colors.reshape(-1, 4)[:, :3] - (points / 3.2 + 0.5)).mean() < 0.03
+    colors = element_values(dog.data.color_attributes["Fur"].data, "color", 4)
+    assert np.abs(colors[:, :3] - (points / 3.2 + 0.5)).mean() < 0.03
     assert "UVMap" in dog.data.uv_layers
     stored = stored_soft_map(fox, dog)
     assert len(stored.found.forward) == len(fox.data.vertices)

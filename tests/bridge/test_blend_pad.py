@@ -16,6 +16,7 @@ from hypothesis import HealthCheck, given, settings, strategies as st
 
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends, single_blend, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
 from convwass_addon.bridge.morphs.frame_colors import COLOR
@@ -145,9 +146,8 @@ def test_the_blend_stands_still_on_its_foot(bake, kind):
     for vertex in made.pad.data.vertices:
         place_at(made, vertex.co)
         mesh = result_mesh(made)
-        points = np.empty(3 * len(mesh.vertices), np.float32)
-        mesh.vertices.foreach_get("co", points)
-        low, high = points.reshape(-1, 3).min(axis=0), points.reshape(-1, 3).max(axis=0)
+        points = element_values(mesh.vertices, "co", 3)
+        low, high = points.min(axis=0), points.max(axis=0)
         np.testing.assert_allclose([*(low + high)[:2] / 2, low[2]], 0, atol=1e-5)
     np.testing.assert_allclose(made.result.location, (0, 0, -1), atol=1e-6)
 
@@ -213,11 +213,8 @@ def test_the_corners_show_the_shapes_in_their_colors(bake):
     made = make_blend_pad(bake(SHEETS["grid"]))
     (corners,) = (obj for obj in made.pad.children if obj.type == "MESH")
     mesh = corners.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    points = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", points)
-    colors = np.empty(4 * len(mesh.vertices), np.float32)
-    mesh.attributes[COLOR].data.foreach_get("color", colors)
-    points, owner = points.reshape(-1, 3), colors.reshape(-1, 4).argmax(axis=1)
+    points = element_values(mesh.vertices, "co", 3)
+    owner = element_values(mesh.attributes[COLOR].data, "color", 4).argmax(axis=1)
     frame = np.array([made.pad.data.vertices[corner].co for corner in (0, 4, 20, 24)])
     for place, corner in enumerate(frame):
         own = points[owner == place]

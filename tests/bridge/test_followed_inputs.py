@@ -11,6 +11,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.player import make_player
@@ -66,9 +67,7 @@ def seen(scene, frame):
     for instance in depsgraph.object_instances:
         if instance.object.type == "MESH" and instance.object.data.polygons:
             mesh, matrix = instance.object.data, np.array(instance.matrix_world)
-            own = np.empty(3 * len(mesh.vertices), np.float32)
-            mesh.vertices.foreach_get("co", own)
-            points.append(own.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3])
+            points.append(element_values(mesh.vertices, "co", 3) @ matrix[:3, :3].T + matrix[:3, 3])
     return np.array([np.min(np.concatenate(points), axis=0), np.max(np.concatenate(points), axis=0)])
 
 

@@ -12,6 +12,7 @@ import pytest
 from mathutils import Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.one_mesh import shape_key_job
 from convwass_addon.bridge.one_mesh.records import has_key_record, key_records
 from convwass_addon.bridge.one_mesh.rest_mesh import rest_mesh
@@ -27,9 +28,7 @@ QUICK = {"output": "SHAPE_KEYS", "frames": 10}
 def evaluated(obj):
     bpy.context.view_layer.update()
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    found = np.empty(3 * len(mesh.vertices), np.float32)
-    mesh.vertices.foreach_get("co", found)
-    return found.reshape(-1, 3)
+    return element_values(mesh.vertices, "co", 3)
 
 
 def slide(obj, **values):

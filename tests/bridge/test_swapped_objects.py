@@ -10,6 +10,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.objects import shown_objects
 from convwass_addon.bridge.one_mesh import swap_job
 from convwass_addon.bridge.one_mesh.moving_meshes import sampled_vertices
@@ -58,9 +59,8 @@ def shown_at(frame):
     bpy.context.scene.frame_set(frame)
     graph = bpy.context.evaluated_depsgraph_get()
     objects = [own.object for own in graph.object_instances if own.object.type == "MESH"]
-    points = np.empty(3 * len(objects[0].data.vertices), np.float32)
-    objects[0].data.vertices.foreach_get("co", points)
-    middle = np.array(objects[0].matrix_world) @ np.append(points.reshape(-1, 3).mean(axis=0), 1.0)
+    points = element_values(objects[0].data.vertices, "co", 3)
+    middle = np.array(objects[0].matrix_world) @ np.append(points.mean(axis=0), 1.0)
     return [own.name for own in objects], middle[:3]
 
 

@@ -14,6 +14,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background
 
@@ -47,9 +48,7 @@ def two_balls():
 
 
 def positions(obj):
-    points = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", points)
-    return points.reshape(-1, 3).astype(np.float64)
+    return element_values(obj.data.vertices, "co", 3).astype(np.float64)
 
 
 def center(obj, weights):

@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 import numpy as np
 
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from convwass_addon.bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
 from convwass_addon.bridge.surfaces import surface_mesh
@@ -54,9 +55,7 @@ def store_mirror(obj):
 
 
 def points(obj):
-    found = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", found)
-    return found.reshape(-1, 3).astype(np.float64)
+    return element_values(obj.data.vertices, "co", 3).astype(np.float64)
 
 
 def select(obj, *vertices):

@@ -15,6 +15,7 @@ from convwass_addon.bridge.densities.density_attributes import stored_frames
 from convwass_addon.bridge.densities.density_player import density_value, played_densities
 from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.densities.result_groups import RESULTS_KEY
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators.density_travel import CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities
 from tests.operators.densities import (
@@ -56,8 +57,7 @@ def call(name, **arguments):
 def values_at(obj, frame, name="Density"):
     bpy.context.scene.frame_set(int(np.floor(frame)), subframe=float(frame - np.floor(frame)))
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
-    values = np.empty(len(obj.data.vertices), np.float32)
-    evaluated.data.attributes[name].data.foreach_get("value", values)
+    values = element_values(evaluated.data.attributes[name].data, "value")
     return values.astype(float)
 
 

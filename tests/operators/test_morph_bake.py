@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications import memory
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
+from convwass_addon.geometry.affine import transformed_points
 from tests.panels.fake_layout import FakeLayout
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -45,9 +47,7 @@ def census():
 
 
 def vertices(obj):
-    found = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", found)
-    return found.reshape(-1, 3) @ np.array(obj.matrix_world)[:3, :3].T + np.array(obj.matrix_world.translation)
+    return transformed_points(element_values(obj.data.vertices, "co", 3), obj.matrix_world)
 
 
 def test_a_bake_shows_exactly_one_mesh_per_frame_and_the_originals_at_the_ends():

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
 from convwass_addon.operators.chosen_inputs import split_names
 
@@ -255,9 +256,7 @@ def test_weights_can_be_named(shapes):
 
 
 def world_points(obj):
-    found = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.vertices.foreach_get("co", found)
-    return found.reshape(-1, 3)
+    return element_values(obj.data.vertices, "co", 3)
 
 
 def test_aligned_shapes_are_at_the_place_of_the_first_in_all_frames(shapes):

@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb, srgb_of_linear
 from convwass_addon.applications.palettes.lookup_table import read_cube
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.handles import Handle
 from convwass_addon.bridge.palettes.grade_nodes import grade_group
 from convwass_addon.errors import Cancelled
@@ -275,9 +276,7 @@ def _colored(name, mean, seed):
 
 def _mean(obj, name):
     data = obj.data.color_attributes[name].data
-    colors = np.empty(4 * len(data), np.float32)
-    data.foreach_get("color", colors)
-    return colors.reshape(-1, 4)[:, :3].mean(axis=0)
+    return element_values(data, "color", 4)[:, :3].mean(axis=0)
 
 
 def test_attributes_take_the_palette_of_others(own):

@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.soft_maps.soft_map_store import stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from tests.operators.soft_maps import call, choose, own, points
@@ -44,9 +45,7 @@ def horse(name, share, move=None):
 
 
 def rest_of(obj):
-    found = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.attributes["rest"].data.foreach_get("vector", found)
-    return found.reshape(-1, 3).astype(np.float64)
+    return element_values(obj.data.attributes["rest"].data, "vector", 3).astype(np.float64)
 
 
 def nearest(obj, place):
@@ -85,9 +84,7 @@ def test_from_two_horses_to_weights_and_shape_keys():
     got = read_group(target, "Front")
     assert np.median(np.abs(got - expected)) < 0.02
     np.testing.assert_allclose(got + read_group(target, "Back"), 1.0, atol=1e-5)
-    moved = np.empty(3 * len(target.data.vertices), np.float32)
-    target.data.shape_keys.key_blocks["Fat"].data.foreach_get("co", moved)
-    offsets = moved.reshape(-1, 3) - points(target)
+    offsets = element_values(target.data.shape_keys.key_blocks["Fat"].data, "co", 3) - points(target)
     side = rest_of(target)[:, 1]
     wide = np.abs(side) > 0.5 * np.abs(side).max()
     assert np.median((offsets[wide, 1] * np.sign(side[wide])) / (0.3 * np.abs(side[wide]))) == pytest.approx(

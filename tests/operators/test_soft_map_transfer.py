@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, soft_map_transfer
 from convwass_addon.operators.soft_map_transfer import CONVWASS_OT_transfer_by_map
@@ -175,9 +176,7 @@ def add_key(obj, name, offsets, relative_to=None):
 
 
 def key_points(obj, name):
-    found = np.empty(3 * len(obj.data.vertices), np.float32)
-    obj.data.shape_keys.key_blocks[name].data.foreach_get("co", found)
-    return found.reshape(-1, 3)
+    return element_values(obj.data.shape_keys.key_blocks[name].data, "co", 3)
 
 
 def test_shape_keys_go_into_the_space_of_the_receiver():
