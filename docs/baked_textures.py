@@ -16,6 +16,7 @@ from PIL import Image
 
 import convwass_addon
 from convwass_addon.bridge.framing import View
+from convwass_addon.bridge.image_files import pixel_values
 
 PICTURE = PROJECT / "docs" / "pictures" / "baked_textures.jpg"
 VALUES = (0.0, 0.3, 0.5, 0.7, 1.0)
@@ -51,10 +52,7 @@ def main() -> None:
 
 def _picture(image: bpy.types.Image) -> Image.Image:
     """Return an image as it is stored."""
-    values = np.empty(4 * image.size[0] * image.size[1], np.float32)
-    image.pixels.foreach_get(values)
-    rows = values.reshape(image.size[1], image.size[0], 4)[::-1, :, :3]
-    return Image.fromarray(np.rint(255.0 * rows).astype(np.uint8))
+    return Image.fromarray(np.rint(255.0 * pixel_values(image)[::-1, :, :3]).astype(np.uint8))
 
 
 def _row(obj: bpy.types.Object) -> Image.Image:

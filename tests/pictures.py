@@ -21,12 +21,6 @@ def image_of(name, pixels, *, as_floats=False, **options):
     return image
 
 
-def pixels_of(image):
-    found = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(found)
-    return found.reshape(image.size[1], image.size[0], -1)
-
-
 def red_image(name="Red", **options):
     return image_of(name, picture_of(cloud(1, (55, 15, 5), np.diag([6.0, 5.0, 4.0]), 2400), SIZE[0]), **options)
 

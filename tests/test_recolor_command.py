@@ -12,10 +12,11 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.palettes import recolor_job
+from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.video import write_video
 from convwass_addon.cli import recolor_command
 from convwass_addon.errors import ConvwassError
-from tests.pictures import blue_image, image_of, mean_lab, pixels_of, red_image
+from tests.pictures import blue_image, image_of, mean_lab, red_image
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -27,7 +28,7 @@ def saved(image, path):
 
 
 def opened(path):
-    return pixels_of(bpy.data.images.load(str(path)))
+    return pixel_values(bpy.data.images.load(str(path)))
 
 
 def run(*arguments):

@@ -25,6 +25,7 @@ from convwass_addon.bridge.densities.density_outputs import (
 from convwass_addon.bridge.densities.density_player import animate_density, density_value, remove_density
 from convwass_addon.bridge.densities.density_store import DENSITIES_KEY, stored_density
 from convwass_addon.bridge.heat_map import heat_colors, heat_stops
+from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.vertex_groups import group_names, read_group, read_groups, write_group
 from convwass_addon.errors import InputError
 
@@ -54,9 +55,7 @@ def pixels_of(path):
     """Read an image from below to above, its first channel."""
     image = bpy.data.images.load(str(path))
     image.colorspace_settings.name = "Non-Color"
-    values = np.empty(len(image.pixels), np.float32)
-    image.pixels.foreach_get(values)
-    gray = values.reshape(image.size[1], image.size[0], -1)[..., 0].copy()
+    gray = pixel_values(image)[..., 0].copy()
     bpy.data.images.remove(image)
     return gray
 

@@ -14,7 +14,7 @@ import pytest
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
-from convwass_addon.bridge.image_files import opened_image
+from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
@@ -169,9 +169,7 @@ def test_one_file_for_the_animation(collection, tmp_path, name, inventory):
 def image_bytes(file):
     with opened_image(file) as image:
         image.colorspace_settings.name = "Non-Color"
-        values = np.empty(image.size[0] * image.size[1] * 4, np.float32)
-        image.pixels.foreach_get(values)
-        return np.rint(255 * values.reshape(image.size[1], image.size[0], 4)[::-1, :, :3])
+        return np.rint(255 * pixel_values(image)[::-1, :, :3])
 
 
 def test_textures_hold_the_triangles_of_every_frame(collection, tmp_path, inventory):

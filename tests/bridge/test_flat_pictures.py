@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.bridge.flat.gray_inputs import gray_inputs
 from convwass_addon.bridge.flat.picture_bake import pictures_of
 from convwass_addon.bridge.flat.picture_job import PictureJob
+from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.morphs.disk_output import own_folder
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.written_files import WRITTEN_KEY, drop_surplus
@@ -51,9 +52,7 @@ def bake(place, *objects, **options):
 
 def pixels_of(path):
     image = bpy.data.images.load(str(path))
-    pixels = np.empty(image.size[0] * image.size[1] * 4, np.float32)
-    image.pixels.foreach_get(pixels)
-    found = pixels.reshape(image.size[1], image.size[0], 4)
+    found = pixel_values(image)
     bpy.data.images.remove(image)
     return found
 

@@ -8,17 +8,11 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.image_files import ImageFormat, drawn_image, opened_image, write_image
+from convwass_addon.bridge.image_files import ImageFormat, drawn_image, opened_image, pixel_values, write_image
 from convwass_addon.errors import ConvwassError, InputError
 
 PIXELS = np.random.default_rng(0).random((4, 6, 4), dtype=np.float32)
 PIXELS[..., 3] = 1.0
-
-
-def pixels_of(image):
-    values = np.empty(len(image.pixels), dtype=np.float32)
-    image.pixels.foreach_get(values)
-    return values.reshape(image.size[1], image.size[0], -1)
 
 
 @pytest.mark.parametrize(
@@ -40,7 +34,7 @@ def test_values_come_back(tmp_path, inventory, name, how, step):
     with opened_image(str(tmp_path / name)) as image:
         image.colorspace_settings.name = "Non-Color"
         assert tuple(image.size) == (6, 4)
-        np.testing.assert_allclose(pixels_of(image)[..., :3], pixels[..., :3], atol=step + 1e-6)
+        np.testing.assert_allclose(pixel_values(image)[..., :3], pixels[..., :3], atol=step + 1e-6)
     assert inventory() == before
     assert [path.name for path in tmp_path.iterdir()] == [name]
 
@@ -50,7 +44,7 @@ def test_bytes(tmp_path):
         assert not image.is_float
         write_image(image, tmp_path / "a.png", ImageFormat("PNG", "RGBA", "8"))
     with opened_image(tmp_path / "a.png") as image:
-        np.testing.assert_allclose(pixels_of(image), PIXELS, atol=1.01 / 255)
+        np.testing.assert_allclose(pixel_values(image), PIXELS, atol=1.01 / 255)
 
 
 def test_files_that_cannot_be_read(tmp_path):

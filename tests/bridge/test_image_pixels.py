@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.palettes.png_bytes import png_bytes
-from convwass_addon.bridge.image_files import opened_image
+from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.palettes import image_files, image_pixels
 from convwass_addon.bridge.palettes.color_pictures import read_colors_as_picture, write_picture_colors
 from convwass_addon.errors import ConvwassError, InputError
-from tests.pictures import image_of, pixels_of, red_image
+from tests.pictures import image_of, red_image
 
 
 @pytest.fixture
@@ -74,7 +74,7 @@ def test_results_are_like_their_source_and_used_again(noise, as_floats):
     image_pixels.write_pixels(result, noise)
     image_pixels.keep_in_file(result)
     assert result != image and result.is_float == as_floats and result.packed_file
-    np.testing.assert_array_equal(pixels_of(result), pixels_of(image))
+    np.testing.assert_array_equal(pixel_values(result), pixel_values(image))
     assert image_pixels.image_format(result).encoding == image_pixels.image_format(image).encoding
     assert image_pixels.result_image(image) == result
     with pytest.raises(InputError, match="has changed since the start"):
@@ -93,7 +93,7 @@ def test_packed_files_hold_the_same_pixels(noise, tmp_path, space, alpha_mode):
     result = image_pixels.result_image(image)
     for pixels in (picture.pixels[::-1], picture.pixels):
         image_pixels.keep_in_file(result, png_bytes(pixels))
-        np.testing.assert_array_equal(pixels_of(result), pixels)
+        np.testing.assert_array_equal(pixel_values(result), pixels)
     assert not result.is_dirty
     result.use_fake_user = True
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "a.blend"))
@@ -109,12 +109,12 @@ def test_packed_files_hold_the_same_pixels(noise, tmp_path, space, alpha_mode):
 )
 def test_bytes_are_written_unchanged(tmp_path, name, depth, error):
     image = red_image()
-    image_files.save_pixels(pixels_of(image), image, tmp_path / name, depth)
+    image_files.save_pixels(pixel_values(image), image, tmp_path / name, depth)
     with opened_image(tmp_path / name) as found:
         assert tuple(found.size) == tuple(image.size)
         form = image_pixels.image_format(found)
-        wanted = form.linear(pixels_of(found))
-        have = image_pixels.image_format(image).linear(pixels_of(image))
+        wanted = form.linear(pixel_values(found))
+        have = image_pixels.image_format(image).linear(pixel_values(image))
         assert np.abs(wanted - have).max() < error
     assert [path.name for path in tmp_path.iterdir()] == [name]
     assert not bpy.data.scenes.get("Recolored") and not bpy.data.images.get("Recolored")

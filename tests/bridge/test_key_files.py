@@ -13,7 +13,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
-from convwass_addon.bridge.image_files import opened_image
+from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.keyframes import make_linear
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_keys
@@ -150,9 +150,7 @@ def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, s
 def pixels(file):
     with opened_image(file) as image:
         image.colorspace_settings.name = "Non-Color"
-        found = np.empty(image.size[0] * image.size[1] * 4, np.float32)
-        image.pixels.foreach_get(found)
-        return found.reshape(image.size[1], image.size[0], 4)[::-1, :, :3]
+        return pixel_values(image)[::-1, :, :3]
 
 
 def decoded(record, folder):

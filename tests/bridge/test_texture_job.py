@@ -14,6 +14,7 @@ from mathutils import Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
+from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import export_shape_keys
@@ -78,9 +79,7 @@ def baked(obj, **settings):
 
 
 def pixels(image):
-    found = np.empty(4 * SIZE * SIZE, np.float32)
-    image.pixels.foreach_get(found)
-    return found.reshape(SIZE, SIZE, 4)[..., :3]
+    return pixel_values(image)[..., :3]
 
 
 def principled(material):

@@ -15,6 +15,7 @@ from convwass_addon.applications.palettes.lookup_table import read_cube
 from convwass_addon.applications.palettes.palette_settings import RecolorSettings
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.handles import Handle
+from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.palettes.grade_nodes import grade_group
 from convwass_addon.errors import Cancelled
 from convwass_addon.operators.recolor_image import CONVWASS_OT_recolor_image, RecolorJob
@@ -23,7 +24,7 @@ from convwass_addon.operators.recolor_targets import read_pictures
 from tests.controls import ConditionalControl
 from tests.linked_objects import linked_object
 from tests.operators.densities import Pressed, inventory, started, until, window_context
-from tests.pictures import SIZE, blue_image, image_of, mean_lab, pixels_of, red_image
+from tests.pictures import SIZE, blue_image, image_of, mean_lab, red_image
 from tests.rigs import call
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -38,16 +39,16 @@ def own():
 
 def test_a_new_image_takes_the_palette(own):
     red = red_image()
-    before = pixels_of(red)
+    before = pixel_values(red)
     assert call("recolor_image", image="Red") == {"FINISHED"}
     result = bpy.data.images["Red recolored"]
-    np.testing.assert_allclose(mean_lab(pixels_of(result)), mean_lab(pixels_of(own.palette)), atol=0.6)
-    np.testing.assert_array_equal(pixels_of(red), before)
+    np.testing.assert_allclose(mean_lab(pixel_values(result)), mean_lab(pixel_values(own.palette)), atol=0.6)
+    np.testing.assert_array_equal(pixel_values(red), before)
     assert result.packed_file
     known = inventory()
     call("recolor_image", image="Red", strength=0.0)
     assert inventory() == known, "the result is used again"
-    np.testing.assert_array_equal(pixels_of(result), before)
+    np.testing.assert_array_equal(pixel_values(result), before)
 
 
 def test_renamed_copies_of_results_are_kept(own):
@@ -56,30 +57,30 @@ def test_renamed_copies_of_results_are_kept(own):
     call("build_grade_nodes", image="Red", cube_size=3)
     image, group = bpy.data.images["Red recolored"].copy(), bpy.data.node_groups["Grade Blue"].copy()
     image.name, group.name, group.nodes[0].label = "A good one", "A good one", "Changed"
-    before = pixels_of(image)
+    before = pixel_values(image)
     call("recolor_image", image="Red", strength=0.0)
     call("build_grade_nodes", image="Red", cube_size=3)
-    np.testing.assert_array_equal(pixels_of(image), before)
-    np.testing.assert_array_equal(pixels_of(bpy.data.images["Red recolored"]), pixels_of(bpy.data.images["Red"]))
+    np.testing.assert_array_equal(pixel_values(image), before)
+    np.testing.assert_array_equal(pixel_values(bpy.data.images["Red recolored"]), pixel_values(bpy.data.images["Red"]))
     assert group.nodes[0].label == "Changed"
 
 
 def test_an_image_is_replaced(own):
     red, known = red_image(), len(bpy.data.images)
     call("recolor_image", image="Red", output="REPLACE", lightness="KEEP")
-    light, green, blue = mean_lab(pixels_of(red)) - mean_lab(pixels_of(own.palette))
+    light, green, blue = mean_lab(pixel_values(red)) - mean_lab(pixel_values(own.palette))
     assert abs(light + 5.0) < 0.6 and abs(green) < 0.6 and abs(blue) < 0.6
     assert len(bpy.data.images) == known
 
 
 def test_floats_and_bytes_go_together(own):
-    pixels = pixels_of(red_image("Bytes"))
+    pixels = pixel_values(red_image("Bytes"))
     scene = pixels.copy()
     scene[..., :3] = linear_of_srgb(pixels[..., :3])
     red = image_of("Red", scene, as_floats=True)
     call("recolor_image", image="Red", output="REPLACE")
-    found = lab_of_linear(pixels_of(red)[..., :3].reshape(-1, 3).T.astype(float)).mean(axis=1)
-    np.testing.assert_allclose(found, mean_lab(pixels_of(own.palette)), atol=0.6)
+    found = lab_of_linear(pixel_values(red)[..., :3].reshape(-1, 3).T.astype(float)).mean(axis=1)
+    np.testing.assert_allclose(found, mean_lab(pixel_values(own.palette)), atol=0.6)
 
 
 def test_several_palettes_by_their_weights(own):
@@ -87,23 +88,23 @@ def test_several_palettes_by_their_weights(own):
     own.palette_2 = red_image("Second")
     own.weight, own.weight_2 = 1.0, 3.0
     call("recolor_image", image="Red", output="REPLACE")
-    wanted = 0.25 * mean_lab(pixels_of(own.palette)) + 0.75 * mean_lab(pixels_of(own.palette_2))
-    np.testing.assert_allclose(mean_lab(pixels_of(bpy.data.images["Red"])), wanted, atol=0.6)
+    wanted = 0.25 * mean_lab(pixel_values(own.palette)) + 0.75 * mean_lab(pixel_values(own.palette_2))
+    np.testing.assert_allclose(mean_lab(pixel_values(bpy.data.images["Red"])), wanted, atol=0.6)
 
 
 def test_masks(own):
     red = red_image()
-    before = pixels_of(red)
+    before = pixel_values(red)
     white = np.ones((SIZE[1], SIZE[0], 4))
     white[:, :30, :3] = 0.0
     own.mask = image_of("Mask", white)
-    palette = pixels_of(own.palette)
+    palette = pixel_values(own.palette)
     half = np.ones_like(palette)
     half[:20, :, :3] = 0.0
     own.palette_mask = image_of("Palette Mask", half)
     call("recolor_image", image="Red", output="REPLACE")
-    np.testing.assert_array_equal(pixels_of(red)[:, :30], before[:, :30])
-    np.testing.assert_allclose(mean_lab(pixels_of(red)[:, 30:]), mean_lab(palette[20:]), atol=0.6)
+    np.testing.assert_array_equal(pixel_values(red)[:, :30], before[:, :30])
+    np.testing.assert_allclose(mean_lab(pixel_values(red)[:, 30:]), mean_lab(palette[20:]), atol=0.6)
 
 
 def test_missing_input_is_reported(own):
@@ -129,7 +130,7 @@ def test_images_without_colors_are_named(own):
     own.palette_2 = image_of("Empty", np.zeros((4, 4, 4)))
     with pytest.raises(RuntimeError, match="No pixel of Empty counts: it is transparent"):
         call("recolor_image", image="Red")
-    own.palette_2, own.mask = None, image_of("Mask", np.zeros_like(pixels_of(red)))
+    own.palette_2, own.mask = None, image_of("Mask", np.zeros_like(pixel_values(red)))
     with pytest.raises(RuntimeError, match=r"No pixel of Red counts: .* its mask is black"):
         call("recolor_image", image="Red")
 
@@ -138,9 +139,9 @@ def test_a_table_does_the_same(own, tmp_path):
     red = red_image()
     call("write_cube", image="Red", filepath=str(tmp_path / "grade"), cube_size=33)
     table = read_cube(tmp_path / "grade.cube")
-    before = np.moveaxis(pixels_of(red)[..., :3], -1, 0)
+    before = np.moveaxis(pixel_values(red)[..., :3], -1, 0)
     call("recolor_image", image="Red", output="REPLACE")
-    error = np.abs(np.moveaxis(table.applied(before), 0, -1) - pixels_of(red)[..., :3]) * 255
+    error = np.abs(np.moveaxis(table.applied(before), 0, -1) - pixel_values(red)[..., :3]) * 255
     assert error.mean() < 0.6 and error.max() < 6.0
     with pytest.raises(RuntimeError, match="Choose a file"):
         call("write_cube", image="Red")
@@ -196,7 +197,7 @@ def test_a_group_takes_the_place_of_the_last_one_for_the_same(own):
 def test_the_palette_that_has_a_weight_gives_the_name(own):
     red_image()
     own.weight = 0.0
-    own.palette_2, own.weight_2 = image_of("Other", pixels_of(bpy.data.images["Blue"])), 1.0
+    own.palette_2, own.weight_2 = image_of("Other", pixel_values(bpy.data.images["Blue"])), 1.0
     call("build_grade_nodes", image="Red", cube_size=5)
     assert [group.name for group in bpy.data.node_groups] == ["Grade Other"]
 
@@ -209,7 +210,7 @@ def test_names_are_those_of_the_beginning(own, operator):
     context.space_data = None
     pressed = Pressed(getattr(bpy.types, f"CONVWASS_OT_{operator}"), image="Red")
     assert started(pressed, context)
-    own.palette = image_of("Later", pixels_of(bpy.data.images["Blue"]))
+    own.palette = image_of("Later", pixel_values(bpy.data.images["Blue"]))
     assert until(pressed, context) == {"FINISHED"}
     told = " ".join(text for _, text in pressed.reports)
     assert "Blue" in told and "Later" not in told
@@ -259,7 +260,7 @@ def _composited(group, image, path):
     render.image_settings.color_mode = "RGBA"
     render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
-    return pixels_of(bpy.data.images.load(str(path)))
+    return pixel_values(bpy.data.images.load(str(path)))
 
 
 def _colored(name, mean, seed):

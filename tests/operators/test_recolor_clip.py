@@ -12,13 +12,14 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.palettes.lookup_table import read_cube
+from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.palettes.clip_frames import ClipFrames
 from convwass_addon.bridge.video import write_video
 from convwass_addon.operators import recolor_clip
 from convwass_addon.operators.recolor_clip import CONVWASS_OT_recolor_clip
 from convwass_addon.operators.recolor_targets import shown_image
 from tests.operators.densities import Pressed, inventory, started, until, window_context
-from tests.pictures import blue_image, image_of, mean_lab, pixels_of, red_image
+from tests.pictures import blue_image, image_of, mean_lab, red_image
 from tests.rigs import call
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -37,7 +38,7 @@ def saved(image, path):
 def files(tmp_path):
     """Frames 7 to 9 of a shot that becomes brighter, and other files among them."""
     red = red_image()
-    pixels = pixels_of(red)
+    pixels = pixel_values(red)
     bpy.data.images.remove(red)
     found = []
     for number, gain in enumerate(GAINS, 7):
@@ -59,7 +60,7 @@ def clip(files):
 
 def opened(path):
     image = bpy.data.images.load(str(path))
-    found = pixels_of(image)
+    found = pixel_values(image)
     bpy.data.images.remove(image)
     return found
 
@@ -72,9 +73,9 @@ def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
     assert [path.name for path in results] == [path.name for path in files]
     means = np.array([mean_lab(opened(path)) for path in results])
     assert (np.diff(means[:, 0]) > 2.0).all()
-    np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.0)
+    np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.0)
     assert before == (len(bpy.data.textures), {path: path.read_bytes() for path in files})
-    palette = saved(image_of("Copy", pixels_of(bpy.data.images["Blue"])), tmp_path / "blue.png")
+    palette = saved(image_of("Copy", pixel_values(bpy.data.images["Blue"])), tmp_path / "blue.png")
     assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
     for path in results:
         np.testing.assert_allclose(opened(path), opened(tmp_path / "command" / path.name), atol=1.1 / 255)
@@ -126,7 +127,7 @@ def test_movies(files, tmp_path):
     assert [path.name for path in results] == [f"shot.{number:04d}.png" for number in (1, 2, 3)]
     means = np.array([mean_lab(opened(path)) for path in results])
     assert (np.diff(means[:, 0]) > 2.0).all()
-    np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.5)
+    np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.5)
 
 
 def test_empty_frames_do_not_count(clip, files, tmp_path):
@@ -135,9 +136,9 @@ def test_empty_frames_do_not_count(clip, files, tmp_path):
     saved(image_of("Empty", empty), files[0])
     assert call("recolor_clip", image="Shot", folder=str(tmp_path / "graded")) == {"FINISHED"}
     means = [mean_lab(opened(tmp_path / "graded" / path.name)) for path in files[1:]]
-    np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(pixels_of(bpy.data.images["Blue"])), atol=1.0)
+    np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.0)
     assert not opened(tmp_path / "graded" / files[0].name)[..., 3].any()
-    palette = saved(image_of("Copy", pixels_of(bpy.data.images["Blue"])), tmp_path / "blue.png")
+    palette = saved(image_of("Copy", pixel_values(bpy.data.images["Blue"])), tmp_path / "blue.png")
     assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
     for path in files:
         graded, command = (opened(tmp_path / folder / path.name) for folder in ("graded", "command"))
