@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Turns about the vertical axis after which shapes may face the same way."""
+"""Turns about the vertical axis after which shapes may face the same way, and bodies that registrations turn over."""
 
 from __future__ import annotations
 
@@ -8,9 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
+from ...geometry.rotations import nearest_rotations
 from ...geometry.upright_turns import upright_turn
 from .carriers import Carrier
+from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides
+
+# A body is turned over if its vertical axis turns by more than this angle. A car stands up to become a robot (60
+# degrees), and a robot lies down to become a butterfly (90).
+_OVER = np.radians(100.0)
 
 
 def symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
@@ -33,3 +39,12 @@ def turned_carrier(shape: Carrier, turn: NDArray[np.float64]) -> Carrier:
     """Return a shape turned about its center."""
     center = shape.mesh.area_center
     return shape.posed((shape.rest.vertices - center) @ turn.T + center)
+
+
+def is_turned_over(shape: TriangleMesh, laid: Laid) -> bool:
+    """Return whether a registration turns a shape, as far as it is trusted, so that up becomes down."""
+    weights = shape.vertex_areas * laid.trust
+    weights = weights / weights.sum()
+    here, there = (points - weights @ points for points in (shape.vertices, laid.points))
+    turn = nearest_rotations(np.einsum("n,ni,nj->ij", weights, there, here)[:, :, None]).rotations[:, :, 0]
+    return bool(turn[2, 2] < np.cos(_OVER))

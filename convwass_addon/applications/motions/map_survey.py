@@ -19,6 +19,7 @@ from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..workers import one_blas_thread
 from .carriers import Carrier
+from .facing_turns import is_turned_over
 from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides
 from .pair_maps import PairMap, mirrored_map
@@ -27,8 +28,9 @@ from .pair_registration import carried, draft_of
 
 # Numbers of vertices of the maps, each of which takes a second (docs/performance.md, "Left and right").
 _VERTICES = (160, 240, 320, 400)
-# What shapes without a common mirror plane count as their cost of losing left and right; chosen by eye.
-_ASKEW = 2.0
+# What shapes without a common mirror plane count as their cost of losing left and right, and what registrations that
+# turn a body over cost; chosen by eye.
+_ASKEW, _TURNED_OVER = 2.0, 2.0
 _NO_PAIRS = np.empty((0, 2), np.int64)
 
 
@@ -92,6 +94,8 @@ def _rough_map(
         found = drained(mirrored_map(*drafts, SoftMapSettings(vertices=vertices), control, sides))
         starts = found.starts(*drafts)
         both = [proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control) for k in (0, 1)]
-        cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0)
-        laid = [carried(draft, trusted(own)) for draft, own in zip(drafts, both, strict=True)]
+        found_on = [trusted(own) for own in both]
+        over = any(is_turned_over(draft.mesh, own) for draft, own in zip(drafts, found_on, strict=True))
+        cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0) + (_TURNED_OVER if over else 0.0)
+        laid = [carried(draft, own) for draft, own in zip(drafts, found_on, strict=True)]
     return RoughMap(pose, found, (laid[0], laid[1]), cost)

@@ -23,7 +23,7 @@ from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..workers import one_blas_thread
 from .carriers import Carrier
-from .facing_turns import symmetric_turn, turned_carrier, turned_mesh
+from .facing_turns import is_turned_over, symmetric_turn, turned_carrier, turned_mesh
 from .guided_settings import GuidedSettings
 from .limbs import is_compact
 from .map_detour import map_detour
@@ -41,6 +41,9 @@ _LOPSIDED, _DETOUR, _FARTHER = 0.5, 1.8, 1.1
 # What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
 # becomes the tail, and with 0.49 after a quarter turn, symmetrically.
 _ASKEW = 0.75
+# What a map that turns a body over counts. A caterpillar maps onto a butterfly with 0.76 upside down and back to front,
+# and a fish with 0.26, and 0.25 upright.
+_TURNED_OVER = 0.5
 # With a lower score, other maps of symmetric shapes are tried. A cow maps onto a bird with 0.20, 0.48, 0.80 or 0.82 if
 # its vertices move by a millionth to a thousandth of its size.
 _FAIR = 0.5
@@ -80,6 +83,8 @@ class MappedPair:
         Length of the registrations over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
         Angle in degrees by which the first shape was turned about the vertical axis for the registration.
+    is_turned_over : bool
+        Whether a registration turns its shape over.
     """
 
     laid: LaidPair
@@ -87,6 +92,7 @@ class MappedPair:
     symmetry: float | None
     detour: float
     turn: float = 0.0
+    is_turned_over: bool = False
 
     @property
     def is_lopsided(self) -> bool:
@@ -100,8 +106,10 @@ class MappedPair:
 
     @property
     def merit(self) -> float:
-        """The score to compare shapes with and without a turn: less if low and without a common mirror plane."""
-        return _ASKEW * self.score if self.symmetry is None and self.score < TRUSTED else self.score
+        """The score to compare shapes with and without a turn: less if low and lopsided or turned over."""
+        if self.score >= TRUSTED:
+            return self.score
+        return self.score * (_ASKEW if self.symmetry is None else 1.0) * (_TURNED_OVER if self.is_turned_over else 1.0)
 
 
 def mapped_pair(
@@ -113,8 +121,8 @@ def mapped_pair(
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
     bent limb may seem to face another way. Without guides, flat shapes that do not map beyond doubt as they stand are
     turned if they do so then, or clearly better, above all upside down: a w turns to become an m, but a bolt does not
-    turn to become a drop. Where the score is poor, flat shapes fold, or shapes with limbs seem to face opposite ways,
-    they are also registered from the best of several rough maps.
+    turn to become a drop. Where the score is poor, flat shapes fold, or shapes with limbs are turned over or seem to face
+    opposite ways, they are also registered from the best of several rough maps.
 
     Parameters
     ----------
@@ -148,7 +156,7 @@ def mapped_pair(
     turns = [] if is_flat else _facing_turns(one.mesh, other.mesh, best) if turn is None else [turn]
     # A letter may fold on its way to another, which is worse than a slightly lower score.
     folds = is_flat and best.detour > FOLDING
-    is_poor = folds or best.score < (DOUBTED if best.symmetry is None else _FAIR)
+    is_poor = folds or best.is_turned_over or best.score < (DOUBTED if best.symmetry is None else _FAIR)
     has_limbs = not (is_compact(one.mesh) or is_compact(other.mesh))
     if not (is_poor and has_limbs) and (turn is not None or not turns):
         return best
@@ -264,4 +272,5 @@ def _registered(
 def _mapped(one: Carrier, other: Carrier, laid: LaidPair, found: PairMap, sides: MirroredSides | None) -> MappedPair:
     points = laid.first.points, laid.second.points
     symmetry = None if sides is None else sides.kept(points)
-    return MappedPair(laid, found, symmetry, map_detour((one.mesh, other.mesh), points))
+    over = is_turned_over(one.mesh, laid.first) or is_turned_over(other.mesh, laid.second)
+    return MappedPair(laid, found, symmetry, map_detour((one.mesh, other.mesh), points), is_turned_over=over)

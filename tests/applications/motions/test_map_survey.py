@@ -36,3 +36,16 @@ def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow, is_first):
     for laid in found.starts:
         apart = np.linalg.norm(laid.points - turned.mesh.vertices, axis=1)
         assert turned.mesh.vertex_areas @ (apart < 0.05 * turned.size) > 0.9 * turned.mesh.area
+
+
+def test_a_pose_that_a_registration_turns_over_is_avoided(monkeypatch, cow):
+    """A cow that lies on its back is registered by turning it over; on its side, with a lower score, it is not."""
+    monkeypatch.setattr(map_survey, "_VERTICES", (120,))
+    back, side = (
+        cow.posed(cow.rest.vertices @ rotation_matrices(np.array([[angle, 0.0, 0.0]]))[0].T) for angle in (3.0, 1.5)
+    )
+    costs = {id(back): 0.5, id(side): 1.5}
+    monkeypatch.setattr(map_survey, "total_cost", lambda drafts, *_found: costs[id(drafts[0])])
+    monkeypatch.setattr(map_survey, "draft_of", lambda shape, *_others: shape)
+    assert drained(best_rough_map([back, side], cow, UNINTERRUPTED)).pose == 1
+    assert drained(best_rough_map([side, back], cow, UNINTERRUPTED)).pose == 0

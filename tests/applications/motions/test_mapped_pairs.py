@@ -52,16 +52,19 @@ def test_a_shape_turned_to_another_side_turns_as_a_whole():
 
 
 def registrations(monkeypatch, *found):
-    """Let registrations have the given scores, symmetries and detours, one after the other; return what was asked."""
+    """Let registrations have the given scores, symmetries, detours, turns, and whether they turn a shape over.
+
+    Return the shapes that are registered, one after the other.
+    """
     asked, left = [], list(found)
 
     def registered(one, *_others):
         yield from ()
         asked.append(one)
-        score, symmetry, detour = left.pop(0)
+        score, *others = left.pop(0)
         laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
         pair = PairMap(None, np.empty((0, 2), np.int64), score)
-        return MappedPair(LaidPair(laid, laid, 0.5), pair, symmetry, detour)
+        return MappedPair(LaidPair(laid, laid, 0.5), pair, *others)
 
     monkeypatch.setattr(mapped_pairs, "_registered", registered)
     return asked
@@ -131,6 +134,18 @@ def test_where_no_map_is_good_another_one_is_tried(monkeypatch, symmetry, other,
 def test_another_map_of_symmetric_shapes_has_to_be_better_by_a_third(monkeypatch, other, score):
     carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
     registrations(monkeypatch, (0.3, 0.2, 1.0))
+    surveyed(monkeypatch, other, 0.2, 1.0)
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert found.score == score
+
+
+@pytest.mark.parametrize(
+    ("standing", "other", "score"), [(0.3, 0.22, 0.22), (0.3, 0.18, 0.3), (0.7, 0.5, 0.5), (0.9, 0.5, 0.9)]
+)
+def test_bodies_are_turned_over_only_if_that_is_much_better(monkeypatch, standing, other, score):
+    """An upright map of symmetric shapes may have two thirds of the score, unless that leaves no doubt."""
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    registrations(monkeypatch, (standing, 0.2, 1.0, 0.0, True))
     surveyed(monkeypatch, other, 0.2, 1.0)
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert found.score == score

@@ -1,0 +1,42 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether registrations turn bodies over."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.motions.facing_turns import is_turned_over
+from convwass_addon.applications.motions.laid_meshes import Laid
+from convwass_addon.geometry.rotation_fields import rotation_matrices
+from tests.grids import figure
+
+SHAPE = figure()[0]
+
+
+def turned(degrees):
+    """The vertices of a figure after a turn, moved and scaled."""
+    turn = rotation_matrices(np.radians([degrees]))[0]
+    return 2.0 * SHAPE.vertices @ turn.T + (5.0, -3.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("degrees", "over"),
+    [
+        ((0.0, 0.0, 180.0), False),
+        ((90.0, 0.0, 0.0), False),
+        ((0.0, -90.0, 0.0), False),
+        ((110.0, 0.0, 0.0), True),
+        ((0.0, 180.0, 0.0), True),
+    ],
+)
+def test_a_body_is_turned_over_if_up_becomes_down(degrees, over):
+    assert is_turned_over(SHAPE, Laid(turned(degrees), np.ones(len(SHAPE.vertices)))) is over
+
+
+def test_parts_that_are_not_trusted_do_not_count():
+    upper = SHAPE.vertices[:, 2] > np.median(SHAPE.vertices[:, 2])
+    points = np.where(upper[:, None], turned((180.0, 0.0, 0.0)), turned((0.0, 0.0, 0.0)))
+    assert is_turned_over(SHAPE, Laid(points, np.where(upper, 1.0, 0.01)))
+    assert not is_turned_over(SHAPE, Laid(points, np.where(upper, 0.01, 1.0)))
