@@ -121,8 +121,8 @@ def mapped_pair(
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
     bent limb may seem to face another way. Without guides, flat shapes that do not map beyond doubt as they stand are
     turned if they do so then, or clearly better, above all upside down: a w turns to become an m, but a bolt does not
-    turn to become a drop. Where the score is poor, flat shapes fold, or shapes with limbs are turned over or seem to face
-    opposite ways, they are also registered from the best of several rough maps.
+    turn to become a drop. Where the score is poor, flat shapes fold, or shapes with limbs are turned over or seem to
+    face opposite ways, they are also registered from the best of several rough maps.
 
     Parameters
     ----------
