@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from assets.sculpting import tube
 from benchmarks.coherence_measures import (
     Along,
     Evenness,
@@ -21,7 +22,7 @@ from benchmarks.coherence_measures import (
 )
 from benchmarks.coherence_pairs import pairs_named
 from benchmarks.limb_paths import LimbPath, turned
-from benchmarks.sculptures import Sculpture, capsules
+from benchmarks.sculptures import Sculpture
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball, box, joined, torus
 
@@ -106,8 +107,8 @@ def test_a_vector_rotates_evenly_and_keeps_its_length():
 
 def _body_with_arm(angle: float, length: float, seed: int) -> TriangleMesh:
     clay = Sculpture(seed)
-    clay.add(capsules([[0, 0, -0.5], [0, 0, 0.5]], [0.3, 0.3]))
-    clay.add(capsules([[0, 0, 0.5], length * _toward(angle) + [0, 0, 0.5]], [0.1, 0.1]))
+    clay.add(tube([[0, 0, -0.5], [0, 0, 0.5]], [0.3, 0.3], steps=1))
+    clay.add(tube([[0, 0, 0.5], length * _toward(angle) + [0, 0, 0.5]], [0.1, 0.1], steps=1))
     return clay.mesh(2500)
 
 
