@@ -80,6 +80,24 @@ def test_every_frame_shows_its_file_and_the_ends_stay_on(tmp_path):
     assert [image.name for image in bpy.data.images if image.source != "VIEWER"] == ["Frames"]
 
 
+def test_the_image_of_another_file_stays_as_it_is(tmp_path):
+    """It is shown by a world that was linked and then made local."""
+    for name in ("there.0001.exr", "here.0001.exr"):
+        write_sky(tmp_path / name, np.ones((8, 16, 3), np.float32))
+    world = sequence_world("Sky", [tmp_path / "there.0001.exr"], 1)
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {world})
+    bpy.data.worlds.remove(world)
+    bpy.data.batch_remove(bpy.data.images)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.worlds = ["Sky"]
+    linked = next(node.image for node in wanted.worlds[0].node_tree.nodes if node.type == "TEX_ENVIRONMENT")
+    world = wanted.worlds[0].make_local()
+    assert sequence_world("Sky", [tmp_path / "here.0001.exr"], 1) == world
+    shown = next(node.image for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT")
+    assert shown.library is None and bpy.path.basename(shown.filepath) == "here.0001.exr"
+    assert bpy.path.basename(linked.filepath) == "there.0001.exr"
+
+
 def test_the_sun_of_the_middle_is_on_the_great_circle():
     steps = list(sky_steps([sky((1, 0, 0.4)), sky((0, 1, 0.4))], 3, SkySettings()))
     frames = [step.payload.frame for step in steps if step.payload is not None]

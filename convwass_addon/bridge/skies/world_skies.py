@@ -157,7 +157,7 @@ def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.
     texture = next((node for node in nodes if RESULT_OF in node), None) or _new_texture(world.node_tree)
     image = texture.image
     # If the image were removed for a new one, Blender would crash at undo.
-    if image is None or image.users > 1:
+    if image is None or image.users > 1 or not image.is_editable:
         image = texture.image = bpy.data.images.load(str(files[0]))
     image.name = name
     image.source, image.filepath = "SEQUENCE", for_blender(files[0])
