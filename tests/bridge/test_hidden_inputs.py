@@ -94,6 +94,15 @@ def test_parts_are_shown_again_after_the_scene_was_renamed(parts):
     assert hidden_in(bpy.context.scene, parts[:2]) == [False, False]
 
 
+def test_parts_that_another_morph_hides_stay_hidden_after_the_scene_was_renamed(parts):
+    first, second = new_morph(), new_morph()
+    hide_shapes(first, parts[:2], bpy.context.scene)
+    bpy.context.scene.name = "Shot 010"
+    hide_shapes(second, parts[:2], bpy.context.scene)
+    show_again(hidden_only_by(first))
+    assert hidden_in(bpy.context.scene, parts[:2]) == [True, True]
+
+
 def test_a_view_layer_is_not_listed_to_find_an_object(parts):
     class Unlisted(dict):
         def __iter__(self):

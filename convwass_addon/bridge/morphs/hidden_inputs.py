@@ -100,7 +100,7 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
         if own.in_renders:
             obj.hide_render = False
         for layer in layers_with(obj, bpy.data.scenes):
-            if any(_is_named(layer, *names) for names in own.layers):
+            if _names(layer) in own.layers:
                 obj.hide_set(False, view_layer=layer)
 
 
@@ -142,9 +142,11 @@ def _names(layer: bpy.types.ViewLayer) -> tuple[str, str]:
     return layer.id_data.name, layer.name
 
 
-def _is_named(layer: bpy.types.ViewLayer, scene: str, name: str) -> bool:
-    """Return whether a view layer has a name and is in a scene, which is unknown if there is none of that name."""
-    return layer.name == name and (layer.id_data.name == scene or scene not in bpy.data.scenes)
+def _present(scene: str, layer: str) -> list[tuple[str, str]]:
+    """Return the names of a scene and a view layer; without a scene of that name, of all layers of that name."""
+    if scene in bpy.data.scenes:
+        return [(scene, layer)]
+    return [(other.name, layer) for other in bpy.data.scenes if layer in other.view_layers]
 
 
 def _others(morph: bpy.types.ID) -> list[bpy.types.ID]:
@@ -179,8 +181,8 @@ def _read(entry: dict[str, object]) -> HiddenObject:
     name, library, layers = entry["name"], entry["library"], entry["layers"]
     if not (isinstance(name, str) and isinstance(library, str) and isinstance(layers, list)):
         raise TypeError("not a hidden object")
-    places = tuple((str(scene), str(layer)) for scene, layer in layers)
-    return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), places)
+    places = (place for scene, layer in layers for place in _present(str(scene), str(layer)))
+    return HiddenObject(ObjectName(name, library), bool(entry["in_renders"]), tuple(places))
 
 
 def _store(morph: bpy.types.ID, hidden: Sequence[HiddenObject]) -> None:
