@@ -44,7 +44,7 @@ def turned_carrier(shape: Carrier, turn: NDArray[np.float64]) -> Carrier:
 def is_turned_over(shape: TriangleMesh, laid: Laid) -> bool:
     """Return whether a registration turns a shape, as far as it is trusted, so that up becomes down."""
     weights = shape.vertex_areas * laid.trust
-    weights = weights / weights.sum()
+    weights = weights / max(weights.sum(), np.finfo(float).tiny)
     here, there = (points - weights @ points for points in (shape.vertices, laid.points))
     turn = nearest_rotations(np.einsum("n,ni,nj->ij", weights, there, here)[:, :, None]).rotations[:, :, 0]
     return bool(turn[2, 2] < np.cos(_OVER))

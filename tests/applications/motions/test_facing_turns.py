@@ -35,6 +35,10 @@ def test_a_body_is_turned_over_if_up_becomes_down(degrees, over):
     assert is_turned_over(SHAPE, Laid(turned(degrees), np.ones(len(SHAPE.vertices)))) is over
 
 
+def test_a_registration_that_is_trusted_nowhere_turns_nothing_over():
+    assert not is_turned_over(SHAPE, Laid(turned((0.0, 180.0, 0.0)), np.zeros(len(SHAPE.vertices))))
+
+
 def test_parts_that_are_not_trusted_do_not_count():
     upper = SHAPE.vertices[:, 2] > np.median(SHAPE.vertices[:, 2])
     points = np.where(upper[:, None], turned((180.0, 0.0, 0.0)), turned((0.0, 0.0, 0.0)))
