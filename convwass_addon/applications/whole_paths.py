@@ -48,10 +48,10 @@ def path_with_suffix(path: str | Path, suffix: str) -> Path:
     Raises
     ------
     InputError
-        A path without a file name, such as ``.`` or ``/``.
+        A path without a file name, such as ``.``, ``..`` or ``/``.
     """
     target = Path(path)
-    if not target.name:
+    if target.name in ("", ".."):
         raise InputError("{target} is a folder; add a file name to it.", target=_short(path))
     # Other suffixes are kept: they may tell files apart, as in horse.v001 and horse.v002.
     return target if target.suffix.lower() == suffix else target.with_name(target.name + suffix)

@@ -158,7 +158,7 @@ def test_paths_may_begin_with_two_slashes(tmp_path):
     assert str(checked_target(f"/{tmp_path}/a.ply")) == f"{tmp_path}/a.ply"
 
 
-@pytest.mark.parametrize("path", [".", "/", ""])
+@pytest.mark.parametrize("path", [".", "/", "", "..", "a/.."])
 def test_folders_are_refused_as_files(path):
     with pytest.raises(InputError, match="is a folder"):
         path_with_suffix(path, ".blend")
