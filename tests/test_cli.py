@@ -301,11 +301,13 @@ def test_errors_have_codes_and_instructions(shapes, tmp_path, capfd, monkeypatch
         ("morph.mp4", ["--render"]),
         ("frame_0002.ply", ["--export", "{at}/frame.ply"]),
         ("morph files", ["--output", "volume"]),
+        ("no folder", ["--output", "shape-keys", "--textures", "--texture-folder", "{at}/no folder/images"]),
     ],
 )
 def test_places_of_other_files_are_checked_before_the_work(shapes, tmp_path, capfd, monkeypatch, taken, words):
     monkeypatch.setattr(MorphJob, "write", None)
-    if taken == "morph files":
+    monkeypatch.setattr(shape_key_job, "key_paths", None)
+    if taken in ("morph files", "no folder"):
         (tmp_path / taken).touch()
     else:
         (tmp_path / taken).mkdir()

@@ -13,7 +13,7 @@ import bpy
 from ..applications.morphs.computation import Computation
 from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
-from ..bridge.files import save_blend
+from ..bridge.files import creatable_folder, save_blend
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.guides_of_files import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest
@@ -44,6 +44,9 @@ def with_shape_keys(
     refuse_one_mesh(inputs)
     exported = checked_key_target(options.export) if options.export else None
     textures = TextureSettings(**given_settings(options, TextureSettings))
+    if textures.texture_folder:
+        # Checked before the work begins.
+        creatable_folder(textures.texture_folder)
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
     guides = guides_asked_for(options.guides, options.shapes, inputs, depsgraph)
     request = replace(request, guides=[guide.as_dict() for guide in guides])
