@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 from bpy.props import EnumProperty, StringProperty
 
+from ..bridge.linked_data import is_linked
 from ..bridge.vertex_groups import group_names
 from ..errors import InputError
 from .chosen_inputs import split_names
@@ -105,7 +106,7 @@ class _OnOwnList(OnMesh):
         if not super().poll(context):
             return False
         # Blender does not allow changes to lists of linked objects or library overrides.
-        if context.object.library is not None or context.object.override_library is not None:
+        if is_linked(context.object):
             cls.poll_message_set("Make the object local first: Object > Relations > Make Local")
             return False
         return True

@@ -12,6 +12,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.active import active_object, selected_objects
+from ..bridge.linked_data import is_linked
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.morph_guides import guides_of_entries
 from ..bridge.morphs.morph_request import MorphRequest
@@ -62,11 +63,6 @@ def active_bake(context: bpy.types.Context) -> bpy.types.Collection | bpy.types.
 def baked_blocks() -> list[bpy.types.Collection | bpy.types.Object]:
     """Return everything in the file that can be baked again: morphs, and objects with shape keys."""
     return [block for block in (*bpy.data.collections, *bpy.data.objects) if MORPH_KEY in block and is_own(block)]
-
-
-def is_linked(block: bpy.types.ID) -> bool:
-    """Return whether a data-block, or the one that it overrides, is linked from another file."""
-    return block.library is not None or block.override_library is not None
 
 
 def is_own(bake: bpy.types.Collection | bpy.types.Object) -> bool:

@@ -235,6 +235,18 @@ def test_a_linked_player_is_shown_as_it_is(path, tmp_path, how):
     assert len(frame_objects(bpy.context.object.users_collection[0])) == 4
 
 
+@pytest.mark.parametrize("how", ["linked", "overridden"])
+def test_what_a_linked_player_in_a_linked_set_shows_is_baked_to_the_scene(path, tmp_path, how):
+    bpy.ops.convwass.make_player()
+    room = bpy.data.collections.new("Set")
+    bpy.context.scene.collection.children.link(room)
+    room.children.link(path)
+    bpy.context.scene.collection.children.unlink(path)
+    linked(room, tmp_path / "library.blend", how)
+    assert bpy.ops.convwass.bake_player(rate=24.0) == {"FINISHED"}
+    assert bpy.context.object.users_collection[0] in list(bpy.context.scene.collection.children)
+
+
 def test_an_overridden_morph_is_not_baked_again(path, tmp_path):
     collection = linked(path, tmp_path / "library.blend", "overridden")
     assert "Bake a morph first" in refused("rebake_morph", morphs=collection.name)

@@ -15,6 +15,7 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..keyframes import FrameRange, key_visibility
+from ..linked_data import is_linked
 from ..objects import take_own_materials
 from .hidden_inputs import copy_hidden
 from .player import last_value, morph_value, playback_item, shown_value
@@ -98,7 +99,10 @@ def bake_player(
     settings = {**stored.settings, SAMPLED_FROM: source.name}
     store(collection, replace(stored, settings=settings, first_frame=first_frame, records=[{} for _ in made]))
     copy_hidden(source, collection)
-    for home in [home for home in (scene.collection, *bpy.data.collections) if source in set(home.children)]:
+    places = (scene.collection, *bpy.data.collections)
+    homes = [home for home in places if source in set(home.children) and not is_linked(home)]
+    # A linked morph may be in collections that cannot take others.
+    for home in homes or [scene.collection]:
         home.children.link(collection)
     player.hide_viewport = player.hide_render = True
     return collection
