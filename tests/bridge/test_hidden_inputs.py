@@ -10,7 +10,7 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs import hidden_inputs
-from convwass_addon.bridge.morphs.hidden_inputs import hidden_only_by, hide_shapes, show_again
+from convwass_addon.bridge.morphs.hidden_inputs import copy_hidden, hidden_only_by, hide_shapes, show_again
 from convwass_addon.bridge.morphs.stored import MORPH_KEY
 from convwass_addon.bridge.objects import is_in
 
@@ -100,6 +100,20 @@ def test_parts_that_another_morph_hides_stay_hidden_after_the_scene_was_renamed(
     bpy.context.scene.name = "Shot 010"
     hide_shapes(second, parts[:2], bpy.context.scene)
     show_again(hidden_only_by(first))
+    assert hidden_in(bpy.context.scene, parts[:2]) == [True, True]
+
+
+def test_the_shapes_of_a_linked_morph_are_other_ones(parts, tmp_path):
+    """Although they have the same names."""
+    morph = new_morph()
+    hide_shapes(morph, parts[:2], bpy.context.scene)
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {morph})
+    bpy.data.collections.remove(morph)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.collections = ["Morph"]
+    sampled = new_morph()
+    copy_hidden(wanted.collections[0], sampled)
+    show_again(hidden_only_by(sampled))
     assert hidden_in(bpy.context.scene, parts[:2]) == [True, True]
 
 

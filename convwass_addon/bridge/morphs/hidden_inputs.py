@@ -150,16 +150,19 @@ def _present(scene: str, layer: str) -> list[tuple[str, str]]:
 
 
 def _others(morph: bpy.types.ID) -> list[bpy.types.ID]:
-    """Return all other morphs in the scenes of the file; shapes of linked ones are in another file."""
+    """Return all other morphs in the scenes of the file."""
     # Deleted ones may still exist if something refers to them; two meshes that replace each other always do.
     collections = {own for scene in bpy.data.scenes for own in scene.collection.children_recursive}
     objects = (obj for obj in bpy.data.objects if MORPH_KEY in obj and obj.users_scene)
     morphs = [*(own for own in collections if MORPH_KEY in own), *objects]
-    return [other for other in morphs if other.library is None and other != morph]
+    return [other for other in morphs if other != morph]
 
 
 def _hidden_by(morph: bpy.types.ID) -> list[HiddenObject]:
     """Return what a morph hides; all of its shapes if that is damaged, or was not stored by an earlier version."""
+    if morph.library is not None:
+        # Its shapes are in another file, where they may have the names of objects of this one.
+        return []
     try:
         return [_read(entry) for entry in json.loads(morph[HIDDEN_KEY])]
     except (LookupError, TypeError, ValueError, RecursionError):
