@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.mesh import TriangleMesh
+from ...geometry.mesh import TriangleMesh, is_level
 from ...geometry.rotations import nearest_rotations
 from ...geometry.upright_turns import upright_turn
 from .carriers import Carrier
@@ -42,7 +42,12 @@ def turned_carrier(shape: Carrier, turn: NDArray[np.float64]) -> Carrier:
 
 
 def is_turned_over(shape: TriangleMesh, laid: Laid) -> bool:
-    """Return whether a registration turns a shape, as far as it is trusted, so that up becomes down."""
+    """Return whether a registration turns a shape, as far as it is trusted, so that up becomes down.
+
+    Flat shapes stay in their plane, but the parts of one may move such that the nearest rotation turns it over.
+    """
+    if is_level(shape.vertices) and is_level(laid.points):
+        return False
     weights = shape.vertex_areas * laid.trust
     weights = weights / max(weights.sum(), np.finfo(float).tiny)
     here, there = (points - weights @ points for points in (shape.vertices, laid.points))

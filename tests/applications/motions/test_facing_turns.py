@@ -9,6 +9,7 @@ import pytest
 
 from convwass_addon.applications.motions.facing_turns import is_turned_over
 from convwass_addon.applications.motions.laid_meshes import Laid
+from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.rotation_fields import rotation_matrices
 from tests.grids import figure
 
@@ -37,6 +38,12 @@ def test_a_body_is_turned_over_if_up_becomes_down(degrees, over):
 
 def test_a_registration_that_is_trusted_nowhere_turns_nothing_over():
     assert not is_turned_over(SHAPE, Laid(turned((0.0, 180.0, 0.0)), np.zeros(len(SHAPE.vertices))))
+
+
+def test_flat_shapes_stay_in_their_plane():
+    """Left and right of letters may change places, stroke by stroke."""
+    flat = TriangleMesh(SHAPE.vertices[:, [0, 2, 1]] * (1.0, 1.0, 0.0), SHAPE.faces)
+    assert not is_turned_over(flat, Laid(flat.vertices * (-1.0, 1.0, 1.0), np.ones(len(flat.vertices))))
 
 
 def test_parts_that_are_not_trusted_do_not_count():
