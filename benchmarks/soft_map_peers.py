@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Functional maps by pyFM for the pairs of the soft map benchmark; runs in the peers' environment.
 
-``python -m benchmarks.soft_map_peers CASE OPTIONS`` prints one line of JSON. Imports nothing from the project.
+``python -m benchmarks.soft_map_peers CASE OPTIONS`` prints one line of JSON. Imports nothing from the add-on.
 """
 
 from __future__ import annotations

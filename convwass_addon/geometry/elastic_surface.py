@@ -226,7 +226,7 @@ class _SpringSystem:
     def solved(
         self, right: NDArray[np.float64], start: NDArray[np.float64], nearly: Factorization, most: int
     ) -> tuple[NDArray[np.float64], bool]:
-        """Solve by conjugate gradients with a preconditioner, in at most `most` iterations; tell if they suffice."""
+        """Solve by conjugate gradients with a preconditioner; return whether `most` iterations suffice, too."""
         count = len(start)
 
         def product(vector: NDArray[np.float64]) -> NDArray[np.float64]:

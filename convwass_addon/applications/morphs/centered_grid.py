@@ -84,9 +84,9 @@ class CenteredGrid:
         return replace(self, shape=tuple(cells.tolist()), origin=self.origin - below * self.spacing)
 
     def only_holding(self, room: Room) -> Self:
-        """Return the same cells, and no more of them than moved shapes need except along the longest side.
+        """Return only the cells that moved shapes need, in the same places.
 
-        That side is only enlarged, because some lengths are relative to it and should be the same in all blends.
+        The longest side is only enlarged, because some lengths are relative to it and should be the same in all blends.
         """
         first, end = self._span(room)
         longest = int(np.argmax(self.shape))

@@ -41,8 +41,8 @@ _LOPSIDED, _DETOUR, _FARTHER = 0.5, 1.8, 1.1
 # What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
 # becomes the tail, and with 0.49 after a quarter turn, symmetrically.
 _ASKEW = 0.75
-# What a map that turns a body over counts. A caterpillar maps onto a butterfly with 0.76 upside down and back to front,
-# and a fish with 0.26, and 0.25 upright.
+# What a map that turns a body over counts. A caterpillar maps onto a butterfly with 0.76 upside down and back to front;
+# a fish maps onto it with 0.26 upside down, and with 0.25 upright.
 _TURNED_OVER = 0.5
 # With a lower score, other maps of symmetric shapes are tried. A cow maps onto a bird with 0.20, 0.48, 0.80 or 0.82 if
 # its vertices move by a millionth to a thousandth of its size.
@@ -106,7 +106,7 @@ class MappedPair:
 
     @property
     def merit(self) -> float:
-        """The score to compare shapes with and without a turn: less if low and lopsided or turned over."""
+        """The score to compare maps: below `TRUSTED`, less if turned over or without a common mirror plane."""
         if self.score >= TRUSTED:
             return self.score
         return self.score * (_ASKEW if self.symmetry is None else 1.0) * (_TURNED_OVER if self.is_turned_over else 1.0)
