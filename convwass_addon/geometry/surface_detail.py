@@ -33,7 +33,7 @@ from .edges import edge_ends, edge_use
 from .facing_points import FacingShape
 from .fold_damping import without_folds
 from .mesh import TriangleMesh
-from .missed_rims import FARTHEST, missed_rims
+from .missed_rims import FARTHEST, MissedRims, missed_rims
 from .normals import area_normals, mean_directions, triangle_normals, unit_vectors, vertex_normals
 from .subdivision import with_edges_halved
 from .tangent_planes import meeting_points
@@ -55,6 +55,8 @@ _TURNED, _RELAXATIONS = 0.3, 4
 _LOW = 0.1
 # Rounds in which trust is smoothed towards points without trust.
 _FADING = 2
+# Blends have sharp rims where shapes with more than the second weight have them, and soft ones up to the first weight.
+_SOFT, _SHARP = 0.5, 0.9
 # Edges of narrow triangles are flipped, and then their vertices moved, if the surface moves by at most this many cells.
 _FLAT, _SMOOTH = 0.03, 0.01
 # The volume is corrected if its relative error exceeds the first number, by at most the second in cells along the
@@ -141,7 +143,7 @@ def with_detail(
         Edge length of the surface in cells: edges that are twice as long may deviate four times as much.
     """
     normals = _even_normals(surface)
-    laid = _Laid(surface, normals, [_Carried.found(source, normals, cell, control) for source in sources])
+    laid = _Laid(surface, normals, [_Carried.found(source, normals, control) for source in sources]).to_rims(cell)
     most = int(_MOST_TRIANGLES * len(surface.faces))
     for _ in range(_ROUNDS):
         control.check()
@@ -180,7 +182,7 @@ class _Carried:
     """Whether points are on rims that the coarse surface does not reach, (n,)."""
 
     @classmethod
-    def found(cls, source: DetailSource, normals: NDArray[np.float64], cell: float, control: Control) -> _Carried:
+    def found(cls, source: DetailSource, normals: NDArray[np.float64], control: Control) -> _Carried:
         """Find the points for the vertices of a surface with these normals, (n, 3)."""
         finder, corners, starts = source.shape.finder, source.shape.mesh.corners, source.starts
         places, facing = finder.find(starts, normals, control), triangle_normals(corners)
@@ -192,12 +194,18 @@ class _Carried:
         ahead = np.einsum("nd,nd->n", points[oblique] - begin, along)
         found = finder.find(begin + ahead[:, None] * along, along, control)
         points[oblique] = found.interpolated(corners)
-        rims = missed_rims(source.shape.mesh, starts, normals, cell, source.filled)
-        points[rims.vertices] = rims.points
-        places = places.replaced(oblique, found).replaced(rims.vertices, finder.find_closest(rims.points))
-        on_rim = np.zeros(len(points), bool)
-        on_rim[rims.vertices] = True
-        return cls(source, facing, starts, source.certainty, places, points, on_rim)
+        nowhere = np.zeros(len(points), bool)
+        return cls(source, facing, starts, source.certainty, places.replaced(oblique, found), points, nowhere)
+
+    def to_rims(self, rims: MissedRims, sharpness: NDArray[np.float64]) -> _Carried:
+        """Move the points of vertices next to rims towards these, by a fraction for every vertex, (n,)."""
+        chosen = sharpness[rims.vertices] > 0.0
+        rows, share = rims.vertices[chosen], sharpness[rims.vertices[chosen], None]
+        wanted = (1.0 - share) * self.points[rows] + share * rims.points[chosen]
+        found = self.source.shape.finder.find_closest(wanted)
+        points, on_rim = self.points.copy(), self.on_rim.copy()
+        points[rows], on_rim[rows] = found.interpolated(self.source.shape.mesh.corners), True
+        return replace(self, places=self.places.replaced(rows, found), points=points, on_rim=on_rim)
 
     @cached_property
     def normals(self) -> NDArray[np.float64]:
@@ -312,6 +320,19 @@ class _Laid:
     mesh: TriangleMesh
     normals: NDArray[np.float64]
     carried: list[_Carried]
+
+    def to_rims(self, cell: float) -> _Laid:
+        """Move points to rims that the surface does not reach, where shapes of enough weight have them."""
+        found = [
+            missed_rims(own.source.shape.mesh, own.starts, self.normals, cell, own.source.filled)
+            for own in self.carried
+        ]
+        weights = np.zeros(len(self.normals))
+        for own, rims in zip(self.carried, found, strict=True):
+            weights[rims.vertices] += own.source.weight
+        sharpness = np.clip((weights - _SOFT) / (_SHARP - _SOFT), 0.0, 1.0)
+        carried = [own.to_rims(rims, sharpness) for own, rims in zip(self.carried, found, strict=True)]
+        return replace(self, carried=carried)
 
     def relaxed(self, means: EdgeMeans) -> _Laid:
         """Relax the points on all shapes."""
