@@ -86,8 +86,8 @@ def _samples(shape: TriangleMesh, spacing: float) -> NDArray[np.float64]:
     """Return the used vertices of a mesh, and points between them along edges that are longer than a spacing."""
     ends = shape.vertices[mesh_edges(shape.faces)]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
-    counts = np.minimum(np.ceil(lengths / spacing).astype(np.int64), _MOST_SAMPLES) - 1
-    edges = np.repeat(np.arange(len(ends)), np.maximum(counts, 0))
+    counts = np.clip(np.ceil(lengths / spacing).astype(np.int64), 1, _MOST_SAMPLES) - 1
+    edges = np.repeat(np.arange(len(ends)), counts)
     places = np.arange(len(edges)) - (np.cumsum(counts) - counts)[edges]
     shares = ((places + 1) / (counts[edges] + 1))[:, None]
     between = (1.0 - shares) * ends[edges, 0] + shares * ends[edges, 1]

@@ -11,9 +11,10 @@ from scipy.ndimage import map_coordinates
 from convwass_addon.applications.morphs.coinciding_solids import CoincidingSolids
 from convwass_addon.applications.morphs.extraction import connectivity_of, extract_coinciding
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.geometry import surface_detail
 from convwass_addon.geometry.facing_points import FacingShape
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.missed_rims import missed_rims
+from convwass_addon.geometry.missed_rims import MissedRims, missed_rims
 from convwass_addon.geometry.occupancy import occupancy
 from convwass_addon.geometry.rotation_fields import rotation_matrices
 from convwass_addon.geometry.surface_detail import DetailSource, with_detail
@@ -40,30 +41,51 @@ def rim_radii(mesh):
     return farthest[:120]
 
 
-def detailed(shape):
-    """The surface of a shape as blends show it, with its detail; also the surface without."""
-    filled = occupancy(shape.corners, (48, 48, 48))
-    volume = float(filled.sum())
-    settings = MorphSettings()
+def coarse_surface(filled):
+    """The surface of a shape as blends show it, without its detail."""
+    volume, settings = float(filled.sum()), MorphSettings()
     solids = CoincidingSolids.of([filled, filled], [0.5, 0.5], volume)
-    coarse = extract_coinciding(solids, volume, [connectivity_of(filled, settings)], settings).surface.mesh
+    return extract_coinciding(solids, volume, [connectivity_of(filled, settings)], settings).surface.mesh
+
+
+def detailed(coarse, filled, weights):
+    """A coarse surface with the detail of some meshes, which are given with their weights."""
 
     def around(points):
         return map_coordinates(filled, points.T - 0.5, order=1, mode="nearest")
 
     certainty = np.ones(len(coarse.vertices))
-    source = DetailSource(FacingShape(shape), 1.0, coarse.vertices, certainty, around)
-    return coarse, with_detail(coarse, [source], 1.0, 1.0, shape.volume)
+    sources = [DetailSource(FacingShape(mesh), weight, coarse.vertices, certainty, around) for mesh, weight in weights]
+    return with_detail(coarse, sources, 1.0, 1.0, coarse.volume).mesh
 
 
 @pytest.mark.parametrize(("half_thickness", "error"), [(1.5, 0.15), (2.5, 0.02)])
 def test_detail_extends_the_surface_to_a_sharp_rim(half_thickness, error):
-    coarse, found = detailed(lens(half_thickness))
-    before, after = rim_radii(coarse), rim_radii(found.mesh)
+    shape = lens(half_thickness)
+    filled = occupancy(shape.corners, (48, 48, 48))
+    coarse = coarse_surface(filled)
+    before, after = rim_radii(coarse), rim_radii(detailed(coarse, filled, [(shape, 1.0)]))
     assert before.mean() < RADIUS - 0.4
     assert after.mean() == pytest.approx(RADIUS, abs=error)
     # A rim that is reached only here and there is serrated.
+    assert np.quantile(after, 0.05) >= RADIUS - 0.5
     assert np.quantile(after, 0.05) > np.quantile(before, 0.05) + 0.5
+
+
+@pytest.mark.parametrize(("weight", "sharp"), [(0.5, False), (0.7, True)])
+def test_only_rims_of_most_of_a_blend_are_sharp(monkeypatch, weight, sharp):
+    """A blend of a lens and of its coarse surface, which has no rim beyond."""
+    shape = lens(1.5)
+    filled = occupancy(shape.corners, (48, 48, 48))
+    coarse = coarse_surface(filled)
+    weights = (shape, weight), (coarse, 1.0 - weight)
+    with_rims = detailed(coarse, filled, weights)
+    none = MissedRims(np.empty(0, np.int64), np.empty((0, 3)))
+    monkeypatch.setattr(surface_detail, "missed_rims", lambda *_arguments: none)
+    without = detailed(coarse, filled, weights)
+    assert np.array_equal(with_rims.vertices, without.vertices) is not sharp
+    if sharp:
+        assert rim_radii(with_rims).mean() > rim_radii(without).mean() + 0.05
 
 
 def ring(radius, count=60):
@@ -98,14 +120,26 @@ def test_points_on_the_rim_belong_to_the_vertices_next_to_it(radius, fraction, f
     assert beside.max(initial=0.0) <= np.pi * RADIUS / len(starts) + 0.1
 
 
-def test_samples_between_distant_vertices_are_found_too():
-    """A square plate of a few large triangles: its rim lies along four long edges."""
+@pytest.mark.parametrize("doubled", [False, True])
+def test_samples_between_distant_vertices_are_found_too(doubled):
+    """A square plate of a few large triangles, also with edges of length zero: its rim lies along four long edges."""
     corners = np.array([[x, y, z] for x in (0.0, 40.0) for y in (0.0, 40.0) for z in (-0.2, 0.2)])
     plate = TriangleMesh(corners, FACES)
+    if doubled:
+        again = np.array([[0, 0, 8], [3, 11, 3], [5, 13, 13]])
+        plate = TriangleMesh(np.concatenate([corners, corners]), np.concatenate([again, FACES, FACES + 8]))
     places = np.linspace(5.0, 35.0, 16)
     starts = np.stack([np.full(16, 39.0), places, np.zeros(16)], axis=1)
     normals = np.tile((1.0, 0.0, 0.0), (16, 1))
-    rims = missed_rims(plate, starts, normals, 1.0, lambda points: np.where(points[:, 0] > 39.5, 0.1, 0.5))
+    asked = []
+
+    def filled(points):
+        asked.append(points)
+        return np.where(points[:, 0] > 39.5, 0.1, 0.5)
+
+    rims = missed_rims(plate, starts, normals, 1.0, filled)
+    assert asked[0].min() >= -0.2
+    assert asked[0].max() <= 40.0
     np.testing.assert_array_equal(rims.vertices, np.arange(16))
     np.testing.assert_allclose(rims.points[:, 0], 40.0)
     np.testing.assert_allclose(rims.points[1:-1, 1], places[1:-1], atol=1.0)
