@@ -14,9 +14,10 @@ from .carriers import Carrier
 from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides
 
-# A body is turned over if its vertical axis turns by more than this angle. A car stands up to become a robot (60
-# degrees), and a robot lies down to become a butterfly (90).
-_OVER = np.radians(100.0)
+# A body is turned over if its vertical axis turns by more than this angle. By eye, a car may stand up to become a robot
+# (60 degrees), a robot lie down to become a butterfly (90), and this dive to become a chick (105), but a fish makes a
+# somersault to become a butterfly (120).
+_OVER = np.radians(110.0)
 
 
 def symmetric_turn(first: TriangleMesh, second: TriangleMesh) -> NDArray[np.float64] | None:
