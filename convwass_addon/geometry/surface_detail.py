@@ -5,10 +5,9 @@
 For every shape i, each vertex v of the surface has a point y_i on the coarsely extracted surface of the shape, with
 sum_i w_i y_i = v. The detail lost by the coarse extraction is d_i = p_i - y_i, where p_i is the closest point of the
 shape itself with a similar normal, searched again along the normal of the surface where it is on an oblique face. Where
-the coarse surface does not reach a thin rim, p_i is on the rim (:mod:`.missed_rims`). The
-detailed surface has the vertices v + sum_i w_i c_i d_i. The trust c_i is 1 unless the shape is far away, faces away, or
-is inside its own solid there. With full trust these are sum_i w_i p_i: the surface becomes the shape as its weight goes
-to one.
+the coarse surface does not reach a thin rim, p_i is on the rim (:mod:`.missed_rims`). The detailed surface has the
+vertices v + sum_i w_i c_i d_i. The trust c_i is 1 unless the shape is far away, faces away, or is inside its own solid
+there. With full trust these are sum_i w_i p_i: the surface becomes the shape as its weight goes to one.
 
 Edges are halved where a shape bends between their ends. Where an edge crosses a crease, its midpoint is moved to the
 crease (like the vertices in L. Kobbelt, M. Botsch, U. Schwanecke and H.-P. Seidel, "Feature sensitive surface

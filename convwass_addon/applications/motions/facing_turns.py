@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh, is_level
-from ...geometry.rotations import nearest_rotations
+from ...geometry.rotations import nearest_rotation
 from ...geometry.upright_turns import upright_turn
 from .carriers import Carrier
 from .laid_meshes import Laid
@@ -52,5 +52,5 @@ def is_turned_over(shape: TriangleMesh, laid: Laid) -> bool:
     weights = shape.vertex_areas * laid.trust
     weights = weights / max(weights.sum(), np.finfo(float).tiny)
     here, there = (points - weights @ points for points in (shape.vertices, laid.points))
-    turn = nearest_rotations(np.einsum("n,ni,nj->ij", weights, there, here)[:, :, None]).rotations[:, :, 0]
+    turn = nearest_rotation((weights * there.T) @ here)
     return bool(turn[2, 2] < np.cos(_OVER))
