@@ -84,11 +84,24 @@ def missed_rims(
 
 def _samples(shape: TriangleMesh, spacing: float) -> NDArray[np.float64]:
     """Return the used vertices of a mesh, and points between them along edges that are longer than a spacing."""
-    ends = shape.vertices[mesh_edges(shape.faces)]
+    # Fine meshes have few long edges, and finding all of their edges would take most of the time.
+    ends = shape.vertices[mesh_edges(shape.faces[_have_long_sides(shape, spacing)])]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     counts = np.clip(np.ceil(lengths / spacing).astype(np.int64), 1, _MOST_SAMPLES) - 1
     edges = np.repeat(np.arange(len(ends)), counts)
     places = np.arange(len(edges)) - (np.cumsum(counts) - counts)[edges]
     shares = ((places + 1) / (counts[edges] + 1))[:, None]
     between = (1.0 - shares) * ends[edges, 0] + shares * ends[edges, 1]
-    return np.concatenate([shape.vertices[np.unique(shape.faces)], between])
+    used = np.zeros(len(shape.vertices), bool)
+    used[shape.faces] = True
+    return np.concatenate([shape.vertices[used], between])
+
+
+def _have_long_sides(shape: TriangleMesh, length: float) -> NDArray[np.bool_]:
+    """Return which triangles have a side that is longer than a length, (m,)."""
+    corners = [shape.vertices.take(corner, axis=0) for corner in shape.faces.T]
+    found = np.zeros(len(shape.faces), bool)
+    for corner in range(3):
+        side = corners[corner] - corners[corner - 1]
+        found |= np.einsum("md,md->m", side, side) > length**2
+    return found
