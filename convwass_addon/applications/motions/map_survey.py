@@ -96,8 +96,8 @@ def _rough_map(
         found = drained(mirrored_map(*drafts, SoftMapSettings(vertices=vertices), control, sides))
         starts = found.starts(*drafts)
         both = [proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control) for k in (0, 1)]
-        found_on = [trusted(own) for own in both]
-        over = any(is_turned_over(draft.mesh, own) for draft, own in zip(drafts, found_on, strict=True))
+        drafted = [trusted(own) for own in both]
+        over = any(is_turned_over(draft.mesh, own) for draft, own in zip(drafts, drafted, strict=True))
         cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0) + (_TURNED_OVER if over else 0.0)
-        laid = [carried(draft, own) for draft, own in zip(drafts, found_on, strict=True)]
+        laid = [carried(draft, own) for draft, own in zip(drafts, drafted, strict=True)]
     return RoughMap(pose, found, (laid[0], laid[1]), cost)
