@@ -70,8 +70,9 @@ class PropagationGraph:
         count = int(max(pairs.max(initial=-1), given.max()) + 1) if size is None else int(size)
         if min(pairs.min(initial=0), given.min()) < 0 or max(pairs.max(initial=-1), given.max()) >= count:
             raise ValueError(f"edges and fixed must name vertices between 0 and {count - 1}")
-        if (pairs[:, 0] == pairs[:, 1]).any():
-            raise ValueError(f"edges must not run from a vertex to itself, as one at vertex {_first_loop(pairs)} does")
+        loops = pairs[pairs[:, 0] == pairs[:, 1], 0]
+        if len(loops):
+            raise ValueError(f"edges must not run from a vertex to itself, as one at vertex {loops[0]} does")
         weights = checked_edge_weights(edge_weights, len(pairs))
         is_fixed = np.zeros(count, bool)
         is_fixed[given] = True
@@ -79,6 +80,11 @@ class PropagationGraph:
         kept = ~(is_fixed[pairs[:, 0]] & is_fixed[pairs[:, 1]])
         ends = pairs[kept].ravel()
         return cls(count, ends, np.repeat(weights[kept], 2), is_fixed)
+
+    @cached_property
+    def total_weights(self) -> NDArray[np.float64]:
+        """The sum of the weights of the edges at every vertex, (size,)."""
+        return np.bincount(self.vertex_of_end, self.weight_of_end, self.size)
 
     @cached_property
     def ends_at(self) -> tuple[NDArray[np.int64], ...]:
@@ -154,7 +160,3 @@ def _vertices(numbers: ArrayLike, name: str) -> NDArray[np.int64]:
     if not np.issubdtype(vertices.dtype, np.integer):
         raise ValueError(f"{name} must name vertices by whole numbers, got {vertices.dtype}")
     return vertices.astype(np.int64)
-
-
-def _first_loop(pairs: NDArray[np.int64]) -> int:
-    return int(pairs[pairs[:, 0] == pairs[:, 1]][0, 0])

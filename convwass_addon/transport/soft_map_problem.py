@@ -115,8 +115,7 @@ class SoftMapProblem:
         sources, ends = np.unique(ends, return_inverse=True)
         graph = PropagationGraph(len(sources), ends.ravel(), np.repeat(weights, 2), np.zeros(len(sources), bool))
         targets = np.flatnonzero(domain.weights > 0)
-        total_weights = np.bincount(graph.vertex_of_end, graph.weight_of_end, graph.size)
-        factors = tau * areas[sources] / (domain.gamma * np.maximum(total_weights, 1e-300))
+        factors = tau * areas[sources] / (domain.gamma * np.maximum(graph.total_weights, 1e-300))
         costs = costs[np.ix_(sources, targets)]
         costs -= costs.min(axis=1, keepdims=True, initial=np.inf)
         return cls(

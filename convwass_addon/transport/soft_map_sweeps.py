@@ -82,11 +82,6 @@ class SweepOrder:
         return place[self.ends ^ 1]
 
     @cached_property
-    def total_weights(self) -> NDArray[np.float64]:
-        """The sum of the weights of the edges at every vertex, (size,), in this order."""
-        return np.bincount(self.graph.vertex_of_end, self.graph.weight_of_end, self.graph.size)[self.vertices]
-
-    @cached_property
     def colors(self) -> tuple[tuple[Block, ...], ...]:
         """Blocks of vertices by color; no edge joins two vertices of one color."""
         degrees = np.array([len(self.graph.ends_at[vertex]) for vertex in self.vertices])
@@ -108,7 +103,7 @@ class SweepOrder:
         owner = np.repeat(np.arange(count), degrees[vertices])
         shares = np.zeros((count, len(owner)), np.float32)
         weights = self.graph.weight_of_end[self.ends[ends]]
-        shares[owner, np.arange(len(owner))] = weights / self.total_weights[vertices][owner]
+        shares[owner, np.arange(len(owner))] = weights / self.graph.total_weights[self.vertices[vertices]][owner]
         return Block(vertices, ends, owner, shares)
 
 
