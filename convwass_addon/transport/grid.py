@@ -193,7 +193,7 @@ class Grid(GaussianKernel, ThroughWholeArrays):
             shift = logs.max() - HEADROOM
             scaled = np.exp(logs - shift)
             np.copyto(scaled, 0.0, where=scaled < NEGLIGIBLE)
-            current = first[: prod(span.stop - span.start for span in source.box)]
+            current = first[: source.box_cells]
             current.fill(0.0)
             current[source.index_in_box] = scaled
             spare = [second, first]
@@ -226,7 +226,7 @@ class Grid(GaussianKernel, ThroughWholeArrays):
     def prolong(self, columns: NDArray[np.float64], region: Region) -> NDArray[np.float64]:
         """Interpolate columns of the coarser grid, (k, *shape / 2), linearly to a region of this one, (k, len)."""
         result = np.empty((len(columns), len(region)), columns.dtype)
-        if len(region) < _FEW * prod(span.stop - span.start for span in region.box):
+        if len(region) < _FEW * region.box_cells:
             # The center of cell i is at (i - 1/2) / 2 in indices of the coarser cells.
             places = np.stack(np.unravel_index(region.index, self.shape)) / 2.0 - 0.25
             for values, target in zip(columns, result, strict=True):
