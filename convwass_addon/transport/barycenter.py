@@ -230,7 +230,7 @@ def barycenter(
 
 
 def _check_begun(begun: Barycenter, inputs: Inputs, alphas: NDArray[np.float64], sharpness: float) -> None:
-    coarser = {len(own): own[-1].domain.shape for own in (inputs.levels[:n] for n in range(1, len(inputs.levels)))}
+    coarser = {count: level.domain.shape for count, level in enumerate(inputs.levels[:-1], start=1)}
     if coarser.get(len(begun.levels)) != begun.density.shape:
         raise ValueError("begun must be a barycenter of the coarser levels of these inputs")
     if not np.array_equal(begun.weights, alphas) or begun.sharpness != sharpness:

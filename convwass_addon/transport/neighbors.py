@@ -148,7 +148,8 @@ def _mixed(first: Potentials, second: Potentials, share: float) -> Potentials:
     region = Region(_known(first) | _known(second))
     one, other = first.on(region).columns, second.on(region).columns
     mixed = (1.0 - share) * one + share * other
-    return Potentials(region, *_split(np.where(_missing(one), other, np.where(_missing(other), one, mixed))))
+    columns = np.where(_missing(one), other, np.where(_missing(other), one, mixed))
+    return Potentials(region, columns[:-1], columns[-1])
 
 
 def _known(potentials: Potentials) -> NDArray[np.bool_]:
@@ -157,7 +158,3 @@ def _known(potentials: Potentials) -> NDArray[np.bool_]:
 
 def _missing(columns: NDArray[np.float64]) -> NDArray[np.bool_]:
     return (columns[:-1] <= LOG_NOTHING / 2).any(axis=0)
-
-
-def _split(columns: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return columns[:-1], columns[-1]
