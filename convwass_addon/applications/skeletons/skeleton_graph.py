@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -109,6 +110,14 @@ class JointGraph:
             found[tail].append(head)
             found[head].append(tail)
         return found
+
+    def bones_along(self, chain: NDArray[np.int64]) -> list[int]:
+        """Return the indices of the bones between consecutive joints of a chain."""
+        return [self._bone_of[min(ends), max(ends)] for ends in pairwise(chain.tolist())]
+
+    @cached_property
+    def _bone_of(self) -> dict[tuple[int, int], int]:
+        return {tuple(edge): index for index, edge in enumerate(self.edges.tolist())}
 
     def part(self, chosen: NDArray[np.bool_]) -> JointGraph:
         """Return the subgraph of some joints, (v,) bool."""

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,18 +84,22 @@ def spread_along(
         Lengths of the bones, positive.
     """
     positions = initial[: len(graph.positions)].copy()
-    bone_of = {tuple(edge): index for index, edge in enumerate(graph.edges.tolist())}
     for chain in chains(graph):
         if len(chain) < 3:
             continue
-        bones = [bone_of[min(a, b), max(a, b)] for a, b in pairwise(chain.tolist())]
+        bones = graph.bones_along(chain)
         paths = [
             links.paths[b] if links.paths[b][0] == joint else links.paths[b][::-1]
             for b, joint in zip(bones, chain[:-1], strict=True)
         ]
         curve = initial[np.concatenate([paths[0], *(path[1:] for path in paths[1:])])]
-        gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
-        wanted = np.cumsum(lengths[bones])
-        places = wanted[:-1] / wanted[-1] * gone[-1]
-        positions[chain[1:-1]] = np.stack([np.interp(places, gone, axis) for axis in curve.T], axis=1)
+        positions[chain[1:-1]] = spaced(curve, lengths[bones])
     return positions
+
+
+def spaced(curve: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points, (k - 1, 3), that divide a curve, (n, 3), in proportion to some lengths, (k,)."""
+    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+    wanted = np.cumsum(lengths)
+    places = wanted[:-1] / wanted[-1] * gone[-1]
+    return np.stack([np.interp(places, gone, axis) for axis in curve.T], axis=1)

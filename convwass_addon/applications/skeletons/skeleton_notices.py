@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from itertools import pairwise
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -68,14 +66,8 @@ def _stretched(
     graph: JointGraph, positions: NDArray[np.float64], lengths: NDArray[np.float64]
 ) -> list[tuple[NDArray[np.int64], float]]:
     """Find the chains that are much more stretched than the others, and their factors."""
-    bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
     ways = chains(graph)
-    ratios = np.array(
-        [
-            np.linalg.norm(np.diff(positions[way], axis=0), axis=1).sum()
-            / sum(bones[min(a, b), max(a, b)] for a, b in pairwise(way.tolist()))
-            for way in ways
-        ]
-    )
+    laid = np.array([np.linalg.norm(np.diff(positions[way], axis=0), axis=1).sum() for way in ways])
+    ratios = laid / [sum(lengths[graph.bones_along(way)]) for way in ways]
     usual = np.median(ratios)
     return [(way, float(r / usual)) for way, r in zip(ways, ratios, strict=True) if r > _TOO_LONG * usual > 0]

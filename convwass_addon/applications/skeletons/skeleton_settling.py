@@ -8,7 +8,7 @@ distributions and paths through the body instead of paths along its surface.
 
 from __future__ import annotations
 
-from itertools import pairwise
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from scipy.sparse.csgraph import dijkstra
 from ...geometry.inner_balls import InnerBalls
 from ...geometry.solid_angles import Inside
 from .skeleton_graph import JointGraph
-from .skeleton_links import chains
+from .skeleton_links import chains, spaced
 
 # Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
 # Weight that holds a branching joint where it was laid out, relative to the pull of its bones.
@@ -48,11 +48,7 @@ def settled(
     inside : Inside
         Inside tests of the body.
     """
-    bones = {tuple(edge): length for edge, length in zip(graph.edges.tolist(), lengths, strict=True)}
-    limbs = [
-        _Limb(chain, np.array([bones[min(a, b), max(a, b)] for a, b in pairwise(chain.tolist())]))
-        for chain in chains(graph)
-    ]
+    limbs = [_Limb(chain, lengths[graph.bones_along(chain)]) for chain in chains(graph)]
     keys = np.unique([joint for limb in limbs for joint in (limb.joints[0], limb.joints[-1])])
     places = _Places(graph, initial, balls, keys)
     places.improve(limbs)
@@ -62,17 +58,17 @@ def settled(
     return positions
 
 
+@dataclass(frozen=True)
 class _Limb:
     """A chain of bones from one pinned or branching joint to another."""
 
-    def __init__(self, joints: NDArray[np.int64], lengths: NDArray[np.float64]) -> None:
-        self.joints = joints
-        self.reached = np.cumsum(lengths)
+    joints: NDArray[np.int64]
+    lengths: NDArray[np.float64]
 
     @property
     def length(self) -> float:
         """Total length of the bones."""
-        return float(self.reached[-1])
+        return float(sum(self.lengths))
 
     def place(self, positions: NDArray[np.float64], places: _Places, inside: Inside) -> None:
         """Set the positions of the joints."""
@@ -80,16 +76,10 @@ class _Limb:
         curve = places.curve(first, last)
         positions[first], positions[last] = curve[0], curve[-1]
         for share in (*_SMOOTHING, 0.0):
-            joints = self._along(_smoothed_path(curve, share))
+            joints = spaced(_smoothed_path(curve, share), self.lengths)
             if inside.contains(joints).all():
                 break
         positions[self.joints[1:-1]] = joints
-
-    def _along(self, curve: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Space the inner joints along a curve."""
-        gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
-        wanted = self.reached[:-1] / self.length * gone[-1]
-        return np.stack([np.interp(wanted, gone, axis) for axis in curve.T], axis=1)
 
 
 class _Places:
