@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
@@ -17,7 +15,7 @@ from ..operators.reflectance_import import CONVWASS_OT_import_lobes
 from ..operators.sky_blend import CONVWASS_OT_blend_skies
 from ..properties.light import MATERIALS, WORLDS, CONVWASS_PG_reflectance, ReflectanceProperties, SkyProperties
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, large_button, with_labels_beside
+from .sidebar import Sidebar, draw_slots, draw_wrapped, large_button, slots, with_labels_beside
 
 # The properties that each kind of blend uses.
 _SPAN = ("blends", "frame_start", "frame_end")
@@ -45,7 +43,7 @@ class CONVWASS_PT_reflectance(Sidebar, bpy.types.Panel):
     def draw(self, context):
         layout, own = self.layout, context.scene.convwass_reflectance
         layout.prop(own, "blend", text="")
-        _draw_materials(layout, own)
+        draw_slots(layout.column(align=True), own, MATERIALS, own.blend in ("KEYED", "WEIGHTS"))
         hint = _missing(own)
         large_button(layout, CONVWASS_OT_blend_materials, "MATERIAL", own, ReflectanceProperties, hint is None)
         if hint is not None:
@@ -65,26 +63,6 @@ def _missing(own: CONVWASS_PG_reflectance) -> str | None:
     if own.blend == "PAD" and own.blends > MOST_ON_PAD:
         return iface_("A pad can have at most {:d} steps").format(MOST_ON_PAD)
     return None
-
-
-def _draw_materials(layout: bpy.types.UILayout, own: CONVWASS_PG_reflectance) -> None:
-    """Draw the chosen materials and an empty slot, with weights if they are used."""
-    column = layout.column(align=True)
-    for name in _slots(own, MATERIALS, 1):
-        row = column.row(align=True)
-        row.prop(own, name, text="")
-        if getattr(own, name) is not None and own.blend in ("KEYED", "WEIGHTS"):
-            weight = row.row(align=True)
-            weight.ui_units_x = 3.5
-            weight.prop(own, name.replace("material", "weight"), text="")
-
-
-def _slots(own: bpy.types.PropertyGroup, names: Sequence[str], least: int) -> list[str]:
-    """Return the slots to draw: the filled ones and one empty slot, at least `least` in total."""
-    filled = [name for name in names if getattr(own, name) is not None]
-    spare = [name for name in names if name not in filled]
-    shown = {*filled, *spare[: max(1, least - len(filled))]}
-    return [name for name in names if name in shown]
 
 
 class CONVWASS_PT_reflectance_settings(Sidebar, bpy.types.Panel):
@@ -115,7 +93,7 @@ class CONVWASS_PT_sky(Sidebar, bpy.types.Panel):
     def draw(self, context):
         layout, own = self.layout, context.scene.convwass_sky
         column = layout.column(align=True)
-        for name in _slots(own, WORLDS, 2):
+        for name in slots(own, WORLDS, least=2):
             column.prop(own, name, text="")
         is_ready = len(own.chosen_worlds) >= 2
         large_button(layout, CONVWASS_OT_blend_skies, "WORLD", own, SkyProperties, is_ready)

@@ -15,7 +15,7 @@ from ..operators.recolor_image import CONVWASS_OT_recolor_image
 from ..operators.recolor_targets import shown_image
 from ..properties.recolor import PALETTES, CONVWASS_PG_recolor, RecolorProperties
 from .from_schema import draw_settings
-from .sidebar import ImageSidebar, Sidebar, fill_operator, large_button, with_labels_beside
+from .sidebar import ImageSidebar, Sidebar, draw_slots, fill_operator, large_button, with_labels_beside
 
 
 class CONVWASS_PT_recolor_image(ImageSidebar, bpy.types.Panel):
@@ -26,7 +26,9 @@ class CONVWASS_PT_recolor_image(ImageSidebar, bpy.types.Panel):
 
     def draw(self, context):
         layout, own = self.layout, context.scene.convwass_recolor
-        _draw_palettes(layout, own)
+        column = layout.column(align=True)
+        column.label(text="Palette")
+        draw_slots(column, own, PALETTES, len(own.chosen_palettes) > 1)
         layout.prop(own, "strength", slider=True)
         draw = _draw_clip if is_clip(shown_image(context)) else _draw_image
         draw(layout, own)
@@ -46,24 +48,6 @@ def _draw_clip(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
     operator = layout.operator(CONVWASS_OT_recolor_image.bl_idname, text="Recolor This Frame", icon="COLOR")
     fill_operator(operator, own, RecolorProperties)
     operator.output = "NEW"
-
-
-def _draw_palettes(layout: bpy.types.UILayout, own: CONVWASS_PG_recolor) -> None:
-    """Draw the chosen palettes and an empty slot, with weights if there are several."""
-    count = len(own.chosen_palettes)
-    column = layout.column(align=True)
-    column.label(text="Palette")
-    empty = 0
-    for name in PALETTES:
-        chosen = getattr(own, name) is not None
-        empty += not chosen
-        if chosen or empty == 1:
-            row = column.row(align=True)
-            row.prop(own, name, text="")
-            if chosen and count > 1:
-                weight = row.row(align=True)
-                weight.ui_units_x = 3.5
-                weight.prop(own, name.replace("palette", "weight"), text="")
 
 
 class CONVWASS_PT_recolor_settings(ImageSidebar, bpy.types.Panel):

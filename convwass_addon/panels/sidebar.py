@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import textwrap
+from collections.abc import Iterable, Mapping
 from inspect import get_annotations
 
 import bpy
@@ -60,6 +61,27 @@ def with_labels_beside(layout: bpy.types.UILayout) -> bpy.types.UILayout:
     layout.use_property_split = True
     layout.use_property_decorate = False
     return layout
+
+
+def slots(own: bpy.types.PropertyGroup, names: Iterable[str], least: int = 1) -> list[str]:
+    """Return the slots to draw: the filled ones and the first empty one, at least `least` in total."""
+    filled = [name for name in names if getattr(own, name) is not None]
+    spare = [name for name in names if name not in filled]
+    shown = {*filled, *spare[: max(1, least - len(filled))]}
+    return [name for name in names if name in shown]
+
+
+def draw_slots(
+    layout: bpy.types.UILayout, own: bpy.types.PropertyGroup, weights: Mapping[str, str], has_weights: bool
+) -> None:
+    """Draw the filled slots and an empty one, the filled ones with their weights, `weights`, if these are used."""
+    for name in slots(own, weights):
+        row = layout.row(align=True)
+        row.prop(own, name, text="")
+        if has_weights and getattr(own, name) is not None:
+            weight = row.row(align=True)
+            weight.ui_units_x = 3.5
+            weight.prop(own, weights[name], text="")
 
 
 def large_button(

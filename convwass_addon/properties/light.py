@@ -14,8 +14,8 @@ from ..bridge.reflectance.frame_span import Frames
 from .from_schema import values_of, with_properties
 from .registration import registration
 
-MATERIALS = ("material", "material_2", "material_3", "material_4")
-"""Names of the material properties; their weights are named weight, weight_2 and so on."""
+MATERIALS = {"material": "weight", "material_2": "weight_2", "material_3": "weight_3", "material_4": "weight_4"}
+"""Names of the material properties, and of their weights."""
 
 WORLDS = ("world", "world_2", "world_3", "world_4")
 """Names of the world properties."""
@@ -159,8 +159,7 @@ class CONVWASS_PG_reflectance(ReflectanceProperties, bpy.types.PropertyGroup):
     @property
     def chosen_materials(self) -> list[tuple[bpy.types.Material, float]]:
         """The chosen materials with their weights."""
-        weights = [name.replace("material", "weight") for name in MATERIALS]
-        pairs = [(getattr(self, name), getattr(self, weight)) for name, weight in zip(MATERIALS, weights, strict=True)]
+        pairs = [(getattr(self, name), getattr(self, weight)) for name, weight in MATERIALS.items()]
         return [(material, weight) for material, weight in pairs if material is not None]
 
 

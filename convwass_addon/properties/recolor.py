@@ -11,8 +11,8 @@ from ..applications.palettes.palette_settings import RecolorSettings, TableSetti
 from .from_schema import values_of, with_properties
 from .registration import registration
 
-PALETTES = ("palette", "palette_2", "palette_3", "palette_4")
-"""Names of the palette properties; their weights are named weight, weight_2 and so on."""
+PALETTES = {"palette": "weight", "palette_2": "weight_2", "palette_3": "weight_3", "palette_4": "weight_4"}
+"""Names of the palette properties, and of their weights."""
 
 
 @with_properties(RecolorSettings)
@@ -102,8 +102,7 @@ class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
     @property
     def chosen_palettes(self) -> list[tuple[bpy.types.Image, float]]:
         """The chosen palette images with their weights."""
-        weights = [name.replace("palette", "weight") for name in PALETTES]
-        pairs = [(getattr(self, name), getattr(self, weight)) for name, weight in zip(PALETTES, weights, strict=True)]
+        pairs = [(getattr(self, name), getattr(self, weight)) for name, weight in PALETTES.items()]
         return [(image, weight) for image, weight in pairs if image is not None]
 
 
