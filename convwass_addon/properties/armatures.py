@@ -84,21 +84,20 @@ def dotted_rig(context: bpy.types.Context) -> bpy.types.Object | None:
     return rig if rig is not None and rig.type in KINDS else None
 
 
-_dots = JointDots(dotted_rig)
 _register, _unregister = registration(
-    (CONVWASS_PG_armature,), ((bpy.types.Scene, "convwass_armature", CONVWASS_PG_armature),)
+    (CONVWASS_PG_armature,),
+    ((bpy.types.Scene, "convwass_armature", CONVWASS_PG_armature),),
+    (JointDots(dotted_rig),),
 )
 
 
 def register() -> None:
     """Add the settings to scenes and the pins to bones, and draw the joints."""
-    _register()
     register_pins()
-    _dots.register()
+    _register()
 
 
 def unregister() -> None:
     """Remove them."""
-    _dots.unregister()
-    unregister_pins()
     _unregister()
+    unregister_pins()

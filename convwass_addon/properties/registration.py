@@ -11,11 +11,11 @@ import bpy
 from bpy.props import PointerProperty
 
 if TYPE_CHECKING:
-    from ..bridge.soft_maps.pair_labels import PairLabels
+    from ..bridge.viewport_overlay import ViewportOverlay
 
 
 def registration(
-    classes: Sequence[type], places: Sequence[tuple[type, str, type]], labels: Sequence[PairLabels] = ()
+    classes: Sequence[type], places: Sequence[tuple[type, str, type]], overlays: Sequence[ViewportOverlay] = ()
 ) -> tuple[Callable[[], None], Callable[[], None]]:
     """Return the functions that register groups of properties, and that remove them.
 
@@ -25,7 +25,7 @@ def registration(
         The groups, each after those that it contains.
     places : sequence of (type, str, type)
         The type in Blender that has a group, such as Scene, the name of the group there, and its class.
-    labels : sequence of PairLabels
+    overlays : sequence of ViewportOverlay
         What to draw in viewports.
     """
     register_classes, unregister_classes = bpy.utils.register_classes_factory(classes)
@@ -34,11 +34,11 @@ def registration(
         register_classes()
         for owner, name, kind in places:
             setattr(owner, name, PointerProperty(type=kind))
-        for own in labels:
+        for own in overlays:
             own.register()
 
     def unregister() -> None:
-        for own in reversed(labels):
+        for own in reversed(overlays):
             own.unregister()
         for owner, name, _ in reversed(places):
             delattr(owner, name)
