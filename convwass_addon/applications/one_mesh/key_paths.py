@@ -10,7 +10,7 @@ requirements.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -187,7 +187,7 @@ def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control:
         positions = np.stack([demands.symmetry.symmetrized(points) for points in positions])
     last = (len(samples) - 1) * 2**_DOUBLINGS
     times = tuple(end / last for end in pieces.ends)
-    return _judged(way, KeyPath(name, times, positions, score, pieces.deviation / diagonal, 0.0, 0.0, 0), control)
+    return KeyPath(name, times, positions, score, pieces.deviation / diagonal, **_figures(way, positions[-1], control))
 
 
 def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float, control: Control) -> FittedPieces:
@@ -202,19 +202,18 @@ def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float,
     return fitted_pieces(path, criteria)
 
 
-def _judged(way: GuidedWay, path: KeyPath, control: Control) -> KeyPath:
-    """Return a path with the figures of its last key."""
-    final, folds = TriangleMesh(path.positions[-1], way.mesh.faces), way.folds
+def _figures(way: GuidedWay, last: NDArray[np.float64], control: Control) -> dict[str, object]:
+    """Return the figures of the last key of a path, with the names that :class:`KeyPath` has for them."""
+    final, folds = TriangleMesh(last, way.mesh.faces), way.folds
     diagonal = way.target.diagonal
     distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
     turned = folds.agreements(final.vertices, control) < 0.0
     poor = distances > _FAR
     poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
     areas = final.vertex_areas
-    return replace(
-        path,
-        distance=float(areas @ distances / areas.sum()),
-        distance_95=weighted_quantile(distances, areas, 0.95),
-        turned=int(turned.sum()),
-        poor=np.flatnonzero(poor),
-    )
+    return {
+        "distance": float(areas @ distances / areas.sum()),
+        "distance_95": weighted_quantile(distances, areas, 0.95),
+        "turned": int(turned.sum()),
+        "poor": np.flatnonzero(poor),
+    }
