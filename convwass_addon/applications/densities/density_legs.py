@@ -17,8 +17,6 @@ from .density_frames import DensityFrames, joined_frames, record
 from .density_settings import DensitySettings
 from .density_solving import reachable, solving
 
-# More halvings than any bisection uses.
-_ENDLESS = 64
 # Number of frames without a bound that are solved between progress reports.
 _FRAMES_AT_ONCE = 12
 
@@ -105,5 +103,6 @@ class Leg:
 
 
 def _halvings(instant: float) -> int:
-    """Return the number of halvings that reach an instant, or `_ENDLESS` if none do."""
-    return next((count for count in range(1, _ENDLESS) if (instant * 2**count).is_integer()), _ENDLESS)
+    """Return the number of halvings that reach an instant; it is large if none of the solver's do."""
+    # A float is a whole number divided by a power of two.
+    return instant.as_integer_ratio()[1].bit_length() - 1
