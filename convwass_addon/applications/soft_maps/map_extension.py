@@ -118,7 +118,8 @@ class Parts:
         control.check()
         self._compute_confidence(1, match.target, target, source)
         kept = np.where(rows < _NEXT_TO_NOTHING * rows.max(axis=1, keepdims=True), 0.0, rows)
-        self._rows.append(_scaled_to_share(kept, target.masses, self._share(match.target)))
+        # As densities on an area of which they only cover a fraction.
+        self._rows.append(csr_array(unit_rows(kept, target.masses) / self._share(match.target)))
         self._counts[0] += len(source.vertices)
         self._counts[1] += len(target.vertices)
         self.notices.extend(notices)
@@ -150,9 +151,13 @@ class Parts:
         return float(areas[vertices].sum() / areas.sum())
 
     def joined(self, record: Mapping[str, object]) -> SurfaceMap:
-        """Return the whole map."""
+        """Return the map of all matched components."""
+        if not record.get("pairs"):
+            self.notices.append(
+                Sentence("Without pairs left and right cannot be told apart; mark two or three, off the middle.")
+            )
         forward, backward = self._points
-        rows = _blocks(self._rows)
+        rows = csr_array(block_diag(self._rows, format="csr"))
         coarse = CoarseRows(
             rows.indptr.astype(np.int64),
             rows.indices.astype(np.int32),
@@ -177,15 +182,6 @@ def _warnings(side: MapSide, points: PointMap) -> Iterator[Sentence]:
             "{share:.0%} of {name} is mapped with little confidence: look at it, and mark more pairs there.",
             {"share": share, "name": side.name},
         )
-
-
-def joined_map(parts: Parts, record: Mapping[str, object]) -> SurfaceMap:
-    """Return the map of all matched components."""
-    if not record.get("pairs"):
-        parts.notices.append(
-            Sentence("Without pairs left and right cannot be told apart; mark two or three, off the middle.")
-        )
-    return parts.joined(record)
 
 
 def unit_rows(densities: NDArray[np.floating], masses: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -252,13 +248,3 @@ def _excess_lengths(lengths: NDArray[np.floating], mesh: TriangleMesh) -> NDArra
     """Return squared lengths minus the squared edge length of a coarse mesh, relative to its area."""
     edges = np.linalg.norm(mesh.corners - np.roll(mesh.corners, 1, axis=1), axis=2).mean()
     return np.maximum(np.square(lengths, dtype=np.float64) - edges**2, 0.0) / mesh.area
-
-
-def _scaled_to_share(rows: NDArray[np.float64], masses: NDArray[np.float64], share: float) -> csr_array:
-    """Normalize rows to densities on an area of which they only cover a fraction."""
-    return csr_array(unit_rows(rows, masses) / share)
-
-
-def _blocks(rows: list[csr_array]) -> csr_array:
-    """Return the block diagonal matrix of matrices."""
-    return csr_array(block_diag(rows, format="csr"))

@@ -24,7 +24,7 @@ from ..workers import both_ways, one_blas_thread
 from .coarse_sides import CoarseSide, coarse_side
 from .compatibility import comparison
 from .guessed_pairs import guessed_pairs
-from .map_extension import Parts, joined_map
+from .map_extension import Parts
 from .map_pairs import checked_pairs, pair_notices
 from .map_pieces import PieceMatch, matched_pieces, part_of
 from .map_sides import MapSide
@@ -99,7 +99,7 @@ def soft_map_steps(
         yield from within(_matched(source, target, match, settings, control, parts, mirrors), low, low + width)
     record = {"settings": settings.as_dict(), "pairs": len(couples_of), "seconds": time.perf_counter() - begun}
     yield Progress(1.0, Sentence("The map is there"))
-    return joined_map(parts, record)
+    return parts.joined(record)
 
 
 def _check_side(side: MapSide) -> None:

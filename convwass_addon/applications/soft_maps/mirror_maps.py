@@ -16,7 +16,7 @@ from .map_pairs import checked_pairs
 from .map_sides import MapSide
 from .map_solving import soft_map_steps
 from .soft_map_settings import SoftMapSettings
-from .surface_maps import PointMap, SurfaceMap
+from .surface_maps import SurfaceMap
 
 
 def mirror_map_steps(
@@ -92,11 +92,5 @@ def _reflected(mesh: TriangleMesh, pairs: NDArray[np.int64]) -> TriangleMesh:
 
 def _both_ways(found: SurfaceMap) -> SurfaceMap:
     """Convert barycentric coordinates on the reflection, whose corners are in reverse order, to the mesh itself."""
-    forward = PointMap(
-        found.forward.faces,
-        np.ascontiguousarray(found.forward.barycentric[:, ::-1]),
-        found.forward.spread,
-        found.forward.entropy,
-        found.forward.confidence,
-    )
+    forward = replace(found.forward, barycentric=np.ascontiguousarray(found.forward.barycentric[:, ::-1]))
     return replace(found, forward=forward, backward=forward)
