@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from .lobe_table import LobeTable
+from .materials import half_vectors
 
 WIDTH, HEIGHT = 256, 64
 """Size in texels of one table as an image: half angles along X, difference angles along Y."""
@@ -44,8 +45,7 @@ def reflectance_at(
     """
     if not table.is_isotropic:
         raise InputError("An anisotropic material cannot be looked up by its half angles; export the table.")
-    half = incoming + outgoing
-    half /= np.maximum(np.linalg.norm(half, axis=-1, keepdims=True), 1e-12)
+    half = half_vectors(incoming, outgoing)
     azimuth = np.arctan2(half[:, 1], half[:, 0]) - np.arctan2(incoming[:, 1], incoming[:, 0])
     aslant = np.hypot(half[:, 0], half[:, 1])
     turned = np.stack([aslant * np.cos(azimuth), aslant * np.sin(azimuth), half[:, 2]], axis=-1)

@@ -110,7 +110,7 @@ class Ggx:
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return D G / (4 cos cos), with height-correlated masking and shadowing (Heitz 2014)."""
-        half = _half(incoming, outgoing)
+        half = half_vectors(incoming, outgoing)
         slopes = (half[..., 0] / self.alpha_x) ** 2 + (half[..., 1] / self.alpha_y) ** 2
         facets = 1.0 / (np.pi * self.alpha_x * self.alpha_y * (slopes + half[..., 2] ** 2) ** 2)
         masking = 1.0 / (1.0 + self._masked(incoming) + self._masked(outgoing))
@@ -146,7 +146,7 @@ class BlinnPhong:
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return (n + 2) / (8 pi) (N H)^n, with the usual approximate normalization."""
-        lobe = _half(incoming, outgoing)[..., 2] ** self.exponent
+        lobe = half_vectors(incoming, outgoing)[..., 2] ** self.exponent
         return ((self.exponent + 2.0) / (8.0 * np.pi) * lobe)[..., None] * np.asarray(self.color)
 
 
@@ -179,7 +179,7 @@ class AshikhminShirley:
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return equation 4 of the paper with Schlick's Fresnel term."""
-        half = _half(incoming, outgoing)
+        half = half_vectors(incoming, outgoing)
         aslant = np.maximum(1.0 - half[..., 2] ** 2, 1e-24)
         power = (self.exponent_u * half[..., 0] ** 2 + self.exponent_v * half[..., 1] ** 2) / aslant
         size = np.sqrt((self.exponent_u + 1.0) * (self.exponent_v + 1.0)) / (8.0 * np.pi)
@@ -189,7 +189,7 @@ class AshikhminShirley:
         return lobe[..., None] * (color + (1.0 - color) * ((1.0 - to_half) ** 5)[..., None])
 
 
-def _half(incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
+def half_vectors(incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return unit vectors halfway between directions."""
     total = incoming + outgoing
     return total / np.maximum(np.linalg.norm(total, axis=-1, keepdims=True), 1e-12)

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from .materials import half_vectors
 
 _HALF, _DIFFERENCE, _AZIMUTH = 90, 90, 180
 _VALUES = _HALF * _DIFFERENCE * _AZIMUTH
@@ -39,8 +40,7 @@ class MerlMaterial:
 
     def reflectance(self, incoming: NDArray[np.float64], outgoing: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the measured value nearest to each pair of directions, (..., 3)."""
-        half = incoming + outgoing
-        half = half / np.maximum(np.linalg.norm(half, axis=-1, keepdims=True), 1e-12)
+        half = half_vectors(incoming, outgoing)
         aslant = np.hypot(half[..., 0], half[..., 1])
         theta_h = np.arctan2(aslant, half[..., 2])
         # Axes of the half vector: y perpendicular to it and x pointing up along it; arbitrary if it points straight up.
