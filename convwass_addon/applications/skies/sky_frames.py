@@ -117,7 +117,7 @@ class Skies:
             raise InputError("The time of a sky must lie between 0 and 1.")
         if time in (0, 1):
             end = int(time)
-            return SkyFrame(float(time), self._ends[end].astype(np.float32), self.lamps[end], self._record(time, []))
+            return self._frame(time, self._ends[end], self.lamps[end], [])
         image = (1.0 - time) * self._still[0] + time * self._still[1]
         solved = []
         for travel in self._travels:
@@ -133,7 +133,7 @@ class Skies:
         image *= np.where(have > 0, np.maximum(want - lit, 0.0) / np.where(have > 0, have, 1.0), 1.0)
         for lamp in lamps:
             add_disc(image, lamp.direction, lamp.flux, lamp.radius)
-        return SkyFrame(float(time), image.astype(np.float32), lamps, self._record(time, solved))
+        return self._frame(time, image, lamps, solved)
 
     def _lamps_at(self, time: float) -> tuple[Lamp, ...]:
         lamps = []
@@ -144,14 +144,16 @@ class Skies:
             lamps.append(Lamp(direction, flux, (1.0 - time) * first.radius + time * second.radius))
         return tuple(lamps)
 
-    def _record(self, time: float, solved: list[Barycenter]) -> dict[str, object]:
-        lamps = self.lamps[int(time)] if time in (0, 1) else self._lamps_at(time)
-        return {
+    def _frame(
+        self, time: float, image: NDArray[np.float64], lamps: tuple[Lamp, ...], solved: list[Barycenter]
+    ) -> SkyFrame:
+        record = {
             "time": float(time),
             "settings": self.settings.as_dict(),
             "lamps": [lamp.record() for lamp in lamps],
             "transport": [found.record() for found in solved],
         }
+        return SkyFrame(float(time), image.astype(np.float32), lamps, record)
 
 
 def require_light(image: ArrayLike, name: str) -> None:
