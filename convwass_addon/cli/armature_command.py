@@ -19,13 +19,12 @@ from ..bridge.armatures.pins import pin_joints, with_pins
 from ..bridge.armatures.rig_graphs import RigGraph
 from ..bridge.armatures.rig_imports import BodyAndRig, open_body_and_rig
 from ..bridge.armatures.rigs import move_joints, require_movable, resting_body, rig_graph
-from ..bridge.files import save_blend
 from ..bridge.imports import parse_source
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
 from .from_schema import given_settings
-from .reports import checked_outputs, note, write_report
+from .reports import checked_outputs, note, saved
 
 
 def run_armature(options: Namespace) -> Answer:
@@ -40,12 +39,7 @@ def run_armature(options: Namespace) -> Answer:
     settings = SkeletonSettings(**given_settings(options, SkeletonSettings))
     request = FitRequest(**given_settings(options, FitRequest))
     with with_pins():
-        record = _fitted(options, settings, request)
-        written = [save_blend(target)]
-    if report is not None:
-        write_report(report, record)
-        written.append(report)
-    return Answer.of_files(record, written)
+        return saved(target, report, _fitted(options, settings, request))
 
 
 def _fitted(options: Namespace, settings: SkeletonSettings, request: FitRequest) -> dict[str, object]:

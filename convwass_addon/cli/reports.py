@@ -12,10 +12,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..applications.whole_paths import path_with_suffix, share_a_place
-from ..bridge.files import checked_target
+from ..bridge.files import checked_target, save_blend
 from ..bridge.imports import parse_source
 from ..drafts import written_whole
 from ..errors import InputError
+from .answer import Answer
 from .overwriting import refuse_overwriting
 
 # Names of files in sequences: text, a number of at least four digits, and the extension.
@@ -62,10 +63,14 @@ def checked_outputs(options: Namespace, sources: Sequence[str]) -> tuple[Path, P
     return target, report
 
 
-def write_report(path: Path, record: dict[str, object]) -> None:
-    """Write a record as JSON; raises ConvwassError if that fails."""
-    with written_whole(path) as draft:
-        draft.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+def saved(target: Path, report: Path | None, record: dict[str, object]) -> Answer:
+    """Save the scene, write its record as JSON if there is a report, and return the answer; raises ConvwassError."""
+    written = [save_blend(target)]
+    if report is not None:
+        with written_whole(report) as draft:
+            draft.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+        written.append(report)
+    return Answer.of_files(record, written)
 
 
 def note_leftovers(written: Sequence[Path]) -> None:

@@ -18,7 +18,6 @@ from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import PointMap, SurfaceMap
 from ..bridge.color_attributes import color_names
-from ..bridge.files import save_blend
 from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.carried_keys import CarriedKeys
 from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
@@ -37,7 +36,7 @@ from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
 from .from_schema import given_settings
-from .reports import checked_outputs, note, write_report
+from .reports import checked_outputs, note, saved
 from .softmap_inputs import open_objects
 
 # The map before it is computed.
@@ -100,11 +99,7 @@ def run_softmap(options: Namespace) -> Answer:
     )
     store_soft_map(ends.source, ends.target, StoredSoftMap(found, *marks))
     record = _record(ends, pairs, found) | {"transferred": _transferred(options, request, way, found)}
-    written = [save_blend(target)]
-    if report is not None:
-        write_report(report, record)
-        written.append(report)
-    return Answer.of_files(record, written)
+    return saved(target, report, record)
 
 
 def _check_options(options: Namespace) -> None:
