@@ -65,8 +65,7 @@ def _fitted(options: Namespace, settings: SkeletonSettings, request: FitRequest)
     if request.auto_weights:
         record["unweighted"] = bind_with_weights(pair.body, pair.rig)
         notices += unweighted_notice(record["unweighted"], pair.body)
-    for notice in notices:
-        note(notice)
+    note(*notices)
     return record
 
 

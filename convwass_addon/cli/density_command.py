@@ -59,8 +59,7 @@ def run_density(options: Namespace) -> Answer:
     with ProgressBar("Reading the mesh") as bar:
         scene = open_mesh(options.mesh, settings)
         bar.show(1.0, options.mesh)
-    for notice in scene.notices:
-        note(notice)
+    note(*scene.notices)
     if options.measure:
         return _measured(options, scene, settings)
     if options.matrix:
@@ -173,8 +172,7 @@ def _matrix(options: Namespace, scene: DensityScene) -> Answer:
         note(f"empty groups ignored: {len(groups) - len(names)}")
     weights = [groups[name] for name in names]
     table = drained(distance_table_steps(weights, names, scene.surface, **_chosen_limits(options)))
-    for notice in table.notices:
-        note(notice)
+    note(*table.notices)
     width = max(*map(len, names), _DIGITS + 6)
     cells = [["", *names], *([name, *map(_number, row)] for name, row in zip(names, table.lengths, strict=True))]
     lines = tuple("  ".join(cell.rjust(width) for cell in row) for row in cells)
@@ -188,8 +186,7 @@ def _distances(options: Namespace, scene: DensityScene, target: Path | None) -> 
     if target is not None:
         require_unpainted(scene.object, group)
     found = distances_from(options.distance_from, scene.surface)
-    for notice in found.notices:
-        note(notice)
+    note(*found.notices)
     reached = np.flatnonzero(np.isfinite(found.lengths))
     far = int(reached[found.lengths[reached].argmax()])
     shown = found.heat_map()

@@ -67,8 +67,7 @@ def baked(
     slack = sum(not record.get("converged", True) for record in job.records)
     if slack:
         note(f"{slack} blends are less exact than requested; try a larger --blur")
-    for notice in job.notices:
-        note(notice)
+    note(*job.notices)
     collection = job.finish(hide_inputs=True)
     if job.span is not None:
         play_whole(bpy.context.scene, *job.span)
@@ -105,8 +104,8 @@ def run_job(job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Ca
         else:
             work = job.steps_between(computing.between.path, computing.between.numbers, computation)
         bar.result_of(watched(work, take))
-    for notice in computing.cache.notices if computing.cache else ():
-        note(notice)
+    if computing.cache is not None:
+        note(*computing.cache.notices)
 
 
 def _machines(scheduler: str) -> AbstractContextManager[Executor]:

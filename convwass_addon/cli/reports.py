@@ -94,6 +94,7 @@ def note_leftovers(written: Sequence[Path]) -> None:
             note(f"{folder} also contains {shown}, not written by this run; delete what does not belong to it")
 
 
-def note(text: object) -> None:
-    """Print a note for the user on standard error."""
-    print(f"convwass: {text}", file=sys.stderr)
+def note(*texts: object) -> None:
+    """Print notes for the user on standard error."""
+    for text in texts:
+        print(f"convwass: {text}", file=sys.stderr)

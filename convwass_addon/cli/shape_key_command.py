@@ -87,8 +87,7 @@ def _finished(job: ShapeKeyJob | SwapJob, workers: int | None) -> list[bpy.types
     except BaseException:
         job.discard()
         raise
-    for notice in job.notices:
-        note(notice)
+    note(*job.notices)
     play_whole(bpy.context.scene, *job.span)
     return made
 
@@ -102,6 +101,5 @@ def _baked_textures(obj: bpy.types.Object, settings: TextureSettings) -> BakedTe
         baked = job.finish()
     finally:
         job.discard()
-    for notice in job.notices:
-        note(notice)
+    note(*job.notices)
     return baked

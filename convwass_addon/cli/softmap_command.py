@@ -91,8 +91,7 @@ def run_softmap(options: Namespace) -> Answer:
     # These check what is transferred, before the work begins.
     _parts(options, request, way)
     found = _solved(options, ends, pairs, settings)
-    for notice in found.notices:
-        note(notice)
+    note(*found.notices)
     marks = (
         mapped_side(ends.source, ends.readings[0].mesh.faces),
         mapped_side(ends.target, ends.readings[1].mesh.faces),
@@ -184,8 +183,7 @@ def _transferred(
     for kind, part in parts.items():
         done = part.write(way.receiver)
         names[kind] = list(done.written)
-        for notice in done.notices:
-            note(notice)
+        note(*done.notices)
         if done.kept:
             note(f"left as they were: {', '.join(done.kept)}")
     return names
