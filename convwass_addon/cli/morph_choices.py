@@ -24,6 +24,9 @@ from ..bridge.morphs.outputs import SHAPE_KEYS, folder_beside
 from ..errors import InputError
 from .from_schema import given_options, given_settings
 
+SUFFIXES = {suffix: name for name, form in FORMATS.items() for suffix in form.suffixes}
+"""The export format of every file extension."""
+
 # Options and settings of a request that only apply to frames.
 _OF_FRAMES = ("weights", "render", "at", "frames_range", "cache", "scheduler")
 _SETTINGS_OF_FRAMES = ("layout", "follow", "steps", "flat_output", "faces", "looks", "grays", "between")
@@ -206,13 +209,8 @@ def export_format(path: Path) -> str:
         The extension is unknown, or the file cannot be written.
     """
     checked_target(path)
-    if path.suffix.lower() not in suffixes():
+    if path.suffix.lower() not in SUFFIXES:
         raise InputError(
-            "--export {path}: the extension must be one of {endings}.", path=str(path), endings=", ".join(suffixes())
+            "--export {path}: the extension must be one of {endings}.", path=str(path), endings=", ".join(SUFFIXES)
         )
-    return suffixes()[path.suffix.lower()]
-
-
-def suffixes() -> dict[str, str]:
-    """Return the export format of every file extension."""
-    return {suffix: name for name, form in FORMATS.items() for suffix in form.suffixes}
+    return SUFFIXES[path.suffix.lower()]

@@ -14,7 +14,7 @@ from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.outputs import ON_DISK, PACKED, SHAPE_KEYS
 from .argument_types import WORKERS, frame_range, numbers
 from .from_schema import add_setting_options
-from .morph_choices import suffixes
+from .morph_choices import SUFFIXES
 
 MORPH_HELP = """Morph shapes of any topology into each other by optimal transport and save the result as a .blend.
 
@@ -127,7 +127,7 @@ def _add_output_options(parser: ArgumentParser) -> None:
         type=Path,
         metavar="FILE",
         help="also export the meshes; the extension sets the format: "
-        + ", ".join(suffixes())
+        + ", ".join(SUFFIXES)
         + "; with --output shape-keys also .fbx, but no .obj, .ply and .stl",
     )
     group.add_argument(
