@@ -27,58 +27,29 @@ class CONVWASS_PG_live(LiveProperties, bpy.types.PropertyGroup):
     """Settings of live morphs in a scene."""
 
 
-def _across(_own: bpy.types.PropertyGroup) -> float:
-    session = running_live()
-    return 0.0 if session is None else session.place[0]
+def _coordinate(axis: int, name: str, description: str) -> object:
+    """Return the property for one coordinate of the handle."""
 
+    def read(_own: bpy.types.PropertyGroup) -> float:
+        session = running_live()
+        return 0.0 if session is None else session.place[axis]
 
-def _up(_own: bpy.types.PropertyGroup) -> float:
-    session = running_live()
-    return 0.0 if session is None else session.place[1]
+    def move(_own: bpy.types.PropertyGroup, value: float) -> None:
+        session = running_live()
+        if session is not None:
+            place = list(session.place)
+            place[axis] = value
+            session.move_to(*place)
 
-
-def _set_across(_own: bpy.types.PropertyGroup, value: float) -> None:
-    session = running_live()
-    if session is not None:
-        session.move_to(value, session.place[1])
-
-
-def _set_up(_own: bpy.types.PropertyGroup, value: float) -> None:
-    session = running_live()
-    if session is not None:
-        session.move_to(session.place[0], value)
+    return FloatProperty(name=name, description=description, min=0.0, max=1.0, subtype="FACTOR", get=read, set=move)
 
 
 class CONVWASS_PG_live_handle(bpy.types.PropertyGroup):
     """The handle of the live morph that is running."""
 
-    morph: FloatProperty(
-        name="Morph",
-        description="Blend to show: 0 is the first shape, 1 the second",
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        get=_across,
-        set=_set_across,
-    )
-    across: FloatProperty(
-        name="Across",
-        description="Position of the handle on the pad, from left to right",
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        get=_across,
-        set=_set_across,
-    )
-    up: FloatProperty(
-        name="Up",
-        description="Position of the handle on the pad, from bottom to top",
-        min=0.0,
-        max=1.0,
-        subtype="FACTOR",
-        get=_up,
-        set=_set_up,
-    )
+    morph: _coordinate(0, "Morph", "Blend to show: 0 is the first shape, 1 the second")
+    across: _coordinate(0, "Across", "Position of the handle on the pad, from left to right")
+    up: _coordinate(1, "Up", "Position of the handle on the pad, from bottom to top")
 
 
 register, _unregister = registration(
