@@ -42,17 +42,16 @@ def add_setting_options(
 
 def given_settings(options: Namespace, kind: type[Settings], only: Container[str] | None = None) -> dict[str, object]:
     """Return the settings given on the command line, by field name."""
-    found = {}
-    for one in settings_of(kind, only):
-        if one.option is not None and hasattr(options, one.name):
-            found[one.name] = _value(one, getattr(options, one.name))
-    return found
+    return {one.name: _value(one, getattr(options, one.name)) for one in _given(options, kind, only)}
 
 
 def given_options(options: Namespace, kind: type[Settings], only: Container[str] | None = None) -> list[str]:
     """Return the names of the settings' options that were given on the command line, such as --resolution."""
-    found = settings_of(kind, only)
-    return [one.option for one in found if one.option is not None and hasattr(options, one.name)]
+    return [one.option for one in _given(options, kind, only)]
+
+
+def _given(options: Namespace, kind: type[Settings], only: Container[str] | None) -> list[Setting]:
+    return [one for one in settings_of(kind, only) if one.option is not None and hasattr(options, one.name)]
 
 
 def _value(one: Setting, given: object) -> object:

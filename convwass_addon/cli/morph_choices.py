@@ -13,7 +13,6 @@ import bpy
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.frame_cache import FrameCache
 from ..applications.morphs.layouts import Blend
-from ..applications.morphs.morph_settings import MorphSettings
 from ..applications.one_mesh.texture_settings import TextureSettings
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import refuse_volumes
@@ -51,11 +50,6 @@ class Computing:
     cache: FrameCache | None = None
     wanted: range | None = None
     between: Between | None = None
-
-
-def settings_of(options: Namespace) -> MorphSettings:
-    """Return the settings of a morph of solid shapes."""
-    return MorphSettings(**given_settings(options, MorphSettings))
 
 
 def flat_settings_of(options: Namespace) -> FlatSettings:

@@ -27,6 +27,7 @@ from ..bridge.morphs.guides_of_files import guides_asked_for
 from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
 from ..progress import Progress
 from .answer import Answer
+from .from_schema import given_settings
 from .morph_baking import baked, prepared_job, rendered, report, run_job
 from .morph_choices import (
     Computing,
@@ -37,7 +38,6 @@ from .morph_choices import (
     refuse_idle_options,
     refuse_unsuitable_output,
     request_of,
-    settings_of,
 )
 from .morph_files import files_read, files_written
 from .overwriting import refuse_overwriting
@@ -54,7 +54,7 @@ def run_morph(options: Namespace) -> Answer:
         The shapes or options cannot be used.
     """
     refuse_idle_options(options)
-    settings = settings_of(options)
+    settings = MorphSettings(**given_settings(options, MorphSettings))
     target = path_with_suffix(options.out, ".blend")
     if options.frames_range is None:
         target = checked_target(target)

@@ -218,9 +218,9 @@ def test_system_errors_become_messages():
 
 
 def test_commands_report_system_errors(monkeypatch, capsys):
-    def fail(_):
+    def fail(*_):
         raise OSError(28, "No space left on device", "/full/x")
 
-    monkeypatch.setattr("convwass_addon.cli.morph_command.settings_of", fail)
+    monkeypatch.setattr("convwass_addon.cli.morph_command.given_settings", fail)
     assert main(["morph", "a", "b", "--out", "c"]) == 1
     assert "convwass: /full/x cannot be read or written: No space left on device." in capsys.readouterr().err
