@@ -211,9 +211,7 @@ def _frames(work: Work[DensityFrames]) -> DensityFrames:
 
 def _plain(values: np.ndarray) -> list[object]:
     """Return numbers ready for JSON, with None for infinity."""
-    return (
-        [_plain(row) for row in values] if values.ndim > 1 else [x if np.isfinite(x) else None for x in values.tolist()]
-    )
+    return np.where(np.isfinite(values), values, None).tolist()
 
 
 def _number(value: float) -> str:

@@ -80,9 +80,8 @@ def _check_options(options: Namespace) -> None:
         raise InputError("Give one weight for each of the {count} palettes.", count=len(options.palette))
     if options.palette_mask is not None and len(options.palette) != 1:
         raise InputError("--palette-mask requires exactly one palette.")
-    if options.steps is not None and not (options.steps >= 2 and len(options.images) == 1):
-        raise InputError("--steps must be 2 or more and requires exactly one image.")
-    if options.steps is not None and options.images[0].suffix.lower() in bpy.path.extensions_movie:
+    is_image = len(options.images) == 1 and options.images[0].suffix.lower() not in bpy.path.extensions_movie
+    if options.steps is not None and not (options.steps >= 2 and is_image):
         raise InputError("--steps must be 2 or more and requires exactly one image.")
 
 
