@@ -241,7 +241,7 @@ def _drawn(screen: Screen) -> str:
 
     import bpy
 
-    from tests.panels.test_panels import draw, panels
+    from tests.panels.drawing import draw, panels
 
     for area in ("VIEW_3D", "IMAGE_EDITOR"):
         # Without a window regions have no size.

@@ -14,7 +14,7 @@ from tests.fuzz.operator_session import stored_keys
 from tests.fuzz.stages import baked_morph, solved_density, stored_map
 from tests.linked_objects import linked_to_new_file
 from tests.operators.densities import ball
-from tests.panels.test_panels import draw, panels
+from tests.panels.drawing import draw, panels
 from tests.rigs import chain
 
 SESSIONS = 2

@@ -17,7 +17,7 @@ from convwass_addon.operators.live_drag import HandleDrag
 from convwass_addon.operators.live_morph import CONVWASS_OT_live_morph
 from tests.operators.densities import ESCAPE, TIMER, Pressed, window_context
 from tests.operators.test_morph_bake import two_shapes
-from tests.panels.test_panels import draw
+from tests.panels.drawing import draw
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

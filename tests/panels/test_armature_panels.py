@@ -11,21 +11,13 @@ from convwass_addon.properties.armatures import FitProperties
 from tests.operators.densities import inventory
 from tests.rigs import call, chain, choose, lines, own, tube
 
-from .test_panels import draw, panels
+from .drawing import draw, forbid, named, panels, texts
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 
 def draw_all():
     return [entry for panel in panels("CONVWASS_PT_armature") for entry in draw(panel)]
-
-
-def offered(drawn):
-    return {name for kind, name in drawn if kind == "operator"}
-
-
-def texts(drawn):
-    return " ".join(text for kind, text in drawn if kind in ("label", "text"))
 
 
 @pytest.fixture
@@ -52,11 +44,11 @@ def test_the_active_armature_is_named(rig):
 def test_every_setting_and_every_operator_is_shown(rig):
     call("pin_joints", joints="A.head")
     drawn = draw_all()
-    shown = {name for kind, name in drawn if kind == "prop"}
+    shown = named(drawn, "prop")
     assert {*vars(FitProperties)["__annotations__"], "depth", "show_joints"} <= shown
     kinds = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("CONVWASS_OT_")]
     expected = {kind.bl_idname for kind in kinds if "armature" in kind.__module__}
-    assert offered(drawn) == expected
+    assert named(drawn, "operator") == expected
     assert len(expected) == 5
 
 
@@ -81,12 +73,8 @@ def test_many_pins_are_counted():
 
 
 def test_drawing_computes_and_writes_nothing(rig, monkeypatch):
-    def refuse(*_arguments, **_options):
-        raise AssertionError("drawing asked for work")
-
     call("pin_joints", joints="A.head")
-    for place in ("bridge.armatures.rigs.armature_graph", "bridge.armatures.rigs.triangle_mesh"):
-        monkeypatch.setattr(f"convwass_addon.{place}", refuse)
+    forbid(monkeypatch, "bridge.armatures.rigs.armature_graph", "bridge.armatures.rigs.triangle_mesh")
     before = inventory()
     draw_all()
     assert inventory() == before

@@ -10,21 +10,13 @@ import pytest
 from convwass_addon.properties.densities import OUTPUTS, OutputProperties, PathProperties, SurfaceProperties
 from tests.operators.densities import ball, inventory
 
-from .test_panels import draw, panels
+from .drawing import draw, forbid, named, panels, texts
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 
 def draw_all():
     return [entry for panel in panels("CONVWASS_PT_densit") for entry in draw(panel)]
-
-
-def offered(drawn):
-    return {name for kind, name in drawn if kind == "operator"}
-
-
-def texts(drawn):
-    return " ".join(text for kind, text in drawn if kind in ("label", "text"))
 
 
 @pytest.fixture
@@ -81,31 +73,31 @@ def test_distances_are_shown(obj):
 def test_a_list_replaces_the_pair(obj):
     drawn = draw(bpy.types.CONVWASS_PT_density_interpolate)
     assert ("prop", "first") in drawn
-    assert "convwass.blend_densities" not in offered(drawn)
+    assert "convwass.blend_densities" not in named(drawn, "operator")
     bpy.ops.convwass.add_density_stop(which="ALL")
     bpy.ops.convwass.add_density_stop(which="EMPTY")
     obj.convwass_density.stops[0].enabled = False
     drawn = draw(bpy.types.CONVWASS_PT_density_interpolate)
     assert ("prop", "first") not in drawn
-    assert {"convwass.blend_densities", "convwass.propagate_densities"} <= offered(drawn)
+    assert {"convwass.blend_densities", "convwass.propagate_densities"} <= named(drawn, "operator")
     assert [text for kind, text in drawn if kind == "label"] == ["", "0", "1"]
 
 
 def test_every_setting_is_shown(played):
     own = played.convwass_density
     own.entropy_limit, own.output = "NUMBER", "IMAGES"
-    drawn = {name for kind, name in draw_all() if kind == "prop"}
+    drawn = named(draw_all(), "prop")
     kinds = (*PathProperties.__mro__, *OutputProperties.__mro__, SurfaceProperties)
     expected = {name for kind in kinds for name in vars(kind).get("__annotations__", {})}
     assert expected <= drawn
 
 
 def test_every_operator_is_shown(played):
-    before = offered(draw_all())
+    before = named(draw_all(), "operator")
     bpy.ops.convwass.add_density_stop(which="ALL")
     kinds = [name for name in dir(bpy.types) if name.startswith("CONVWASS_OT_")]
     own = {getattr(bpy.types, name).bl_idname for name in kinds if "density" in getattr(bpy.types, name).__module__}
-    assert own == (before | offered(draw_all())) - {"convwass.stop"}
+    assert own == (before | named(draw_all(), "operator")) - {"convwass.stop"}
     assert len(own) == 18
 
 
@@ -117,7 +109,7 @@ def test_an_animated_density_shows_its_value(obj):
         obj.convwass_density.output = name
         drawn = draw(bpy.types.CONVWASS_PT_density_output)
         assert (("prop", "folder") in drawn) == (name == "IMAGES")
-    assert {"convwass.rebake_density", "convwass.remove_density"} <= offered(drawn)
+    assert {"convwass.rebake_density", "convwass.remove_density"} <= named(drawn, "operator")
 
 
 def test_changed_inputs_are_reported(played):
@@ -142,16 +134,13 @@ def test_without_groups_little_is_shown():
 
 
 def test_drawing_computes_and_writes_nothing(played, monkeypatch):
-    def refuse(*_arguments, **_options):
-        raise AssertionError("drawing asked for work")
-
-    for place in (
+    forbid(
+        monkeypatch,
         "operators.density_changes.read_groups",
         "operators.density_job.read_surface",
         "operators.density_manage.stored_frames",
         "bridge.vertex_groups.read_groups",
-    ):
-        monkeypatch.setattr(f"convwass_addon.{place}", refuse)
+    )
     bpy.ops.convwass.add_density_stop(which="ALL")
     before = inventory()
     draw_all()

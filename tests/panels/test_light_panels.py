@@ -12,7 +12,7 @@ from convwass_addon.properties.light import ReflectanceProperties, SkyProperties
 from tests.lights import principled
 from tests.operators.densities import inventory
 
-from .test_panels import draw, panels
+from .drawing import draw, named, panels
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -25,7 +25,7 @@ def draw_all():
 
 
 def shown(kind):
-    return {name for own, name in draw_all() if own == kind}
+    return named(draw_all(), kind)
 
 
 def said():

@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import bpy
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
 from convwass_addon.bridge.one_mesh.swapped_objects import with_swap
 
-from .fake_layout import FakeLayout
+from .drawing import draw
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -30,9 +28,7 @@ def keyed(name, target):
 
 def sliders_of(obj):
     bpy.context.view_layer.objects.active = obj
-    shown = SimpleNamespace(layout=FakeLayout())
-    bpy.types.CONVWASS_PT_one_mesh.draw(shown, bpy.context)
-    return [name for kind, name in shown.layout.drawn if kind == "prop"]
+    return [name for kind, name in draw(bpy.types.CONVWASS_PT_one_mesh) if kind == "prop"]
 
 
 def test_both_of_two_meshes_show_the_slider_that_moves_them():

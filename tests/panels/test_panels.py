@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import json
-from functools import partial
 from types import SimpleNamespace
 
 import bpy
@@ -15,32 +14,12 @@ from convwass_addon.applications.morphs.diagnostics import Diagnostic
 from convwass_addon.bridge.morphs.stored import frame_objects, store_diagnostics
 from convwass_addon.panels.sidebar import draw_wrapped
 
+from .drawing import draw, forbid, named, panels
 from .fake_layout import FakeLayout
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 LAYOUTS = ("PATH", "GRID", "TRIANGLE", "BLEND")
-
-
-def panels(start="CONVWASS_PT_"):
-    names = sorted(name for name in dir(bpy.types) if name.startswith(start))
-    return [getattr(bpy.types, name) for name in names if name != "CONVWASS_PT_solver_presets"]
-
-
-def draw(panel, context=None):
-    """Return what a panel draws; nothing if it is not shown."""
-    context = context or bpy.context
-    if hasattr(panel, "poll") and not panel.poll(context):
-        return []
-    layout = FakeLayout()
-    shown = SimpleNamespace(layout=layout)
-    for name in ("draw_settings", "draw_tools"):
-        if hasattr(panel, name):
-            setattr(shown, name, partial(getattr(panel, name), shown))
-    if hasattr(panel, "draw_header_preset"):
-        panel.draw_header_preset(shown, context)
-    panel.draw(shown, context)
-    return layout.drawn
 
 
 def draw_all(context=None):
@@ -205,16 +184,16 @@ def test_every_setting_is_shown(shapes, layout):
     """Every setting of the operator, for at least one layout."""
     settings().layout = layout
     settings().start, settings().entropy_limit, settings().output = "CUSTOM", "NUMBER", "CACHE"
-    drawn = {name for kind, name in draw_all() if kind == "prop"}
+    drawn = named(draw_all(), "prop")
     from convwass_addon.properties.morphs import MorphProperties
 
     only = {"frames": ("PATH",), "steps": ("GRID", "TRIANGLE")}
     only |= dict.fromkeys(("frame_step", "start", "frame_start", "fit_range", "follow"), ("PATH",))
     settings().output = "PLAYER"
-    drawn |= {name for kind, name in draw_all() if kind == "prop"}
+    drawn |= named(draw_all(), "prop")
     # Shape keys have a time in every layout.
     settings().output = "SHAPE_KEYS"
-    drawn |= {name for kind, name in draw_all() if kind == "prop"} - only.keys()
+    drawn |= named(draw_all(), "prop") - only.keys()
     flat = {"flat_resolution", "words", "flat_output", "grays"}
     every = {name for base in MorphProperties.__mro__ for name in vars(base).get("__annotations__", {})}
     assert len(every) > 30
@@ -254,14 +233,14 @@ def test_objects_that_show_all_frames_have_no_other_buttons(baked):
 
 def test_a_single_blend_is_neither_played_nor_a_pad(shapes):
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=24)
-    offered = [name for kind, name in draw_all() if kind == "operator"]
+    offered = named(draw_all(), "operator")
     assert "convwass.make_volume" in offered
-    assert not {"convwass.make_player", "convwass.make_blend_pad"} & set(offered)
+    assert not {"convwass.make_player", "convwass.make_blend_pad"} & offered
 
 
 def test_a_morph_whose_frames_are_files_has_no_other_output(baked, tmp_path):
     bpy.ops.convwass.make_volume(folder=str(tmp_path))
-    offered = {name for kind, name in draw_all() if kind == "operator"}
+    offered = named(draw_all(), "operator")
     assert "convwass.rebake_morph" in offered
     assert not offered & {"convwass.make_player", "convwass.make_blend_pad", "convwass.make_volume"}
 
@@ -298,14 +277,15 @@ def test_sentences_are_drawn_where_the_interface_has_no_scale():
 
 
 def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
-    def refuse(*_arguments, **_options):
-        raise AssertionError("drawing asked for work")
-
-    monkeypatch.setattr("convwass_addon.applications.morphs.shape_check.check_shape", refuse)
-    monkeypatch.setattr("convwass_addon.operators.morph_inputs.triangle_mesh", refuse)
-    for name in ("job.morph", "shape_reading.aligned_meshes", "shape_reading.triangle_mesh"):
-        monkeypatch.setattr(f"convwass_addon.bridge.morphs.{name}", refuse)
-    monkeypatch.setattr("convwass_addon.bridge.morphs.bake.diagnose", refuse)
+    forbid(
+        monkeypatch,
+        "applications.morphs.shape_check.check_shape",
+        "operators.morph_inputs.triangle_mesh",
+        "bridge.morphs.job.morph",
+        "bridge.morphs.shape_reading.aligned_meshes",
+        "bridge.morphs.shape_reading.triangle_mesh",
+        "bridge.morphs.bake.diagnose",
+    )
     for layout in LAYOUTS:
         settings().layout = layout
         before = contents()
@@ -331,7 +311,7 @@ def test_changed_shapes_of_a_morph_are_reported(baked):
 def test_a_player_shows_its_value_and_how_to_remove_it(baked):
     bpy.ops.convwass.make_player()
     drawn = draw(bpy.types.CONVWASS_PT_baked_morph)
-    offered = [name for kind, name in drawn if kind == "operator"]
+    offered = named(drawn, "operator")
     assert "convwass.remove_player" in offered
     assert "convwass.make_player" not in offered
     assert [name for kind, name in drawn if kind == "text" and name in ("Morph", "Playback")] == ["Morph", "Playback"]

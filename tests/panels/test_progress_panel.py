@@ -10,7 +10,7 @@ import pytest
 from convwass_addon.panels import MODULES
 from tests.operators.densities import ball
 
-from .test_panels import draw, panels
+from .drawing import draw, panels
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

@@ -13,7 +13,7 @@ from convwass_addon.properties.recolor import RecolorProperties
 from tests.operators.densities import inventory
 from tests.pictures import blue_image, red_image
 
-from .test_panels import draw, panels
+from .drawing import draw, named, panels
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -24,12 +24,12 @@ def draw_all():
 
 def test_every_setting_and_every_operator_is_shown():
     drawn = draw_all()
-    shown = {name for kind, name in drawn if kind == "prop"}
+    shown = named(drawn, "prop")
     assert {*RecolorProperties.__annotations__, "mask", "palette_mask", "output", "cube_size", "result"} <= shown
     expected = {
         f"convwass.{name}" for name in ("recolor_image", "write_cube", "build_grade_nodes", "recolor_attribute")
     }
-    assert {name for kind, name in drawn if kind == "operator"} == expected
+    assert named(drawn, "operator") == expected
 
 
 def test_weights_are_shown_for_several_palettes():

@@ -11,7 +11,7 @@ from convwass_addon.properties.soft_maps import FromGroupsProperties, SoftMapPro
 from tests.operators.densities import inventory
 from tests.operators.soft_maps import call, choose, own, sphere, store_closest
 
-from .test_panels import draw, panels
+from .drawing import draw, forbid, named, panels, texts
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -20,14 +20,6 @@ PANELS = ("CONVWASS_PT_soft_map", "CONVWASS_PT_map_")
 
 def draw_all():
     return [entry for prefix in PANELS for panel in panels(prefix) for entry in draw(panel)]
-
-
-def offered(drawn):
-    return {name for kind, name in drawn if kind == "operator"}
-
-
-def texts(drawn):
-    return " ".join(text for kind, text in drawn if kind in ("label", "text"))
 
 
 @pytest.fixture
@@ -41,8 +33,8 @@ def mapped():
 def test_without_inputs_it_asks_for_two_objects():
     drawn = draw_all()
     assert {("prop", "source"), ("prop", "target")} <= set(drawn)
-    assert "convwass.compute_soft_map" in offered(drawn)
-    assert not {"convwass.transfer_by_map", "convwass.show_soft_map"} & offered(drawn)
+    assert "convwass.compute_soft_map" in named(drawn, "operator")
+    assert not {"convwass.transfer_by_map", "convwass.show_soft_map"} & named(drawn, "operator")
 
 
 def test_it_is_closed_by_default():
@@ -53,20 +45,20 @@ def test_pairs_have_numbers_names_and_buttons(mapped):
     drawn = draw(bpy.types.CONVWASS_PT_map_pairs)
     assert ("label", "1") in drawn
     assert {("prop", name) for name in ("enabled", "label", "source_vertex", "target_vertex")} <= set(drawn)
-    assert "convwass.remove_map_pair" in offered(drawn)
+    assert "convwass.remove_map_pair" in named(drawn, "operator")
 
 
 def test_every_setting_is_shown(mapped):
-    drawn = {name for kind, name in draw_all() if kind == "prop"}
+    drawn = named(draw_all(), "prop")
     kinds = (SoftMapProperties, TransferProperties, FromGroupsProperties)
     expected = {name for kind in kinds for name in vars(kind).get("__annotations__", {})}
     assert expected | {"show_labels", "threshold"} <= drawn
 
 
 def test_every_operator_is_shown(mapped):
-    shown = offered(draw_all())
+    shown = named(draw_all(), "operator")
     choose(mapped[0], mapped[0])
-    shown |= offered(draw_all())
+    shown |= named(draw_all(), "operator")
     kinds = [getattr(bpy.types, name) for name in dir(bpy.types) if name.startswith("CONVWASS_OT_")]
     expected = {kind.bl_idname for kind in kinds if "soft_map" in kind.__module__}
     assert shown == expected
@@ -75,7 +67,7 @@ def test_every_operator_is_shown(mapped):
 
 def test_one_object_for_both_gets_the_mirror_button(mapped):
     choose(mapped[0], mapped[0])
-    drawn = offered(draw(bpy.types.CONVWASS_PT_soft_map))
+    drawn = named(draw(bpy.types.CONVWASS_PT_soft_map), "operator")
     assert "convwass.mirror_map" in drawn
     assert "convwass.compute_soft_map" not in drawn
 
@@ -84,7 +76,7 @@ def test_the_map_and_its_direction_are_shown(mapped):
     assert "Map from Cow to Horse" in texts(draw(bpy.types.CONVWASS_PT_soft_map))
     call("swap_map_objects")
     assert "Map from Cow to Horse" in texts(draw(bpy.types.CONVWASS_PT_soft_map))
-    assert "convwass.transfer_by_map" in offered(draw(bpy.types.CONVWASS_PT_map_transfer))
+    assert "convwass.transfer_by_map" in named(draw(bpy.types.CONVWASS_PT_map_transfer), "operator")
     call("remove_soft_map")
     assert "Map from" not in texts(draw_all())
 
@@ -102,17 +94,14 @@ def test_settings_of_groups_are_shown_only_for_groups(mapped):
 
 
 def test_drawing_computes_and_writes_nothing(mapped, monkeypatch):
-    def refuse(*_arguments, **_options):
-        raise AssertionError("drawing asked for work")
-
-    for place in (
+    forbid(
+        monkeypatch,
         "operators.soft_map_targets.stored_soft_map",
         "operators.soft_map_targets.map_state",
         "bridge.soft_maps.soft_map_store.unpacked",
         "bridge.soft_maps.soft_map_store.mesh_mark",
         "bridge.vertex_groups.read_groups",
-    ):
-        monkeypatch.setattr(f"convwass_addon.{place}", refuse)
+    )
     before = inventory()
     draw_all()
     assert inventory() == before

@@ -34,7 +34,7 @@ REGISTERED = "import convwass_addon; convwass_addon.register()\n"
 CHECKED = "found = {*sys.modules} & {*WORK, 'convwass_addon.transport'}; assert not found, found\n"
 
 LOOKED_AT = """
-from tests.panels.test_panels import draw, panels
+from tests.panels.drawing import draw, panels
 
 bpy.ops.mesh.primitive_cube_add()
 assert len(panels()) > 20
