@@ -35,6 +35,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),
 ]
 
+TRANSPORT = ["morph", "--motion", "transport"]
 QUICK = ["--resolution", "24", "--frames", "2"]
 
 
@@ -57,6 +58,10 @@ def shapes(tmp_path, empty_scene):
     return folder
 
 
+def cube_and_ball(shapes):
+    return [str(shapes / "cube.obj"), str(shapes / "ball.ply")]
+
+
 def saved_frames(path):
     bpy.ops.wm.open_mainfile(filepath=str(path))
     collection = next(c for c in bpy.data.collections if c.name.startswith("Morph"))
@@ -66,19 +71,14 @@ def saved_frames(path):
 def test_a_path_through_three_formats(shapes, tmp_path):
     out = tmp_path / "morph.blend"
     files = [str(shapes / name) for name in ("cube.obj", "ball.ply", "cone.stl")]
-    assert cli.main(["morph", "--motion", "transport", *files, *QUICK, "--out", str(out)]) == 0
+    assert cli.main([*TRANSPORT, *files, *QUICK, "--out", str(out)]) == 0
     assert len(saved_frames(out)) == 5
 
 
 def test_objects_of_a_blend_and_a_single_blend(shapes, tmp_path):
     out = tmp_path / "morph.blend"
     words = [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball", "Cone")]
-    assert (
-        cli.main(
-            ["morph", "--motion", "transport", *words, "--weights", "2,1,1", "--resolution", "24", "--out", str(out)]
-        )
-        == 0
-    )
+    assert cli.main([*TRANSPORT, *words, "--weights", "2,1,1", "--resolution", "24", "--out", str(out)]) == 0
     (blend,) = saved_frames(out)
     assert list(blend["convwass_weights"]) == pytest.approx([0.5, 0.25, 0.25])
 
@@ -87,7 +87,7 @@ def test_shapes_can_be_aligned_with_the_first(shapes, tmp_path):
     out = tmp_path / "morph.blend"
     words = [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball")]
     options = ["--align", "principal-axes", "--scale", "equal-volume", *QUICK]
-    assert cli.main(["morph", "--motion", "transport", *words, *options, "--out", str(out)]) == 0
+    assert cli.main([*TRANSPORT, *words, *options, "--out", str(out)]) == 0
     first, _, last = saved_frames(out)
     low, high = (np.array(obj.bound_box).reshape(8, 3)[[0, 6]] for obj in (first, last))
     np.testing.assert_allclose(low.mean(axis=0), high.mean(axis=0), atol=1e-3)
@@ -96,9 +96,9 @@ def test_shapes_can_be_aligned_with_the_first(shapes, tmp_path):
 @pytest.mark.parametrize(("output", "files"), [("player", 0), ("volume", 3), ("alembic", 1), ("usd", 1)])
 def test_outputs_show_every_frame(shapes, tmp_path, capfd, output, files):
     out = tmp_path / "morph.blend"
-    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--output", output]
+    words = [*cube_and_ball(shapes), "--output", output]
     capfd.readouterr()
-    assert cli.main(["morph", "--motion", "transport", *words, *QUICK, "--out", str(out)]) == 0
+    assert cli.main([*TRANSPORT, *words, *QUICK, "--out", str(out)]) == 0
     assert len(capfd.readouterr().out.splitlines()) >= 1 + files
     # No backup of a first state, and no draft, is left.
     assert [path.name for path in tmp_path.iterdir() if path.is_file()] == ["morph.blend"]
@@ -116,47 +116,26 @@ def test_outputs_show_every_frame(shapes, tmp_path, capfd, output, files):
 
 
 def test_a_pad_is_for_sheets(shapes, tmp_path, capfd):
-    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), str(shapes / "cone.stl"), "--output", "pad"]
-    assert (
-        cli.main(
-            [
-                "morph",
-                "--motion",
-                "transport",
-                *words,
-                "--layout",
-                "triangle",
-                "--steps",
-                "2",
-                *QUICK,
-                "--out",
-                str(tmp_path / "a"),
-            ]
-        )
-        == 0
-    )
+    words = [*cube_and_ball(shapes), str(shapes / "cone.stl"), "--output", "pad"]
+    sheet = ["--layout", "triangle", "--steps", "2"]
+    assert cli.main([*TRANSPORT, *words, *sheet, *QUICK, "--out", str(tmp_path / "a")]) == 0
 
 
 @pytest.mark.parametrize(("layout", "count", "expected"), [("triangle", 3, 6), ("grid", 4, 9)])
 def test_sheets(shapes, tmp_path, layout, count, expected):
     out = tmp_path / "sheet.blend"
     words = [str(shapes / name) for name in ("cube.obj", "ball.ply", "cone.stl", "cube.obj")][:count]
-    assert (
-        cli.main(
-            ["morph", "--motion", "transport", *words, "--layout", layout, "--steps", "3", *QUICK, "--out", str(out)]
-        )
-        == 0
-    )
+    assert cli.main([*TRANSPORT, *words, "--layout", layout, "--steps", "3", *QUICK, "--out", str(out)]) == 0
     assert len(saved_frames(out)) == expected
 
 
 def test_json_is_all_that_standard_output_holds(shapes, tmp_path, capfd):
     out = tmp_path / "morph.blend"
-    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply")]
+    words = cube_and_ball(shapes)
     options = ["--json", "--sharpness", "0.5", "--entropy-limit", "max", "--export", str(tmp_path / "mesh.obj")]
     (tmp_path / "mesh_0004.obj").touch()
     capfd.readouterr()
-    assert cli.main(["morph", "--motion", "transport", *words, *QUICK, *options, "--out", str(out)]) == 0
+    assert cli.main([*TRANSPORT, *words, *QUICK, *options, "--out", str(out)]) == 0
     printed, said = capfd.readouterr()
     assert "also contains mesh_0004.obj, not written by this run" in said
     (tmp_path / "mesh_0004.obj").unlink()
@@ -172,21 +151,7 @@ def test_json_is_all_that_standard_output_holds(shapes, tmp_path, capfd):
 def test_written_files_are_named(shapes, tmp_path, capfd):
     out = tmp_path / "morph.blend"
     capfd.readouterr()
-    assert (
-        cli.main(
-            [
-                "morph",
-                "--motion",
-                "transport",
-                str(shapes / "cube.obj"),
-                str(shapes / "ball.ply"),
-                *QUICK,
-                "--out",
-                str(out),
-            ]
-        )
-        == 0
-    )
+    assert cli.main([*TRANSPORT, *cube_and_ball(shapes), *QUICK, "--out", str(out)]) == 0
     assert capfd.readouterr().out.split() == [str(out)]
 
 
@@ -289,7 +254,7 @@ def test_errors_have_codes_and_instructions(shapes, tmp_path, capfd, monkeypatch
     words = [word.replace("{in}", str(shapes)) for word in words]
     if "--out" not in words:
         words += ["--out", str(tmp_path / "morph.blend")]
-    assert cli.main(["morph", "--motion", "transport", *words]) == code
+    assert cli.main([*TRANSPORT, *words]) == code
     assert message in capfd.readouterr().err
     assert sorted(tmp_path.rglob("*")) == before
 
@@ -311,7 +276,7 @@ def test_places_of_other_files_are_checked_before_the_work(shapes, tmp_path, cap
         (tmp_path / taken).touch()
     else:
         (tmp_path / taken).mkdir()
-    inputs = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--out", str(tmp_path / "morph.blend")]
+    inputs = [*cube_and_ball(shapes), "--out", str(tmp_path / "morph.blend")]
     assert cli.main(["morph", *inputs, *QUICK, *(word.format(at=tmp_path) for word in words)]) == 3
     assert taken in capfd.readouterr().err
 
@@ -322,7 +287,7 @@ def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch
         return [KeyPath(names[1], (1.0,), meshes[0].vertices[None] * 0.5, 0.9, 0.0, 0.1, 0.5, 0)]
 
     monkeypatch.setattr(shape_key_job, "key_paths", moved)
-    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--output", "shape-keys", "--textures"]
+    words = ["morph", *cube_and_ball(shapes), "--output", "shape-keys", "--textures"]
     words += ["--texture-size", "16", "--texture-samples", "1", "--texture-folder", str(tmp_path / "images")]
     assert cli.main([*words, "--out", str(tmp_path / "keys.blend")]) == 0
     named = capfd.readouterr().out.split("\n")
@@ -342,15 +307,15 @@ def test_two_meshes_follow_a_morph_of_the_given_threads(shapes, tmp_path, monkey
         return SwappedMeshes(*still, 0.5, 0.001)
 
     monkeypatch.setattr(swap_job, "swapped_meshes", swapped)
-    words = ["morph", str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--output", "shape-keys", "--two-meshes"]
+    words = ["morph", *cube_and_ball(shapes), "--output", "shape-keys", "--two-meshes"]
     assert cli.main([*words, "--workers", "1", "--out", str(tmp_path / "keys.blend")]) == 0
     assert asked == [1]
 
 
 def test_too_much_memory_has_its_own_code(shapes, tmp_path, capfd, monkeypatch):
     monkeypatch.setattr(memory, "available_memory", lambda: 10_000_000)
-    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), "--out", str(tmp_path / "morph.blend")]
-    assert cli.main(["morph", "--motion", "transport", *words, "--resolution", "200"]) == 4
+    words = [*cube_and_ball(shapes), "--out", str(tmp_path / "morph.blend")]
+    assert cli.main([*TRANSPORT, *words, "--resolution", "200"]) == 4
     assert "would fit" in capfd.readouterr().err
     assert not (tmp_path / "morph.blend").exists()
 
@@ -358,36 +323,13 @@ def test_too_much_memory_has_its_own_code(shapes, tmp_path, capfd, monkeypatch):
 def test_damaged_files_are_refused(shapes, tmp_path, capfd):
     damaged = tmp_path / "damaged.ply"
     damaged.write_bytes(b"ply\nformat binary_little_endian 1.0\nelement vertex 900\n\x00\x01")
-    assert (
-        cli.main(
-            [
-                "morph",
-                "--motion",
-                "transport",
-                str(shapes / "cube.obj"),
-                str(damaged),
-                "--out",
-                str(tmp_path / "m.blend"),
-            ]
-        )
-        == 3
-    )
+    assert cli.main([*TRANSPORT, str(shapes / "cube.obj"), str(damaged), "--out", str(tmp_path / "m.blend")]) == 3
     assert "damaged.ply" in capfd.readouterr().err
 
 
 def test_ranges_fill_a_cache_and_the_last_run_takes_all_from_it(shapes, tmp_path, capfd):
     out, cache = tmp_path / "morph.blend", tmp_path / "frames"
-    words = [
-        "morph",
-        "--motion",
-        "transport",
-        str(shapes / "cube.obj"),
-        str(shapes / "ball.ply"),
-        "--resolution",
-        "16",
-        "--frames",
-        "10",
-    ]
+    words = [*TRANSPORT, *cube_and_ball(shapes), "--resolution", "16", "--frames", "10"]
     words += ["--out", str(out), "--cache", str(cache), "--json"]
     made = []
     for wanted in ("5", "0-1", "8-10"):
@@ -414,7 +356,7 @@ def test_ranges_fill_a_cache_and_the_last_run_takes_all_from_it(shapes, tmp_path
 
 
 def test_a_cluster_computes_the_same_frames_as_threads(shapes, tmp_path, capfd):
-    words = ["morph", "--motion", "transport", str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--json"]
+    words = [*TRANSPORT, *cube_and_ball(shapes), *QUICK, "--json"]
     words += ["--out", str(tmp_path / "morph.blend")]
     results = []
     with local_cluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp") as cluster:
@@ -431,26 +373,16 @@ def test_an_interrupt_reports_what_remains(shapes, tmp_path, capfd, monkeypatch,
         raise KeyboardInterrupt
 
     monkeypatch.setattr(MorphJob, "write", interrupt)
-    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(tmp_path / "morph.blend")]
+    words = [*cube_and_ball(shapes), *QUICK, "--out", str(tmp_path / "morph.blend")]
     at = str(tmp_path / "frames")
-    assert cli.main(["morph", "--motion", "transport", *words, *(word.format(at=at) for word in cache)]) == 130
+    assert cli.main([*TRANSPORT, *words, *(word.format(at=at) for word in cache)]) == 130
     assert left.format(at=at) in capfd.readouterr().err
     assert not (tmp_path / "morph.blend").exists()
 
 
 def test_damaged_frames_in_a_cache_are_named(shapes, tmp_path, capfd):
     cache = tmp_path / "frames"
-    words = [
-        "morph",
-        "--motion",
-        "transport",
-        str(shapes / "cube.obj"),
-        str(shapes / "ball.ply"),
-        "--resolution",
-        "16",
-        "--frames",
-        "2",
-    ]
+    words = [*TRANSPORT, *cube_and_ball(shapes), "--resolution", "16", "--frames", "2"]
     words += ["--out", str(tmp_path / "morph.blend"), "--cache", str(cache)]
     assert cli.main(words) == 0
     damaged = next(cache.iterdir())
@@ -462,17 +394,7 @@ def test_damaged_frames_in_a_cache_are_named(shapes, tmp_path, capfd):
 
 def test_between_frames_of_a_cache(shapes, tmp_path, capfd):
     out, cache = tmp_path / "between.blend", tmp_path / "frames"
-    words = [
-        "morph",
-        "--motion",
-        "transport",
-        str(shapes / "cube.obj"),
-        str(shapes / "cone.stl"),
-        "--resolution",
-        "24",
-        "--frames",
-        "8",
-    ]
+    words = [*TRANSPORT, str(shapes / "cube.obj"), str(shapes / "cone.stl"), "--resolution", "24", "--frames", "8"]
     words += ["--cache", str(cache), "--at", "4.25,5,5.5", "--out", str(out), "--json"]
     capfd.readouterr()
     assert cli.main([*words, "--export", str(tmp_path / "mesh.obj")]) == 0
@@ -551,9 +473,9 @@ def test_examples_name_files_of_the_project(project, command):
 
 def test_as_a_module(shapes, tmp_path, project):
     out = tmp_path / "morph.blend"
-    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--out", str(out), "--json"]
+    words = [*cube_and_ball(shapes), *QUICK, "--out", str(out), "--json"]
     done = subprocess.run(
-        [sys.executable, "-m", "convwass_addon", "morph", "--motion", "transport", *words],
+        [sys.executable, "-m", "convwass_addon", *TRANSPORT, *words],
         cwd=project,
         capture_output=True,
         text=True,
@@ -567,7 +489,7 @@ def test_as_a_module(shapes, tmp_path, project):
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 def test_standard_streams_may_be_closed(shapes, tmp_path, project, closed):
     out = tmp_path / "morph.blend"
-    words = [str(shapes / "cube.obj"), str(shapes / "ball.ply"), *QUICK, "--motion", "transport", "--out", str(out)]
+    words = [*cube_and_ball(shapes), *QUICK, "--motion", "transport", "--out", str(out)]
     command = shlex.join([sys.executable, "-m", "convwass_addon", "morph", *words])
     subprocess.run(f"{command} {closed}", shell=True, cwd=project, check=True)
     assert saved_frames(out)
@@ -597,7 +519,7 @@ def stored_settings(path):
     return json.loads(collection["convwass_morph"])["settings"]
 
 
-def cube_and_ball(shapes):
+def cube_and_ball_of_blend(shapes):
     return [f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball")]
 
 
@@ -612,7 +534,7 @@ def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
     out, file = tmp_path / "morph.blend", tmp_path / "guides.json"
     guides = [{"name": "corner", "points": {"Cube": 0, "Ball": 3}}]
     file.write_text(json.dumps(guides))
-    words = [*cube_and_ball(shapes), *QUICK, "--out", str(out), "--motion", "guided", "--guides", str(file)]
+    words = [*cube_and_ball_of_blend(shapes), *QUICK, "--out", str(out), "--motion", "guided", "--guides", str(file)]
     assert cli.main(["morph", *words]) == 0
     assert heard == [("guided", [{0: 0, 1: 3}])]
     stored = stored_settings(out)
@@ -634,14 +556,7 @@ def test_guides_that_cannot_be_used_are_refused(shapes, tmp_path, capfd, text, m
     out, file = tmp_path / "morph.blend", tmp_path / "guides.json"
     if text is not None:
         file.write_text(text)
-    words = [
-        *cube_and_ball(shapes),
-        *QUICK,
-        "--out",
-        str(out),
-        "--motion",
-        "guided",
-    ]
+    words = [*cube_and_ball_of_blend(shapes), *QUICK, "--out", str(out), "--motion", "guided"]
     assert cli.main(["morph", *words, "--guides", str(file)]) == 3
     assert message in capfd.readouterr().err
     assert not out.exists()
