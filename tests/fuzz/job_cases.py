@@ -14,7 +14,8 @@ import numpy as np
 from convwass_addon.bridge.skies.sky_pixels import write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world
 from tests.lights import principled, sky
-from tests.operators.densities import ball, inventory
+from tests.operators.densities import ball
+from tests.operators.running import inventory
 from tests.pictures import image_of
 from tests.rigs import chain
 

@@ -20,7 +20,7 @@ from convwass_addon.errors import Cancelled
 from convwass_addon.operators.background import BackgroundOperator
 from tests.controls import CountingControl
 from tests.fuzz.job_cases import CASES, call, prepare, traces, two_cubes
-from tests.operators.densities import ESCAPE, Pressed, inventory, started, until, window_context
+from tests.operators.running import ESCAPE, Pressed, inventory, started, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

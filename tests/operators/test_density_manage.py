@@ -19,7 +19,8 @@ from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background
 from convwass_addon.operators.density_changes import changed_inputs, lost_inputs
 from convwass_addon.operators.density_manage import CONVWASS_OT_bake_density
-from tests.operators.densities import ESCAPE, Pressed, ball, inventory, positions, until, window_context
+from tests.operators.densities import ball, positions
+from tests.operators.running import ESCAPE, Pressed, inventory, until, window_context
 from tests.operators.test_density_travel import curve
 
 pytestmark = pytest.mark.usefixtures("empty_scene")

@@ -20,7 +20,8 @@ from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, density_pick, picking
 from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_density
 from tests.linked_objects import linked_to_new_file
-from tests.operators.densities import ESCAPE, TIMER, Pressed, ball, center, positions, two_balls, until, window_context
+from tests.operators.densities import ball, center, positions, two_balls
+from tests.operators.running import ESCAPE, TIMER, Pressed, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

@@ -18,18 +18,15 @@ from convwass_addon.bridge.densities.result_groups import RESULTS_KEY
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators.density_travel import CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities
-from tests.operators.densities import (
+from tests.operators.densities import ball, center, positions, two_balls
+from tests.operators.running import (
     ESCAPE,
     TIMER,
     Pressed,
-    ball,
-    center,
     inventory,
     is_computing,
-    positions,
     show_other_scene,
     started,
-    two_balls,
     until,
     window_context,
 )

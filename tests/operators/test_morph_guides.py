@@ -12,7 +12,7 @@ from convwass_addon.bridge.object_names import object_of
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_object
-from tests.operators.densities import inventory
+from tests.operators.running import inventory
 
 
 @pytest.fixture

@@ -10,7 +10,7 @@ import bpy
 import pytest
 
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
-from tests.operators.densities import Pressed, show_other_scene, started, until, window_context
+from tests.operators.running import Pressed, show_other_scene, started, until, window_context
 
 
 @pytest.fixture

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import inspect
 import time
-from types import MethodType, SimpleNamespace
+from types import MethodType
 
 import bpy
 import pytest
@@ -20,7 +20,15 @@ from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics, stored_inputs, stored_morph
 from convwass_addon.operators import background, morph_bake
-from tests.operators.densities import ESCAPE, TIMER, is_computing, started, until, write_one_at_a_time
+from tests.operators.running import (
+    ESCAPE,
+    TIMER,
+    is_computing,
+    started,
+    until,
+    window_context,
+    write_one_at_a_time,
+)
 from tests.operators.test_morph_bake import census, morph_collection, two_shapes
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -45,22 +53,7 @@ class Pressed:
 
 @pytest.fixture
 def context():
-    """A context with a window, a timer and a place for the progress."""
-    manager = SimpleNamespace(
-        convwass_progress=SimpleNamespace(running=False, stopping=False),
-        event_timer_add=lambda seconds, window: "timer",
-        event_timer_remove=lambda timer: None,
-        modal_handler_add=lambda operator: None,
-    )
-    return SimpleNamespace(
-        window_manager=manager,
-        window=SimpleNamespace(screen=SimpleNamespace(areas=[])),
-        workspace=SimpleNamespace(status_text_set=lambda text: None, session_uid=0),
-        scene=bpy.context.scene,
-        view_layer=bpy.context.view_layer,
-        selected_objects=bpy.context.selected_objects,
-        evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
-    )
+    return window_context()
 
 
 @pytest.fixture

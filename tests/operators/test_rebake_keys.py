@@ -22,7 +22,7 @@ from convwass_addon.bridge.one_mesh.shape_keys import drive_key
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 from tests.operators import test_previews
-from tests.operators.densities import started, until
+from tests.operators.running import started, until
 from tests.panels.fake_layout import FakeLayout
 from tests.rigs import chain
 

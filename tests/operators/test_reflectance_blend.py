@@ -17,7 +17,7 @@ from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materia
 from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
 from convwass_addon.properties.light import sun_of
 from tests.lights import only, principled
-from tests.operators.densities import ESCAPE, TIMER, Pressed, inventory, started, window_context
+from tests.operators.running import ESCAPE, TIMER, Pressed, inventory, started, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

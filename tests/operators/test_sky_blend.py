@@ -16,7 +16,7 @@ from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
 from convwass_addon.bridge.skies.world_skies import sequence_world, shown_files, world_sky
 from convwass_addon.operators.sky_blend import CONVWASS_OT_blend_skies
 from tests.lights import sky
-from tests.operators.densities import (
+from tests.operators.running import (
     ESCAPE,
     TIMER,
     Pressed,

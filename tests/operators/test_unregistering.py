@@ -12,7 +12,8 @@ import pytest
 
 from convwass_addon.operators import density_pick, picking, windows as windows_module
 from convwass_addon.operators.density_paint import CONVWASS_OT_drop_density
-from tests.operators.densities import Pressed, ball, window_context
+from tests.operators.densities import ball
+from tests.operators.running import Pressed, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from convwass_addon.properties.armatures import FitProperties
-from tests.operators.densities import inventory
+from tests.operators.running import inventory
 from tests.rigs import call, chain, choose, lines, own, tube
 
 from .drawing import draw, forbid, named, panels, texts

@@ -8,7 +8,8 @@ import bpy
 import pytest
 
 from convwass_addon.properties.densities import OUTPUTS, OutputProperties, PathProperties, SurfaceProperties
-from tests.operators.densities import ball, inventory
+from tests.operators.densities import ball
+from tests.operators.running import inventory
 
 from .drawing import draw, forbid, named, panels, texts
 

@@ -10,7 +10,7 @@ import pytest
 from convwass_addon.applications.reflectance.weight_sheets import MOST_ON_PAD
 from convwass_addon.properties.light import ReflectanceProperties, SkyProperties
 from tests.lights import principled
-from tests.operators.densities import inventory
+from tests.operators.running import inventory
 
 from .drawing import draw, named, panels
 

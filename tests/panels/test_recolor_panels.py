@@ -10,7 +10,7 @@ import bpy
 import pytest
 
 from convwass_addon.properties.recolor import RecolorProperties
-from tests.operators.densities import inventory
+from tests.operators.running import inventory
 from tests.pictures import blue_image, red_image
 
 from .drawing import draw, named, panels

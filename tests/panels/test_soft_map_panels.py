@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from convwass_addon.properties.soft_maps import FromGroupsProperties, SoftMapProperties, TransferProperties
-from tests.operators.densities import inventory
+from tests.operators.running import inventory
 from tests.operators.soft_maps import call, choose, own, sphere, store_closest
 
 from .drawing import draw, forbid, named, panels, texts
