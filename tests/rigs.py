@@ -17,10 +17,6 @@ def own():
     return bpy.context.scene.convwass_armature
 
 
-def call(operator, /, *how, **arguments):
-    return getattr(bpy.ops.convwass, operator)(*how, **arguments)
-
-
 def tube(length=4.0, radius=0.4, **placed):
     """Add a closed tube from the origin along X."""
     bpy.ops.mesh.primitive_cylinder_add(vertices=12, radius=radius, depth=length, **placed)

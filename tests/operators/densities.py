@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
+import pytest
 
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group, write_group
+from tests.linked_objects import linked_to_new_file
 
 
 def ball(location=(0, 0, 0), radius=1.0):
@@ -43,3 +45,19 @@ def positions(obj):
 def center(obj, weights):
     """Return the mean place of weights."""
     return weights @ positions(obj) / weights.sum()
+
+
+def linked(tmp_path):
+    """Save a painted ball and link it into an empty file."""
+    obj = linked_to_new_file(ball().name, tmp_path)
+    bpy.context.view_layer.objects.active = obj
+    return obj
+
+
+def curve(obj):
+    """Return the keys of an object's only channel: (frame, value, interpolation)."""
+    from bpy_extras.anim_utils import action_get_channelbag_for_slot
+
+    data = obj.animation_data
+    (only,) = action_get_channelbag_for_slot(data.action, data.action_slot).fcurves
+    return [(key.co[0], pytest.approx(key.co[1], abs=1e-6), key.interpolation) for key in only.keyframe_points]

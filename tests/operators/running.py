@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Run operators as in a window, which a context stands in for, and list what they leave behind."""
+"""Run operators, also as in a window, which a context stands in for, and list what they leave behind."""
 
 from __future__ import annotations
 
@@ -17,6 +17,10 @@ from convwass_addon.operators import background
 
 TIMER = SimpleNamespace(type="TIMER", value="NOTHING")
 ESCAPE = SimpleNamespace(type="ESC", value="PRESS")
+
+
+def call(operator, /, *how, **arguments):
+    return getattr(bpy.ops.convwass, operator)(*how, **arguments)
 
 
 def inventory():

@@ -18,10 +18,6 @@ def own():
     return bpy.context.scene.convwass_soft_map
 
 
-def call(operator, /, *how, **arguments):
-    return getattr(bpy.ops.convwass, operator)(*how, **arguments)
-
-
 def sphere(name, segments=32, ring_count=16, **placed):
     """Add a sphere around the origin with its poles along Z."""
     bpy.ops.mesh.primitive_uv_sphere_add(segments=segments, ring_count=ring_count, **placed)

@@ -22,8 +22,8 @@ from convwass_addon.operators.armature_fit import CONVWASS_OT_fit_armature
 from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.properties.armatures import FitProperties
 from convwass_addon.sentence import Sentence
-from tests.operators.running import ESCAPE, TIMER, Pressed, until, window_context
-from tests.rigs import armature, call, chain, choose, harmonic, harmonic_steps, lines, own, tube, world_ends
+from tests.operators.running import ESCAPE, TIMER, Pressed, call, until, window_context
+from tests.rigs import armature, chain, choose, harmonic, harmonic_steps, lines, own, tube, world_ends
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

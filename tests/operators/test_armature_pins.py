@@ -19,8 +19,8 @@ from convwass_addon.errors import InputError
 from convwass_addon.operators import armature_place, picking
 from convwass_addon.operators.armature_place import CONVWASS_OT_place_joint
 from convwass_addon.properties.armatures import chosen_rig, dotted_rig, is_mesh, is_rig
-from tests.operators.running import ESCAPE, TIMER, Pressed, window_context
-from tests.rigs import call, chain, choose, lines, own, select_joints, tube, world_ends
+from tests.operators.running import ESCAPE, TIMER, Pressed, call, window_context
+from tests.rigs import chain, choose, lines, own, select_joints, tube, world_ends
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

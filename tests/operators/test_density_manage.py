@@ -19,17 +19,12 @@ from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background
 from convwass_addon.operators.density_changes import changed_inputs, lost_inputs
 from convwass_addon.operators.density_manage import CONVWASS_OT_bake_density
-from tests.operators.densities import ball, positions
-from tests.operators.running import ESCAPE, Pressed, inventory, until, window_context
-from tests.operators.test_density_travel import curve
+from tests.operators.densities import ball, curve, positions
+from tests.operators.running import ESCAPE, Pressed, call, inventory, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 NAMES = ("bake_density", "remove_density", "show_density_material", "rebake_density")
-
-
-def call(name, **arguments):
-    return getattr(bpy.ops.convwass, name)(**arguments)
 
 
 @pytest.fixture

@@ -14,15 +14,10 @@ from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background
 from convwass_addon.operators.density_measure import CONVWASS_OT_measure_distance
 from convwass_addon.operators.mesh_targets import length_text
-from tests.operators.densities import ball, positions, two_balls
-from tests.operators.running import ESCAPE, Pressed, inventory, until, window_context
-from tests.operators.test_density_paint import linked
+from tests.operators.densities import ball, linked, positions, two_balls
+from tests.operators.running import ESCAPE, Pressed, call, inventory, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
-
-
-def call(name, **arguments):
-    return getattr(bpy.ops.convwass, name)(**arguments)
 
 
 @pytest.mark.parametrize("radius", [1.0, 10.0])

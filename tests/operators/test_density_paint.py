@@ -19,18 +19,13 @@ from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators import background, density_pick, picking
 from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_density
-from tests.linked_objects import linked_to_new_file
-from tests.operators.densities import ball, center, positions, two_balls
-from tests.operators.running import ESCAPE, TIMER, Pressed, until, window_context
+from tests.operators.densities import ball, center, linked, positions, two_balls
+from tests.operators.running import ESCAPE, TIMER, Pressed, call, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 TOOLS = ("normalize_density", "diffuse_density", "sharpen_density", "drop_density")
 MODES = ("OBJECT", "WEIGHT_PAINT", "EDIT")
-
-
-def call(name, **arguments):
-    return getattr(bpy.ops.convwass, name)(**arguments)
 
 
 def findings(obj):
@@ -241,13 +236,6 @@ def test_tools_need_a_group(tool):
     bpy.ops.mesh.primitive_cube_add()
     with pytest.raises(RuntimeError, match="Paint a vertex group first"):
         call(tool)
-
-
-def linked(tmp_path):
-    """Save a painted ball and link it into an empty file."""
-    obj = linked_to_new_file(ball().name, tmp_path)
-    bpy.context.view_layer.objects.active = obj
-    return obj
 
 
 @pytest.mark.parametrize("tool", TOOLS)

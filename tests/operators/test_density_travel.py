@@ -18,11 +18,12 @@ from convwass_addon.bridge.densities.result_groups import RESULTS_KEY
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators.density_travel import CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities
-from tests.operators.densities import ball, center, positions, two_balls
+from tests.operators.densities import ball, center, curve, linked, positions, two_balls
 from tests.operators.running import (
     ESCAPE,
     TIMER,
     Pressed,
+    call,
     inventory,
     is_computing,
     show_other_scene,
@@ -30,7 +31,6 @@ from tests.operators.running import (
     until,
     window_context,
 )
-from tests.operators.test_density_paint import linked
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -47,24 +47,11 @@ def obj():
     return made
 
 
-def call(name, **arguments):
-    return getattr(bpy.ops.convwass, name)(**arguments)
-
-
 def values_at(obj, frame, name="Density"):
     bpy.context.scene.frame_set(int(np.floor(frame)), subframe=float(frame - np.floor(frame)))
     evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
     values = element_values(evaluated.data.attributes[name].data, "value")
     return values.astype(float)
-
-
-def curve(obj):
-    """Return the keys of an object's only channel: (frame, value, interpolation)."""
-    from bpy_extras.anim_utils import action_get_channelbag_for_slot
-
-    data = obj.animation_data
-    (only,) = action_get_channelbag_for_slot(data.action, data.action_slot).fcurves
-    return [(key.co[0], pytest.approx(key.co[1], abs=1e-6), key.interpolation) for key in only.keyframe_points]
 
 
 def test_a_density_travels_from_group_to_group(obj):

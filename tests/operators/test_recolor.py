@@ -23,9 +23,8 @@ from convwass_addon.operators.recolor_table import CubeFile, TableJob
 from convwass_addon.operators.recolor_targets import read_pictures
 from tests.controls import ConditionalControl
 from tests.linked_objects import linked_object
-from tests.operators.running import Pressed, inventory, started, until, window_context
+from tests.operators.running import Pressed, call, inventory, started, until, window_context
 from tests.pictures import SIZE, blue_image, image_of, mean_lab, red_image
-from tests.rigs import call
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

@@ -18,9 +18,8 @@ from convwass_addon.bridge.video import write_video
 from convwass_addon.operators import recolor_clip
 from convwass_addon.operators.recolor_clip import CONVWASS_OT_recolor_clip
 from convwass_addon.operators.recolor_targets import shown_image
-from tests.operators.running import Pressed, inventory, started, until, window_context
+from tests.operators.running import Pressed, call, inventory, started, until, window_context
 from tests.pictures import blue_image, image_of, mean_lab, red_image
-from tests.rigs import call
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

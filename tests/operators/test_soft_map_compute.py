@@ -22,8 +22,8 @@ from convwass_addon.operators.soft_map_compute import CONVWASS_OT_compute_soft_m
 from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.sentence import Sentence
 from tests.linked_objects import linked_to_new_file
-from tests.operators.running import ESCAPE, Pressed, until, window_context
-from tests.operators.soft_maps import call, choose, own, points, select, sphere, store_closest, store_mirror
+from tests.operators.running import ESCAPE, Pressed, call, until, window_context
+from tests.operators.soft_maps import choose, own, points, select, sphere, store_closest, store_mirror
 from tests.surface_maps import closest_map
 
 pytestmark = pytest.mark.usefixtures("empty_scene")

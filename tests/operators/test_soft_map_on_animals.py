@@ -13,7 +13,8 @@ import pytest
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.soft_maps.soft_map_store import stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from tests.operators.soft_maps import call, choose, own, points
+from tests.operators.running import call
+from tests.operators.soft_maps import choose, own, points
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

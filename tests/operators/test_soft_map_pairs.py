@@ -14,8 +14,8 @@ from convwass_addon.bridge import surfaces
 from convwass_addon.operators import picking, soft_map_pick
 from convwass_addon.operators.soft_map_pairs import CONVWASS_OT_add_map_pair
 from convwass_addon.properties.soft_maps import labeled_vertices
-from tests.operators.running import ESCAPE, TIMER, Pressed, window_context
-from tests.operators.soft_maps import call, choose, own, select, sphere
+from tests.operators.running import ESCAPE, TIMER, Pressed, call, window_context
+from tests.operators.soft_maps import choose, own, select, sphere
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

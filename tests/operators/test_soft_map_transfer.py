@@ -17,8 +17,8 @@ from convwass_addon.operators import background, soft_map_transfer
 from convwass_addon.operators.soft_map_transfer import CONVWASS_OT_transfer_by_map
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
-from tests.operators.running import ESCAPE, Pressed, inventory, until, window_context
-from tests.operators.soft_maps import call, choose, points, sphere, store_closest, store_mirror
+from tests.operators.running import ESCAPE, Pressed, call, inventory, until, window_context
+from tests.operators.soft_maps import choose, points, sphere, store_closest, store_mirror
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

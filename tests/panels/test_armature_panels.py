@@ -8,8 +8,8 @@ import bpy
 import pytest
 
 from convwass_addon.properties.armatures import FitProperties
-from tests.operators.running import inventory
-from tests.rigs import call, chain, choose, lines, own, tube
+from tests.operators.running import call, inventory
+from tests.rigs import chain, choose, lines, own, tube
 
 from .drawing import draw, forbid, named, panels, texts
 

@@ -8,8 +8,8 @@ import bpy
 import pytest
 
 from convwass_addon.properties.soft_maps import FromGroupsProperties, SoftMapProperties, TransferProperties
-from tests.operators.running import inventory
-from tests.operators.soft_maps import call, choose, own, sphere, store_closest
+from tests.operators.running import call, inventory
+from tests.operators.soft_maps import choose, own, sphere, store_closest
 
 from .drawing import draw, forbid, named, panels, texts
 
