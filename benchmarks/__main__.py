@@ -41,11 +41,13 @@ def main(arguments: list[str] | None = None) -> int:
     parser = argparse.ArgumentParser(prog="run.py bench", description=__doc__)
     names = parser.add_subparsers(title="benchmarks", metavar=" | ".join(ALL))
     for name, (module, add_options) in _BENCHMARKS.items():
-        add_options(names.add_parser(name, help=module.__doc__))
+        own = names.add_parser(name, help=module.__doc__)
+        own.set_defaults(run=module.main)
+        add_options(own)
     arguments = sys.argv[1:] if arguments is None else arguments
     for chosen in [arguments] if arguments else [[name] for name in ALL]:
-        options = parser.parse_args(chosen)
-        options.run(options)
+        options = vars(parser.parse_args(chosen))
+        options.pop("run")(**options)
     return 0
 
 
@@ -54,24 +56,17 @@ def _add_morph(parser: argparse.ArgumentParser) -> None:
         "--resolutions", type=_numbers, default="64,100", help="cells along the longest side (%(default)s)"
     )
     parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
-    parser.set_defaults(run=lambda options: morph.main(options.resolutions, options.frames))
 
 
 def _add_live(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--resolutions", type=_numbers, default="48,64,100", help="cells along the longest side (%(default)s)"
     )
-    parser.set_defaults(run=lambda options: live.main(options.resolutions))
-
-
-def _add_moments(parser: argparse.ArgumentParser) -> None:
-    parser.set_defaults(run=lambda _options: moments.main())
 
 
 def _add_files(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=100, help="cells along the longest side (%(default)s)")
     parser.add_argument("--frames", type=int, default=24, help="frames of the morph (%(default)s)")
-    parser.set_defaults(run=lambda options: files.main(options.cells, options.frames))
 
 
 def _add_flat(parser: argparse.ArgumentParser) -> None:
@@ -82,17 +77,11 @@ def _add_flat(parser: argparse.ArgumentParser) -> None:
         "--limit", type=float, default=300.0, help="maximum CPU seconds per run of a peer (%(default)s)"
     )
     parser.add_argument("--peer-python", type=Path, help="a Python that has POT; by default one is prepared")
-    parser.set_defaults(
-        run=lambda options: flat.main(
-            options.resolutions, options.frames, options.side, options.limit, options.peer_python
-        )
-    )
 
 
 def _add_looks(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=100, help="cells along the longest side (%(default)s)")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot and blub")
-    parser.set_defaults(run=lambda options: looks.main(options.cells, options.meshes))
 
 
 def _add_quality(parser: argparse.ArgumentParser) -> None:
@@ -105,13 +94,14 @@ def _add_quality(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--meshing-only", action="store_true", help="only compare meshes with those of Blender's Remesh"
     )
-    parser.set_defaults(
-        run=lambda options: (
-            meshing.print_meshes(options.cells)
-            if options.meshing_only
-            else quality.main(options.cells, options.meshes, clean_only=options.clean_only, held_back=options.held_back)
-        )
-    )
+    parser.set_defaults(run=_run_quality)
+
+
+def _run_quality(cells: int, meshes: Path | None, *, meshing_only: bool, **options: bool) -> None:
+    if meshing_only:
+        meshing.print_meshes(cells)
+    else:
+        quality.main(cells, meshes, **options)
 
 
 def _add_coherence(parser: argparse.ArgumentParser) -> None:
@@ -121,44 +111,29 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--resolution", type=int, default=100, help="cells along the longest side (%(default)s)")
     parser.add_argument("--held-back", action="store_true", help="the pairs that no parameter was tuned on")
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, bob and blub")
-    parser.add_argument("--json", action="store_true", help="a line of JSON per pair and motion instead of tables")
+    parser.add_argument(
+        "--json", dest="as_json", action="store_true", help="a line of JSON per pair and motion instead of tables"
+    )
     parser.add_argument("--sheets", type=Path, help="a folder to write pictures of every pair to")
     parser.add_argument("--maps", action="store_true", help="measure only the maps between the shapes")
     parser.add_argument("--guides", action="store_true", help="measure only how guides change these maps")
-    parser.set_defaults(
-        run=lambda options: coherence.main(
-            options.pairs,
-            options.motions,
-            options.resolution,
-            options.frames,
-            held_back=options.held_back,
-            meshes=options.meshes,
-            as_json=options.json,
-            sheets=options.sheets,
-            maps=options.maps,
-            guides=options.guides,
-        )
-    )
 
 
 def _add_mesh(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--pairs", type=_names, help="names of pairs of coherence, separated by commas")
     parser.add_argument("--error", type=float, default=0.5, help="key error in percent (%(default)s)")
-    parser.add_argument("--json", action="store_true", help="a line of JSON per pair instead of the table")
-    parser.add_argument("--keep", type=Path, help="a folder to write the keys to")
-    parser.set_defaults(
-        run=lambda options: mesh.main(options.pairs, options.error, as_json=options.json, keep=options.keep)
+    parser.add_argument(
+        "--json", dest="as_json", action="store_true", help="a line of JSON per pair instead of the table"
     )
+    parser.add_argument("--keep", type=Path, help="a folder to write the keys to")
 
 
 def _add_constants(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=72, help="cells along each side (%(default)s)")
-    parser.set_defaults(run=lambda options: constants.main(options.cells))
 
 
 def _add_rivals(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--cells", type=int, default=100, help="cells along the longest side (%(default)s)")
-    parser.set_defaults(run=lambda options: side_by_side.main(options.cells))
 
 
 def _add_table1(parser: argparse.ArgumentParser) -> None:
@@ -166,19 +141,16 @@ def _add_table1(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the meshes (%(default)s)")
     parser.add_argument("--trials", type=int, default=5, help="random pairs of densities per mesh (%(default)s)")
     parser.add_argument("--limit", type=float, default=60.0, help="maximum seconds per distance (%(default)s)")
-    parser.set_defaults(run=lambda options: table1.main(options.sizes, options.trials, options.limit))
 
 
 def _add_surface(parser: argparse.ArgumentParser) -> None:
     sizes = ",".join(map(str, surface.SIZES))
     parser.add_argument("--sizes", type=_numbers, default=sizes, help="vertices of the meshes (%(default)s)")
     parser.add_argument("--steps", type=int, default=24, help="number of densities between the two (%(default)s)")
-    parser.set_defaults(run=lambda options: surface.main(options.sizes, options.steps))
 
 
 def _add_skeleton(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--meshes", type=Path, help="a folder with further meshes: spot, blub and bob")
-    parser.set_defaults(run=lambda options: skeleton.main(options.meshes))
 
 
 def _add_softmap(parser: argparse.ArgumentParser) -> None:
@@ -186,16 +158,10 @@ def _add_softmap(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--vertices", type=int, default=1000, help="approximate number of vertices of every mesh (%(default)s)"
     )
-    parser.set_defaults(run=lambda options: correspondences.main(options.meshes, options.vertices))
-
-
-def _add_recolor(parser: argparse.ArgumentParser) -> None:
-    parser.set_defaults(run=lambda _options: recolor.main())
 
 
 def _add_sphere(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--rows", type=_numbers, default="64,128", help="rows of the spheres (%(default)s)")
-    parser.set_defaults(run=lambda options: sphere.main(options.rows))
 
 
 def _add_peers(parser: argparse.ArgumentParser) -> None:
@@ -208,7 +174,10 @@ def _add_peers(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--limit", type=float, default=300.0, help="maximum CPU seconds per run of a peer (%(default)s)"
     )
-    parser.set_defaults(run=lambda options: peers.main(options.resolutions, options.side, options.sizes, options.limit))
+
+
+def _add_nothing(_parser: argparse.ArgumentParser) -> None:
+    """Leave a benchmark without options."""
 
 
 def _numbers(text: str) -> list[int]:
@@ -222,7 +191,7 @@ def _names(text: str) -> list[str]:
 _BENCHMARKS = {
     "morph": (morph, _add_morph),
     "live": (live, _add_live),
-    "moments": (moments, _add_moments),
+    "moments": (moments, _add_nothing),
     "files": (files, _add_files),
     "flat": (flat, _add_flat),
     "looks": (looks, _add_looks),
@@ -234,7 +203,7 @@ _BENCHMARKS = {
     "surface": (surface, _add_surface),
     "skeleton": (skeleton, _add_skeleton),
     "softmap": (correspondences, _add_softmap),
-    "recolor": (recolor, _add_recolor),
+    "recolor": (recolor, _add_nothing),
     "sphere": (sphere, _add_sphere),
     "peers": (peers, _add_peers),
     "constants": (constants, _add_constants),

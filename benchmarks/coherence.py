@@ -41,9 +41,9 @@ _COLUMNS = (
 
 
 def main(
-    chosen: Sequence[str] | None,
-    ways: Sequence[str] | None,
-    cells: int,
+    pairs: Sequence[str] | None,
+    motions: Sequence[str] | None,
+    resolution: int,
     frames: int,
     *,
     held_back: bool = False,
@@ -57,11 +57,11 @@ def main(
 
     Parameters
     ----------
-    chosen : sequence of str or None
+    pairs : sequence of str or None
         Names of pairs; by default all of one half.
-    ways : sequence of str or None
+    motions : sequence of str or None
         Motions; by default all that the settings offer.
-    cells, frames : int
+    resolution, frames : int
         Cells along the longest side, and frames of the morph.
     held_back : bool
         Take the half of the pairs that no parameter was tuned on.
@@ -76,39 +76,39 @@ def main(
     guides : bool
         Measure only how guides change these maps.
     """
-    pairs = list(half(meshes, tuned=not held_back)) if chosen is None else _named(chosen, meshes)
+    chosen = list(half(meshes, tuned=not held_back)) if pairs is None else _named(pairs, meshes)
     folder = None if meshes is None else str(meshes.absolute())
     if maps:
-        print_maps(pairs, folder)
+        print_maps(chosen, folder)
         return
     if guides:
-        print_guides(pairs, folder)
-        print_turned(pairs, folder)
+        print_guides(chosen, folder)
+        print_turned(chosen, folder)
         return
-    ways = _offered(ways)
+    ways = _offered(motions)
     if not as_json:
-        print(_HEADING.format(frames=frames, cells=cells, half="Pairs held back." if held_back else ""))
+        print(_HEADING.format(frames=frames, cells=resolution, half="Pairs held back." if held_back else ""))
         print(_COLUMNS)
     found: dict[tuple[str, str], dict[str, object]] = {}
-    for pair in pairs:
+    for pair in chosen:
         for way in ways:
             figures = measured(
                 "benchmarks.coherence_cases",
                 "passage",
                 pair=pair.name,
                 motion=way,
-                cells=cells,
+                cells=resolution,
                 frames=frames,
                 meshes=folder,
                 keep=str(kept_frames(pair.name, way)),
             )
             found[pair.name, way] = figures
-            shown = {"cells": cells, **figures, "pair": pair.name, "build": pair.build, "way": way}
+            shown = {"cells": resolution, **figures, "pair": pair.name, "build": pair.build, "way": way}
             print(json.dumps(shown) if as_json else line(pair.name, way, figures), flush=True)
     if not as_json:
-        _print_summary(pairs, ways, found)
+        _print_summary(chosen, ways, found)
     if sheets is not None:
-        write_sheets({pair.name: {way: kept_frames(pair.name, way) for way in ways} for pair in pairs}, sheets)
+        write_sheets({pair.name: {way: kept_frames(pair.name, way) for way in ways} for pair in chosen}, sheets)
 
 
 def kept_frames(pair: str, way: str) -> Path:

@@ -21,7 +21,7 @@ threads with one BLAS thread each; fit means Bezier curves for all frames, withi
 _PEERS = "\nOne cold barycenter of silhouettes, t = 0.5, to {percent:.0f} % marginal error, one thread\n"
 
 
-def main(resolutions: list[int], frames: int, side: int, limit: float, program: Path | None = None) -> None:
+def main(resolutions: list[int], frames: int, side: int, limit: float, peer_python: Path | None = None) -> None:
     """Print a table of morphs, and one of silhouettes compared with POT.
 
     Parameters
@@ -34,7 +34,7 @@ def main(resolutions: list[int], frames: int, side: int, limit: float, program: 
         Size of the silhouettes in cells.
     limit : float
         CPU seconds allowed for a run of a peer.
-    program : Path, optional
+    peer_python : Path, optional
         A Python with POT; by default an environment is created for it.
     """
     names = ("cells", "name", "cpu", "wall", "fit", "points", "fitted", "sigma", "megabytes")
@@ -50,6 +50,7 @@ def main(resolutions: list[int], frames: int, side: int, limit: float, program: 
             )
     print(_PEERS.format(percent=100 * TOLERANCE))
     print(COLUMNS)
+    program = peer_python
     if program is None:
         environment = PeersEnvironment.of(PROJECT)
         try:
