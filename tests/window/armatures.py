@@ -58,8 +58,7 @@ def _places(window: Window, rig: bpy.types.Object, tips: list[Vector]) -> Iterat
 def _fits(window: Window, body: bpy.types.Object, rig: bpy.types.Object) -> Iterator[float]:
     before = [bone.head.copy() for bone in rig.data.edit_bones]
     yield from window.press("convwass.fit_armature")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: not progress.running and _moved(rig, before), 120, "the armature is fitted")
+    yield from window.wait(lambda: not window.progress.running and _moved(rig, before), 120, "the armature is fitted")
     yield 0.5
     with window.override():
         bpy.ops.object.mode_set(mode="OBJECT")

@@ -49,8 +49,7 @@ def _bakes_a_collection(window: Window) -> Iterator[float]:
     yield from window.open_tab("Convwass")
     yield from window.open_panel("CONVWASS_PT_morph")
     yield from window.press("convwass.bake_morph")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: _morph() is not None and not progress.running, 120, "the collection is baked")
+    yield from window.wait(lambda: _morph() is not None and not window.progress.running, 120, "the collection is baked")
     frames = [obj for obj in _morph().objects if "convwass_index" in obj]
     assert len(frames) == _FRAMES + 1, f"{len(frames)} frames of a collection"
     bpy.context.scene.frame_set(1 + _FRAMES // 2)

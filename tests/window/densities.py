@@ -58,12 +58,11 @@ def _paints(window: Window) -> Iterator[float]:
 def _travels(window: Window) -> Iterator[float]:
     obj = bpy.context.object
     yield from window.press("convwass.interpolate_density")
-    progress = bpy.context.window_manager.convwass_progress
     seen = set()
 
     def done():
-        seen.add(round(progress.fraction, 3))
-        return _ATTRIBUTE in _played(obj) and not progress.running
+        seen.add(round(window.progress.fraction, 3))
+        return _ATTRIBUTE in _played(obj) and not window.progress.running
 
     yield from window.wait(done, 120, "the density arrives")
     window.say(f"a density travels from group to group by a button: the bar showed {len(seen)} values")

@@ -71,9 +71,8 @@ def _bakes_afterwards(window: Window) -> Iterator[float]:
     own = bpy.context.scene.convwass_morph
     own.resolution, own.frames = 96, 24
     yield from window.press("convwass.bake_morph")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: bool(_morphs()) and not progress.running, 240, "the bake ends")
-    frames = [obj for obj in _morphs()[0].objects if "convwass_weights" in obj]
+    yield from window.wait(lambda: bool(window.morphs) and not window.progress.running, 240, "the bake ends")
+    frames = [obj for obj in window.morphs[0].objects if "convwass_weights" in obj]
     assert len(frames) == 25, f"{len(frames)} frames after the extension was switched on again"
     bpy.context.scene.frame_set(12)
     yield from window.picture("91 on again")
@@ -142,7 +141,3 @@ def _kept() -> list[Path]:
     """Return the folders of the extension's own files."""
     top = Path(bpy.utils.extension_path_user(_EXTENSION))
     return [top, *(path for path in top.rglob("*") if path.is_dir())]
-
-
-def _morphs() -> list[bpy.types.Collection]:
-    return [collection for collection in bpy.data.collections if "convwass_morph" in collection]

@@ -29,7 +29,7 @@ def _goes_to_another_workspace(window: Window) -> Iterator[float]:
     _window().workspace = bpy.data.workspaces["Modeling"]
     yield from window.wait(lambda: home.session_uid not in _written(), 20, "the text leaves with the user")
     yield from window.picture("2 text where the user is")
-    yield from window.wait(lambda: not _progress().running, 240, "the bake ends")
+    yield from window.wait(lambda: not window.progress.running, 240, "the bake ends")
     assert not _written(), "a text stays in a status bar"
     _window().workspace = home
     yield 1.0
@@ -41,7 +41,7 @@ def _goes_to_another_scene(window: Window) -> Iterator[float]:
     yield from _begins(window, "PLAYER")
     own, other = bpy.context.scene, bpy.data.scenes.new("Other")
     _window().scene = other
-    yield from window.wait(lambda: not _progress().running, 240, "the bake ends")
+    yield from window.wait(lambda: not window.progress.running, 240, "the bake ends")
     players = [obj for obj in bpy.data.objects if "convwass_shows" in obj]
     assert len(players) == 1, f"{len(players)} players were made"
     assert players[0].users_scene == (own,), f"the player is in {players[0].users_scene}"
@@ -64,15 +64,11 @@ def _begins(window: Window, output: str) -> Iterator[float]:
     settings.resolution, settings.frames, settings.output = 96, 24, output
     yield from window.open_tab("Convwass")
     yield from window.press("convwass.bake_morph")
-    yield from window.wait(lambda: _progress().running and _progress().fraction > 0.1, 60, "the bake goes on")
+    yield from window.wait(lambda: window.progress.running and window.progress.fraction > 0.1, 60, "the bake goes on")
 
 
 def _window() -> bpy.types.Window:
     return bpy.context.window_manager.windows[0]
-
-
-def _progress() -> bpy.types.PropertyGroup:
-    return bpy.context.window_manager.convwass_progress
 
 
 def _written() -> set[int]:

@@ -77,8 +77,7 @@ def _morphs() -> list[bpy.types.Collection]:
 def _baked(window: Window, count: int) -> Iterator[float]:
     """Press the button, and wait until there are this many morphs."""
     yield from window.press("convwass.bake_morph")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: len(_morphs()) == count and not progress.running, 120, "the words are baked")
+    yield from window.wait(lambda: len(_morphs()) == count and not window.progress.running, 120, "the words are baked")
     yield 1.0
 
 

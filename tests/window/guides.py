@@ -80,9 +80,8 @@ def _bakes(window: Window) -> Iterator[float]:
     for obj in bpy.data.objects:
         obj.select_set(True)
     yield from window.press("convwass.bake_morph")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: bool(_morphs()) and not progress.running, 240, "the bake ends")
-    (morph,) = _morphs()
+    yield from window.wait(lambda: bool(window.morphs) and not window.progress.running, 240, "the bake ends")
+    (morph,) = window.morphs
     stored = json.loads(morph["convwass_morph"])["settings"]
     assert stored["motion"] == "guided", stored["motion"]
     assert [guide["points"] for guide in stored["guides"]] == chosen, f"{stored['guides']} are stored"
@@ -135,7 +134,3 @@ def _reach(obj: bpy.types.Object) -> float:
     """Return the largest distance between two points."""
     points = [vertex.co for vertex in obj.data.vertices][::5]
     return max((a - b).length for a in points for b in points)
-
-
-def _morphs() -> list[bpy.types.Collection]:
-    return [collection for collection in bpy.data.collections if "convwass_morph" in collection]

@@ -45,6 +45,16 @@ class Window:
         areas = bpy.context.window_manager.windows[0].screen.areas
         return max((a for a in areas if a.type == self.editor), key=lambda a: a.width * a.height)
 
+    @property
+    def progress(self) -> bpy.types.PropertyGroup:
+        """The progress of the extension's running job."""
+        return bpy.context.window_manager.convwass_progress
+
+    @property
+    def morphs(self) -> list[bpy.types.Collection]:
+        """The baked morphs."""
+        return [collection for collection in bpy.data.collections if "convwass_morph" in collection]
+
     def region(self, kind: str) -> bpy.types.Region:
         """Return the viewport's region of a kind: "WINDOW" or, for the sidebar, "UI"."""
         return next(region for region in self.area.regions if region.type == kind)

@@ -123,7 +123,7 @@ def _goes_wrong(window: Window) -> Iterator[float]:
     yield 0.5
     yield from window.picture("64 no weight is keyed")
     assert len(bpy.data.materials) == before, "an error made a material"
-    assert not bpy.context.window_manager.convwass_progress.running, "an error left it running"
+    assert not window.progress.running, "an error left it running"
     window.say("weights without keys are refused in words")
     yield from window.into_view(0.2, 0.9)
 
@@ -159,12 +159,13 @@ def _stops(window: Window) -> Iterator[float]:
     before = {path.name: path.stat().st_mtime_ns for path in _folder(window).iterdir()}
     own.frame_end, own.width = 400, 1024
     yield from window.press("convwass.blend_skies")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: progress.running and progress.fraction > 0.1, 120, "the next skies begin")
+    yield from window.wait(
+        lambda: window.progress.running and window.progress.fraction > 0.1, 120, "the next skies begin"
+    )
     yield from window.picture("67 baking")
     yield from window.into_view()
     yield from window.key("Escape")
-    yield from window.wait(lambda: not progress.running, 60, "it stops")
+    yield from window.wait(lambda: not window.progress.running, 60, "it stops")
     after = {path.name: path.stat().st_mtime_ns for path in _folder(window).iterdir()}
     assert after == before, f"stopping left {sorted(after)}"
     yield from window.picture("68 stopped")
@@ -173,12 +174,11 @@ def _stops(window: Window) -> Iterator[float]:
 
 def _runs(window: Window, seconds: float, what: str) -> Iterator[float]:
     """Wait until a job has started, shown its progress, and ended."""
-    progress = bpy.context.window_manager.convwass_progress
     seen = set()
 
     def done():
-        seen.add((progress.running, round(progress.fraction, 3)))
-        return len(seen) > 1 and not progress.running
+        seen.add((window.progress.running, round(window.progress.fraction, 3)))
+        return len(seen) > 1 and not window.progress.running
 
     yield from window.wait(done, seconds, what)
     yield 0.5

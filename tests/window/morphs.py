@@ -15,8 +15,6 @@ import bpy
 if TYPE_CHECKING:
     from inside import Window
 
-_MORPH = "convwass_morph"
-
 
 def morphs(window: Window) -> Iterator[float]:
     """Do everything in order; failures raise AssertionError."""
@@ -45,33 +43,33 @@ def _bakes_to_the_end(window: Window) -> Iterator[float]:
     began, first = time.monotonic(), None
     seen, previews = set(), 0
     pictured = False
-    while _progress().running or not seen:
+    while window.progress.running or not seen:
         if first is None and len(_meshes()) > 2:
             first = time.monotonic() - began
-        seen.add(round(_progress().fraction, 3))
+        seen.add(round(window.progress.fraction, 3))
         previews = max(previews, len(_meshes()))
         if previews > 2 and not pictured:
             pictured = True
             yield from window.picture("2 baking")
         yield 0.05
     assert len(seen) > 4, f"the bar stood still: {sorted(seen)}"
-    assert len(_morphs()) == 1, "there is no morph after the bake"
+    assert len(window.morphs) == 1, "there is no morph after the bake"
     bpy.context.scene.frame_set(6)
     yield from window.picture("3 baked")
     window.say(f"the first picture of a blend comes {first:.1f} s after the click has been taken in")
-    window.say(f"a bake by its button: the bar showed {len(seen)} values, {len(_frames(_morphs()[0]))} frames")
+    window.say(f"a bake by its button: the bar showed {len(seen)} values, {len(_frames(window.morphs[0]))} frames")
 
 
 def _stops_with_escape(window: Window) -> Iterator[float]:
     yield from _new_scene(window)
     _settings().resolution, _settings().frames = 96, 40
     yield from window.press("convwass.bake_morph")
-    yield from window.wait(lambda: _progress().fraction > 0.3, 120, "the bake gets to a third")
+    yield from window.wait(lambda: window.progress.fraction > 0.3, 120, "the bake gets to a third")
     yield from window.into_view()
     yield from window.key("Escape")
-    yield from window.wait(lambda: not _progress().running, 20, "Escape stops the bake")
+    yield from window.wait(lambda: not window.progress.running, 20, "Escape stops the bake")
     yield from window.picture("4 stopped")
-    kept = _frames(_morphs()[0]) if _morphs() else []
+    kept = _frames(window.morphs[0]) if window.morphs else []
     assert 2 <= len(kept) < 41, f"{len(kept)} frames are kept after Escape"
     window.say(f"Escape stops a bake and keeps {len(kept)} frames")
 
@@ -81,9 +79,9 @@ def _stops_with_the_button(window: Window) -> Iterator[float]:
     _settings().resolution, _settings().frames = 90, 40
     yield from window.press("convwass.bake_morph")
     # Previews come first, and do not say it.
-    yield from window.wait(lambda: "left" in _progress().message, 120, "the bake says how much time is left")
+    yield from window.wait(lambda: "left" in window.progress.message, 120, "the bake says how much time is left")
     yield from window.press("convwass.stop")
-    yield from window.wait(lambda: not _progress().running, 20, "the button stops the bake")
+    yield from window.wait(lambda: not window.progress.running, 20, "the button stops the bake")
     window.say("the button stops a bake as well")
 
 
@@ -92,11 +90,13 @@ def _deletes_the_shapes_while_it_bakes(window: Window) -> Iterator[float]:
     shapes = list(bpy.context.selected_objects)
     _settings().resolution, _settings().frames = 64, 12
     yield from window.press("convwass.bake_morph")
-    yield from window.wait(lambda: _progress().fraction > 0.2, 60, "the bake begins")
+    yield from window.wait(lambda: window.progress.fraction > 0.2, 60, "the bake begins")
     for obj in shapes:
         bpy.data.objects.remove(obj)
-    yield from window.wait(lambda: not _progress().running, 120, "the bake ends without its shapes")
-    assert len(_frames(_morphs()[0])) == 13, f"{len(_frames(_morphs()[0]))} frames after the shapes were deleted"
+    yield from window.wait(lambda: not window.progress.running, 120, "the bake ends without its shapes")
+    assert len(_frames(window.morphs[0])) == 13, (
+        f"{len(_frames(window.morphs[0]))} frames after the shapes were deleted"
+    )
     window.say("deleting the shapes while they are baked harms nothing")
 
 
@@ -107,13 +107,13 @@ def _opens_another_file_while_it_bakes(window: Window) -> Iterator[float]:
     yield from window.press("convwass.bake_morph")
     yield from window.wait(lambda: len(set(_kept_frames()) - known) >= 4, 90, "the first frames are finished")
     yield from _new_scene(window)
-    assert not _progress().running, "a bake runs on in a file that has been closed"
-    assert not _morphs(), "a bake writes into another file"
+    assert not window.progress.running, "a bake runs on in a file that has been closed"
+    assert not window.morphs, "a bake writes into another file"
     window.say("opening another file ends a bake and harms nothing")
     kept = {path: path.stat().st_mtime_ns for path in set(_kept_frames()) - known}
     _settings().resolution, _settings().frames = 96, 24
     yield from _baked(window)
-    assert len(_frames(_morphs()[0])) == 25, "the bake that goes on is not whole"
+    assert len(_frames(window.morphs[0])) == 25, "the bake that goes on is not whole"
     assert all(path.stat().st_mtime_ns == written for path, written in kept.items()), "frames were computed twice"
     window.say(f"pressing the button again goes on from {len(kept)} frames that were finished")
 
@@ -125,10 +125,10 @@ def _presses_undo_while_it_bakes(window: Window) -> Iterator[float]:
     bpy.ops.ed.undo_push(message="moved")
     _settings().resolution, _settings().frames = 64, 12
     yield from window.press("convwass.bake_morph")
-    yield from window.wait(lambda: _progress().fraction > 0.2, 60, "the bake begins")
+    yield from window.wait(lambda: window.progress.fraction > 0.2, 60, "the bake begins")
     yield from window.into_view()
     yield from window.key("ctrl+z")
-    yield from window.wait(lambda: not _progress().running, 90, "the bake ends after an undo")
+    yield from window.wait(lambda: not window.progress.running, 90, "the bake ends after an undo")
     yield from window.picture("5 undone")
     window.say("undo while a bake runs harms nothing")
 
@@ -199,18 +199,14 @@ def _new_scene(window: Window, count: int = 2) -> Iterator[float]:
 
 
 def _baked(window: Window) -> Iterator[float]:
-    before = len(_morphs())
+    before = len(window.morphs)
     yield from window.press("convwass.bake_morph")
-    yield from window.wait(lambda: len(_morphs()) > before and not _progress().running, 120, "the bake ends")
+    yield from window.wait(lambda: len(window.morphs) > before and not window.progress.running, 120, "the bake ends")
     yield 1.0
 
 
 def _settings() -> bpy.types.PropertyGroup:
     return bpy.context.scene.convwass_morph
-
-
-def _progress() -> bpy.types.PropertyGroup:
-    return bpy.context.window_manager.convwass_progress
 
 
 def _kept_frames() -> list[Path]:
@@ -220,10 +216,6 @@ def _kept_frames() -> list[Path]:
 
 def _meshes() -> list[bpy.types.Object]:
     return [obj for obj in bpy.data.objects if obj.type == "MESH"]
-
-
-def _morphs() -> list[bpy.types.Collection]:
-    return [collection for collection in bpy.data.collections if _MORPH in collection]
 
 
 def _frames(morph: bpy.types.Collection) -> list[bpy.types.Object]:

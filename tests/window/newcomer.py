@@ -81,13 +81,12 @@ def _select_both(window: Window) -> Iterator[float]:
 
 
 def _bake(window: Window, clock: _Clock) -> Iterator[float]:
-    progress = bpy.context.window_manager.convwass_progress
     yield from window.press("convwass.bake_morph")
     clock.took("the button Bake Morph is found and pressed")
     yield from window.wait(lambda: len(_mesh_objects()) > 2, 60, "a preview is shown")
     clock.took("the first preview is seen")
     yield from window.picture("newcomer 2 preview")
-    yield from window.wait(lambda: _morphs() and not progress.running, 900, "the bake ends")
+    yield from window.wait(lambda: window.morphs and not window.progress.running, 900, "the bake ends")
     clock.took("all frames are finished")
     yield from window.picture("newcomer 3 baked")
 
@@ -107,18 +106,14 @@ def _play(window: Window) -> Iterator[float]:
 
 
 def _keep(window: Window) -> Iterator[float]:
-    frames = len(_morphs()[0].objects)
+    frames = len(window.morphs[0].objects)
     with TemporaryDirectory() as folder:
         path = f"{folder}/kept.blend"
         with window.override():
             bpy.ops.wm.save_as_mainfile(filepath=path)
             bpy.ops.wm.open_mainfile(filepath=path)
         yield 1.0
-        assert len(_morphs()[0].objects) == frames, "the saved file has fewer frames"
-
-
-def _morphs() -> list[bpy.types.Collection]:
-    return [collection for collection in bpy.data.collections if "convwass_morph" in collection]
+        assert len(window.morphs[0].objects) == frames, "the saved file has fewer frames"
 
 
 def _mesh_objects() -> list[bpy.types.Object]:

@@ -64,7 +64,7 @@ def _goes_wrong(window: Window) -> Iterator[float]:
     before = len(bpy.data.images)
     yield from window.press("convwass.recolor_image")
     yield 0.5
-    assert len(bpy.data.images) == before and not bpy.context.window_manager.convwass_progress.running
+    assert len(bpy.data.images) == before and not window.progress.running
     x, y = window.at
     yield from window.move(x + 40, y + 1)
     yield 2.0
@@ -128,8 +128,9 @@ def _clips(window: Window, folder: Path) -> Iterator[float]:
     bpy.context.scene.frame_set(1)
     yield 1.0
     yield from window.press("convwass.recolor_clip")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: "Shot recolored" in bpy.data.images and not progress.running, 60, "the clip is done")
+    yield from window.wait(
+        lambda: "Shot recolored" in bpy.data.images and not window.progress.running, 60, "the clip is done"
+    )
     bpy.context.scene.frame_set(3)
     yield from window.picture("34 clip")
     found = sorted(path.name for path in (folder / "recolored").iterdir())
@@ -146,7 +147,7 @@ def _clips(window: Window, folder: Path) -> Iterator[float]:
     yield 1.5
     yield from window.key("Return")
     yield from window.wait((folder / "grade.cube").is_file, 60, "the table of the clip is written")
-    yield from window.wait(lambda: not progress.running, 10, "the work ends")
+    yield from window.wait(lambda: not window.progress.running, 10, "the work ends")
     window.say(f"{len(found)} frames are graded by one map, and their table is written")
 
 

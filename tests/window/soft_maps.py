@@ -73,12 +73,11 @@ def _pairs(window: Window) -> Iterator[float]:
 
 def _computes(window: Window) -> Iterator[float]:
     yield from window.press("convwass.compute_soft_map")
-    progress = bpy.context.window_manager.convwass_progress
     seen = set()
 
     def done():
-        seen.add(round(progress.fraction, 3))
-        return len(seen) > 1 and not progress.running
+        seen.add(round(window.progress.fraction, 3))
+        return len(seen) > 1 and not window.progress.running
 
     yield from window.wait(done, 120, "the map is computed")
     window.say(f"a soft map is computed by a button: the bar showed {len(seen)} values")

@@ -92,11 +92,12 @@ def _morph(window: Window) -> Iterator[float]:
     # In the middle, where previews differ from both shapes.
     bpy.context.scene.frame_set(13)
     yield from window.press("convwass.bake_morph")
-    progress = bpy.context.window_manager.convwass_progress
-    yield from window.wait(lambda: progress.fraction > 0.7 or not progress.running, 300, "the bake gets on")
+    yield from window.wait(
+        lambda: window.progress.fraction > 0.7 or not window.progress.running, 300, "the bake gets on"
+    )
     yield from window.into_view()
     yield from _shot(window, "baking")
-    yield from window.wait(lambda: _morphs() and not progress.running, 600, "the bake ends")
+    yield from window.wait(lambda: window.morphs and not window.progress.running, 600, "the bake ends")
     bpy.context.scene.frame_set(13)
     yield from window.open_panel("CONVWASS_PT_baked_morph")
     yield from _shot(window, "baked", has_timeline=True)
@@ -342,10 +343,6 @@ def _select(*objects: bpy.types.Object) -> None:
     for obj in objects:
         obj.select_set(True)
     bpy.context.view_layer.objects.active = objects[0]
-
-
-def _morphs() -> list[bpy.types.Collection]:
-    return [collection for collection in bpy.data.collections if "convwass_morph" in collection]
 
 
 def _shot(
