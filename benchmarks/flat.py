@@ -4,14 +4,10 @@
 
 from __future__ import annotations
 
-import sys
 from pathlib import Path
 
-from tools.environment import SetupError
-from tools.peers import PeersEnvironment
-
-from .peers import COLUMNS, TOLERANCE, Runner
-from .processes import PROJECT, measured
+from .peers import COLUMNS, TOLERANCE, Runner, peers_python
+from .processes import measured
 
 _HEADING = """
 {frames} frames from one shape to another: rasterizing, solving, outlines and origins of the material. Our code uses two
@@ -50,12 +46,4 @@ def main(resolutions: list[int], frames: int, side: int, limit: float, peer_pyth
             )
     print(_PEERS.format(percent=100 * TOLERANCE))
     print(COLUMNS)
-    program = peer_python
-    if program is None:
-        environment = PeersEnvironment.of(PROJECT)
-        try:
-            environment.prepare_peers()
-        except (SetupError, OSError) as error:
-            sys.exit(f"\n{error}")
-        program = environment.program
-    Runner(program, limit).beside_pot(side)
+    Runner(peers_python() if peer_python is None else peer_python, limit).beside_pot(side)

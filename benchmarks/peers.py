@@ -59,12 +59,8 @@ def main(resolutions: list[int], side: int, sizes: list[int], limit: float) -> N
     limit : float
         CPU seconds allowed for a run of a peer.
     """
-    environment = PeersEnvironment.of(PROJECT)
-    try:
-        environment.prepare_peers()
-    except (SetupError, OSError) as error:
-        sys.exit(f"\n{error}")
-    runner = Runner(environment.program, limit)
+    program = peers_python()
+    runner = Runner(program, limit)
     print(_HEADING.format(percent=100 * TOLERANCE, limit=limit))
     print(COLUMNS)
     for cells in resolutions:
@@ -72,7 +68,17 @@ def main(resolutions: list[int], side: int, sizes: list[int], limit: float) -> N
     print(f"{'any':>14} {'any':>5}  {'POT':36} documents no barycenters of volumes")
     print(f"\nThe same of silhouettes, {side} x {side} cells\n\n{COLUMNS}")
     runner.images(side)
-    midpoints.main(sizes, environment.program, limit, TOLERANCE)
+    midpoints.main(sizes, program, limit, TOLERANCE)
+
+
+def peers_python() -> Path:
+    """Return a Python with the other programs, installed first if need be; exits if that fails."""
+    environment = PeersEnvironment.of(PROJECT)
+    try:
+        environment.prepare_peers()
+    except (SetupError, OSError) as error:
+        sys.exit(f"\n{error}")
+    return environment.program
 
 
 class Runner:
