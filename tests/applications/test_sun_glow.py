@@ -18,17 +18,9 @@ from convwass_addon.applications.skies.sky_settings import SkySettings
 from convwass_addon.applications.skies.sun_frames import SunWay, seen_in
 from convwass_addon.applications.skies.sun_glow import split_glows
 from convwass_addon.transport.sphere import directions, solid_angles
+from tests.applications.test_skies import HIGH, LOW, QUICK, toward
 
 ROWS = 128
-QUICK = SkySettings(rows=32)
-
-
-def toward(elevation, azimuth):
-    up, turn = np.radians(elevation), np.radians(azimuth)
-    return np.array([np.cos(up) * np.cos(turn), np.cos(up) * np.sin(turn), np.sin(up)])
-
-
-LOW, HIGH = toward(12, 70), toward(50, 165)
 PLACES = st.tuples(st.floats(-89, 89), st.floats(0, 360)).map(lambda place: toward(*place))
 
 

@@ -12,6 +12,7 @@ import pytest
 
 from convwass_addon.bridge.surfaces import read_surface, surface_mesh
 from convwass_addon.errors import InputError
+from tests.bridge.test_objects import by_a_driver, by_keys
 
 AREA = 4 * math.sqrt(3)
 """Of the octahedron."""
@@ -158,14 +159,6 @@ def test_objects_out_of_sight(obj, depsgraph, bare_scene, with_modifiers):
     np.testing.assert_allclose(mesh.vertices.mean(axis=0), (7, 0, 3 * with_modifiers), atol=1e-6)
     assert obj.hide_viewport
     assert obj.users_scene == ()
-
-
-def by_keys(obj):
-    obj.keyframe_insert("hide_viewport", frame=1)
-
-
-def by_a_driver(obj):
-    obj.driver_add("hide_viewport").driver.expression = "1"
 
 
 @pytest.mark.parametrize("hide", [by_keys, by_a_driver])
