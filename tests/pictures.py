@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 
 from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_srgb
+from convwass_addon.bridge.image_files import opened_image, pixel_values
 from tests.applications.palettes import cloud, picture_of
 
 SIZE = (60, 40)
@@ -27,6 +28,14 @@ def red_image(name="Red", **options):
 
 def blue_image(name="Blue", **options):
     return image_of(name, picture_of(cloud(2, (60, 0, -15), np.diag([5.0, 4.0, 5.0]), 1200), 30), **options)
+
+
+def pixels_in(path, *, as_data=False):
+    """Return the pixels of a file, bottom row first, (height, width, channels); encoded values of data as they are."""
+    with opened_image(path) as image:
+        if as_data:
+            image.colorspace_settings.name = "Non-Color"
+        return pixel_values(image)
 
 
 def mean_lab(pixels):

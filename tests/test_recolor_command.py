@@ -12,11 +12,10 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications.palettes import recolor_job
-from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.video import write_video
 from convwass_addon.cli import recolor_command
 from convwass_addon.errors import ConvwassError
-from tests.pictures import blue_image, image_of, mean_lab, red_image
+from tests.pictures import blue_image, image_of, mean_lab, pixels_in, red_image
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -25,10 +24,6 @@ def saved(image, path):
     image.filepath_raw, image.file_format = str(path), "PNG"
     image.save()
     return path
-
-
-def opened(path):
-    return pixel_values(bpy.data.images.load(str(path)))
 
 
 def run(*arguments):
@@ -50,15 +45,15 @@ def test_an_image_and_a_table_are_written(tmp_path, red, blue, capfd):
     assert run(red, "--palette", blue, "--out", out, "--cube", cube, "--cube-size", 33, "--json") == 0
     record = json.loads(capfd.readouterr().out)
     assert record["written"] == [str(cube), str(out)] and record["marginal_error"] < 1e-2
-    np.testing.assert_allclose(mean_lab(opened(out)), mean_lab(opened(blue)), atol=0.6)
+    np.testing.assert_allclose(mean_lab(pixels_in(out)), mean_lab(pixels_in(blue)), atol=0.6)
     by_table = tmp_path / "by_table.png"
     assert run(red, "--lut", cube, "--out", by_table) == 0
-    assert np.abs(opened(by_table) - opened(out)).mean() * 255 < 1.0
+    assert np.abs(pixels_in(by_table) - pixels_in(out)).mean() * 255 < 1.0
 
 
 def test_frames_of_a_clip_are_graded_alike(tmp_path, red, blue):
     """A dark frame and a bright one: together they have the palette, and the dark one stays darker."""
-    pixels = opened(red)
+    pixels = pixels_in(red)
     frames = []
     for number, gain in enumerate((0.7, 1.2)):
         changed = pixels.copy()
@@ -66,13 +61,13 @@ def test_frames_of_a_clip_are_graded_alike(tmp_path, red, blue):
         frames.append(saved(image_of(f"Frame {number}", changed), tmp_path / f"frame.{number}.png"))
     out = tmp_path / "graded"
     assert run(*frames, "--palette", blue, "--out", out) == 0
-    means = [mean_lab(opened(out / frame.name)) for frame in frames]
+    means = [mean_lab(pixels_in(out / frame.name)) for frame in frames]
     assert means[0][0] < means[1][0] - 3.0
-    np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(opened(blue)), atol=1.0)
+    np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(pixels_in(blue)), atol=1.0)
 
 
 def test_movies_become_graded_frames(tmp_path, red, blue, capfd):
-    frames = [saved(image_of("Frame", opened(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
+    frames = [saved(image_of("Frame", pixels_in(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
     movie, out = tmp_path / "shot.mp4", tmp_path / "graded"
     write_video(frames, movie, (60, 40), 24)
     before = len(bpy.data.images), len(bpy.data.textures)
@@ -80,7 +75,7 @@ def test_movies_become_graded_frames(tmp_path, red, blue, capfd):
     assert before == (len(bpy.data.images), len(bpy.data.textures))
     assert sorted(path.name for path in out.iterdir()) == ["shot.0001.png", "shot.0002.png"]
     for path in out.iterdir():
-        np.testing.assert_allclose(mean_lab(opened(path)), mean_lab(opened(blue)), atol=1.0)
+        np.testing.assert_allclose(mean_lab(pixels_in(path)), mean_lab(pixels_in(blue)), atol=1.0)
     assert run(movie, red, "--palette", blue, "--out", out) == 3
     assert run(movie, "--palette", blue, "--steps", 3, "--out", out) == 3
     assert "A movie must be the only input" in capfd.readouterr().err
@@ -89,7 +84,7 @@ def test_movies_become_graded_frames(tmp_path, red, blue, capfd):
 @pytest.mark.parametrize("ends", [KeyboardInterrupt(), ConvwassError("The disk is full.")])
 def test_existing_files_are_kept_if_the_work_ends_early(tmp_path, red, blue, ends, monkeypatch):
     out, cube = tmp_path / "graded", tmp_path / "grade.cube"
-    frames = [saved(image_of("Frame", opened(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
+    frames = [saved(image_of("Frame", pixels_in(red)), tmp_path / f"frame.{number}.png") for number in (0, 1)]
     assert run(*frames, "--palette", blue, "--out", out, "--cube", cube, "--cube-size", 5) == 0
     before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
     save, left = recolor_command.save_pixels, [1]
@@ -114,8 +109,8 @@ def test_steps_between_an_image_and_a_palette(tmp_path, red, blue, capfd):
     assert run(red, "--palette", blue, "--steps", 3, "--out", out) == 0
     names = ["red.0000.png", "red.0001.png", "red.0002.png"]
     assert sorted(path.name for path in out.iterdir()) == names
-    first, middle, last = (opened(out / name) for name in names)
-    np.testing.assert_array_equal(first, opened(red))
+    first, middle, last = (pixels_in(out / name) for name in names)
+    np.testing.assert_array_equal(first, pixels_in(red))
     np.testing.assert_allclose(mean_lab(middle), (mean_lab(first) + mean_lab(last)) / 2.0, atol=0.5)
     assert run(red, "--palette", blue, "--steps", 2, "--out", out) == 0
     assert "also contains red.0002.png, not written by this run" in capfd.readouterr().err
@@ -127,8 +122,8 @@ def test_palettes_have_weights(tmp_path, red, blue):
     before = len(bpy.data.images)
     assert run(red, "--palette", blue, red, "--weights", "1,1", "--out", tmp_path / "half.png") == 0
     assert len(bpy.data.images) == before
-    wanted = (mean_lab(opened(blue)) + mean_lab(opened(red))) / 2.0
-    np.testing.assert_allclose(mean_lab(opened(tmp_path / "half.png")), wanted, atol=0.6)
+    wanted = (mean_lab(pixels_in(blue)) + mean_lab(pixels_in(red))) / 2.0
+    np.testing.assert_allclose(mean_lab(pixels_in(tmp_path / "half.png")), wanted, atol=0.6)
 
 
 @pytest.mark.parametrize(

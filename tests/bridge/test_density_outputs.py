@@ -25,9 +25,9 @@ from convwass_addon.bridge.densities.density_outputs import (
 from convwass_addon.bridge.densities.density_player import animate_density, density_value, remove_density
 from convwass_addon.bridge.densities.density_store import DENSITIES_KEY, stored_density
 from convwass_addon.bridge.heat_map import heat_colors, heat_stops
-from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.vertex_groups import group_names, read_group, read_groups, write_group
 from convwass_addon.errors import InputError
+from tests.pictures import pixels_in
 
 DENSITIES = np.array([[0, 0, 4.0, 1, 2, 3], [8, 0, 0, 0, 0, 0], [1, 2, 1, 2, 1, 2]])
 
@@ -53,11 +53,7 @@ def colors_of(obj, name):
 
 def pixels_of(path):
     """Read an image from below to above, its first channel."""
-    image = bpy.data.images.load(str(path))
-    image.colorspace_settings.name = "Non-Color"
-    gray = pixel_values(image)[..., 0].copy()
-    bpy.data.images.remove(image)
-    return gray
+    return pixels_in(path, as_data=True)[..., 0]
 
 
 def test_one_group_for_each_step(obj):
@@ -314,10 +310,7 @@ def rendered(scene, path):
         scene.collection.objects.link(sun)
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(str(path))
-    mean = np.array(image.pixels).reshape(-1, 4)[:, :3].mean(axis=0)
-    bpy.data.images.remove(image)
-    return mean
+    return pixels_in(path)[..., :3].mean(axis=(0, 1))
 
 
 @pytest.mark.parametrize("kind", ["HEAT", *GROWTHS])

@@ -13,12 +13,12 @@ import pytest
 from convwass_addon.bridge.flat.gray_inputs import gray_inputs
 from convwass_addon.bridge.flat.picture_bake import pictures_of
 from convwass_addon.bridge.flat.picture_job import PictureJob
-from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.morphs.disk_output import own_folder
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.written_files import WRITTEN_KEY, drop_surplus
 from convwass_addon.cli import main
 from convwass_addon.errors import ConvwassError, InputError
+from tests.pictures import pixels_in
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -50,13 +50,6 @@ def bake(place, *objects, **options):
     return bpy.ops.convwass.bake_morph(motion="TRANSPORT", **{**settings, **options})
 
 
-def pixels_of(path):
-    image = bpy.data.images.load(str(path))
-    found = pixel_values(image)
-    bpy.data.images.remove(image)
-    return found
-
-
 def inked(pixels):
     """Share of the picture that is not paper, in the middle of the two."""
     return float((np.abs(pixels[..., :3] - pixels[0, 0, :3]).max(axis=2) > 0.3).mean())
@@ -85,12 +78,12 @@ def test_pictures_travel_and_mix_their_colors(tmp_path, grays):
     assert bake(tmp_path, first, last, grays=grays) == {"FINISHED"}
     files = sorted(tmp_path.glob("*/*.png"))
     assert [path.name[-8:] for path in files] == [f"000{number}.png" for number in range(1, 6)]
-    middle = pixels_of(files[2])
+    middle = pixels_in(files[2])
     center = middle[middle.shape[0] // 2, middle.shape[1] // 2, :3]
     np.testing.assert_allclose(center, 0.5 * (np.array(RED) + np.array(BLUE)), atol=0.02)
     np.testing.assert_allclose(middle[0, 0], [*PAPER, 1.0], atol=0.01)
     # A disc keeps its form and size.
-    assert inked(middle) == pytest.approx(inked(pixels_of(files[0])), rel=0.03)
+    assert inked(middle) == pytest.approx(inked(pixels_in(files[0])), rel=0.03)
     (plane,) = frame_objects(next(c for c in bpy.data.collections if c.name.startswith("Morph")))
     (material,) = plane.data.materials
     (node,) = (node for node in material.node_tree.nodes if node.type == "TEX_IMAGE")
@@ -147,7 +140,7 @@ def test_pictures_that_are_made_again_take_the_place_of_the_old_ones_at_the_end(
         assert after.keys() == before.keys() and after != before
     (plane,) = frame_objects(next(c for c in bpy.data.collections if c.name.startswith("Morph")))
     (node,) = (node for node in plane.data.materials[0].node_tree.nodes if node.type == "TEX_IMAGE")
-    shown = pixels_of(bpy.path.abspath(node.image.filepath))
+    shown = pixels_in(bpy.path.abspath(node.image.filepath))
     np.testing.assert_allclose(shown[shown.shape[0] // 2, shown.shape[1] // 2, :3], BLUE, atol=0.02)
 
 

@@ -13,12 +13,12 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
-from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.keyframes import make_linear
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.errors import InputError
+from tests.pictures import pixels_in
 from tests.vertex_textures import gathered, joined_steps, unpacked_normals
 
 # Blender's own add-ons use what newer versions of NumPy and Python advise against.
@@ -148,9 +148,7 @@ def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, s
 
 
 def pixels(file):
-    with opened_image(file) as image:
-        image.colorspace_settings.name = "Non-Color"
-        return pixel_values(image)[::-1, :, :3]
+    return pixels_in(file, as_data=True)[::-1, :, :3]
 
 
 def decoded(record, folder):

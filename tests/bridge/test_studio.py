@@ -20,6 +20,7 @@ from convwass_addon.bridge.studio import Studio, choose_cycles, opening, world_p
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 from convwass_addon.progress import Control, drained
 from tests.controls import recorded
+from tests.pictures import pixels_in
 
 RED, GREEN = (0.6, 0.02, 0.02, 1.0), (0.02, 0.5, 0.02, 1.0)
 SAMPLES = 2
@@ -84,12 +85,7 @@ def photographed(objects, path, resolution, samples):
 
 def pixels(path):
     """Return a picture as (height, width, 3), from the top, 0 to 1 as shown."""
-    image = bpy.data.images.load(str(path))
-    try:
-        width, height = image.size
-        return np.array(image.pixels[:]).reshape(height, width, image.channels)[::-1, :, :3]
-    finally:
-        bpy.data.images.remove(image)
+    return pixels_in(path)[::-1, :, :3]
 
 
 def is_red(picture):

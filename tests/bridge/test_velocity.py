@@ -15,6 +15,7 @@ from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_trees import own_tree
+from tests.pictures import pixels_in
 from tests.shapes import ball
 
 DISTANCE, STEPS, SHUTTER, RADIUS = 4.0, 4, 0.8, 0.5
@@ -75,11 +76,7 @@ def length_of_trace(scene, path):
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "PNG", "16"
     scene.render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
-    image = bpy.data.images.load(str(path))
-    image.colorspace_settings.name = "Non-Color"
-    values = np.empty(PIXELS * 16 * 4, np.float32)
-    image.pixels.foreach_get(values)
-    seen = 1.0 - values.reshape(16, PIXELS, 4)[7:9, :, 0].mean(axis=0)
+    seen = 1.0 - pixels_in(path, as_data=True)[7:9, :, 0].mean(axis=0)
     # Along the middle the ball is as wide as its diameter: the trace is a trapezoid of that area, and its variance is
     # that of the two boxes together.
     places = (np.arange(PIXELS) + 0.5) * WIDTH / PIXELS

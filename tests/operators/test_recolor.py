@@ -24,7 +24,7 @@ from convwass_addon.operators.recolor_targets import read_pictures
 from tests.controls import ConditionalControl
 from tests.linked_objects import linked_object
 from tests.operators.running import Pressed, call, inventory, started, until, window_context
-from tests.pictures import SIZE, blue_image, image_of, mean_lab, red_image
+from tests.pictures import SIZE, blue_image, image_of, mean_lab, pixels_in, red_image
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -259,7 +259,7 @@ def _composited(group, image, path):
     render.image_settings.color_mode = "RGBA"
     render.filepath = str(path)
     bpy.ops.render.render(write_still=True)
-    return pixel_values(bpy.data.images.load(str(path)))
+    return pixels_in(path)
 
 
 def _colored(name, mean, seed):

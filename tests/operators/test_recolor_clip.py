@@ -19,7 +19,7 @@ from convwass_addon.operators import recolor_clip
 from convwass_addon.operators.recolor_clip import CONVWASS_OT_recolor_clip
 from convwass_addon.operators.recolor_targets import shown_image
 from tests.operators.running import Pressed, call, inventory, started, until, window_context
-from tests.pictures import blue_image, image_of, mean_lab, red_image
+from tests.pictures import blue_image, image_of, mean_lab, pixels_in, red_image
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -57,27 +57,20 @@ def clip(files):
     return image
 
 
-def opened(path):
-    image = bpy.data.images.load(str(path))
-    found = pixel_values(image)
-    bpy.data.images.remove(image)
-    return found
-
-
 def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
     """The command grades the same way: frames are measured together and keep their differences."""
     before = len(bpy.data.textures), {path: path.read_bytes() for path in files}
     assert call("recolor_clip", image="Shot", folder=str(tmp_path / "graded")) == {"FINISHED"}
     results = sorted((tmp_path / "graded").iterdir())
     assert [path.name for path in results] == [path.name for path in files]
-    means = np.array([mean_lab(opened(path)) for path in results])
+    means = np.array([mean_lab(pixels_in(path)) for path in results])
     assert (np.diff(means[:, 0]) > 2.0).all()
     np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.0)
     assert before == (len(bpy.data.textures), {path: path.read_bytes() for path in files})
     palette = saved(image_of("Copy", pixel_values(bpy.data.images["Blue"])), tmp_path / "blue.png")
     assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
     for path in results:
-        np.testing.assert_allclose(opened(path), opened(tmp_path / "command" / path.name), atol=1.1 / 255)
+        np.testing.assert_allclose(pixels_in(path), pixels_in(tmp_path / "command" / path.name), atol=1.1 / 255)
 
 
 def test_the_result_is_a_sequence_that_is_shown(clip, files, tmp_path):
@@ -95,9 +88,9 @@ def test_the_result_is_a_sequence_that_is_shown(clip, files, tmp_path):
     known = inventory()
     call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"), strength=0.0)
     assert inventory() == known, "the result is used again"
-    np.testing.assert_array_equal(opened(paths[0]), opened(files[0]))
+    np.testing.assert_array_equal(pixels_in(paths[0]), pixels_in(files[0]))
     frames = ClipFrames(clip)
-    np.testing.assert_array_equal(frames.read(2).pixels, opened(files[2]))
+    np.testing.assert_array_equal(frames.read(2).pixels, pixels_in(files[2]))
     frames.close()
     with pytest.raises(RuntimeError, match="Shot has no pixels"):
         call("recolor_image", image="Shot")
@@ -109,8 +102,8 @@ def test_a_table_of_a_clip_comes_from_all_frames(clip, files, tmp_path):
     call("write_cube", image="Shot", filepath=str(tmp_path / "a.cube"), cube_size=33)
     table = read_cube(tmp_path / "a.cube")
     for path in files:
-        found = np.moveaxis(table.applied(np.moveaxis(opened(path)[..., :3], -1, 0)), 0, -1)
-        assert np.abs(found - opened(tmp_path / "graded" / path.name)[..., :3]).mean() * 255 < 1.0
+        found = np.moveaxis(table.applied(np.moveaxis(pixels_in(path)[..., :3], -1, 0)), 0, -1)
+        assert np.abs(found - pixels_in(tmp_path / "graded" / path.name)[..., :3]).mean() * 255 < 1.0
     call("build_grade_nodes", image="Shot", cube_size=5)
     assert "Grade Blue" in bpy.data.node_groups and not bpy.data.textures
 
@@ -124,23 +117,23 @@ def test_movies(files, tmp_path):
     call("recolor_clip", image="shot.mp4", folder=str(tmp_path / "graded"))
     results = sorted((tmp_path / "graded").iterdir())
     assert [path.name for path in results] == [f"shot.{number:04d}.png" for number in (1, 2, 3)]
-    means = np.array([mean_lab(opened(path)) for path in results])
+    means = np.array([mean_lab(pixels_in(path)) for path in results])
     assert (np.diff(means[:, 0]) > 2.0).all()
     np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.5)
 
 
 def test_empty_frames_do_not_count(clip, files, tmp_path):
     """As before an effect begins and after it has ended."""
-    empty = np.zeros_like(opened(files[0]))
+    empty = np.zeros_like(pixels_in(files[0]))
     saved(image_of("Empty", empty), files[0])
     assert call("recolor_clip", image="Shot", folder=str(tmp_path / "graded")) == {"FINISHED"}
-    means = [mean_lab(opened(tmp_path / "graded" / path.name)) for path in files[1:]]
+    means = [mean_lab(pixels_in(tmp_path / "graded" / path.name)) for path in files[1:]]
     np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.0)
-    assert not opened(tmp_path / "graded" / files[0].name)[..., 3].any()
+    assert not pixels_in(tmp_path / "graded" / files[0].name)[..., 3].any()
     palette = saved(image_of("Copy", pixel_values(bpy.data.images["Blue"])), tmp_path / "blue.png")
     assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
     for path in files:
-        graded, command = (opened(tmp_path / folder / path.name) for folder in ("graded", "command"))
+        graded, command = (pixels_in(tmp_path / folder / path.name) for folder in ("graded", "command"))
         np.testing.assert_allclose(graded, command, atol=1.1 / 255)
     for path in files[1:]:
         saved(image_of("Empty", empty), path)
@@ -202,7 +195,7 @@ def test_masks_protect_in_every_frame(clip, files, tmp_path):
     own.mask = image_of("Mask", white)
     call("recolor_clip", image="Shot", folder=str(tmp_path / "graded"))
     for path in files:
-        found, before = opened(tmp_path / "graded" / path.name), opened(path)
+        found, before = pixels_in(tmp_path / "graded" / path.name), pixels_in(path)
         np.testing.assert_array_equal(found[:, :30], before[:, :30])
         assert np.abs(found[:, 30:] - before[:, 30:]).mean() > 0.03
 

@@ -16,10 +16,9 @@ import pytest
 import convwass_addon
 from convwass_addon.applications.palettes.lab_colors import lab_of_linear, linear_of_lab, linear_of_srgb, srgb_of_linear
 from convwass_addon.applications.palettes.lookup_table import read_cube
-from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.vertex_groups import read_group
-from tests.pictures import blue_image, mean_lab, red_image
+from tests.pictures import blue_image, mean_lab, pixels_in, red_image
 
 # Blender's own exporters under NumPy 2.5.
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -161,8 +160,7 @@ def test_a_folder_is_graded(run_script, tmp_path):
     out = run_script("grade_folder.py", "photos", "--palette", "blue.png", "--out", "graded")
     assert out.count("marginal error") == 1
     wanted, found, before = (
-        mean_lab(pixel_values(bpy.data.images.load(str(tmp_path / name))))
-        for name in ("blue.png", "graded/red.png", "photos/red.png")
+        mean_lab(pixels_in(tmp_path / name)) for name in ("blue.png", "graded/red.png", "photos/red.png")
     )
     assert np.linalg.norm(found - wanted) < 1.5 < np.linalg.norm(before - wanted)
     # The table maps the old mean to the new one.
