@@ -52,9 +52,9 @@ class DensityFrames:
         tops = self.densities.max(axis=1, keepdims=True)
         return np.maximum.accumulate(self.densities / tops, axis=0)
 
-    def from_frame(self, first: int) -> DensityFrames:
-        """Return the frames starting at index `first`."""
-        return DensityFrames(self.times[first:], self.densities[first:], self.records[first:], self.surface)
+    def without_first(self) -> DensityFrames:
+        """Return the frames after the first."""
+        return DensityFrames(self.times[1:], self.densities[1:], self.records[1:], self.surface)
 
 
 def joined_frames(parts: Sequence[DensityFrames]) -> DensityFrames:

@@ -92,7 +92,7 @@ def path_steps(
         way = Leg(densities[leg : leg + 2], (names[leg], names[leg + 1]), surface, settings, control)
         frames = yield from within(way.work(times[leg], times[leg + 1]), leg / legs, (leg + 1) / legs)
         # Skip the first frame, which is the last one of the previous leg.
-        parts.append(frames.from_frame(1) if leg else frames)
+        parts.append(frames.without_first() if leg else frames)
         done = Sentence("Reached {name}", {"name": names[leg + 1]})
         yield Progress((leg + 1) / legs, done, parts[-1])
     return joined_frames(parts)
