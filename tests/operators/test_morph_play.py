@@ -261,3 +261,18 @@ def test_an_overridden_pad_with_keys_of_its_own_is_animated(sheet, tmp_path):
         handle.location.x = place
         handle.keyframe_insert("location", frame=frame)
     assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
+
+
+@pytest.mark.parametrize("end", ["remove_player", "delete_morph"])
+def test_a_mesh_that_a_copy_of_the_player_was_converted_to_is_kept(path, end):
+    """As for a simulation."""
+    bpy.ops.convwass.make_player()
+    player = bpy.context.object
+    bpy.ops.object.duplicate()
+    bpy.ops.object.convert(target="MESH")
+    mine = bpy.context.object
+    mine.name = "Rigid"
+    bpy.context.view_layer.objects.active = player
+    assert getattr(bpy.ops.convwass, end)() == {"FINISHED"}
+    assert bpy.data.objects.get("Rigid") == mine and len(mine.data.polygons)
+    assert not any(is_player(obj) for obj in bpy.data.objects)

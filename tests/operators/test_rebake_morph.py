@@ -675,3 +675,34 @@ def test_shapes_of_a_missing_library_are_named(empty_scene, tmp_path, how, optio
         bpy.ops.convwass.rebake_morph(which="ALL")
     with pytest.raises(RuntimeError, match=r"Error: (Hero|Icosphere) was not found in .*library\.blend; relocate"):
         bpy.ops.convwass.bake_morph(inputs=names)
+
+
+@pytest.mark.parametrize("between", ["NEAREST", "INTERPOLATED"])
+def test_a_morph_whose_player_was_deleted_is_kept_and_shown_again(morph, between):
+    bpy.ops.convwass.make_player(between=between)
+    bpy.ops.object.delete()
+    assert bpy.ops.convwass.rebake_morph(morphs=morph.name) == {"FINISHED"}
+    frames = frame_objects(morph)
+    assert len(frames) == 4 and all(obj in set(morph.objects) for obj in frames)
+    assert set(morph.all_objects) == set(frames)
+
+
+def test_a_player_whose_modifier_was_renamed_is_baked_again(morph):
+    bpy.ops.convwass.make_player(between="NEAREST")
+    player = bpy.context.object
+    player.modifiers["Frames"].name = "Horse to Cow"
+    for obj in shapes(morph):
+        obj.scale.z = 2.0
+    bpy.context.view_layer.update()
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert bpy.context.object == player
+    assert bpy.ops.convwass.retime_player(style="LINEAR", frames=2) == {"FINISHED"}
+    bpy.context.scene.frame_set(1)
+    assert player.evaluated_get(bpy.context.evaluated_depsgraph_get()).dimensions.z == pytest.approx(4.0, rel=0.05)
+
+
+def test_a_player_without_its_modifier_gives_way_to_the_frames(morph):
+    bpy.ops.convwass.make_player()
+    bpy.context.object.modifiers.clear()
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert set(morph.all_objects) == set(frame_objects(morph))

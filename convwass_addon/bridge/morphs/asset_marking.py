@@ -14,11 +14,10 @@ import numpy as np
 from ...errors import Cancelled, ConvwassError
 from ..framing import broad_view, orbit
 from ..image_files import opened_image, pixel_values
-from ..sequence import MODIFIER
 from ..studio import Studio, opening, world_points
 from .contact_sheet import ELEVATION
 from .player import is_player
-from .stand_ins import stand_ins
+from .stand_ins import frames_modifier, stand_ins
 from .stored import frame_objects, stored_morph
 
 # Width and height of preview pictures in pixels, and light paths per pixel.
@@ -69,7 +68,7 @@ def asset_blocks(collection: bpy.types.Collection) -> list[bpy.types.ID]:
     player = next((obj for obj in stand_ins(collection) if obj.users_scene and is_player(obj)), None)
     if player is None:
         return [collection]
-    tree = player.modifiers[MODIFIER].node_group
+    tree = frames_modifier(player).node_group
     # An interpolating player has a group for any moment, which is marked from the start.
     groups = [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree.asset_data is not None]
     materials = [slot.material for slot in player.material_slots if slot.material and not _is_own_asset(slot.material)]

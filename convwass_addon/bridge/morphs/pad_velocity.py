@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ..keyframes import curves_of, key_span
 from ..node_inputs import NodeInput, node_input
-from ..sequence import MODIFIER
-from .stand_ins import stand_ins
+from .stand_ins import frames_modifier, stand_ins
 
 HANDLE_VELOCITY = "Handle Velocity"
 """Input of the modifier: velocity of the handle in local space of the pad, per second."""
@@ -21,9 +20,10 @@ HANDLE_VELOCITY = "Handle Velocity"
 def handle_velocity(collection: bpy.types.Collection) -> NodeInput | None:
     """Return the velocity of the handle of a morph's pad; None without a pad that interpolates."""
     for obj in stand_ins(collection):
-        if MODIFIER in obj.modifiers:
+        modifier = frames_modifier(obj)
+        if modifier is not None:
             try:
-                return node_input(obj.modifiers[MODIFIER], HANDLE_VELOCITY)
+                return node_input(modifier, HANDLE_VELOCITY)
             except InputError:
                 continue
     return None

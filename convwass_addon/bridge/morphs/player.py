@@ -19,7 +19,6 @@ from ..keyframes import EASINGS, channels_of
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
 from ..sequence import (
-    MODIFIER,
     along_x,
     frame_group,
     nearest,
@@ -34,7 +33,7 @@ from ..sequence import (
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
-from .stand_ins import SHOWS_KEY, adopt, homes, remove_unused, require_none, set_shown, stand_ins
+from .stand_ins import SHOWS_KEY, adopt, frames_modifier, homes, remove_unused, require_none, set_shown, stand_ins
 from .stored import WEIGHTS_KEY, frame_number, frame_objects, is_solid, stored_morph
 from .stored_fields import field_cells
 
@@ -104,9 +103,8 @@ def build_player(
     _add_inputs(tree, interpolated)
     _fill(tree, frames, shapes, moment)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
-    modifier = player.modifiers[MODIFIER]
-    node_input(modifier, PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
     adopt(collection, [player, tree, *colored_materials(tree)])
+    node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
     for home in homes(collection):
         home.objects.link(player)
     _key(morph_value(player), frames, stored_morph(collection).first_frame, easing)
@@ -137,7 +135,7 @@ def refresh_player(collection: bpy.types.Collection) -> None:
     before = set(_adopted(collection))
     for player in [obj for obj in stand_ins(collection) if is_player(obj)]:
         frames = _path_objects(collection)
-        tree = player.modifiers[MODIFIER].node_group
+        tree = frames_modifier(player).node_group
         moment = drained(_moment(collection, frames)) if interpolation(player) is not None else None
         tree.nodes.clear()
         _fill(tree, frames, len(frames[0][WEIGHTS_KEY]), moment)
@@ -158,7 +156,7 @@ def _adopted(collection: bpy.types.Collection) -> list[bpy.types.ID]:
 
 def is_player(obj: bpy.types.Object | None) -> bool:
     """Return whether an object plays a morph."""
-    if obj is None or obj.get(SHOWS_KEY) is None or MODIFIER not in obj.modifiers:
+    if obj is None or obj.get(SHOWS_KEY) is None or frames_modifier(obj) is None:
         return False
     try:
         morph_value(obj)
@@ -169,35 +167,35 @@ def is_player(obj: bpy.types.Object | None) -> bool:
 
 def morph_value(player: bpy.types.Object) -> NodeInput:
     """Return the value of a player to animate; draw it with ``layout.prop(value.owner, value.path, text="Morph")``."""
-    return node_input(player.modifiers[MODIFIER], VALUE)
+    return node_input(frames_modifier(player), VALUE)
 
 
 def interpolation(player: bpy.types.Object) -> NodeInput | None:
     """Return the input of a player that enables interpolation; None if there are only baked blends."""
     try:
-        return node_input(player.modifiers[MODIFIER], INTERPOLATE)
+        return node_input(frames_modifier(player), INTERPOLATE)
     except InputError:
         return None
 
 
 def detail(player: bpy.types.Object) -> NodeInput | None:
     """Return the input that projects mixtures onto the baked meshes; None if there are only baked blends."""
-    return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], DETAIL)
+    return None if interpolation(player) is None else node_input(frames_modifier(player), DETAIL)
 
 
 def speed(player: bpy.types.Object) -> NodeInput | None:
     """Return the factor for velocities; None if there are only baked blends."""
-    return None if interpolation(player) is None else node_input(player.modifiers[MODIFIER], SPEED)
+    return None if interpolation(player) is None else node_input(frames_modifier(player), SPEED)
 
 
 def override(player: bpy.types.Object) -> NodeInput:
     """Return the input of a player that makes it show a single material."""
-    return node_input(player.modifiers[MODIFIER], OVERRIDE)
+    return node_input(frames_modifier(player), OVERRIDE)
 
 
 def playback(player: bpy.types.Object) -> NodeInput:
     """Return the input of a player for values beyond the last shape and before the first."""
-    return node_input(player.modifiers[MODIFIER], PLAYBACK)
+    return node_input(frames_modifier(player), PLAYBACK)
 
 
 def playback_item(player: bpy.types.Object) -> str:

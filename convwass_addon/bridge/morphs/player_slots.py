@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..sequence import MODIFIER
 from .frame_colors import seen_materials
-from .stand_ins import shown_morph
+from .stand_ins import frames_modifier, shown_morph
 from .stored import frame_objects
 
 
@@ -36,7 +35,7 @@ class ChangedSlot:
 
 def changed_slots(player: bpy.types.Object) -> list[ChangedSlot]:
     """Return the slots of a player that differ from those it was made with; its frames must still exist."""
-    made = seen_materials(player.modifiers[MODIFIER].node_group, frame_objects(shown_morph(player)))
+    made = seen_materials(frames_modifier(player).node_group, frame_objects(shown_morph(player)))
     slots = (ChangedSlot(index, slot.link, slot.material) for index, slot in enumerate(player.material_slots))
     return [slot for slot in slots if slot.link == "OBJECT" or slot.material not in made]
 

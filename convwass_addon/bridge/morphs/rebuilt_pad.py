@@ -11,11 +11,10 @@ import bpy
 from mathutils import Matrix, Vector
 
 from ..keyframes import curves_of
-from ..sequence import MODIFIER
 from .blend_pad import PLACE_KEY, BlendPad, make_blend_pad, require_all_blends
 from .pad_velocity import handle_velocity, key_handle_velocity
 from .player import interpolation
-from .stand_ins import remove_stand_ins, stand_ins
+from .stand_ins import frames_modifier, remove_stand_ins, stand_ins
 
 
 @dataclass(frozen=True)
@@ -114,7 +113,7 @@ def rebuild_pad(collection: bpy.types.Collection) -> BlendPad:
     """
     require_all_blends(collection)
     shown_by = stand_ins(collection)
-    mixed = any(MODIFIER in obj.modifiers and interpolation(obj) for obj in shown_by)
+    mixed = any(frames_modifier(obj) and interpolation(obj) for obj in shown_by)
     bpy.context.view_layer.update()
     place = next((_Place.of(obj) for obj in shown_by if obj.type == "EMPTY"), None)
     shift = next((_Shift.of(obj.parent) for obj in shown_by if obj.type == "EMPTY" and obj.parent), None)

@@ -17,7 +17,7 @@ from .player import is_player, refresh_player
 from .player_slots import changed_slots, restore_slots
 from .rebuilt_pad import rebuild_pad
 from .removal import remove_frame_objects
-from .stand_ins import stand_ins
+from .stand_ins import frames_modifier, remove_stand_ins, stand_ins
 from .stored import DIAGNOSTICS_KEY, INDEX_KEY, MORPH_KEY, frame_objects, hidden_frames, release_duplicates
 from .written_files import WRITTEN_KEY
 
@@ -25,7 +25,8 @@ from .written_files import WRITTEN_KEY
 def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[bpy.types.Material]:
     """Move frames and description of a new bake to an existing morph, and remove the new collection.
 
-    A player keeps its keys, materials and modifiers. A blend pad is rebuilt; its handle keeps its place and keys.
+    A player keeps its keys, materials and modifiers. A blend pad is rebuilt; its handle keeps its place and keys. If
+    the player or pad was deleted, the frames are shown again.
     Objects that read files are kept, and show the frames of the new bake once these are written. New frames have the
     names and parents of the old ones and replace them everywhere, such as in constraints. They have the materials of
     the old ones, with all edits, unless the materials of the shapes have changed.
@@ -42,7 +43,8 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
     list of bpy.types.Material
         Edited materials that frames no longer have; see :func:`.kept_materials.take_materials`.
     """
-    players = {player: changed_slots(player) for player in stand_ins(old) if is_player(player)}
+    shown_by = [obj for obj in stand_ins(old) if obj.users_scene]
+    players = {player: changed_slots(player) for player in shown_by if is_player(player)}
     home = hidden_frames(old) or old
     made = frame_objects(new)
     edited = _replace_frames(old, made)
@@ -57,8 +59,11 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
         refresh_player(old)
         for player, slots in players.items():
             restore_slots(player, slots)
-    elif stand_ins(old):
+    elif any(frames_modifier(obj) for obj in shown_by):
         rebuild_pad(old)
+    elif hidden_frames(old) is not None:
+        # The player or pad was deleted.
+        remove_stand_ins(old)
     return edited
 
 

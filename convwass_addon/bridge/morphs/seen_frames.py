@@ -16,12 +16,11 @@ from ...errors import InputError
 from ...progress import Work
 from ..keyframes import curves_of
 from ..objects import is_in
-from ..sequence import MODIFIER
 from .dense_bake import bake_player, sample_times
 from .player import interpolation, is_player, morph_value, override, playback_item, shown_value, speed
 from .removal import remove_bake
 from .retiming import keyed_span
-from .stand_ins import shown_morph, stand_ins
+from .stand_ins import frames_modifier, shown_morph, stand_ins
 from .stored import WEIGHTS_KEY, frame_number, frame_objects, shown_frames
 
 # Largest difference of values that counts as the same moment, far below the step from frame to frame.
@@ -126,7 +125,7 @@ def _is_in_place(player: bpy.types.Object) -> bool:
     """Return whether a player is neither moved nor modified."""
     own = [value.data_path for value in (morph_value(player), speed(player)) if value is not None]
     moves = [curve for curve in curves_of(player) if curve.data_path not in own]
-    changes = [modifier for modifier in player.modifiers if modifier.name != MODIFIER]
+    changes = [modifier for modifier in player.modifiers if modifier != frames_modifier(player)]
     return not (moves or changes or player.constraints or player.parent) and player.matrix_basis == Matrix()
 
 

@@ -23,13 +23,28 @@ def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> N
 
 def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
     """Return the morph that an object shows, or None."""
-    shown = None if obj is None else obj.get(SHOWS_KEY)
+    shown = None if obj is None or _was_converted(obj) else obj.get(SHOWS_KEY)
     return shown if isinstance(shown, bpy.types.Collection) else None
 
 
 def stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the objects that show a morph."""
-    return [obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection]
+    """Return the objects that show a morph, but not meshes to which its user has converted them."""
+    return [obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not _was_converted(obj)]
+
+
+def frames_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
+    """Return the modifier with which an object shows the frames of a morph, whatever its name; None without one."""
+    groups = ((modifier, modifier.node_group) for modifier in obj.modifiers if modifier.type == "NODES")
+    return next((own for own, group in groups if group is not None and group.get(SHOWS_KEY) is not None), None)
+
+
+def _was_converted(obj: bpy.types.Object) -> bool:
+    """Return whether an object has a mesh of its own in place of the modifier that shows frames.
+
+    Blender keeps the custom properties of objects that it converts. The meshes of objects that show a morph are tables
+    and lines, without faces.
+    """
+    return obj.type == "MESH" and len(obj.data.polygons) > 0 and frames_modifier(obj) is None
 
 
 def require_none(collection: bpy.types.Collection) -> None:
