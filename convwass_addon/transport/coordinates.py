@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -197,9 +197,9 @@ def nearest_barycenter(
             method="SLSQP",
             bounds=[(0.0, 1.0)] * len(family),
             constraints={"type": "eq", "fun": lambda w: w.sum() - 1.0, "jac": np.ones_like},
-            options={"maxiter": max_evaluations, "ftol": tolerance * max(search.best.value, 0.0)},
+            options={"maxiter": max_evaluations, "ftol": tolerance * max(search.best.distance.value, 0.0)},
         )
-    return NearestBarycenter(search.best_weights, search.best_barycenter, search.best, search.evaluations)
+    return replace(search.best, evaluations=search.evaluations)
 
 
 class _Search:
@@ -219,26 +219,27 @@ class _Search:
         self.limits = {"tolerance": tolerance, "max_iterations": max_iterations, "control": control}
         self.sharpness = sharpness
         self.evaluations = 0
-        self.best: Distance | None = None
+        self.best: NearestBarycenter | None = None
 
     def value(self, weights: NDArray[np.float64]) -> float:
         """Squared distance from the barycenter of `weights` to the target."""
         weights = _on_simplex(weights)
         self.evaluations += 1
-        self.last_weights, self.last_barycenter = weights, self._barycenter(weights)
-        self.last = distance(self.last_barycenter.density, self.target, self.domain, **self.limits)
-        if self.best is None or self.last.value < self.best.value:
-            self.best, self.best_weights, self.best_barycenter = self.last, weights, self.last_barycenter
-        return self.last.value
+        found = self._barycenter(weights)
+        away = distance(found.density, self.target, self.domain, **self.limits)
+        self.last = NearestBarycenter(weights, found, away, self.evaluations)
+        if self.best is None or away.value < self.best.distance.value:
+            self.best = self.last
+        return away.value
 
     def gradient(self, weights: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the gradient of :meth:`value`, up to a constant, which has no effect on the simplex."""
         weights = _on_simplex(weights)
-        if not np.array_equal(weights, self.last_weights):
+        if not np.array_equal(weights, self.last.weights):
             self.value(weights)
-        density = self.last_barycenter.density
+        density = self.last.barycenter.density
         own = drained(self_balancing(density[None], self.domain, **self.limits))
-        potential = self.domain.gamma * self.domain.unit_length**2 * (self.last.log_v - own.log_v[0])
+        potential = self.domain.gamma * self.domain.unit_length**2 * (self.last.distance.log_v - own.log_v[0])
         slopes = []
         for corner in np.eye(len(weights)):
             moved = self._barycenter(weights + _NUDGE * (corner - weights)).density
