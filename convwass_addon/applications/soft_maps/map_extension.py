@@ -97,31 +97,29 @@ class Parts:
         control : Control
             Stops the work when cancelled.
         """
+        sides, vertices = (source, target), (match.source, match.target)
         rows = unit_rows(solved.densities, target.masses)
-        ways = (
-            (0, rows, source, target, match.source),
-            (1, unit_rows(back, source.masses), target, source, match.target),
-        )
+        rows_of = (rows, unit_rows(back, source.masses))
 
         def extended(way: int) -> PointMap:
-            _, own_rows, own, other, _ = ways[way]
-            whole, vertices = (self.target, self.source)[way], (match.target, match.source)[way]
-            both = pairs if way == 0 else pairs[:, ::-1]
-            return _extended(own_rows, own, other, both, whole, vertices, is_mirrored, control)
+            whole = (self.target, self.source)[way]
+            both = pairs[:, ::-1] if way else pairs
+            own, other = sides[way], sides[1 - way]
+            return _extended(rows_of[way], own, other, both, whole, vertices[1 - way], is_mirrored, control)
 
-        for found, (way, _, own, _, vertices) in zip(both_ways(extended), ways, strict=True):
+        for way, found in enumerate(both_ways(extended)):
             control.check()
-            _place(self._points[way], found, vertices)
-            self._interpolations[way].columns[vertices] = own.interpolation.columns + self._counts[way]
-            self._interpolations[way].shares[vertices] = own.interpolation.shares
-        self._compute_confidence(0, match.source, source, target)
-        control.check()
-        self._compute_confidence(1, match.target, target, source)
+            _place(self._points[way], found, vertices[way])
+            interpolation = sides[way].interpolation
+            self._interpolations[way].columns[vertices[way]] = interpolation.columns + self._counts[way]
+            self._interpolations[way].shares[vertices[way]] = interpolation.shares
+            self._counts[way] += len(sides[way].vertices)
+        for way in range(2):
+            control.check()
+            self._compute_confidence(way, vertices[way], sides[way], sides[1 - way])
         kept = np.where(rows < _NEXT_TO_NOTHING * rows.max(axis=1, keepdims=True), 0.0, rows)
         # As densities on an area of which they only cover a fraction.
         self._rows.append(csr_array(unit_rows(kept, target.masses) / self._share(match.target)))
-        self._counts[0] += len(source.vertices)
-        self._counts[1] += len(target.vertices)
         self.notices.extend(notices)
         self._records.append(
             {
