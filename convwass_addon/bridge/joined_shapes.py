@@ -13,8 +13,9 @@ from ..errors import InputError
 from .element_values import element_values, write_attribute
 from .mesh_checks import not_a_mesh
 from .node_math import named_attribute, new_node, stored_attribute, without_attribute
+from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
-from .objects import evaluated_object, frozen_copy
+from .objects import MESHED, evaluated_object, frozen_copy
 from .sequence import MODIFIER, frame_group, object_info
 from .shape_sources import ShapeSource, shows_collection
 
@@ -28,7 +29,6 @@ _DEPTH = 6
 _MIRRORED = "convwass_mirrored"
 OWN_POSITION = "convwass_own_position"
 """Attribute of the vertices of joined meshes: the position in the own space of their part."""
-_RADIUS = "radius"
 _TUBE_CORNERS, _BALL_SUBDIVISIONS = 8, 2
 
 
@@ -96,17 +96,23 @@ def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool
     if obj.type in ("SURFACE", "META", "VOLUME", *_WITH_RADIUS) or shows_collection(obj):
         return True
     # For mirrored meshes, all data must come from one copy with flipped faces.
-    return obj.type == "MESH" and (
-        obj.matrix_world.determinant() < 0 or has_instances(obj, depsgraph) or has_copies(obj)
-    )
+    if obj.type == "MESH" and (obj.matrix_world.determinant() < 0 or has_copies(obj)):
+        return True
+    return obj.type in MESHED and _is_made_of_others(obj, depsgraph)
 
 
 def has_instances(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Return whether Geometry Nodes of an object make instances."""
-    if not any(modifier.type == "NODES" for modifier in obj.modifiers):
+    return has_nodes(obj) and nodes_output(obj, depsgraph).instances
+
+
+def _is_made_of_others(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Return whether Geometry Nodes make something other than a mesh of an object."""
+    if not has_nodes(obj):
         return False
-    with evaluated_object(obj, depsgraph) as evaluated:
-        return evaluated.evaluated_geometry().instances_pointcloud() is not None
+    made = nodes_output(obj, depsgraph)
+    # A mesh without faces is refused as such.
+    return not made.is_mesh and (obj.type != "MESH" or made != NodesOutput())
 
 
 def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Mesh:
@@ -135,11 +141,10 @@ def _piece(
     tree: bpy.types.NodeTree, part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, stack: ExitStack
 ) -> bpy.types.NodeSocket | None:
     """Return the mesh of one part in world space; None if it is empty."""
-    if part.type in _WITH_RADIUS:
-        _require_radius(part, depsgraph)
-        return _solid_of(tree, part.type, _realized(tree, _as_instance(tree, part)))
-    if shows_collection(part) or (part.type == "MESH" and has_instances(part, depsgraph)):
+    if shows_collection(part):
         return _realized(tree, _as_instance(tree, part))
+    if part.type in _WITH_RADIUS or (part.type in MESHED and _is_made_of_others(part, depsgraph)):
+        return _solids(tree, part, nodes_output(part, depsgraph))
     if part.type == "VOLUME":
         return _surface_of_volume(tree, part)
     if part.type not in _MESHED:
@@ -233,15 +238,28 @@ def _surface_of_volume(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.
     return new_node(tree, "GeometryNodeVolumeToMesh", inputs).outputs["Mesh"]
 
 
-def _require_radius(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
-    with evaluated_object(part, depsgraph) as evaluated:
-        if _RADIUS in evaluated.data.attributes:
-            return
-    raise InputError(
-        "{name} has strands or points without a radius, so there is nothing solid: give them one with Geometry Nodes "
-        "(Set Curve Radius, Set Point Radius).",
-        name=part.name,
-    )
+def _solids(tree: bpy.types.NodeTree, part: bpy.types.Object, made: NodesOutput) -> bpy.types.NodeSocket:
+    """Return all surfaces of a part that is not only a mesh; raises InputError if strands or points lack a radius."""
+    if made == NodesOutput(lacks_radius=True):
+        raise InputError(
+            "{name} has strands or points without a radius, so there is nothing solid: give them one with Geometry "
+            "Nodes (Set Curve Radius, Set Point Radius).",
+            name=part.name,
+        )
+    realized = _realized(tree, _as_instance(tree, part))
+    kinds = new_node(tree, "GeometryNodeSeparateComponents", {"Geometry": realized}).outputs
+    found = [kinds["Mesh"]]
+    if made.strands:
+        found.append(_solid_of(tree, "CURVES", kinds["Curve"]))
+    if made.points:
+        found.append(_solid_of(tree, "POINTCLOUD", kinds["Point Cloud"]))
+    if made.volume:
+        found.append(_surface_of_volume(tree, part))
+    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    # The last link comes first.
+    for geometry in reversed(found):
+        tree.links.new(geometry, join.inputs["Geometry"])
+    return join.outputs["Geometry"]
 
 
 def _solid_of(tree: bpy.types.NodeTree, kind: str, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:

@@ -11,7 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_, pgettext_tip as tip_
 from bpy.props import IntProperty
 
 from ..bridge.active import selected_objects
-from ..bridge.flat.flat_kinds import is_drawn_flat, looks_flat
+from ..bridge.flat.flat_kinds import looks_flat
 from ..bridge.objects import MESHED, triangle_mesh
 from ..bridge.shape_sources import is_plain, shape_roots, shape_source
 from ..errors import ConvwassError, InputError
@@ -134,7 +134,7 @@ class CONVWASS_OT_check_morph_inputs(_OnList, bpy.types.Operator):
 def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph, grouping: str) -> None:
     """Check the shape of an input, and store the findings on the item."""
     from ..applications.morphs.shape_check import check_shape
-    from ..bridge.flat.flat_objects import flat_objects
+    from ..bridge.flat.flat_objects import flat_objects, is_flat
     from ..bridge.joined_shapes import joined_shape
 
     if item.object is None or not item.object.users_scene:
@@ -142,7 +142,7 @@ def check(item: CONVWASS_PG_input, depsgraph: bpy.types.Depsgraph, grouping: str
         return
     try:
         source = shape_source(item.object, grouping)
-        if is_plain(source) and is_drawn_flat(item.object):
+        if is_plain(source) and item.object.type != "MESH" and is_flat(item.object, depsgraph):
             flat_objects([item.object], depsgraph)
             item.verdict, item.finding = "SOUND", ""
             return

@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.flat.flat_objects import is_flat
 from convwass_addon.bridge.joined_shapes import joined_shape
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.job import MorphJob
@@ -142,6 +143,50 @@ def geometry_nodes_instances(add):
     return obj
 
 
+def output_of(obj, *steps):
+    """Let Geometry Nodes take an object through some nodes, given by their types and inputs."""
+    tree = nodes_on(obj)
+    geometry = tree.nodes.new("NodeGroupInput").outputs[0]
+    for kind, inputs in steps:
+        node = tree.nodes.new(kind)
+        for name, value in inputs.items():
+            if isinstance(value, str):
+                tree.links.new(tree.nodes.new(value).outputs[0], node.inputs[name])
+            else:
+                node.inputs[name].default_value = value
+        tree.links.new(geometry, node.inputs[0])
+        geometry = node.outputs[0]
+    tree.links.new(geometry, tree.nodes.new("NodeGroupOutput").inputs[0])
+    return obj
+
+
+def points_of_a_mesh(add):
+    return output_of(add("Mesh"), ("GeometryNodeMeshToPoints", {"Radius": 0.1}))
+
+
+def strands_of_a_mesh(add):
+    radius = ("GeometryNodeSetCurveRadius", {"Radius": 0.1})
+    line = linked("Line", bpy.data.meshes.new("Line"))
+    line.data.from_pydata([(0, 0, 0), (0, 0, 1)], [(0, 1)], [])
+    return output_of(line, ("GeometryNodeMeshToCurve", {}), radius)
+
+
+def volume_of_a_mesh(add):
+    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=4)
+    return output_of(bpy.context.object, ("GeometryNodeMeshToVolume", {}))
+
+
+def copies_along_a_curve(_add):
+    bpy.ops.curve.primitive_bezier_circle_add()
+    copies = ("GeometryNodeInstanceOnPoints", {"Instance": "GeometryNodeMeshCube", "Scale": (0.1, 0.1, 0.1)})
+    return output_of(bpy.context.object, ("GeometryNodeResampleCurve", {"Count": 8}), copies)
+
+
+def mesh_of_hair(add):
+    corners = {"Profile Curve": "GeometryNodeCurvePrimitiveQuadrilateral", "Fill Caps": True}
+    return output_of(hair(add), ("GeometryNodeSetCurveRadius", {"Radius": 1.0}), ("GeometryNodeCurveToMesh", corners))
+
+
 def metaball(_add):
     bpy.ops.object.metaball_add()
     bpy.context.object.data.resolution = 0.1
@@ -217,6 +262,11 @@ def linked(name, data):
     ("make", "volume", "tolerance"),
     [
         (geometry_nodes_instances, 6 * 0.001, 1e-5),
+        (points_of_a_mesh, 6 * 4 / 3 * pi / 1000, 4e-3),
+        (strands_of_a_mesh, 0.01 * 4 * np.sin(pi / 4), 1e-4),
+        (volume_of_a_mesh, 4 / 3 * pi, 0.5),
+        (copies_along_a_curve, 8 * 0.001, 1e-5),
+        (mesh_of_hair, 2 * 2 * 2, 1e-4),
         (metaball, 6.2, 0.5),  # a ball of radius 1.15, which is where the field of one metaball of radius 2 ends
         (nurbs, 4 / 3 * pi, 0.2),
         (hair, 2 * 0.01 * 4 * np.sin(pi / 4), 1e-4),  # prisms of eight corners
@@ -231,6 +281,32 @@ def test_objects_of_all_types_are_shapes(add, make, volume, tolerance):
     assert shape_roots([obj]) == [obj]
     mesh = read(obj)
     assert mesh.volume == pytest.approx(volume, abs=tolerance)
+
+
+def test_a_text_is_what_its_nodes_make_of_it(add):
+    bpy.ops.object.text_add()
+    text = bpy.context.object
+    text.data.body, text.data.extrude = "I", 0.5
+    alone, depsgraph = read(text).volume, bpy.context.evaluated_depsgraph_get()
+    assert is_flat(text, depsgraph)
+    tree = nodes_on(text)
+    line, copies = (tree.nodes.new(f"GeometryNode{kind}") for kind in ("MeshLine", "InstanceOnPoints"))
+    line.inputs["Count"].default_value, line.inputs["Offset"].default_value = 3, (0.0, 0.0, 5.0)
+    tree.links.new(line.outputs[0], copies.inputs["Points"])
+    tree.links.new(tree.nodes.new("NodeGroupInput").outputs[0], copies.inputs["Instance"])
+    tree.links.new(copies.outputs[0], tree.nodes.new("NodeGroupOutput").inputs[0])
+    assert not is_flat(text, depsgraph)
+    assert read(text).volume == pytest.approx(3 * alone, rel=1e-4)
+
+
+def test_a_curve_is_flat_until_nodes_give_it_depth(add):
+    obj, depsgraph = copies_along_a_curve(add), bpy.context.evaluated_depsgraph_get()
+    assert not is_flat(obj, depsgraph)
+    obj.modifiers.clear()
+    output_of(obj, ("GeometryNodeFillCurve", {}))
+    assert is_flat(obj, depsgraph)
+    output_of(obj, ("GeometryNodeExtrudeMesh", {}))
+    assert not is_flat(obj, depsgraph)
 
 
 def test_copies_are_where_particles_show_them(add):

@@ -16,12 +16,15 @@ from .planes import plane_of
 
 
 def is_flat_mesh(evaluated: bpy.types.Object) -> bool:
-    """Return whether an evaluated mesh has faces and lies in one plane."""
-    mesh = evaluated.data
-    if evaluated.type != "MESH" or not len(mesh.polygons):
-        return False
+    """Return whether the mesh of an evaluated object has faces and lies in one plane."""
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-    points = _points(mesh, matrix)
+    try:
+        mesh = evaluated.to_mesh()
+        if mesh is None or not len(mesh.polygons):
+            return False
+        points = _points(mesh, matrix)
+    finally:
+        evaluated.to_mesh_clear()
     return bool(np.isfinite(points).all()) and plane_of(points, matrix) is not None
 
 

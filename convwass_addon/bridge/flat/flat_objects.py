@@ -15,7 +15,8 @@ from ...applications.flat.flat_shapes import FlatShape
 from ...errors import InputError
 from ...geometry.flat_moments import directed
 from ..morphs.materials import base_color, input_color
-from ..objects import evaluated_object
+from ..nodes_output import has_nodes, nodes_output
+from ..objects import MESHED, evaluated_object
 from .flat_images import image_rings
 from .flat_kinds import is_drawn_flat
 from .flat_meshes import is_flat_mesh, mesh_rings
@@ -29,11 +30,22 @@ _SQUASHED = 1e-6
 
 
 def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Return whether an object is flat: by type, or because its mesh lies in one plane."""
+    """Return whether an object is flat: by type unless nodes make it solid, or because its mesh is in one plane."""
     if obj.type != "MESH":
-        return is_drawn_flat(obj)
+        return is_drawn_flat(obj) and not _is_made_solid(obj, depsgraph)
     with evaluated_object(obj, depsgraph) as evaluated:
         return is_flat_mesh(evaluated)
+
+
+def _is_made_solid(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Return whether Geometry Nodes of a curve or text make something with a volume."""
+    if obj.type not in MESHED or not has_nodes(obj):
+        return False
+    made = nodes_output(obj, depsgraph)
+    if made.is_mesh and not (obj.data.extrude > 0 or obj.data.bevel_depth > 0):
+        with evaluated_object(obj, depsgraph) as evaluated:
+            return not is_flat_mesh(evaluated)
+    return made.instances or made.volume or made.points
 
 
 @dataclass(frozen=True)
