@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.flat_mending import FlatConnectivity
 from ...geometry.outlines import Outline
+from ..morphs.interpolated_volumes import interpolated_volumes
 from ..morphs.layouts import Blend
 from ..morphs.parts import SplitShapes
 from ..morphs.transport_problem import TransportProblem
@@ -76,7 +77,7 @@ class FlatProblem:
         Therefore the square roots of areas are interpolated. Masses are interpolated directly.
         """
         if self.settings.output == "densities":
-            return self.transport.blend_volumes(blend)
+            return interpolated_volumes(blend.weights, [part.volumes for part in self.transport.parts], "volume")
         return np.array([interpolated_area(blend.weights, part.volumes) for part in self.transport.parts])
 
     def fullness(self, blend: Blend) -> float:

@@ -87,6 +87,21 @@ class MorphSettings(Settings):
         note="Has no effect on flat shapes, nor where the surface is taken at the half maximum",
         panel="motion",
     )
+    growth: str = setting(
+        "volume",
+        "Growth",
+        "How blends of shapes of different size grow",
+        choices=(
+            Choice(
+                "volume",
+                "Even Volume",
+                "Volume grows evenly, as if matter were added at a constant rate: small shapes grow fast at first",
+            ),
+            Choice("size", "Even Size", "Lengths grow evenly, as if the shapes were scaled"),
+        ),
+        note="Lengths of flat shapes always grow evenly, and volumes of shape keys",
+        panel="motion",
+    )
     sharpness: float | None = setting(
         None,
         "Sharpness",

@@ -26,6 +26,7 @@ from .coinciding_solids import CoincidingSolids
 from .demands import Demand
 from .detail import detailed_blend, reliability_of, starts_on_readings
 from .extraction import extract_coinciding
+from .interpolated_volumes import interpolated_volumes
 from .layouts import Blend
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_blend import MovedBlend
@@ -88,7 +89,8 @@ class MovingProblem:
         still : MorphProblem
             The inputs at rest, with their connectivity.
         motion : Motion
-            The motion; blends of inputs of different volume are scaled, see :class:`.growing_motion.GrowingMotion`.
+            The motion, which interpolates lengths. Blends are scaled if volumes are to be interpolated instead, see
+            :class:`.growing_motion.GrowingMotion`.
         blends : sequence of Blend
             All blends of the morph, including those computed elsewhere.
         names, matching
@@ -96,14 +98,14 @@ class MovingProblem:
         control : Control
             Stops the work.
         """
-        volumes = sum(part.volumes for part in still.transport.parts)
-        growing = GrowingMotion(motion, volumes, still.lattice.centers)
+        if still.settings.growth == "volume":
+            motion = GrowingMotion(motion, still.transport.volumes, still.lattice.centers)
 
         def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
-            return (shape.mesh.bounds for shape in growing.moved(weights) if shape is not None)
+            return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)
 
         room = room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control)
-        return cls(still, growing, still.lattice.holding(room), tuple(names), matching)
+        return cls(still, motion, still.lattice.holding(room), tuple(names), matching)
 
     @property
     def solves_singly(self) -> bool:
@@ -172,7 +174,7 @@ class MovingProblem:
         lattice = self._lattice_around(shapes, np.asarray(blend.weights))
         split = self._split(shapes, active, lattice, control)
         occupancies = [sum(own[1:], start=own[0]) for own in zip(*split.densities, strict=True)]
-        volume = float((split.volumes @ alone.weights).sum())
+        volume = float(interpolated_volumes(alone.weights, split.volumes, self.still.settings.growth).sum())
         solids = CoincidingSolids.of(occupancies, alone.weights, volume)
         transport = TransportProblem((), lattice, self.still.settings)
         if not solids.coincide:

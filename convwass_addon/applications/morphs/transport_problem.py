@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...transport import Grid, Inputs
+from .interpolated_volumes import interpolated_volumes
 from .layouts import Blend
 from .morph_settings import MorphSettings
 from .part_labels import PartNotice
@@ -137,7 +138,7 @@ class TransportProblem:
 
     def blend_volumes(self, blend: Blend) -> NDArray[np.float64]:
         """Volumes of the parts of a blend in cells, (p,)."""
-        return np.array([float(np.dot(blend.weights, part.volumes)) for part in self.parts])
+        return interpolated_volumes(blend.weights, [part.volumes for part in self.parts], self.settings.growth)
 
     def entropy_limits(self, volumes: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
         """Return entropy bounds for the parts of a blend with these volumes, (p,).

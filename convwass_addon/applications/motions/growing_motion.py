@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Motions between inputs of different size, scaled so that their volume grows evenly."""
+"""Motions between inputs of different size, scaled so that their volume grows evenly instead of their lengths."""
 
 from __future__ import annotations
 
