@@ -11,6 +11,8 @@ from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
 
 # Chosen by eye; accuracy and speed of the filter are measured in docs/performance.md, "Sphere".
+# Number of repetitions of the blurs, which share the variance equally.
+_STEPS = 2
 # Azimuths over which the blur along meridians is averaged.
 _AZIMUTHS = 512
 # Turns over which a parallel's Gaussian is wrapped.
@@ -18,27 +20,21 @@ _WRAPS = 2
 
 
 class SphereFilter:
-    """A Gaussian blur along parallels, along meridians, and along parallels again, repeated `steps` times.
+    """A Gaussian blur along parallels, along meridians, and along parallels again, all of it twice.
 
     Along parallels its width is sigma / sin(theta) in longitude (Solomon et al. 2015, section 7, after Deriche 1993);
     along meridians it is the exact kernel averaged over all azimuths, which lets mass cross a pole. The filter is
-    positive and symmetric, but its error does not vanish at any resolution: with two steps distances are off by up to
-    10 %, and a midpoint away from the equator by a tenth to a third of sigma.
+    positive and symmetric, but its error does not vanish at any resolution: distances are off by up to 10 %, and a
+    midpoint away from the equator by a tenth to a third of sigma.
 
     Parameters
     ----------
     rows, columns, used, sigma, weights
         As for :class:`.zonal_kernel.ZonalKernel`.
-    steps : int
-        Number of repetitions, which share the variance equally.
     """
 
-    def __init__(
-        self, rows: int, columns: int, used: int, sigma: float, weights: NDArray[np.float64], steps: int = 2
-    ) -> None:
-        self.shape = (used, columns)
-        self.steps = steps
-        along = sigma / np.sqrt(steps)
+    def __init__(self, rows: int, columns: int, used: int, sigma: float, weights: NDArray[np.float64]) -> None:
+        along = sigma / np.sqrt(_STEPS)
         theta = (np.arange(used) + 0.5) * (np.pi / rows)
         self._meridians = _meridians(theta, along, weights * columns)
         # Half of the variance before the blur along meridians and half of it afterwards.
@@ -46,11 +42,10 @@ class SphereFilter:
 
     def apply(self, values: NDArray[np.float64], out: NDArray[np.float64]) -> None:
         """Write H (a * values), (k, used, columns) each, to `out`, which must be another array."""
-        used = self.shape[0]
         # Rows first, because each has a kernel of its own. The matrices are small, so NumPy's product is fast enough.
         current = np.ascontiguousarray(values.transpose(1, 0, 2))
-        for _ in range(self.steps):
-            turned = np.ascontiguousarray((current @ self._parallels).reshape(used, -1).T)
+        for _ in range(_STEPS):
+            turned = np.ascontiguousarray((current @ self._parallels).reshape(len(current), -1).T)
             blurred = np.empty(current.shape)
             contract(turned.reshape(-1), blurred.reshape(-1), self._meridians)
             current = blurred @ self._parallels

@@ -72,15 +72,9 @@ class ZonalKernel:
         In radians.
     weights : (used,) float64
         Area weight of the cells of every row.
-
-    Attributes
-    ----------
-    scale : float
-        Factor of the Gaussian, such that no row sums to more than one.
     """
 
     def __init__(self, rows: int, columns: int, used: int, sigma: float, weights: NDArray[np.float64]) -> None:
-        self.shape = (used, columns)
         half = columns // 2
         sums = np.zeros(used)
         matrices = []
@@ -88,10 +82,11 @@ class ZonalKernel:
             matrix = np.exp(log_zonal(rows, columns, used, offset, sigma))
             sums += (matrix @ weights) * (1.0 if offset in (0, half) else 2.0)
             matrices.append(matrix)
-        self.scale = float(1.0 / sums.max())
+        # No row sums to more than one.
+        scale = float(1.0 / sums.max())
         self._blocks = []
         for start in range(0, half + 1, _OFFSETS):
-            some = np.stack(matrices[start : start + _OFFSETS]) * self.scale
+            some = np.stack(matrices[start : start + _OFFSETS]) * scale
             some[some < NEGLIGIBLE] = 0.0
             offsets = range(start, start + len(some))
             for span in _spans(some, used == rows):
@@ -105,7 +100,7 @@ class ZonalKernel:
             self._apply_to(source, target)
 
     def _apply_to(self, values: NDArray[np.float64], out: NDArray[np.float64]) -> None:
-        columns = self.shape[1]
+        columns = values.shape[1]
         turned = np.ascontiguousarray(values.T)
         around = np.concatenate([turned, turned, turned])
         out.fill(0.0)
