@@ -144,7 +144,7 @@ class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):
 
 
 class CONVWASS_OT_rebake_morph(bpy.types.Operator):
-    """Bake morphs again with their stored settings; players, volumes and caches keep their keys, materials and modifiers, while changes of the baked meshes are lost"""  # noqa: E501
+    """Bake morphs again with their stored settings; players, pads, volumes and caches keep their keys, materials and modifiers, while changes of the baked meshes are lost"""  # noqa: E501
 
     bl_idname = "convwass.rebake_morph"
     bl_label = "Bake Again"

@@ -42,7 +42,7 @@ COPY = 0.22
 """Size of the shapes at the corners, relative to the side of the pad."""
 
 PLACE_KEY = "convwass_place"
-"""Custom property of the lattice of a pad: the location where it was made."""
+"""Custom property of the lattice of a pad and of its blend: the location where it was made."""
 
 
 @dataclass(frozen=True)
@@ -153,6 +153,7 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST
         _linked(home, drawn)
     result = _linked(home, _result(sheet, pad, handle, fields))
     result.location = sheet.feet[0]
+    result[PLACE_KEY] = result.location
     trees = [obj.modifiers[MODIFIER].node_group for obj in home.objects if MODIFIER in obj.modifiers]
     made = [material for tree in trees for material in colored_materials(tree)]
     adopt(collection, [home, *home.objects, *trees, *made])

@@ -7,7 +7,6 @@ Geometry Nodes select the blend, so a file does not need the add-on to play in t
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 
 import bpy
@@ -33,7 +32,18 @@ from ..sequence import (
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
-from .stand_ins import SHOWS_KEY, adopt, frames_modifier, homes, remove_unused, require_none, set_shown, stand_ins
+from .stand_ins import (
+    SHOWS_KEY,
+    adopt,
+    adopted,
+    drop_numbers,
+    frames_modifier,
+    homes,
+    remove_unused,
+    require_none,
+    set_shown,
+    stand_ins,
+)
 from .stored import WEIGHTS_KEY, frame_number, frame_objects, is_solid, stored_morph
 from .stored_fields import field_cells
 
@@ -42,8 +52,6 @@ PLAYBACK = "Playback"
 
 PLAYBACKS = {"ONCE": "Once", "LOOP": "Loop", "PING_PONG": "Ping-Pong"}
 """The items of that menu in the user interface."""
-
-_NUMBER = re.compile(r"\.[0-9]{3,}$")
 
 OVERRIDE = "Override Material"
 MATERIAL = "Material"
@@ -132,7 +140,7 @@ def refresh_player(collection: bpy.types.Collection) -> None:
     InputError
         As `make_player`, if the morph is no longer a path.
     """
-    before = set(_adopted(collection))
+    before = set(adopted(collection))
     for player in [obj for obj in stand_ins(collection) if is_player(obj)]:
         frames = _path_objects(collection)
         tree = frames_modifier(player).node_group
@@ -142,16 +150,7 @@ def refresh_player(collection: bpy.types.Collection) -> None:
         adopt(collection, colored_materials(tree))
         write_table(player.data, _table(frames), seen_materials(tree, frames))
     remove_unused(collection)
-    # Their names were taken before; Blender has appended numbers.
-    for block in set(_adopted(collection)) - before:
-        block.name = _NUMBER.sub("", block.name)
-
-
-def _adopted(collection: bpy.types.Collection) -> list[bpy.types.ID]:
-    """Return the node groups, the objects and their meshes that show a morph."""
-    objects = stand_ins(collection)
-    groups = [group for group in bpy.data.node_groups if group.get(SHOWS_KEY) == collection]
-    return [*groups, *objects, *(obj.data for obj in objects if obj.data)]
+    drop_numbers(set(adopted(collection)) - before)
 
 
 def is_player(obj: bpy.types.Object | None) -> bool:

@@ -1,73 +1,162 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Build the pad of a morph again after a new bake."""
+"""Let the objects of a pad show a new bake of its morph."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Self
+import math
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 
 import bpy
+from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from mathutils import Matrix, Vector
 
-from ..keyframes import curves_of
-from .blend_pad import PLACE_KEY, BlendPad, make_blend_pad, require_all_blends
+from ..keyframes import curves_of, own_action
+from .blend_pad import PLACE_KEY, make_blend_pad, require_all_blends
 from .pad_velocity import handle_velocity, key_handle_velocity
 from .player import interpolation
-from .stand_ins import frames_modifier, remove_stand_ins, stand_ins
+from .stand_ins import SHOWS_KEY, adopt, adopted, drop_numbers, frames_modifier, remove_unused, stand_ins
+from .stored import WEIGHTS_KEY
+
+# Relative difference of widths that rounding makes.
+_SAME_WIDTH = 1e-6
 
 
-@dataclass(frozen=True)
-class _Place:
-    """Where the handle of a pad is.
+def rebuild_pad(collection: bpy.types.Collection) -> None:
+    """Let the pad of a morph show its current frames.
 
-    Attributes
-    ----------
-    location : Vector
-        Local space of the pad.
-    side : float or None
-        Width of the pad; None if the handle is no longer limited to it.
-    keys : bpy.types.Action or None
-        A copy of its animation.
-    slot : str
-        Identifier of its slot in the animation.
-    name : str
-        Name of the animation.
+    Its objects remain, with all that was added to them. The handle stays at its blend, and what was moved keeps its
+    distance from where it is made. Deleted objects are made again.
+
+    Raises
+    ------
+    InputError
+        The morph is no longer a sheet; the pad is kept then.
     """
-
-    location: Vector
-    side: float | None
-    keys: bpy.types.Action | None = None
-    slot: str = ""
-    name: str = ""
-
-    @classmethod
-    def of(cls, handle: bpy.types.Object) -> Self:
-        """Return the place of a handle."""
-        location, side, data = handle.location.copy(), _side(handle), handle.animation_data
-        if data is None or data.action is None or data.action_slot is None:
-            return cls(location, side)
-        return cls(location, side, data.action.copy(), data.action_slot.identifier, data.action.name)
-
-    def give(self, handle: bpy.types.Object) -> None:
-        """Move the handle of a new pad there, in proportion to its size; the old one must be gone."""
-        ratio = _side(handle) / self.side if self.side else 1.0
-        handle.location = ratio * self.location
-        if self.keys is not None:
-            own = handle.animation_data_create()
-            own.action, own.action_slot = self.keys, self.keys.slots[self.slot]
-            self.keys.name = self.name
-            _scale_locations(handle, ratio)
+    require_all_blends(collection)
+    bpy.context.view_layer.update()
+    before, homes = stand_ins(collection), _homes(collection)
+    known = {block.session_uid for block in adopted(collection)}
+    mixed = any(frames_modifier(obj) and interpolation(obj) for obj in before)
+    # A morph cannot have two pads.
+    for obj in before:
+        del obj[SHOWS_KEY]
+    try:
+        make_blend_pad(collection, between="INTERPOLATED" if mixed else "NEAREST")
+    finally:
+        adopt(collection, before)
+    _take_over(_parts(before), _parts(obj for obj in stand_ins(collection) if obj not in before))
+    _merge(homes, [home for home in _homes(collection) if home not in homes])
+    remove_unused(collection)
+    drop_numbers(block for block in adopted(collection) if block.session_uid not in known)
+    handle = _parts(stand_ins(collection))["EMPTY"][0]
+    if handle_velocity(collection) is not None and any(curve.data_path == "location" for curve in curves_of(handle)):
+        key_handle_velocity(collection)
 
 
-def _side(handle: bpy.types.Object) -> float | None:
-    """Return the width of the pad to which a handle is limited."""
-    return next((own.max_x - own.min_x for own in handle.constraints if own.type == "LIMIT_LOCATION"), None)
+def _homes(morph: bpy.types.Collection) -> list[bpy.types.Collection]:
+    """Return the collections of the pads of a morph."""
+    return [home for home in bpy.data.collections if home.get(SHOWS_KEY) == morph]
+
+
+def _merge(homes: Sequence[bpy.types.Collection], others: Sequence[bpy.types.Collection]) -> None:
+    """Move the objects of other collections to the first one, if there is one, and remove those that are empty then."""
+    for other in others:
+        for obj in [obj for obj in other.objects if homes]:
+            if len(obj.users_collection) == 1:
+                homes[0].objects.link(obj)
+            other.objects.unlink(obj)
+        if not other.objects:
+            bpy.data.collections.remove(other)
+
+
+def _parts(objects: Iterable[bpy.types.Object]) -> dict[object, list[bpy.types.Object]]:
+    """Return the objects of a pad that are in a scene by their purpose, duplicates after their originals."""
+    parts: dict[object, list[bpy.types.Object]] = defaultdict(list)
+    for obj in objects:
+        if obj.users_scene:
+            parts[_purpose(obj)].append(obj)
+    return parts
+
+
+def _purpose(obj: bpy.types.Object) -> object:
+    """Return what an object of a pad is for, with the corner of a name."""
+    if obj.type == "FONT":
+        x, y = obj.data.offset_x, obj.data.offset_y
+        return obj.type, 0 if 2.0 * abs(x) < abs(y) else math.copysign(1, x), math.copysign(1, y)
+    if obj.type != "MESH":
+        return obj.type
+    modifier = frames_modifier(obj)
+    if modifier is None:
+        return "PAD"
+    infos = [node for node in modifier.node_group.nodes if node.bl_idname == "GeometryNodeObjectInfo"]
+    read = [node.inputs["Object"].default_value for node in infos]
+    # The blend also reads the pad and its handle.
+    return "CORNERS" if all(other is not None and WEIGHTS_KEY in other for other in read) else "BLEND"
+
+
+def _take_over(before: Mapping[object, list[bpy.types.Object]], made: Mapping[object, list[bpy.types.Object]]) -> None:
+    """Let the objects of a pad show what new ones show, and remove these; new ones without a counterpart are kept."""
+    ratio = _width(made["PAD"][0]) / _width(before["PAD"][0]) if before.get("PAD") else 1.0
+    pairs = [(before[purpose], new) for purpose, (new,) in made.items() if before.get(purpose)]
+    spare = [obj.data for objects, new in pairs for obj in (*objects, new) if obj.data]
+    for objects, new in pairs:
+        for obj in objects:
+            _give(obj, new, ratio)
+        homes = objects[0].users_collection
+        new.user_remap(objects[0])
+        for home in set(objects[0].users_collection).difference(homes):
+            home.objects.unlink(objects[0])
+    bpy.data.batch_remove([new for _, new in pairs])
+    bpy.data.batch_remove({data for data in spare if not data.users})
+
+
+def _width(pad: bpy.types.Object) -> float:
+    places = [vertex.co.x for vertex in pad.data.vertices]
+    return max(places) - min(places)
+
+
+def _give(obj: bpy.types.Object, new: bpy.types.Object, ratio: float) -> None:
+    """Let an object show what a new one shows, which is part of a pad that is wider by a ratio."""
+    if PLACE_KEY in new:
+        _move_along(obj, new)
+    if obj.type == "FONT":
+        for name in ("size", "offset_x", "offset_y"):
+            setattr(obj.data, name, getattr(new.data, name))
+    elif obj.type == "EMPTY":
+        _give_reach(obj, new)
+        if not math.isclose(ratio, 1.0, rel_tol=_SAME_WIDTH):
+            _scale_locations(obj, ratio)
+    else:
+        obj.data = new.data
+        if (modifier := frames_modifier(new)) is not None:
+            frames_modifier(obj).node_group = modifier.node_group
+
+
+def _move_along(obj: bpy.types.Object, new: bpy.types.Object) -> None:
+    """Move an object as far as a new one is made from where the object was made, if an earlier version stored that."""
+    if PLACE_KEY in obj:
+        further = new.location - Vector(obj[PLACE_KEY])
+        space = obj.parent.matrix_world @ obj.matrix_parent_inverse if obj.parent else Matrix()
+        obj.location += space.to_3x3().inverted_safe() @ further
+    obj[PLACE_KEY] = new[PLACE_KEY]
+
+
+def _give_reach(handle: bpy.types.Object, new: bpy.types.Object) -> None:
+    """Limit a handle to the bounds of a new pad, unless its user has removed the limits."""
+    limits = [next((own for own in obj.constraints if own.type == "LIMIT_LOCATION"), None) for obj in (handle, new)]
+    if None not in limits:
+        for name in (f"{end}_{axis}" for end in ("min", "max") for axis in "xyz"):
+            setattr(limits[0], name, getattr(limits[1], name))
 
 
 def _scale_locations(handle: bpy.types.Object, ratio: float) -> None:
-    """Multiply the keyed locations of a handle."""
-    for curve in (own for own in curves_of(handle) if own.data_path == "location"):
+    """Multiply the size, the location and the keyed locations of a handle."""
+    handle.empty_display_size *= ratio
+    handle.location *= ratio
+    own_action(handle)
+    for curve in _location_curves(handle):
         for key in curve.keyframe_points:
             # The left and right ends of its tangent are stored as positions.
             left, right = (ratio * end.y for end in (key.handle_left, key.handle_right))
@@ -76,53 +165,10 @@ def _scale_locations(handle: bpy.types.Object, ratio: float) -> None:
         curve.update()
 
 
-@dataclass(frozen=True)
-class _Shift:
-    """How an object of a pad was moved by its user.
-
-    Attributes
-    ----------
-    world : Matrix
-        Its transform.
-    made_at : Vector or None
-        Where it was made; None if that is unknown, because an earlier version made it.
-    """
-
-    world: Matrix
-    made_at: Vector | None
-
-    @classmethod
-    def of(cls, obj: bpy.types.Object) -> Self:
-        """Return how an object was moved."""
-        made_at = obj.get(PLACE_KEY)
-        return cls(obj.matrix_world.copy(), None if made_at is None else Vector(made_at))
-
-    def give(self, obj: bpy.types.Object) -> None:
-        """Move a new object in the same way."""
-        further = Vector() if self.made_at is None else obj.location - self.made_at
-        obj.matrix_world = Matrix.Translation(further) @ self.world
-
-
-def rebuild_pad(collection: bpy.types.Collection) -> BlendPad:
-    """Build the pad of a morph from its current frames; it stays where it was moved, and its handle at its blend.
-
-    Raises
-    ------
-    InputError
-        The morph is no longer a sheet; the pad is kept then.
-    """
-    require_all_blends(collection)
-    shown_by = stand_ins(collection)
-    mixed = any(frames_modifier(obj) and interpolation(obj) for obj in shown_by)
-    bpy.context.view_layer.update()
-    place = next((_Place.of(obj) for obj in shown_by if obj.type == "EMPTY"), None)
-    shift = next((_Shift.of(obj.parent) for obj in shown_by if obj.type == "EMPTY" and obj.parent), None)
-    remove_stand_ins(collection)
-    made = make_blend_pad(collection, between="INTERPOLATED" if mixed else "NEAREST")
-    if place is not None:
-        place.give(made.handle)
-    if shift is not None:
-        shift.give(made.pad)
-    if handle_velocity(collection) is not None and any(c.data_path == "location" for c in curves_of(made.handle)):
-        key_handle_velocity(collection)
-    return made
+def _location_curves(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
+    """Return the curves of the location of an object, also those in NLA strips."""
+    data = obj.animation_data
+    strips = [] if data is None else [data, *(strip for track in data.nla_tracks for strip in track.strips)]
+    animated = dict.fromkeys((own.action, own.action_slot) for own in strips if own.action and own.action_slot)
+    bags = [action_get_channelbag_for_slot(*both) for both in animated]
+    return [curve for bag in bags if bag is not None for curve in bag.fcurves if curve.data_path == "location"]

@@ -25,8 +25,7 @@ from .written_files import WRITTEN_KEY
 def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[bpy.types.Material]:
     """Move frames and description of a new bake to an existing morph, and remove the new collection.
 
-    A player keeps its keys, materials and modifiers. A blend pad is rebuilt; its handle keeps its place and keys. If
-    the player or pad was deleted, the frames are shown again.
+    A player or blend pad keeps its keys, materials and modifiers. If it was deleted, the frames are shown again.
     Objects that read files are kept, and show the frames of the new bake once these are written. New frames have the
     names and parents of the old ones and replace them everywhere, such as in constraints. They have the materials of
     the old ones, with all edits, unless the materials of the shapes have changed.
@@ -44,7 +43,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
         Edited materials that frames no longer have; see :func:`.kept_materials.take_materials`.
     """
     shown_by = [obj for obj in stand_ins(old) if obj.users_scene]
-    players = {player: changed_slots(player) for player in shown_by if is_player(player)}
+    slots = {obj: changed_slots(obj) for obj in shown_by if frames_modifier(obj)}
     home = hidden_frames(old) or old
     made = frame_objects(new)
     edited = _replace_frames(old, made)
@@ -55,15 +54,15 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
             old[key] = new[key]
     take_hidden(old, new)
     bpy.data.collections.remove(new)
-    if players:
+    if any(is_player(obj) for obj in slots):
         refresh_player(old)
-        for player, slots in players.items():
-            restore_slots(player, slots)
-    elif any(frames_modifier(obj) for obj in shown_by):
+    elif slots:
         rebuild_pad(old)
     elif hidden_frames(old) is not None:
         # The player or pad was deleted.
         remove_stand_ins(old)
+    for obj, changed in slots.items():
+        restore_slots(obj, changed)
     return edited
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 
 import bpy
@@ -14,11 +15,26 @@ from .stored import FRAMES_KEY, frame_objects, hidden_frames
 SHOWS_KEY = "convwass_shows"
 """Custom property of everything that shows a morph: the morph's collection."""
 
+_NUMBER = re.compile(r"\.[0-9]{3,}$")
+
 
 def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> None:
     """Mark data-blocks (objects, collections, node groups) that show a morph and are removed with it."""
     for block in blocks:
         block[SHOWS_KEY] = collection
+
+
+def adopted(collection: bpy.types.Collection) -> list[bpy.types.ID]:
+    """Return the node groups, the objects and their data that show a morph."""
+    objects = stand_ins(collection)
+    groups = [group for group in bpy.data.node_groups if group.get(SHOWS_KEY) == collection]
+    return [*groups, *objects, *(obj.data for obj in objects if obj.data)]
+
+
+def drop_numbers(blocks: Iterable[bpy.types.ID]) -> None:
+    """Remove the numbers that Blender has appended to names, because others had these names until now."""
+    for block in blocks:
+        block.name = _NUMBER.sub("", block.name)
 
 
 def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
