@@ -8,13 +8,20 @@ import math
 
 import bpy
 
+from .animation_time import frame_of_time
+
 
 def play_whole(scene: bpy.types.Scene, first: float, last: float) -> None:
-    """Set the frame range of the scene to `first` ... `last`."""
-    scene.frame_end = math.ceil(last)
-    scene.frame_start = math.floor(first)
+    """Set the frame range of the scene to the times `first` ... `last`."""
+    _set_range(scene, *(frame_of_time(scene, time) for time in (first, last)))
 
 
 def play_among_others(scene: bpy.types.Scene, first: float, last: float) -> None:
-    """Extend the frame range of the scene to include `first` ... `last`."""
-    play_whole(scene, min(first, scene.frame_start), max(last, scene.frame_end))
+    """Extend the frame range of the scene to include the times `first` ... `last`."""
+    first, last = (frame_of_time(scene, time) for time in (first, last))
+    _set_range(scene, min(first, scene.frame_start), max(last, scene.frame_end))
+
+
+def _set_range(scene: bpy.types.Scene, first: float, last: float) -> None:
+    scene.frame_end = math.ceil(last)
+    scene.frame_start = math.floor(first)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 
 import bpy
@@ -11,6 +12,7 @@ from bpy.props import BoolProperty
 
 from ..applications.flat.flat_settings import FlatSettings
 from ..applications.morphs.morph_settings import MorphSettings
+from ..bridge.animation_time import time_of_frame
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.natural_order import natural_key
 from .from_schema import arguments_of, values_of, with_properties
@@ -39,10 +41,11 @@ class MorphProperties(SolverProperties):
         return "PATH" if self.output == "SHAPE_KEYS" else self.layout
 
     def first_frame(self, scene: bpy.types.Scene) -> int:
-        """Return the scene frame at which the morph starts."""
+        """Return the frame at which the morph starts: the time of its first key."""
         if self.start == "CUSTOM":
             return self.frame_start
-        return scene.frame_current if self.start == "CURRENT" else scene.frame_start
+        frame = scene.frame_current if self.start == "CURRENT" else scene.frame_start
+        return math.ceil(time_of_frame(scene, frame))
 
     def sorted_shapes(self, objects: list[bpy.types.Object]) -> list[bpy.types.Object]:
         """Return the objects in the chosen order."""

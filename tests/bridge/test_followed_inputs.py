@@ -86,6 +86,19 @@ def test_moving_objects_become_moving_objects(bare_scene, movers, inventory):
     assert changed_inputs(morph) == []
 
 
+def test_stretched_time_shows_what_was_followed(bare_scene, movers):
+    bare_scene.render.frame_map_old, bare_scene.render.frame_map_new = 100, 200
+    bare_scene.frame_set(7, subframe=0.5)
+    made = job(bare_scene, movers)
+    assert (bare_scene.frame_current, bare_scene.frame_subframe) == (7, 0.5)
+    finished(made)
+    # One unit in each of the times 11 and 12, which are shown in frames 22 and 24.
+    for share, frame in ((1 / 3, 22), (2 / 3, 24)):
+        low, high = seen(bare_scene, frame)
+        middle = (low + high)[[0, 2]] / 2
+        np.testing.assert_allclose(middle, 3 * share * np.array([1 - share, share]), atol=0.1)
+
+
 @pytest.mark.parametrize("player", [False, True])
 def test_the_ends_play_on(bare_scene, movers, hat, player):
     morph = finished(job(bare_scene, movers, grouping="PARENTS"))

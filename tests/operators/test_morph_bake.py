@@ -86,6 +86,22 @@ def test_transforms_and_modifiers_are_respected():
     assert np.ptp(near_cube[:, 0]) == pytest.approx(2.0, abs=0.35)
 
 
+def test_a_morph_in_stretched_time_starts_at_the_current_frame():
+    two_shapes()
+    scene = bpy.context.scene
+    scene.render.frame_map_old, scene.render.frame_map_new = 100, 200
+    scene.frame_set(20)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, start="CURRENT", fit_range=True)
+    frames = frame_objects(morph_collection())
+    assert (scene.frame_start, scene.frame_end, scene.frame_current) == (20, 26, 20)
+    for frame, number in ((20, 0), (22, 1), (24, 2), (26, 3)):
+        scene.frame_set(frame)
+        assert [obj for obj in frames if not obj.hide_render] == [frames[number]]
+    # Half as fast as without stretching: 6 units in 3 frames of 24 a second.
+    velocities = element_values(frames[1].data.attributes["velocity"].data, "vector", 3)
+    assert velocities[:, 0].mean() == pytest.approx(24.0, rel=0.1)
+
+
 def test_inputs_are_hidden_on_request_only():
     cube, ball = two_shapes()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, hide_inputs=False)

@@ -11,6 +11,7 @@ from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.player import MATERIAL, OVERRIDE, is_player, morph_value
 from convwass_addon.bridge.morphs.seen_frames import seen_frames, shows_as_baked
 from convwass_addon.bridge.morphs.stand_ins import shown_morph
+from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.bridge.sequence import MODIFIER
 from convwass_addon.errors import InputError
@@ -54,6 +55,16 @@ def test_a_retimed_player_is_written_as_it_plays_and_kept(player, tmp_path, oper
     assert height(shown, 7) == pytest.approx(height(shown, 5)) and height(shown, 13) == pytest.approx(height(shown, 11))
     assert is_player(player) and player.hide_viewport and player.hide_render
     assert keys == [point.co[:] for curve in curves_of(player) for point in curve.keyframe_points]
+
+
+def test_frames_of_a_player_are_all_there_in_stretched_time(player):
+    render = bpy.context.scene.render
+    render.frame_map_old, render.frame_map_new = 100, 200
+    expected = [height(player, frame) for frame in (10, 12, 14, 16, 18)]
+    assert bpy.ops.convwass.bake_player(rate=24.0) == {"FINISHED"}
+    made = frame_objects(bpy.context.object.users_collection[0])
+    assert [obj.dimensions.z for obj in made] == pytest.approx(expected, abs=0.01)
+    assert expected[-1] == pytest.approx(4.0)
 
 
 @pytest.mark.parametrize(("operator", "options"), WRITERS)

@@ -18,6 +18,7 @@ from ...errors import ConvwassError, InputError
 from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
+from ..animation_time import show_time
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
@@ -285,7 +286,7 @@ class MorphBake:
             raise ConvwassError("No frame was finished, so there is no morph to keep.")
         if self._blends[0].frame is not None:
             self._show_in_time(collection, frames)
-            scene.frame_set(self._stored.first_frame)
+            show_time(scene, self._stored.first_frame)
         bpy.context.view_layer.update()
         records = [
             {"weights": list(self._blends[index].weights), **summary(self._finished[index].record)}

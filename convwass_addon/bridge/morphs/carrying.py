@@ -19,6 +19,7 @@ from ...applications.morphs.shading import FrameNormals, frame_normals
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ...progress import Work
+from ..animation_time import times_per_second
 from ..element_values import element_values
 from ..handles import Handle, found
 from .appearance import (
@@ -92,7 +93,7 @@ class Carrying:
         self._shadings = [read_shading(mesh) for mesh in frozen]
         names = [own.name for own in inputs]
         self.dropped = dropped_notes(names, prepared.dropped)
-        per_second = scene.render.fps / scene.render.fps_base
+        per_second = times_per_second(scene)
         self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
         self._shown = [own.shown for own in inputs]
         self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
+from ..animation_time import returning, show_time
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
 from ..objects import take_own_materials
@@ -73,22 +74,20 @@ def bake_player(
     if len(times) < 2:
         raise InputError("There is only one frame between the first key of {name} and the last.", name=player.name)
     scene, source = bpy.context.scene, shown_morph(player)
-    now = scene.frame_current, scene.frame_subframe
     collection = bpy.data.collections.new(f"{source.name} Frames")
     made = []
     try:
-        for number, time in enumerate(times):
-            scene.frame_set(int(np.floor(time)), subframe=float(time % 1.0))
-            made.append(_frame(player, number))
-            done = {"done": number + 1, "total": len(times)}
-            yield Progress((number + 1) / len(times), Sentence("Frame {done} of {total}", done))
-            control.check()
+        with returning(scene):
+            for number, time in enumerate(times):
+                show_time(scene, time)
+                made.append(_frame(player, number))
+                done = {"done": number + 1, "total": len(times)}
+                yield Progress((number + 1) / len(times), Sentence("Frame {done} of {total}", done))
+                control.check()
     except BaseException:
         meshes = [obj.data for obj in made]
         bpy.data.batch_remove([*made, *meshes, collection])
         raise
-    finally:
-        scene.frame_set(now[0], subframe=now[1])
     action = bpy.data.actions.new(collection.name)
     for number, obj in enumerate(made):
         collection.objects.link(obj)

@@ -17,6 +17,7 @@ from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
+from ..animation_time import returning, show_time
 from ..handles import found
 from ..joined_shapes import joined_shape, shown_live
 from ..mouse_progress import progress_at_mouse
@@ -98,10 +99,10 @@ def followed_inputs(
     readings = [_Reading() for _ in sources]
     stations: dict[int, bpy.types.Mesh] = {}
     try:
-        with _returning(scene), progress_at_mouse() as show:
+        with returning(scene), progress_at_mouse() as show:
             for number, blend in enumerate(blends):
                 show(number / len(blends))
-                scene.frame_set(first_frame + blend.frame)
+                show_time(scene, first_frame + blend.frame)
                 depsgraph = bpy.context.evaluated_depsgraph_get()
                 for index, source in enumerate(sources):
                     if blend.weights[index] > 0:
@@ -155,15 +156,6 @@ def keep_animated(obj: bpy.types.Object, own: FrozenInput, move: RigidMove | Non
         geometry = new_node(tree, "GeometryNodeSetMaterial", inputs).outputs["Geometry"]
     new_node(tree, "NodeGroupOutput", {"Geometry": geometry})
     obj.modifiers.new(MODIFIER, "NODES").node_group = tree
-
-
-@contextmanager
-def _returning(scene: bpy.types.Scene) -> Iterator[None]:
-    frame, subframe = scene.frame_current, scene.frame_subframe
-    try:
-        yield
-    finally:
-        scene.frame_set(frame, subframe=subframe)
 
 
 @contextmanager

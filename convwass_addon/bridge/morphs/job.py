@@ -79,7 +79,7 @@ class MorphJob:
         self._names, self._shapes, self._labels, self._guides = read.names, read.meshes, read.labels, read.guides
         self._blends = blends
         self._settings = settings
-        self._looked_at = _looked_at(blends, scene.frame_current - first_frame)
+        self._looked_at = _looked_at(blends, scene.frame_current_final - first_frame)
         followed = followed_inputs(scene, sources, blends, read.moves, first_frame) if self._follows else None
         self._animation = None if followed is None else followed.animation
         self._moves = read.moves
@@ -184,7 +184,7 @@ class MorphJob:
             self._carrying.drop_unused()
 
 
-def _looked_at(blends: Sequence[Blend], frame: int) -> int:
+def _looked_at(blends: Sequence[Blend], frame: float) -> int:
     """Return the index of the blend nearest to a frame counted from the start of a path; 0 for a sheet."""
     if blends[0].frame is None:
         return 0

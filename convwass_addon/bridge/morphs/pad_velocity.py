@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ..animation_time import times_per_second
 from ..keyframes import curves_of, key_span
 from ..node_inputs import NodeInput, node_input
 from .stand_ins import frames_modifier, stand_ins
@@ -49,8 +50,7 @@ def key_handle_velocity(collection: bpy.types.Collection) -> None:
     keyed = key_span(curves)
     frames = np.arange(keyed.start - 1, keyed.stop + 1)
     before, after = (_places(handle, curves, frames + side) for side in (-0.5, 0.5))
-    render = bpy.context.scene.render
-    _write(target, frames, (after - before) * (render.fps / render.fps_base))
+    _write(target, frames, (after - before) * times_per_second(bpy.context.scene))
 
 
 def _places(

@@ -14,6 +14,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...progress import Work, drained
+from ..animation_time import times_per_second
 from ..keyframes import EASINGS, channels_of
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
@@ -302,8 +303,7 @@ def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]
     """Store the fields of the blends of a path, and create the group that shows it at any value."""
     from .field_sampling import store_fields
 
-    scene = bpy.context.scene
-    columns = path_columns(frames, scene.render.fps / scene.render.fps_base)
+    columns = path_columns(frames, times_per_second(bpy.context.scene))
     cells = field_cells(stored_morph(collection).settings)
     fields = yield from store_fields(collection.name, frames, cells, _table(frames), columns)
     moment = moment_group(f"{collection.name} Moment", fields, frames)

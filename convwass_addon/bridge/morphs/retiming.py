@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 
 from ...schema import Choice, Settings, setting
+from ..animation_time import time_of_frame
 from ..keyframes import curves_of
 from ..node_inputs import NodeInput
 from .player import last_value, morph_value, pace, playback_item, speed
@@ -113,7 +114,8 @@ def retime(player: bpy.types.Object, timing: Retiming) -> range:
     """
     value = morph_value(player)
     curve = _curve(player, value)
-    start = curve.range()[0] if curve is not None else bpy.context.scene.frame_current
+    scene = bpy.context.scene
+    start = curve.range()[0] if curve is not None else time_of_frame(scene, scene.frame_current)
     keys = keys_of(timing, start, last_value(player) + 1, float(value.get()))
     curve = _written(player, value, [(key.frame, key.value) for key in keys])
     for point, key in zip(curve.keyframe_points, keys, strict=True):

@@ -23,6 +23,7 @@ from ...disk_space import require_whole
 from ...drafts import written_whole
 from ...errors import ConvwassError, InputError
 from ...sentence import Sentence
+from ..animation_time import returning, show_time
 from ..files import checked_target
 from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
@@ -104,15 +105,12 @@ class _Sampled:
 def _sampled_keys(obj: bpy.types.Object, frames: range) -> _Sampled:
     """Read the shape keys with drivers and animation; restores the current frame of the scene."""
     scene, found, places = bpy.context.scene, [], []
-    own = scene.frame_current
-    try:
+    with returning(scene):
         for frame in frames:
-            scene.frame_set(frame)
+            show_time(scene, frame)
             evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
             found.append([key.value for key in list(evaluated.data.shape_keys.key_blocks)[1:]])
             places.append(evaluated.matrix_world.copy())
-    finally:
-        scene.frame_set(own)
     names = [key.name for key in list(obj.data.shape_keys.key_blocks)[1:]]
     return _Sampled(names, np.array(found, dtype=np.float64), places)
 

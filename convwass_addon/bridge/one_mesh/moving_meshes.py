@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
 from ...errors import InputError
 from ...geometry.affine import transformed_points
+from ..animation_time import returning, show_time
 from ..element_values import element_values
 from ..keyframes import curves_of, driver_targets, key_span
 from ..morphs.appearance import seen_colors
@@ -81,18 +82,16 @@ def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: rang
     InputError
         A modifier changes the number of vertices over time.
     """
-    own, points, normals = scene.frame_current, [], []
-    try:
+    points, normals = [], []
+    with returning(scene):
         for frame in frames:
-            scene.frame_set(frame)
+            show_time(scene, frame)
             evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
             mesh = evaluated.to_mesh()
             matrix = np.array(evaluated.matrix_world, dtype=np.float64)
             points.append(transformed_points(_read(mesh.vertices, "co"), matrix))
             normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
             evaluated.to_mesh_clear()
-    finally:
-        scene.frame_set(own)
     if len({len(one) for one in points}) > 1:
         raise InputError(
             "The number of vertices of {name} changes over time; remove the modifier that changes it.", name=obj.name
