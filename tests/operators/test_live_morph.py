@@ -15,8 +15,8 @@ from convwass_addon.bridge.live.running import running_live
 from convwass_addon.operators import live_morph
 from convwass_addon.operators.live_drag import HandleDrag
 from convwass_addon.operators.live_morph import CONVWASS_OT_live_morph
+from tests.operators.morphs import two_shapes
 from tests.operators.running import ESCAPE, TIMER, Pressed, window_context
-from tests.operators.test_morph_bake import two_shapes
 from tests.panels.drawing import draw
 
 pytestmark = pytest.mark.usefixtures("empty_scene")

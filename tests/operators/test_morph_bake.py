@@ -15,35 +15,12 @@ from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
 from convwass_addon.geometry.affine import transformed_points
+from tests.operators.morphs import add, baked_morph, census, two_shapes
 from tests.panels.fake_layout import FakeLayout
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 QUICK = {"frames": 3, "resolution": 32}
-
-
-def add(kind, *, select=True, **options):
-    getattr(bpy.ops.mesh, f"primitive_{kind}_add")(**options)
-    obj = bpy.context.object
-    obj.select_set(select)
-    return obj
-
-
-def two_shapes():
-    cube = add("cube", size=2, location=(-3, 0, 0))
-    ball = add("uv_sphere", segments=24, ring_count=12, location=(3, 0, 1))
-    cube.select_set(True)
-    return cube, ball
-
-
-def morph_collection():
-    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
-
-
-def census():
-    """Names of everything a failed bake could leave behind."""
-    kinds = ("objects", "meshes", "collections", "materials", "actions", "scenes", "node_groups")
-    return {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
 
 
 def vertices(obj):
@@ -53,7 +30,7 @@ def vertices(obj):
 def test_a_bake_shows_exactly_one_mesh_per_frame_and_the_originals_at_the_ends():
     two_shapes()
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
-    frames = frame_objects(morph_collection())
+    frames = frame_objects(baked_morph())
     assert [obj.name for obj in frames] == ["Morph 0001", "Morph 0002", "Morph 0003", "Morph 0004"]
     scene = bpy.context.scene
     assert (scene.frame_start, scene.frame_end) == (1, 250)
@@ -68,7 +45,7 @@ def test_a_bake_shows_exactly_one_mesh_per_frame_and_the_originals_at_the_ends()
 def test_blends_lie_where_the_inputs_are():
     two_shapes()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
-    for share, obj in zip((1 / 3, 2 / 3), frame_objects(morph_collection())[1:-1], strict=True):
+    for share, obj in zip((1 / 3, 2 / 3), frame_objects(baked_morph())[1:-1], strict=True):
         center = vertices(obj).mean(axis=0)
         np.testing.assert_allclose(center, np.array([-3, 0, 0]) + share * np.array([6, 0, 1]), atol=0.1)
         assert all(polygon.use_smooth for polygon in obj.data.polygons)
@@ -80,8 +57,8 @@ def test_transforms_and_modifiers_are_respected():
     cube.modifiers.new("Array", "ARRAY").count = 2
     bpy.context.view_layer.update()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=4, resolution=40)
-    near_cube = vertices(frame_objects(morph_collection())[1])
-    ends = vertices(frame_objects(morph_collection())[0])
+    near_cube = vertices(frame_objects(baked_morph())[1])
+    ends = vertices(frame_objects(baked_morph())[0])
     assert np.ptp(ends[:, 0]) == pytest.approx(2.0, abs=1e-4)
     assert np.ptp(near_cube[:, 0]) == pytest.approx(2.0, abs=0.35)
 
@@ -133,7 +110,7 @@ def test_sheets_are_arranged_in_a_grid():
     for obj in bpy.data.objects:
         obj.select_set(True)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, resolution=32) == {"FINISHED"}
-    frames = frame_objects(morph_collection())
+    frames = frame_objects(baked_morph())
     assert len(frames) == 6
     places = {tuple(np.round(vertices(obj).mean(axis=0), 1)) for obj in frames}
     assert len(places) == 6
@@ -145,7 +122,7 @@ def test_settings_are_stored_and_taken_back():
     bpy.ops.convwass.bake_morph(
         motion="TRANSPORT", frames=5, resolution=24, use_custom_sharpness=True, sharpness=0.4, entropy_limit="MAX"
     )
-    stored = stored_settings(morph_collection())
+    stored = stored_settings(baked_morph())
     assert stored["sharpness"] == pytest.approx(0.4)
     assert (stored["frames"], stored["resolution"], stored["entropy_limit"]) == (5, 24, "max")
     settings = bpy.context.scene.convwass_morph
@@ -291,8 +268,8 @@ def test_parts_of_one_material_travel_together(parts, width):
     for obj in (two_cubes("A", "Red", "Blue"), two_cubes("B", "Blue", "Red")):
         obj.select_set(True)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=40, parts=parts) == {"FINISHED"}
-    assert stored_settings(morph_collection())["parts"] == parts
-    assert np.ptp(vertices(frame_objects(morph_collection())[1]), axis=0)[0] == pytest.approx(width, abs=0.25)
+    assert stored_settings(baked_morph())["parts"] == parts
+    assert np.ptp(vertices(frame_objects(baked_morph())[1]), axis=0)[0] == pytest.approx(width, abs=0.25)
     assert bpy.ops.convwass.select_morph_inputs() == {"FINISHED"}
     assert bpy.context.scene.convwass_morph.parts == parts
 
@@ -367,7 +344,7 @@ def test_a_single_blend_of_an_earlier_version_can_be_baked_again():
     """It was made with the output Player, which then was ignored."""
     two_shapes()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=16)
-    morph = morph_collection()
+    morph = baked_morph()
     morph["convwass_morph"] = morph["convwass_morph"].replace('"output": "OBJECTS"', '"output": "PLAYER"')
     assert stored_settings(morph)["output"] == "PLAYER"
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}

@@ -12,20 +12,16 @@ import pytest
 
 from convwass_addon.bridge.morphs.player import is_player, morph_value
 from convwass_addon.bridge.morphs.stored import frame_objects
+from tests.operators.morphs import add, census
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 
 def add_shapes(count):
     for place, kind in enumerate(("cube", "uv_sphere", "torus", "cone")[:count]):
-        getattr(bpy.ops.mesh, f"primitive_{kind}_add")(location=(3 * place, 0, 0))
+        add(kind, location=(3 * place, 0, 0))
     for obj in bpy.data.objects:
         obj.select_set(True)
-
-
-def census():
-    kinds = ("objects", "meshes", "collections", "materials", "actions", "curves", "node_groups")
-    return {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
 
 
 def shown():

@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-import inspect
 import time
-from types import MethodType
 
 import bpy
 import pytest
@@ -19,7 +17,8 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_diagnostics, stored_inputs, stored_morph
-from convwass_addon.operators import background, morph_bake
+from convwass_addon.operators import background
+from tests.operators.morphs import PressedBake, baked_morph, census, two_shapes
 from tests.operators.running import (
     ESCAPE,
     TIMER,
@@ -29,26 +28,8 @@ from tests.operators.running import (
     window_context,
     write_one_at_a_time,
 )
-from tests.operators.test_morph_bake import census, morph_collection, two_shapes
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
-
-
-class Pressed:
-    """The operator between two events: its own methods, and the scene's settings as its properties."""
-
-    inputs = weights = guides = ""
-
-    def __init__(self):
-        self.reports = []
-        self.replaces = self.following = ""
-
-    def report(self, kind, message):
-        self.reports.append(message)
-
-    def __getattr__(self, name):
-        found = inspect.getattr_static(morph_bake.CONVWASS_OT_bake_morph, name, None)
-        return MethodType(found, self) if inspect.isfunction(found) else getattr(bpy.context.scene.convwass_morph, name)
 
 
 @pytest.fixture
@@ -64,7 +45,7 @@ def press(context):
         settings = bpy.context.scene.convwass_morph
         settings.frames, settings.resolution, settings.motion = frames, resolution, "TRANSPORT"
         context.selected_objects = bpy.context.selected_objects
-        pressed = Pressed()
+        pressed = PressedBake()
         assert started(pressed, context)
         return pressed
 
@@ -95,8 +76,8 @@ def test_every_frame_is_there_coarsely_and_then_finished(press, context, monkeyp
         before = previews[blend]
         assert (uid, name, slot) == (before[0], before[2], before[3])
         assert vertices == before[1] if blend.source is not None else vertices > 2 * before[1]
-    assert [obj.name for obj in frame_objects(morph_collection())] == [f"Morph {n:04d}" for n in range(1, 8)]
-    assert len(stored_morph(morph_collection()).records) == 7
+    assert [obj.name for obj in frame_objects(baked_morph())] == [f"Morph {n:04d}" for n in range(1, 8)]
+    assert len(stored_morph(baked_morph()).records) == 7
 
 
 def held_back(monkeypatch, frames):
@@ -118,9 +99,9 @@ def test_stopping_keeps_finished_frames_and_no_previews(press, context, monkeypa
     two_shapes()
     finished, pressed = held_back(monkeypatch, 3), press(40)
     until(pressed, context, lambda: len(finished) == 3)
-    assert len(frame_objects(morph_collection())) == 41
+    assert len(frame_objects(baked_morph())) == 41
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
-    collection = morph_collection()
+    collection = baked_morph()
     assert [obj.name for obj in frame_objects(collection)] == ["Morph 0001", "Morph 0002", "Morph 0003"]
     (action,) = bpy.data.actions
     assert len(action.slots) == 3
@@ -131,9 +112,9 @@ def test_stopping_during_previews_keeps_and_reports_them(press, context, monkeyp
     two_shapes()
     held_back(monkeypatch, 0)
     pressed = press(80)
-    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    until(pressed, context, lambda: len(frame_objects(baked_morph())) > 4)
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
-    collection = morph_collection()
+    collection = baked_morph()
     assert len(frame_objects(collection)) > 4
     assert [note.kind for note in stored_diagnostics(collection)] == ["PREVIEWS"]
     assert "previews are kept" in pressed.reports[0]
@@ -144,7 +125,7 @@ def test_inputs_are_hidden_behind_previews_and_come_back(press, context, monkeyp
     chosen = [obj.select_get() for obj in shapes]
     held_back(monkeypatch, 0)
     pressed = press(80)
-    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    until(pressed, context, lambda: len(frame_objects(baked_morph())) > 4)
     assert all(obj.hide_get() for obj in shapes)
     pressed.cancel(context)
     assert not any(obj.hide_get() for obj in shapes)
@@ -155,7 +136,7 @@ def test_closing_the_window_leaves_nothing_behind(press, context):
     two_shapes()
     before = census()
     pressed = press(80)
-    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    until(pressed, context, lambda: len(frame_objects(baked_morph())) > 4)
     pressed.cancel(context)
     assert census() == before
 
@@ -169,7 +150,7 @@ def test_disabling_the_add_on_leaves_nothing_of_a_bake(press, context, registere
         seconds, window=bpy.context.window
     )
     pressed = press(80)
-    until(pressed, context, lambda: len(frame_objects(morph_collection())) > 4)
+    until(pressed, context, lambda: len(frame_objects(baked_morph())) > 4)
     assert manager.convwass_progress.running
     assert not bpy.ops.convwass.bake_morph.poll()
     # It is removed with its class, and must not be accessed any more.
@@ -189,15 +170,15 @@ def test_a_finished_bake_is_not_stopped_again(press, context):
     pressed = press(3)
     assert until(pressed, context) == {"FINISHED"}
     background.stop_running(context)
-    assert len(frame_objects(morph_collection())) == 4
+    assert len(frame_objects(baked_morph())) == 4
 
 
 def test_stopping_another_bake_leaves_the_morph_as_it_was(press, context, monkeypatch):
     two_shapes()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
-    name = morph_collection().name
+    name = baked_morph().name
     bpy.ops.object.select_all(action="DESELECT")
-    for shape in stored_inputs(morph_collection()):
+    for shape in stored_inputs(baked_morph()):
         shape.hide_set(False)
         shape.select_set(True)
     known = census()
@@ -225,7 +206,7 @@ def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, m
         assert pressed.modal(context, TIMER) == {"PASS_THROUGH"}
         assert len(written) == number
     assert pressed.modal(context, TIMER) == {"FINISHED"}
-    assert len(frame_objects(morph_collection())) == 4
+    assert len(frame_objects(baked_morph())) == 4
 
 
 def test_stopping_writes_all_that_waits(press, context, monkeypatch):
@@ -235,7 +216,7 @@ def test_stopping_writes_all_that_waits(press, context, monkeypatch):
     while is_computing():
         time.sleep(0.005)
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
-    assert len(frame_objects(morph_collection())) == 4
+    assert len(frame_objects(baked_morph())) == 4
 
 
 @pytest.mark.parametrize(("current", "number"), [(1, 0), (5, 4), (-10, 0), (100, 6)])
@@ -277,7 +258,7 @@ def test_the_button_stops_as_escape_does(press, context, monkeypatch):
     until(pressed, context, lambda: len(finished) == 3)
     context.window_manager.convwass_progress.stopping = True
     assert pressed.modal(context, TIMER) == {"FINISHED"}
-    assert len(frame_objects(morph_collection())) == 3
+    assert len(frame_objects(baked_morph())) == 3
     assert not context.window_manager.convwass_progress.running
 
 
@@ -301,7 +282,7 @@ def test_a_better_preview_replaces_the_first(press, context, monkeypatch):
     def previewing(bake, frame):
         preview(bake, frame)
         previewed.append(frame.blend)
-        counts.add((len(morph_collection().objects), len(set(previewed))))
+        counts.add((len(baked_morph().objects), len(set(previewed))))
 
     monkeypatch.setattr(MorphBake, "preview", previewing)
     pressed = press(3, resolution=88)

@@ -21,14 +21,12 @@ from convwass_addon.bridge.one_mesh.records import SWAP_KEY, baked_keys, key_rec
 from convwass_addon.bridge.one_mesh.shape_keys import drive_key
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
-from tests.operators import test_previews
-from tests.operators.running import started, until
+from tests.operators.morphs import PressedBake, census
+from tests.operators.running import started, until, window_context
 from tests.panels.fake_layout import FakeLayout
 from tests.rigs import chain
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
-
-context = test_previews.context
 
 
 @pytest.fixture(autouse=True)
@@ -89,12 +87,6 @@ def rigged(body):
     body.vertex_groups.new(name="Bone").add(range(8), 1.0, "REPLACE")
     body.modifiers.new("Armature", "ARMATURE").object = rig
     return rig
-
-
-def census():
-    kinds = ("objects", "meshes", "collections", "materials", "actions")
-    names = {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
-    return {**names, "shape_keys": len(bpy.data.shape_keys)}
 
 
 def test_the_object_stays_and_gets_the_changed_shapes(shapes):
@@ -422,14 +414,14 @@ def test_two_meshes_whose_first_one_was_deleted_are_refused_in_words(shapes):
 
 
 @pytest.mark.parametrize(("edited", "slider"), [("A Morph", 0.0), ("B Morph", 1.0)])
-def test_in_edit_mode_the_result_waits(shapes, context, edited, slider):
+def test_in_edit_mode_the_result_waits(shapes, edited, slider):
     first = bake("A,B", two_meshes=True)
     first.animation_data.action = None
     height(first, B=slider)
     before = [obj.data.session_uid for obj in objects_of(first)]
     settings = bpy.context.scene.convwass_morph
     settings.output, settings.two_meshes, settings.frames = "SHAPE_KEYS", True, 10
-    pressed = test_previews.Pressed()
+    pressed, context = PressedBake(), window_context()
     pressed.replaces = first.name
     assert started(pressed, context)
     bpy.context.view_layer.objects.active = bpy.data.objects[edited]
