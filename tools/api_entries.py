@@ -27,7 +27,6 @@ APPLICATIONS = {
         "live_blends": ("LiveBlends",),
         "live_shapes": ("LiveShapes", "LiveShape"),
         "live_settings": ("LiveSettings",),
-        "field_lattice": ("FieldLattice", "PathNodes", "SheetNodes"),
         "level_fields": ("LevelField", "MixedField", "FieldBox", "mixed"),
         "weight_layouts": ("path_weights", "square_weights", "checked_weights"),
     },

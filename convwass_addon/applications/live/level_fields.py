@@ -31,7 +31,7 @@ _DEEPEST = 4.0
 # Limits for the level of a mixed field.
 _LEAST_LEVEL, _MOST_LEVEL = -0.75, 0.9
 # Cells with values this close to the level count in part, over a band of this total width. Counting whole cells would
-# make the volume of a ball of 800 cells vary by 1.4 % (tests/applications/live/test_field_lattice.py).
+# make the volume of a ball of 800 cells vary by 1.4 % (tests/applications/live/test_level_fields.py).
 _RAMP = 0.5
 # Tolerance of the level, as a fraction of the cells inside, and the maximum number of Newton steps.
 _CELL_TOLERANCE, _NEWTON_STEPS = 5e-4, 8

@@ -7,8 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.live.field_lattice import FieldLattice, PathNodes, SheetNodes
-from convwass_addon.applications.live.level_fields import FieldBox, LevelField, mixed
+from convwass_addon.applications.live.level_fields import FieldBox, LevelField, MixedField, mixed
 from convwass_addon.applications.live.weight_layouts import (
     PathLayout,
     SquareLayout,
@@ -17,7 +16,6 @@ from convwass_addon.applications.live.weight_layouts import (
     layout_of,
     path_weights,
 )
-from convwass_addon.applications.morphs.layouts import grid_blends, path_blends, triangle_blends
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid
 from tests.applications.live.fields import BOX, CENTER, ball_field, radius_of
@@ -25,16 +23,17 @@ from tests.applications.live.fields import BOX, CENTER, ball_field, radius_of
 LAYOUTS = [PathLayout(2), PathLayout(4), TriangleLayout(), SquareLayout()]
 
 
-def balls_along(count: int, radii: tuple[float, ...] = (5.0, 9.0)) -> FieldLattice:
-    """Return the lattice of balls whose volumes are interpolated."""
-    weights = np.array([blend.weights for blend in path_blends(2, count)])
-    volumes = weights @ np.array(radii) ** 3
-    return FieldLattice(PathNodes.of(weights), [ball_field(float(np.cbrt(volume))) for volume in volumes])
+def balls_between(steps: int, share: float) -> MixedField:
+    """Mix balls of two of the volumes that `steps` steps interpolate from a radius of 5 to one of 9."""
+    layout = PathLayout(2)
+    stencil = layout.stencil((1.0 - share, share), steps)
+    volumes = [np.dot(layout.weights(node, steps), (5.0**3, 9.0**3)) for node in stencil.nodes]
+    return mixed([ball_field(float(np.cbrt(volume))) for volume in volumes], stencil.shares)
 
 
 @pytest.mark.parametrize("share", [0.0, 0.11, 0.4375, 0.5, 0.98, 1.0])
 def test_mixed_balls_are_the_balls_between(share):
-    found = balls_along(8).mixed((1.0 - share, share))
+    found = balls_between(8, share)
     mesh = found.surface()
     radius = np.cbrt((1.0 - share) * 5.0**3 + share * 9.0**3)
     assert radius_of(found.volume) == pytest.approx(radius)
@@ -48,7 +47,7 @@ def test_mixed_balls_are_the_balls_between(share):
 
 def test_balls_far_apart_in_the_lattice_keep_their_volume():
     # The linear mixture of two balls is a ball too small or too large; the level is not.
-    found = balls_along(2).mixed((0.75, 0.25))
+    found = balls_between(2, 0.25)
     assert found.surface().volume == pytest.approx(found.volume, rel=0.02)
 
 
@@ -125,32 +124,10 @@ def test_stencils_interpolate_the_weights(layout, steps):
             assert set(stencil.nodes) - {node} <= set(layout.neighbors(node, steps))
 
 
-def test_sheets_and_paths_are_recognized_by_their_weights():
-    field = ball_field(5.0)
-    for blends in (triangle_blends(3, 5), grid_blends(4, 4)):
-        weights = np.array([blend.weights for blend in blends])
-        nodes = SheetNodes.of(weights.astype(np.float32))
-        for row, own in enumerate(weights):
-            found = nodes.between(own)
-            assert max(zip(found.shares, found.rows, strict=True)) == (pytest.approx(1.0), row)
-        assert FieldLattice(nodes, [field] * len(weights)).mixed(weights[1]).volume == pytest.approx(field.volume)
-    # The last step of a path may be shorter.
-    weights = np.array([blend.weights for blend in path_blends(3, 24, 5)])
-    found = PathNodes.of(weights).between(path_weights(1.0 - 1 / 96, 3))
-    assert found.rows == (4, 5)
-    assert found.shares == pytest.approx((0.0625, 0.9375))
-    with pytest.raises(InputError, match="not a complete sheet"):
-        SheetNodes.of(weights[:-1])
-    with pytest.raises(InputError, match="not a path"):
-        PathNodes.of(weights[::-1])
-
-
 def test_weights_out_of_range_are_brought_back():
-    lattice = balls_along(4)
-    exact = lattice.mixed((0.75, 0.25)).volume
-    assert lattice.mixed((3.0, 1.0)).volume == pytest.approx(exact)
-    assert lattice.mixed((0.5, -0.2)).volume == pytest.approx(lattice.mixed((1.0, 0.0)).volume)
-    assert lattice.mixed((3e300, 1e300)).volume == pytest.approx(exact)
+    np.testing.assert_allclose(checked_weights((3.0, 1.0), 2), (0.75, 0.25))
+    np.testing.assert_allclose(checked_weights((0.5, -0.2), 2), (1.0, 0.0))
+    np.testing.assert_allclose(checked_weights((3e300, 1e300), 2), (0.75, 0.25))
     np.testing.assert_allclose(path_weights(-3.0, 3), (1, 0, 0))
     np.testing.assert_allclose(path_weights(np.inf, 3), (0, 0, 1))
     np.testing.assert_allclose(path_weights(1.25, 3), (0, 0.75, 0.25))
