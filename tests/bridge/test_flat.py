@@ -27,14 +27,9 @@ from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.fitting import fitted_beziers
 from convwass_addon.geometry.outlines import FlatRegion, Outline
 from convwass_addon.progress import Control
+from tests.scene import linked
 
 SQUARE = [(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)]
-
-
-def linked(name, data):
-    obj = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(obj)
-    return obj
 
 
 def text(body, **options):

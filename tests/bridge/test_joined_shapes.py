@@ -21,6 +21,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects, stored_parts
 from convwass_addon.bridge.objects import MESHED, triangle_mesh
 from convwass_addon.bridge.shape_sources import shape_roots, shape_source
 from convwass_addon.errors import InputError
+from tests.scene import linked
 from tests.shapes import box
 
 OCTAHEDRON = 4 / 3
@@ -249,12 +250,6 @@ def copies_at_vertices(add):
     add("Copied", (0, 0, 0.25), (0.1, 0.1, -0.1), parent=obj)
     obj.instance_type = "VERTS"
     obj.show_instancer_for_render = False
-    return obj
-
-
-def linked(name, data):
-    obj = bpy.data.objects.new(name, data)
-    bpy.context.scene.collection.objects.link(obj)
     return obj
 
 

@@ -20,6 +20,7 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.edges import topology
 from tests.rigs import bend_by_two_bones
+from tests.scene import world
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -98,22 +99,17 @@ def test_a_new_mesh_keeps_the_armature(rigged_bar):
     path = KeyPath("Up", (1.0,), found.rest.key_coordinates(up[None]), 0.9, 0.0, 0.0, 0.0, 0)
     obj = object_with_keys(bar, found.rest.mesh, [path], bpy.context.scene, found.rest.modifiers)
     assert [modifier.name for modifier in obj.modifiers] == ["Rig"]
-    np.testing.assert_allclose(seen(obj), found.shape.vertices, atol=1e-4)
+    np.testing.assert_allclose(world(obj), found.shape.vertices, atol=1e-4)
     obj["Up"] = 1.0
     obj.update_tag()
-    np.testing.assert_allclose(seen(obj), up, atol=1e-4)
+    np.testing.assert_allclose(world(obj), up, atol=1e-4)
     obj["Up"] = 0.0
     rig.pose.bones["Upper"].rotation_euler = (0.0, 0.0, 0.0)
     obj.update_tag()
     bpy.context.view_layer.update()
     straight = triangle_mesh(bar, bpy.context.evaluated_depsgraph_get())
-    distances = ClosestPointFinder(straight.vertices[straight.faces]).find(seen(obj)).distances
+    distances = ClosestPointFinder(straight.vertices[straight.faces]).find(world(obj)).distances
     assert np.quantile(distances, 0.95) < 0.02 and distances.max() < 0.1
-
-
-def seen(obj):
-    bpy.context.view_layer.update()
-    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
 
 
 @pytest.fixture

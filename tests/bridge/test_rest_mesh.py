@@ -9,18 +9,13 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
-from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, pose_notices, rest_mesh
 from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
 from convwass_addon.errors import InputError
 from tests.rigs import bend_by_two_bones
+from tests.scene import world
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
-
-
-def world(obj):
-    bpy.context.view_layer.update()
-    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
 
 
 def keyed(obj, target_of):

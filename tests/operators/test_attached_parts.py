@@ -9,18 +9,13 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
-from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import drive_key, object_with_keys
+from tests.scene import world
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 SHIFT = np.array([0.0, 0.0, 2.0])
-
-
-def world(obj):
-    bpy.context.view_layer.update()
-    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
 
 
 @pytest.fixture

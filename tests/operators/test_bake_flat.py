@@ -14,6 +14,7 @@ from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.player import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
 from convwass_addon.bridge.node_trees import own_tree
+from tests.scene import select_only
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -27,12 +28,6 @@ def text(body, x=0.0, **options):
     for name, value in options.items():
         setattr(obj.data, name, value)
     return obj
-
-
-def choose(*objects):
-    bpy.ops.object.select_all(action="DESELECT")
-    for obj in objects:
-        obj.select_set(True)
 
 
 def morph():
@@ -55,7 +50,7 @@ def enclosed(obj):
 
 def test_a_word_becomes_another_with_the_originals_at_both_ends():
     first, last = text("A", extrude=0.2, bevel_depth=0.02), text("B", 4.0)
-    choose(first, last)
+    select_only(first, last)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
     frames = frame_objects(morph())
     assert [obj.type for obj in frames] == ["FONT", "CURVE", "CURVE", "FONT"]
@@ -76,7 +71,7 @@ def test_a_word_becomes_another_with_the_originals_at_both_ends():
 def test_frames_lie_between_the_planes_of_the_inputs():
     first, last = text("A"), text("A", 6.0)
     last.location.z = 3.0
-    choose(first, last)
+    select_only(first, last)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     for share, obj in zip((1 / 3, 2 / 3), frame_objects(morph())[1:-1], strict=True):
         points = np.array([point.co[:] for spline in obj.data.splines for point in spline.bezier_points])
@@ -88,7 +83,7 @@ def test_frames_lie_between_the_planes_of_the_inputs():
 
 def test_letters_travel_to_letters():
     first, last = text("IO"), text("OI", 0.0)
-    choose(first, last)
+    select_only(first, last)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     stored = stored_settings(morph())
     assert stored["words"] == "LETTERS"
@@ -97,7 +92,7 @@ def test_letters_travel_to_letters():
 
 def test_meshes_and_a_player_are_made_on_request():
     first, last = text("A", extrude=0.1), text("B", 3.0)
-    choose(first, last)
+    select_only(first, last)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", output="PLAYER", **QUICK) == {"FINISHED"}
     frames = frame_objects(morph())
     assert {obj.type for obj in frames} == {"MESH"}
@@ -117,7 +112,7 @@ def test_curves_meshes_and_words_mix():
     ring = bpy.context.object
     bpy.ops.mesh.primitive_plane_add(location=(4, 0, 0))
     plane = bpy.context.object
-    choose(ring, plane, text("A"))
+    select_only(ring, plane, text("A"))
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs=f"{ring.name},{plane.name},A", **QUICK) == {
         "FINISHED"
     }
@@ -126,7 +121,7 @@ def test_curves_meshes_and_words_mix():
 
 def test_a_sheet_lies_in_the_plane_of_the_shapes():
     letters = [text(sign, 5.0 * index) for index, sign in enumerate("ABC")]
-    choose(*letters)
+    select_only(*letters)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=128)
     frames = frame_objects(morph())
     places = np.array([obj.matrix_world.translation for obj in frames])
@@ -137,7 +132,7 @@ def test_a_sheet_lies_in_the_plane_of_the_shapes():
 
 def test_shapes_are_centered_and_made_as_large():
     first, last = text("O"), text("O", 7.0, size=3.0)
-    choose(first, last)
+    select_only(first, last)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", alignment="CENTERED", scaling="EQUAL_VOLUME", **QUICK)
     bpy.context.view_layer.update()
     boxes = []
@@ -150,7 +145,7 @@ def test_shapes_are_centered_and_made_as_large():
 def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
     bpy.ops.mesh.primitive_cube_add(size=1, location=(3, 0, 0))
     cube, word = bpy.context.object, text("A")
-    choose(cube, word)
+    select_only(cube, word)
     with pytest.raises(RuntimeError, match="A is flat but Cube is solid"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=32)
     assert not any(collection.name.startswith("Morph") for collection in bpy.data.collections)
@@ -170,7 +165,7 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
 def test_invalid_shapes_are_reported_and_leave_nothing_behind(change, message):
     first, last = text("A"), text("B", 3.0)
     change(last)
-    choose(first, last)
+    select_only(first, last)
     before = census()
     with pytest.raises(RuntimeError, match=message):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
@@ -178,14 +173,14 @@ def test_invalid_shapes_are_reported_and_leave_nothing_behind(change, message):
 
 
 def test_volumes_are_refused():
-    choose(text("A"), text("B", 3.0))
+    select_only(text("A"), text("B", 3.0))
     with pytest.raises(RuntimeError, match="Flat shapes have no volume"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", output="VOLUME", **QUICK)
 
 
 def test_a_flat_morph_is_baked_again_and_deleted():
     first, last = text("A"), text("B", 3.0)
-    choose(first, last)
+    select_only(first, last)
     before = census()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert changed_inputs(morph()) == []
@@ -207,13 +202,13 @@ def test_a_shared_material_is_kept():
     letters = text("A"), text("B", 3.0)
     for letter in letters:
         letter.data.materials.append(material)
-    choose(*letters)
+    select_only(*letters)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     assert {slot.material for obj in frame_objects(morph()) for slot in obj.material_slots} == {material}
 
 
 def test_drawings_are_checked_on_the_list():
-    choose(text("A"), text("B", 3.0))
+    select_only(text("A"), text("B", 3.0))
     bpy.ops.convwass.add_morph_inputs()
     bpy.context.scene.convwass_morph.inputs[0].object.data.body = ""
     bpy.ops.convwass.check_morph_inputs()
@@ -223,7 +218,7 @@ def test_drawings_are_checked_on_the_list():
 
 
 def test_curves_become_meshes_for_a_player_and_stay_so():
-    choose(text("A", extrude=0.1), text("B", 3.0))
+    select_only(text("A", extrude=0.1), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     before = frame_objects(morph())
     names, places = [obj.name for obj in before], [obj.matrix_world.translation.copy() for obj in before]
@@ -265,7 +260,7 @@ def region(obj, number):
 
 
 def test_letters_keep_their_colors_and_share_materials():
-    choose(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
+    select_only(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     first, *between, _ = frame_objects(morph())
     assert [slot.material.name for slot in first.material_slots] == ["IO 0", "IO 1"]
@@ -279,7 +274,7 @@ def test_letters_keep_their_colors_and_share_materials():
 
 
 def test_a_player_of_curves_shows_the_colors_of_regions():
-    choose(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
+    select_only(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     bpy.ops.convwass.make_player()
     painted = frame_objects(morph())[1].data
@@ -293,7 +288,7 @@ def test_colored_frames_are_deleted_with_their_materials():
     letters = two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE)
     before = census()
     for kind in ("CURVE", "MESH", "DRAWING"):
-        choose(*letters)
+        select_only(*letters)
         for obj in letters:
             obj.hide_set(False)
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs="IO,OI", flat_output=kind, **QUICK)
@@ -319,7 +314,7 @@ def filled(obj, number):
 def test_one_drawing_has_a_keyframe_per_frame():
     first, last = colored(text("A"), RED), colored(text("B", 3.0), BLUE)
     last.location.z = 2.0
-    choose(first, last)
+    select_only(first, last)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK) == {"FINISHED"}
     (obj,) = frame_objects(morph())
     assert obj.type == "GREASEPENCIL"
@@ -342,7 +337,7 @@ def test_one_drawing_has_a_keyframe_per_frame():
 
 
 def test_drawings_of_a_sheet_are_objects_of_their_own():
-    choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
+    select_only(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
     bpy.ops.convwass.bake_morph(
         motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=128, flat_output="DRAWING"
     )
@@ -352,14 +347,14 @@ def test_drawings_of_a_sheet_are_objects_of_their_own():
 
 
 def test_operators_for_meshes_refuse_drawings():
-    choose(text("A"), text("B", 3.0))
+    select_only(text("A"), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK)
     with pytest.raises(RuntimeError, match="bake it again with meshes"):
         bpy.ops.convwass.make_player()
 
 
 def test_a_drawing_is_drawn_again_without_leaving_materials():
-    choose(colored(text("A"), RED), colored(text("B", 3.0), BLUE))
+    select_only(colored(text("A"), RED), colored(text("B", 3.0), BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK)
     before = len(bpy.data.materials)
     bpy.context.view_layer.objects.active = frame_objects(morph())[0]
@@ -371,7 +366,7 @@ def test_a_drawing_is_drawn_again_without_leaving_materials():
 @pytest.mark.parametrize("operator", ["make_cache", "make_blend_pad"])
 def test_refused_operators_leave_the_curves_unchanged(operator):
     """The file was never saved, and two shapes are no sheet."""
-    choose(text("A"), text("B", 3.0))
+    select_only(text("A"), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
     kinds = [obj.type for obj in frame_objects(morph())]
     assert set(kinds) <= {"CURVE", "FONT"}
@@ -381,7 +376,7 @@ def test_refused_operators_leave_the_curves_unchanged(operator):
 
 
 def test_a_sheet_has_no_player_and_keeps_its_curves():
-    choose(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
+    select_only(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=2, flat_resolution=128)
     with pytest.raises(RuntimeError, match="no morph along a path"):
         bpy.ops.convwass.make_player()

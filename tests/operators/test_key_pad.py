@@ -10,22 +10,17 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.moving_meshes import keyed_span
 from convwass_addon.bridge.one_mesh.records import key_records
 from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_object
+from tests.scene import world
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 SHIFTS = np.eye(3)
-
-
-def world(obj):
-    bpy.context.view_layer.update()
-    return triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices
 
 
 def cube_with_targets(count, names="ABC"):

@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
 from convwass_addon.operators.chosen_inputs import split_names
+from tests.scene import select_only
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -25,12 +26,6 @@ def add(kind, name, **options):
     return bpy.context.object
 
 
-def select(*objects):
-    bpy.ops.object.select_all(action="DESELECT")
-    for obj in objects:
-        obj.select_set(True)
-
-
 @pytest.fixture
 def shapes():
     """Three meshes, all selected, of the names B, A and C from left to right."""
@@ -39,7 +34,7 @@ def shapes():
         add("uv_sphere", "A", segments=16, ring_count=8),
         add("cone", "C", location=(4, 0, 0)),
     ]
-    select(*made)
+    select_only(*made)
     return made
 
 
@@ -68,10 +63,10 @@ def test_adding_keeps_the_order_and_skips_duplicates(shapes):
 
 def test_only_shapes_are_added(shapes):
     bpy.ops.object.empty_add()
-    select(*shapes, bpy.context.object)
+    select_only(*shapes, bpy.context.object)
     bpy.ops.convwass.add_morph_inputs()
     assert listed() == ["A", "B", "C"]
-    select()
+    select_only()
     with pytest.raises(RuntimeError, match="Select meshes, texts, curves"):
         bpy.ops.convwass.add_morph_inputs()
 
@@ -114,7 +109,7 @@ def test_undo_brings_the_list_back(shapes):
 def test_shapes_are_checked_when_they_are_added_and_when_asked(shapes):
     cube, _, cone = shapes
     add("plane", "D", location=(8, 0, 0))
-    select(*bpy.data.objects)
+    select_only(*bpy.data.objects)
     cone.data.clear_geometry()
     bpy.ops.convwass.add_morph_inputs()
     found = {item.object.name: item for item in settings().inputs}
@@ -168,14 +163,14 @@ def test_the_list_is_baked_rather_than_the_selection(shapes):
     bpy.ops.convwass.add_morph_inputs()
     bpy.ops.convwass.move_morph_input(index=0, direction="DOWN")
     settings().inputs[2].enabled = False
-    select(shapes[2])
+    select_only(shapes[2])
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
     assert [obj.name for obj in stored_inputs(morph_collection())] == ["B", "A"]
 
 
 def test_names_are_baked_rather_than_the_list(shapes):
     bpy.ops.convwass.add_morph_inputs()
-    select()
+    select_only()
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="C, A") == {"FINISHED"}
     assert stored_morph(morph_collection()).inputs == ["C", "A"]
 
@@ -214,7 +209,7 @@ def test_numbers_in_names_are_sorted_by_value(shapes):
 
 def test_a_deleted_shape_is_reported(shapes):
     bpy.ops.convwass.add_morph_inputs()
-    select(shapes[0])
+    select_only(shapes[0])
     bpy.ops.object.delete()
     with pytest.raises(RuntimeError, match="B on the input list was deleted"):
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
@@ -349,7 +344,7 @@ def test_diagnostics_are_stored_with_a_morph(shapes):
 
     thin = add("cylinder", "Thin", radius=0.08, depth=3.0, location=(0, 0, 2))
     ball = shapes[1]
-    select(thin, ball)
+    select_only(thin, ball)
     bpy.context.view_layer.objects.active = ball
     bpy.ops.object.join()
     ball.name = "A"

@@ -11,6 +11,7 @@ import pytest
 
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
 from tests.operators.running import Pressed, show_other_scene, started, until, window_context
+from tests.scene import height_at
 
 
 @pytest.fixture
@@ -155,13 +156,6 @@ def two_bakes():
     return made
 
 
-def height(obj, frame):
-    bpy.context.scene.frame_set(frame)
-    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    heights = [(obj.matrix_world @ vertex.co).z for vertex in mesh.vertices]
-    return max(heights) - min(heights)
-
-
 @pytest.mark.parametrize(
     ("operator", "options"), [("make_volume", {}), ("make_cache", {"kind": "alembic"}), ("make_cache", {"kind": "usd"})]
 )
@@ -172,7 +166,7 @@ def test_each_of_two_morphs_has_its_own_frames(empty_scene, tmp_path, operator, 
     bpy.context.view_layer.objects.active = morph.objects[0]
     assert getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options) == {"FINISHED"}
     shown = bpy.context.object
-    heights = [height(shown, first + step) for step in range(4)]
+    heights = [height_at(shown, first + step) for step in range(4)]
     assert heights[0] == pytest.approx(2.0, abs=0.2) and heights[-1] == pytest.approx(4.0, abs=0.3)
     assert heights == sorted(heights) and heights[2] - heights[1] > 0.3
     if operator == "make_volume":

@@ -16,6 +16,7 @@ from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.bridge.sequence import MODIFIER
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
+from tests.scene import height_at
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -37,22 +38,16 @@ def player():
     return bpy.context.object
 
 
-def height(obj, frame):
-    bpy.context.scene.frame_set(frame)
-    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
-    heights = [(obj.matrix_world @ vertex.co).z for vertex in mesh.vertices]
-    return max(heights) - min(heights)
-
-
 @pytest.mark.parametrize(("operator", "options"), WRITERS)
 def test_a_retimed_player_is_written_as_it_plays_and_kept(player, tmp_path, operator, options):
     bpy.ops.convwass.retime_player(style="HOLD", frames=4, hold=2)
-    expected = [height(player, frame) for frame in range(5, 14)]
+    expected = [height_at(player, frame) for frame in range(5, 14)]
     keys = [point.co[:] for curve in curves_of(player) for point in curve.keyframe_points]
     assert getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options) == {"FINISHED"}
     shown = bpy.context.object
-    assert [height(shown, frame) for frame in range(5, 14)] == pytest.approx(expected, abs=0.3)
-    assert height(shown, 7) == pytest.approx(height(shown, 5)) and height(shown, 13) == pytest.approx(height(shown, 11))
+    assert [height_at(shown, frame) for frame in range(5, 14)] == pytest.approx(expected, abs=0.3)
+    assert height_at(shown, 7) == pytest.approx(height_at(shown, 5))
+    assert height_at(shown, 13) == pytest.approx(height_at(shown, 11))
     assert is_player(player) and player.hide_viewport and player.hide_render
     assert keys == [point.co[:] for curve in curves_of(player) for point in curve.keyframe_points]
 
@@ -60,7 +55,7 @@ def test_a_retimed_player_is_written_as_it_plays_and_kept(player, tmp_path, oper
 def test_frames_of_a_player_are_all_there_in_stretched_time(player):
     render = bpy.context.scene.render
     render.frame_map_old, render.frame_map_new = 100, 200
-    expected = [height(player, frame) for frame in (10, 12, 14, 16, 18)]
+    expected = [height_at(player, frame) for frame in (10, 12, 14, 16, 18)]
     assert bpy.ops.convwass.bake_player(rate=24.0) == {"FINISHED"}
     made = frame_objects(bpy.context.object.users_collection[0])
     assert [obj.dimensions.z for obj in made] == pytest.approx(expected, abs=0.01)
