@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.mesh import TriangleMesh
+from .objects import update_places
 from .surfaces import surface_mesh
 from .vertex_groups import read_groups
 
@@ -86,8 +87,11 @@ def empty_marks(
     """
     meshes = {obj: surface_mesh(obj, depsgraph) for obj in dict.fromkeys(objects)}
     found: dict[bpy.types.Object, dict[str, int | None]] = {obj: {} for obj in meshes}
-    for empty in (obj for obj in empties if obj.type == "EMPTY"):
-        place = np.array(empty.evaluated_get(depsgraph).matrix_world.translation, dtype=np.float64)
+    marks = [obj for obj in empties if obj.type == "EMPTY"]
+    # Markers are often hidden, and Blender does not move what is hidden.
+    update_places(marks, depsgraph)
+    for empty in marks:
+        place = np.array(empty.matrix_world.translation, dtype=np.float64)
         nearest = {obj: nearest_vertex(mesh, place) for obj, mesh in meshes.items()}
         distances = {obj: np.linalg.norm(meshes[obj].vertices[vertex] - place) for obj, vertex in nearest.items()}
         owner = _ancestor(empty, meshes) or min(distances, key=distances.get)

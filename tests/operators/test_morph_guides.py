@@ -71,6 +71,23 @@ def test_guides_from_groups_and_empties(cubes):
     assert bpy.ops.convwass.morph_guides_from_names(kind="GROUPS") == {"CANCELLED"}
 
 
+@pytest.mark.parametrize("how", ["disabled", "excluded"])
+def test_hidden_empties_mark_where_they_are(cubes, how):
+    """Blender does not move hidden objects: those moved meanwhile, or never shown, would be elsewhere."""
+    marks = bpy.data.collections.new("Marks")
+    bpy.context.scene.collection.children.link(marks)
+    bpy.context.view_layer.layer_collection.children["Marks"].exclude = how == "excluded"
+    for obj in cubes:
+        empty = bpy.data.objects.new("Nose", None)
+        marks.objects.link(empty)
+        bpy.context.view_layer.update()
+        empty.hide_viewport = how == "disabled"
+        empty.location = obj.matrix_world @ obj.data.vertices[2].co
+    bpy.context.view_layer.update()
+    assert bpy.ops.convwass.morph_guides_from_names(kind="EMPTIES") == {"FINISHED"}
+    assert [dict(guide.points) for guide in guides().named] == [{"One": 2, "Two": 2}]
+
+
 def test_bones_point_at_the_vertices_at_their_ends(cubes):
     for obj in cubes:
         bpy.ops.object.armature_add(location=obj.location)
