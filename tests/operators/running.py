@@ -88,10 +88,16 @@ def window_context():
     )
 
 
+def pretend_window(monkeypatch, module=background):
+    """Let a module of operators take this Blender for one with a window."""
+    fake = SimpleNamespace(app=SimpleNamespace(background=False), ops=bpy.ops, types=bpy.types)
+    monkeypatch.setattr(module, "bpy", fake)
+
+
 def started(pressed, context):
     """Start an operator as in a Blender with a window; return whether it continues in the background."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+        pretend_window(patch)
         return pressed.invoke(context, None) == {"RUNNING_MODAL"}
 
 

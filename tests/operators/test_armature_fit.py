@@ -17,12 +17,12 @@ from convwass_addon.bridge.armatures.auto_weights import bind_with_weights, unwe
 from convwass_addon.bridge.armatures.fit_notices import unweighted_notice
 from convwass_addon.bridge.armatures.pins import pinned_ends
 from convwass_addon.errors import InputError
-from convwass_addon.operators import armature_fit, background
+from convwass_addon.operators import armature_fit
 from convwass_addon.operators.armature_fit import CONVWASS_OT_fit_armature
 from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.properties.armatures import FitProperties
 from convwass_addon.sentence import Sentence
-from tests.operators.running import ESCAPE, TIMER, Pressed, call, until, window_context
+from tests.operators.running import ESCAPE, TIMER, Pressed, call, pretend_window, until, window_context
 from tests.rigs import armature, chain, choose, harmonic, harmonic_steps, lines, own, tube, world_ends
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -410,8 +410,7 @@ def test_a_ring_goes_around_the_hole_of_a_torus(capfd):
 def window(rig, monkeypatch):
     context = window_context()
     context.mode, context.object = "OBJECT", rig
-    fake = SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types)
-    monkeypatch.setattr(background, "bpy", fake)
+    pretend_window(monkeypatch)
     return context
 
 

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import json
 import os
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -16,11 +15,10 @@ from convwass_addon.bridge.densities.density_attributes import stored_frames
 from convwass_addon.bridge.densities.density_player import played_densities
 from convwass_addon.bridge.densities.density_store import DENSITIES_KEY, stored_density
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import background
 from convwass_addon.operators.density_changes import changed_inputs, lost_inputs
 from convwass_addon.operators.density_manage import CONVWASS_OT_bake_density
 from tests.operators.densities import ball, curve, positions
-from tests.operators.running import ESCAPE, Pressed, call, inventory, until, window_context
+from tests.operators.running import ESCAPE, Pressed, call, inventory, pretend_window, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -209,7 +207,7 @@ def test_missing_frames_are_reported_and_missing_settings_get_defaults(obj):
 def test_images_can_be_stopped_and_those_that_are_there_stay(obj, monkeypatch, tmp_path):
     context = window_context()
     pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=1024)
-    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    pretend_window(monkeypatch)
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     until(pressed, context, lambda: any(tmp_path.iterdir()))
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
@@ -240,7 +238,7 @@ def test_images_written_before_an_error_can_be_replaced(obj, monkeypatch, tmp_pa
 def test_images_are_written_in_the_background(obj, monkeypatch, tmp_path):
     context = window_context()
     pressed = Pressed(CONVWASS_OT_bake_density, output="IMAGES", folder=str(tmp_path), size=16)
-    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    pretend_window(monkeypatch)
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     assert until(pressed, context) == {"FINISHED"}
     assert len(list(tmp_path.iterdir())) == len(stored_frames(obj, "Density"))

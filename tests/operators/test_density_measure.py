@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
-from types import SimpleNamespace
-
 import bpy
 import numpy as np
 import pytest
 
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import background
 from convwass_addon.operators.density_measure import CONVWASS_OT_measure_distance
 from convwass_addon.operators.mesh_targets import length_text
 from tests.operators.densities import ball, linked, positions, two_balls
-from tests.operators.running import ESCAPE, Pressed, call, inventory, until, window_context
+from tests.operators.running import ESCAPE, Pressed, call, inventory, pretend_window, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -151,7 +148,7 @@ def press(monkeypatch):
     def start(context, **arguments):
         pressed = Pressed(CONVWASS_OT_measure_distance, **arguments)
         with monkeypatch.context() as patch:
-            patch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+            pretend_window(patch)
             assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
         return pressed
 

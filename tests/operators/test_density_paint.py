@@ -17,10 +17,10 @@ from convwass_addon.applications.densities import density_tools
 from convwass_addon.applications.densities.surface_densities import density_surface
 from convwass_addon.bridge.surfaces import surface_mesh
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import background, density_pick, picking
+from convwass_addon.operators import density_pick, picking
 from convwass_addon.operators.density_paint import CONVWASS_OT_diffuse_density, CONVWASS_OT_drop_density
 from tests.operators.densities import ball, center, linked, positions, two_balls
-from tests.operators.running import ESCAPE, TIMER, Pressed, call, until, window_context
+from tests.operators.running import ESCAPE, TIMER, Pressed, call, pretend_window, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -272,7 +272,7 @@ def test_a_click_drops_mass_where_the_surface_is(view, monkeypatch):
     context = window_context()
     context.window.screen.areas.append(SimpleNamespace(type="VIEW_3D", regions=[view], tag_redraw=lambda: None))
     pressed = Pressed(CONVWASS_OT_drop_density, vertices="")
-    monkeypatch.setattr(density_pick, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+    pretend_window(monkeypatch, density_pick)
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     assert pressed.modal(context, click(10, 10)) == {"PASS_THROUGH"}
     assert pressed.modal(context, SimpleNamespace(type="MIDDLEMOUSE", value="PRESS")) == {"PASS_THROUGH"}
@@ -292,7 +292,7 @@ def test_picking_can_be_given_up(view, monkeypatch):
     before = read_group(obj, "A")
     context = window_context()
     pressed = Pressed(CONVWASS_OT_drop_density)
-    monkeypatch.setattr(density_pick, "bpy", SimpleNamespace(app=SimpleNamespace(background=False)))
+    pretend_window(monkeypatch, density_pick)
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
     pressed.invoke(context, None)
@@ -322,7 +322,7 @@ def test_stopping_rarely_checked_work_does_not_block_the_window(monkeypatch):
     monkeypatch.setattr(density_tools, "diffused", slow)
     context = window_context()
     pressed = Pressed(CONVWASS_OT_diffuse_density)
-    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    pretend_window(monkeypatch)
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     assert begun.wait(30)
     assert pressed.modal(context, ESCAPE) == {"PASS_THROUGH"}

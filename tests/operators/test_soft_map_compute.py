@@ -17,12 +17,11 @@ from convwass_addon.bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from convwass_addon.bridge.soft_maps.soft_map_store import MAPS_KEY, has_soft_map, store_soft_map, stored_soft_map
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.errors import InputError
-from convwass_addon.operators import background
 from convwass_addon.operators.soft_map_compute import CONVWASS_OT_compute_soft_map
 from convwass_addon.progress import UNINTERRUPTED, Progress
 from convwass_addon.sentence import Sentence
 from tests.linked_objects import linked_to_new_file
-from tests.operators.running import ESCAPE, Pressed, call, until, window_context
+from tests.operators.running import ESCAPE, Pressed, call, pretend_window, until, window_context
 from tests.operators.soft_maps import choose, own, points, select, sphere, store_closest, store_mirror
 from tests.surface_maps import closest_map
 
@@ -291,9 +290,8 @@ def test_missing_input_is_reported(name):
 
 
 def start(monkeypatch, **arguments):
-    context = window_context()
-    pressed = Pressed(CONVWASS_OT_compute_soft_map, **arguments)
-    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    context, pressed = window_context(), Pressed(CONVWASS_OT_compute_soft_map, **arguments)
+    pretend_window(monkeypatch)
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     return pressed, context
 

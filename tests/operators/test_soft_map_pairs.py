@@ -14,7 +14,7 @@ from convwass_addon.bridge import surfaces
 from convwass_addon.operators import picking, soft_map_pick
 from convwass_addon.operators.soft_map_pairs import CONVWASS_OT_add_map_pair
 from convwass_addon.properties.soft_maps import labeled_vertices
-from tests.operators.running import ESCAPE, TIMER, Pressed, call, window_context
+from tests.operators.running import ESCAPE, TIMER, Pressed, call, pretend_window, window_context
 from tests.operators.soft_maps import choose, own, select, sphere
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -192,8 +192,7 @@ def clicking(pair, monkeypatch):
     context.window.screen.areas = [SimpleNamespace(type="VIEW_3D", regions=[region], tag_redraw=lambda: None)]
     said = []
     context.workspace.status_text_set = said.append
-    fake = SimpleNamespace(app=SimpleNamespace(background=False), ops=bpy.ops, types=bpy.types)
-    monkeypatch.setattr(soft_map_pick, "bpy", fake)
+    pretend_window(monkeypatch, soft_map_pick)
     monkeypatch.setattr(
         picking,
         "region_2d_to_origin_3d",

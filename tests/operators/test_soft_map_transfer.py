@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import time
-from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -13,11 +12,11 @@ import pytest
 
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group, write_group
-from convwass_addon.operators import background, soft_map_transfer
+from convwass_addon.operators import soft_map_transfer
 from convwass_addon.operators.soft_map_transfer import CONVWASS_OT_transfer_by_map
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
-from tests.operators.running import ESCAPE, Pressed, call, inventory, until, window_context
+from tests.operators.running import ESCAPE, Pressed, call, inventory, pretend_window, until, window_context
 from tests.operators.soft_maps import choose, points, sphere, store_closest, store_mirror
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -468,9 +467,8 @@ def test_a_missing_map_is_reported():
 
 
 def start(monkeypatch, **arguments):
-    context = window_context()
-    pressed = Pressed(CONVWASS_OT_transfer_by_map, **arguments)
-    monkeypatch.setattr(background, "bpy", SimpleNamespace(app=SimpleNamespace(background=False), types=bpy.types))
+    context, pressed = window_context(), Pressed(CONVWASS_OT_transfer_by_map, **arguments)
+    pretend_window(monkeypatch)
     assert pressed.invoke(context, None) == {"RUNNING_MODAL"}
     return pressed, context
 
