@@ -69,7 +69,7 @@ def test_a_morph_in_stretched_time_starts_at_the_current_frame():
     scene.render.frame_map_old, scene.render.frame_map_new = 100, 200
     scene.frame_set(20)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, start="CURRENT", fit_range=True)
-    frames = frame_objects(morph_collection())
+    frames = frame_objects(baked_morph())
     assert (scene.frame_start, scene.frame_end, scene.frame_current) == (20, 26, 20)
     for frame, number in ((20, 0), (22, 1), (24, 2), (26, 3)):
         scene.frame_set(frame)
