@@ -11,6 +11,8 @@ import bpy
 import numpy as np
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
 
+from .animation_time import time_of_frame
+
 VISIBILITY_PATHS = ("hide_viewport", "hide_render")
 
 EASINGS = {"LINEAR": "LINEAR", "SMOOTH": "SINE"}
@@ -79,6 +81,16 @@ def key_span(curves: Iterable[bpy.types.FCurve]) -> range:
     if not spans:
         return range(0)
     return range(round(min(span[0] for span in spans)), round(max(span[1] for span in spans)) + 1)
+
+
+def changing_span(curves: Iterable[bpy.types.FCurve], scene: bpy.types.Scene) -> range:
+    """Return the times from the first to the last key of some curves; of the whole scene if modifiers go on there."""
+    curves = list(curves)
+    keyed = key_span(curves)
+    if not any(modifier.active and not modifier.mute for curve in curves for modifier in curve.modifiers):
+        return keyed
+    first, last = (round(time_of_frame(scene, frame)) for frame in (scene.frame_start, scene.frame_end))
+    return range(min(keyed.start, first), max(keyed.stop, last + 1))
 
 
 def channels_of(block: bpy.types.ID) -> bpy.types.ActionChannelbag | None:

@@ -343,6 +343,15 @@ def test_a_moving_handle_gives_a_pad_its_velocity(bare_scene, make_object):
     bpy.context.view_layer.update()
     evaluated = pad.result.evaluated_get(bpy.context.evaluated_depsgraph_get())
     assert "velocity" not in evaluated.data.attributes
+    # There and back again.
+    bare_scene.frame_end = 80
+    for curve in curves_of(pad.handle):
+        curve.modifiers.new("CYCLES").mode_after = "MIRROR"
+    key_handle_velocity(collection)
+    for frame, direction in ((37, -1.0), (61, 1.0)):
+        bare_scene.frame_set(frame)
+        off = np.linalg.norm(attribute(pad.result, "velocity", 3) - direction * expected, axis=1)
+        assert off.mean() <= 0.1 * abs(pace)
 
 
 def test_moments_enclose_the_volume_of_their_blends(bare_scene, make_object):

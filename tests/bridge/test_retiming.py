@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.keyframes import is_shown
+from convwass_addon.bridge.keyframes import curves_of, is_shown
 from convwass_addon.bridge.morphs.dense_bake import bake_player, sample_times
 from convwass_addon.bridge.morphs.player import make_player, morph_value, speed
 from convwass_addon.bridge.morphs.retiming import Retiming, key_speed, keyed_span, keys_of, retime
@@ -64,6 +64,17 @@ def test_easing_and_edited_keys_have_their_speed(moving):
     player.animation_data.action.layers[0].strips[0].channelbags[0].fcurves[0].keyframe_points[1].co.x += 24
     key_speed(player)
     assert np.allclose(values(player, [FIRST + 24])[0], (0.5, np.pi / 2.0 * FRAMES / 48), rtol=1e-2)
+
+
+def test_the_speed_goes_on_where_a_modifier_repeats_the_keys(moving, bare_scene):
+    player = make_player(moving, between="INTERPOLATED")
+    retime(player, Retiming(style="BACK_AND_FORTH", frames=12))
+    bare_scene.frame_end = FIRST + 24 * 4
+    once = values(player, FIRST + np.arange(1, 24))
+    curves_of(player)[0].modifiers.new("CYCLES")
+    key_speed(player)
+    assert np.allclose(values(player, FIRST + np.arange(1, 24)), once, atol=1e-5)
+    assert np.allclose(values(player, FIRST + 48 + np.arange(1, 24)), once, atol=1e-4)
 
 
 def test_a_player_of_baked_blends_has_keys_only(moving):

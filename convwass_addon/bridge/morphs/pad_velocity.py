@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..animation_time import times_per_second
-from ..keyframes import curves_of, key_span
+from ..keyframes import changing_span, curves_of
 from ..node_inputs import NodeInput, node_input
 from .stand_ins import frames_modifier, stand_ins
 
@@ -47,8 +47,8 @@ def key_handle_velocity(collection: bpy.types.Collection) -> None:
     curves = [curve for curve in curves_of(handle) if curve.data_path == "location" and len(curve.keyframe_points)]
     if not curves:
         raise InputError("The location of {name} has no keyframes; animate it first.", name=handle.name)
-    keyed = key_span(curves)
-    frames = np.arange(keyed.start - 1, keyed.stop + 1)
+    span = changing_span(curves, bpy.context.scene)
+    frames = np.arange(span.start - 1, span.stop + 1)
     before, after = (_places(handle, curves, frames + side) for side in (-0.5, 0.5))
     _write(target, frames, (after - before) * times_per_second(bpy.context.scene))
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...schema import Choice, Settings, setting
 from ..animation_time import time_of_frame
-from ..keyframes import curves_of
+from ..keyframes import changing_span, curves_of
 from ..node_inputs import NodeInput
 from .player import last_value, morph_value, pace, playback_item, speed
 
@@ -137,8 +137,8 @@ def key_speed(player: bpy.types.Object) -> None:
     curve = _curve(player, morph_value(player))
     if curve is None or not len(curve.keyframe_points):
         return
-    first, last = (round(end) for end in curve.range())
-    frames = np.arange(first - 1, last + 2)
+    span = changing_span([curve], bpy.context.scene)
+    frames = np.arange(span.start - 1, span.stop + 1)
     sides = np.array([[curve.evaluate(frame + side) for side in (-0.5, 0.5)] for frame in frames])
     if playback_item(player) == "ONCE":
         sides = np.clip(sides, 0.0, last_value(player))
