@@ -28,6 +28,7 @@ from convwass_addon.cli import program
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 from tests.clusters import local_cluster
+from tests.operators.morphs import baked_morph
 
 pytestmark = [
     pytest.mark.usefixtures("empty_scene"),
@@ -64,8 +65,7 @@ def cube_and_ball(shapes):
 
 def saved_frames(path):
     bpy.ops.wm.open_mainfile(filepath=str(path))
-    collection = next(c for c in bpy.data.collections if c.name.startswith("Morph"))
-    return [obj for obj in collection.objects if obj.type == "MESH"]
+    return [obj for obj in baked_morph().objects if obj.type == "MESH"]
 
 
 def test_a_path_through_three_formats(shapes, tmp_path):
@@ -515,8 +515,7 @@ def test_an_interrupt_while_blender_starts_ends_the_command(tmp_path, project, i
 
 def stored_settings(path):
     bpy.ops.wm.open_mainfile(filepath=str(path))
-    collection = next(c for c in bpy.data.collections if c.name.startswith("Morph"))
-    return json.loads(collection["convwass_morph"])["settings"]
+    return json.loads(baked_morph()["convwass_morph"])["settings"]
 
 
 def cube_and_ball_of_blend(shapes):

@@ -18,6 +18,7 @@ from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.written_files import WRITTEN_KEY, drop_surplus
 from convwass_addon.cli import main
 from convwass_addon.errors import ConvwassError, InputError
+from tests.operators.morphs import baked_morph
 from tests.pictures import pixels_in
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -84,7 +85,7 @@ def test_pictures_travel_and_mix_their_colors(tmp_path, grays):
     np.testing.assert_allclose(middle[0, 0], [*PAPER, 1.0], atol=0.01)
     # A disc keeps its form and size.
     assert inked(middle) == pytest.approx(inked(pixels_in(files[0])), rel=0.03)
-    (plane,) = frame_objects(next(c for c in bpy.data.collections if c.name.startswith("Morph")))
+    (plane,) = frame_objects(baked_morph())
     (material,) = plane.data.materials
     (node,) = (node for node in material.node_tree.nodes if node.type == "TEX_IMAGE")
     assert (node.image.source, node.image_user.frame_duration, node.image_user.use_auto_refresh) == (
@@ -138,7 +139,7 @@ def test_pictures_that_are_made_again_take_the_place_of_the_old_ones_at_the_end(
         assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
         after = contents(tmp_path)
         assert after.keys() == before.keys() and after != before
-    (plane,) = frame_objects(next(c for c in bpy.data.collections if c.name.startswith("Morph")))
+    (plane,) = frame_objects(baked_morph())
     (node,) = (node for node in plane.data.materials[0].node_tree.nodes if node.type == "TEX_IMAGE")
     shown = pixels_in(bpy.path.abspath(node.image.filepath))
     np.testing.assert_allclose(shown[shown.shape[0] // 2, shown.shape[1] // 2, :3], BLUE, atol=0.02)

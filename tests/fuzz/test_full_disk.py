@@ -28,6 +28,7 @@ from convwass_addon.disk_space import require_space, require_whole
 from convwass_addon.errors import ConvwassError, InputError, ResourceError
 from tests.applications.test_frame_cache import assert_same
 from tests.fuzz.killed_bake import bake
+from tests.operators.morphs import baked_morph
 from tests.pictures import image_of
 
 _Usage = namedtuple("_Usage", "total used free")
@@ -59,7 +60,7 @@ def morph(empty_scene):
         bpy.ops.mesh.primitive_cube_add(location=(place, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=32)
-    return next(own for own in bpy.data.collections if own.name.startswith("Morph"))
+    return baked_morph()
 
 
 def test_a_full_disk_is_reported_and_the_cache_continues_once_there_is_space(small_disk):

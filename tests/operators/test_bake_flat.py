@@ -14,6 +14,7 @@ from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.player import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
 from convwass_addon.bridge.node_trees import own_tree
+from tests.operators.morphs import baked_morph, census
 from tests.scene import select_only
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -30,15 +31,6 @@ def text(body, x=0.0, **options):
     return obj
 
 
-def morph():
-    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
-
-
-def census():
-    kinds = ("objects", "curves", "meshes", "collections", "materials", "actions", "node_groups", "images")
-    return {kind: sorted(block.name for block in getattr(bpy.data, kind)) for kind in kinds}
-
-
 def enclosed(obj):
     """Area that Blender fills of a frame."""
     depsgraph = bpy.context.evaluated_depsgraph_get()
@@ -52,7 +44,7 @@ def test_a_word_becomes_another_with_the_originals_at_both_ends():
     first, last = text("A", extrude=0.2, bevel_depth=0.02), text("B", 4.0)
     select_only(first, last)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
-    frames = frame_objects(morph())
+    frames = frame_objects(baked_morph())
     assert [obj.type for obj in frames] == ["FONT", "CURVE", "CURVE", "FONT"]
     assert [frames[0].data.body, frames[-1].data.body] == ["A", "B"]
     np.testing.assert_allclose([obj.data.extrude for obj in frames], [0.2, 0.4 / 3, 0.2 / 3, 0.0], atol=1e-6)
@@ -62,9 +54,9 @@ def test_a_word_becomes_another_with_the_originals_at_both_ends():
         assert [obj for obj in frames if not obj.hide_render] == [frames[min(max(number, 1), 4) - 1]]
     assert first.hide_render and last.hide_render
     # The solver's area equals the area that Blender fills.
-    wanted = [record["area_wanted"] for record in stored_morph(morph()).records[1:-1]]
+    wanted = [record["area_wanted"] for record in stored_morph(baked_morph()).records[1:-1]]
     np.testing.assert_allclose([enclosed(obj) for obj in frames[1:-1]], wanted, rtol=5e-3)
-    stored = stored_settings(morph())
+    stored = stored_settings(baked_morph())
     assert (stored["flat"], stored["resolution"], stored["words"]) == (True, 128, "MASS")
 
 
@@ -73,7 +65,7 @@ def test_frames_lie_between_the_planes_of_the_inputs():
     last.location.z = 3.0
     select_only(first, last)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
-    for share, obj in zip((1 / 3, 2 / 3), frame_objects(morph())[1:-1], strict=True):
+    for share, obj in zip((1 / 3, 2 / 3), frame_objects(baked_morph())[1:-1], strict=True):
         points = np.array([point.co[:] for spline in obj.data.splines for point in spline.bezier_points])
         world = points @ np.array(obj.matrix_world)[:3, :3].T + np.array(obj.matrix_world.translation)
         low, high = world.min(axis=0), world.max(axis=0)
@@ -85,16 +77,16 @@ def test_letters_travel_to_letters():
     first, last = text("IO"), text("OI", 0.0)
     select_only(first, last)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
-    stored = stored_settings(morph())
+    stored = stored_settings(baked_morph())
     assert stored["words"] == "LETTERS"
-    assert len(frame_objects(morph())) == 4
+    assert len(frame_objects(baked_morph())) == 4
 
 
 def test_meshes_and_a_player_are_made_on_request():
     first, last = text("A", extrude=0.1), text("B", 3.0)
     select_only(first, last)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", output="PLAYER", **QUICK) == {"FINISHED"}
-    frames = frame_objects(morph())
+    frames = frame_objects(baked_morph())
     assert {obj.type for obj in frames} == {"MESH"}
     assert all(len(obj.data.polygons) > 10 for obj in frames)
     player = bpy.context.object
@@ -116,14 +108,14 @@ def test_curves_meshes_and_words_mix():
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs=f"{ring.name},{plane.name},A", **QUICK) == {
         "FINISHED"
     }
-    assert [obj.type for obj in frame_objects(morph())] == ["CURVE"] * 3 + ["MESH"] + ["CURVE"] * 2 + ["FONT"]
+    assert [obj.type for obj in frame_objects(baked_morph())] == ["CURVE"] * 3 + ["MESH"] + ["CURVE"] * 2 + ["FONT"]
 
 
 def test_a_sheet_lies_in_the_plane_of_the_shapes():
     letters = [text(sign, 5.0 * index) for index, sign in enumerate("ABC")]
     select_only(*letters)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=128)
-    frames = frame_objects(morph())
+    frames = frame_objects(baked_morph())
     places = np.array([obj.matrix_world.translation for obj in frames])
     assert len(frames) == 6
     np.testing.assert_allclose(places[:, 2], 0.0, atol=1e-6)
@@ -136,7 +128,7 @@ def test_shapes_are_centered_and_made_as_large():
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", alignment="CENTERED", scaling="EQUAL_VOLUME", **QUICK)
     bpy.context.view_layer.update()
     boxes = []
-    for obj in frame_objects(morph()):
+    for obj in frame_objects(baked_morph()):
         corners = np.array([obj.matrix_world @ type(obj.location)(corner) for corner in obj.bound_box])
         boxes.append((corners.min(axis=0), corners.max(axis=0)))
     np.testing.assert_allclose(boxes[-1], boxes[0], atol=1e-2)
@@ -151,7 +143,7 @@ def test_a_solid_shape_takes_a_text_with_depth_or_with_a_thickness():
     assert not any(collection.name.startswith("Morph") for collection in bpy.data.collections)
     word.data.extrude = 0.2
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=32) == {"FINISHED"}
-    assert {obj.type for obj in frame_objects(morph())} == {"MESH"}
+    assert {obj.type for obj in frame_objects(baked_morph())} == {"MESH"}
 
 
 @pytest.mark.parametrize(
@@ -183,14 +175,14 @@ def test_a_flat_morph_is_baked_again_and_deleted():
     select_only(first, last)
     before = census()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
-    assert changed_inputs(morph()) == []
+    assert changed_inputs(baked_morph()) == []
     last.data.body = "C"
-    assert changed_inputs(morph()) == ["B"]
-    bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+    assert changed_inputs(baked_morph()) == ["B"]
+    bpy.context.view_layer.objects.active = frame_objects(baked_morph())[0]
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
-    assert frame_objects(morph())[-1].data.body == "C"
-    assert stored_settings(morph())["resolution"] == 128
-    bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+    assert frame_objects(baked_morph())[-1].data.body == "C"
+    assert stored_settings(baked_morph())["resolution"] == 128
+    bpy.context.view_layer.objects.active = frame_objects(baked_morph())[0]
     assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
     after = census()
     after["materials"] = []
@@ -204,7 +196,7 @@ def test_a_shared_material_is_kept():
         letter.data.materials.append(material)
     select_only(*letters)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
-    assert {slot.material for obj in frame_objects(morph()) for slot in obj.material_slots} == {material}
+    assert {slot.material for obj in frame_objects(baked_morph()) for slot in obj.material_slots} == {material}
 
 
 def test_drawings_are_checked_on_the_list():
@@ -220,15 +212,15 @@ def test_drawings_are_checked_on_the_list():
 def test_curves_become_meshes_for_a_player_and_stay_so():
     select_only(text("A", extrude=0.1), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
-    before = frame_objects(morph())
+    before = frame_objects(baked_morph())
     names, places = [obj.name for obj in before], [obj.matrix_world.translation.copy() for obj in before]
     assert bpy.ops.convwass.make_player() == {"FINISHED"}
-    frames = frame_objects(morph())
+    frames = frame_objects(baked_morph())
     assert [obj.name for obj in frames] == names
     assert [obj.matrix_world.translation for obj in frames] == places
     assert {obj.type for obj in frames} == {"MESH"}
     assert all(len(obj.data.polygons) for obj in frames)
-    assert stored_settings(morph())["flat_output"] == "MESH"
+    assert stored_settings(baked_morph())["flat_output"] == "MESH"
     bpy.ops.convwass.remove_player()
     bpy.context.scene.frame_set(2)
     assert [obj.hide_render for obj in frames] == [True, False, True, True]
@@ -262,7 +254,7 @@ def region(obj, number):
 def test_letters_keep_their_colors_and_share_materials():
     select_only(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
-    first, *between, _ = frame_objects(morph())
+    first, *between, _ = frame_objects(baked_morph())
     assert [slot.material.name for slot in first.material_slots] == ["IO 0", "IO 1"]
     for share, obj in zip((1 / 3, 2 / 3), between, strict=True):
         names = [slot.material.name for slot in obj.material_slots]
@@ -277,7 +269,7 @@ def test_a_player_of_curves_shows_the_colors_of_regions():
     select_only(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     bpy.ops.convwass.make_player()
-    painted = frame_objects(morph())[1].data
+    painted = frame_objects(baked_morph())[1].data
     assert [material.name for material in painted.materials] == ["Convwass Regions"]
     colors = np.array([tuple(point.color) for point in painted.color_attributes["Color"].data])
     # 8 bits, and no point between two regions.
@@ -292,7 +284,7 @@ def test_colored_frames_are_deleted_with_their_materials():
         for obj in letters:
             obj.hide_set(False)
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs="IO,OI", flat_output=kind, **QUICK)
-        bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+        bpy.context.view_layer.objects.active = frame_objects(baked_morph())[0]
         assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
         after = census()
         shared = [name for name in after["materials"] if name.startswith("Convwass")]
@@ -316,12 +308,12 @@ def test_one_drawing_has_a_keyframe_per_frame():
     last.location.z = 2.0
     select_only(first, last)
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK) == {"FINISHED"}
-    (obj,) = frame_objects(morph())
+    (obj,) = frame_objects(baked_morph())
     assert obj.type == "GREASEPENCIL"
     assert not obj.hide_render
     assert obj.animation_data is None
     assert list(drawings(obj)) == [1, 2, 3, 4]
-    records = stored_morph(morph()).records
+    records = stored_morph(baked_morph()).records
     for number, record in enumerate(records, start=1):
         found = filled(obj, number)
         assert found.area == pytest.approx(record.get("area_wanted", record["area"]), rel=5e-3)
@@ -341,7 +333,7 @@ def test_drawings_of_a_sheet_are_objects_of_their_own():
     bpy.ops.convwass.bake_morph(
         motion="TRANSPORT", layout="TRIANGLE", steps=3, flat_resolution=128, flat_output="DRAWING"
     )
-    frames = frame_objects(morph())
+    frames = frame_objects(baked_morph())
     assert [obj.type for obj in frames] == ["GREASEPENCIL"] * 6
     assert np.ptp([obj.matrix_world.translation.y for obj in frames]) > 1.0
 
@@ -357,9 +349,9 @@ def test_a_drawing_is_drawn_again_without_leaving_materials():
     select_only(colored(text("A"), RED), colored(text("B", 3.0), BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK)
     before = len(bpy.data.materials)
-    bpy.context.view_layer.objects.active = frame_objects(morph())[0]
+    bpy.context.view_layer.objects.active = frame_objects(baked_morph())[0]
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
-    assert [obj.type for obj in frame_objects(morph())] == ["GREASEPENCIL"]
+    assert [obj.type for obj in frame_objects(baked_morph())] == ["GREASEPENCIL"]
     assert len(bpy.data.materials) == before
 
 
@@ -368,11 +360,11 @@ def test_refused_operators_leave_the_curves_unchanged(operator):
     """The file was never saved, and two shapes are no sheet."""
     select_only(text("A"), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
-    kinds = [obj.type for obj in frame_objects(morph())]
+    kinds = [obj.type for obj in frame_objects(baked_morph())]
     assert set(kinds) <= {"CURVE", "FONT"}
     with pytest.raises(RuntimeError, match=r"Save the file first|not a complete sheet"):
         getattr(bpy.ops.convwass, operator)()
-    assert [obj.type for obj in frame_objects(morph())] == kinds
+    assert [obj.type for obj in frame_objects(baked_morph())] == kinds
 
 
 def test_a_sheet_has_no_player_and_keeps_its_curves():
@@ -380,4 +372,4 @@ def test_a_sheet_has_no_player_and_keeps_its_curves():
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=2, flat_resolution=128)
     with pytest.raises(RuntimeError, match="no morph along a path"):
         bpy.ops.convwass.make_player()
-    assert not any(obj.type == "MESH" for obj in frame_objects(morph()))
+    assert not any(obj.type == "MESH" for obj in frame_objects(baked_morph()))

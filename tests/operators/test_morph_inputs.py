@@ -13,17 +13,12 @@ import pytest
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
 from convwass_addon.operators.chosen_inputs import split_names
+from tests.operators.morphs import add, baked_morph
 from tests.scene import select_only
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 QUICK = {"frames": 2, "resolution": 24}
-
-
-def add(kind, name, **options):
-    getattr(bpy.ops.mesh, f"primitive_{kind}_add")(**options)
-    bpy.context.object.name = name
-    return bpy.context.object
 
 
 @pytest.fixture
@@ -44,10 +39,6 @@ def settings():
 
 def listed():
     return [item.object.name for item in settings().inputs]
-
-
-def morph_collection():
-    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
 
 
 def test_adding_keeps_the_order_and_skips_duplicates(shapes):
@@ -165,20 +156,20 @@ def test_the_list_is_baked_rather_than_the_selection(shapes):
     settings().inputs[2].enabled = False
     select_only(shapes[2])
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK) == {"FINISHED"}
-    assert [obj.name for obj in stored_inputs(morph_collection())] == ["B", "A"]
+    assert [obj.name for obj in stored_inputs(baked_morph())] == ["B", "A"]
 
 
 def test_names_are_baked_rather_than_the_list(shapes):
     bpy.ops.convwass.add_morph_inputs()
     select_only()
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="C, A") == {"FINISHED"}
-    assert stored_morph(morph_collection()).inputs == ["C", "A"]
+    assert stored_morph(baked_morph()).inputs == ["C", "A"]
 
 
 def test_names_with_commas_are_on_separate_lines(shapes):
     shapes[0].name = "Cow, brown"
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="Cow, brown\nA\n")
-    assert stored_morph(morph_collection()).inputs == ["Cow, brown", "A"]
+    assert stored_morph(baked_morph()).inputs == ["Cow, brown", "A"]
     assert split_names(" a ,b,, c d ") == ["a", "b", "c d"]
     assert split_names(" a \n b \n", [" a "]) == [" a ", "b"]
 
@@ -240,14 +231,14 @@ def test_a_single_blend_takes_the_weights_of_the_list(shapes):
     for item, weight in zip(settings().inputs, (3.0, 1.0, 0.0), strict=True):
         item.weight = weight
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=24) == {"FINISHED"}
-    (blend,) = frame_objects(morph_collection())
+    (blend,) = frame_objects(baked_morph())
     np.testing.assert_allclose(blend["convwass_weights"], (0.75, 0.25, 0.0))
     assert not blend.hide_render
 
 
 def test_weights_can_be_named(shapes):
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="BLEND", resolution=24, inputs="A,B", weights="1, 3")
-    np.testing.assert_allclose(frame_objects(morph_collection())[0]["convwass_weights"], (0.25, 0.75))
+    np.testing.assert_allclose(frame_objects(baked_morph())[0]["convwass_weights"], (0.25, 0.75))
 
 
 def world_points(obj):
@@ -268,7 +259,7 @@ def test_aligned_shapes_are_at_the_place_of_the_first_in_all_frames(shapes):
         scaling="EQUAL_VOLUME",
         hide_inputs=False,
     )
-    frames = frame_objects(morph_collection())
+    frames = frame_objects(baked_morph())
     assert len(frames) == 4
     for obj in frames:
         points = world_points(obj)
@@ -278,7 +269,7 @@ def test_aligned_shapes_are_at_the_place_of_the_first_in_all_frames(shapes):
     np.testing.assert_allclose(volumes, 8.0, rtol=0.02)
     # The originals are not moved.
     assert (ball.location.x, ball.scale.x) == (0.0, 1.5)
-    stored = stored_settings(morph_collection())
+    stored = stored_settings(baked_morph())
     assert (stored["alignment"], stored["scaling"]) == ("CENTERED", "EQUAL_VOLUME")
 
 
@@ -303,7 +294,7 @@ def test_principal_axes_turn_a_copy_back(shapes):
     bpy.ops.convwass.bake_morph(
         motion="TRANSPORT", frames=2, resolution=24, inputs="One, Other", alignment="PRINCIPAL_AXES"
     )
-    first, _, last = frame_objects(morph_collection())
+    first, _, last = frame_objects(baked_morph())
     np.testing.assert_allclose(world_points(last), world_points(first), atol=1e-4)
 
 
@@ -323,13 +314,13 @@ def test_a_morph_begins_at_the_given_frame(shapes, arguments, first, span):
     scene.frame_start, scene.frame_end = 5, 50
     scene.frame_set(40)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", **arguments)
-    assert stored_morph(morph_collection()).first_frame == first
+    assert stored_morph(baked_morph()).first_frame == first
     assert (scene.frame_start, scene.frame_end) == span
 
 
 def test_a_step_skips_frames_but_no_shapes(shapes):
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=5, frame_step=2, resolution=24, inputs="A,B,C")
-    frames = frame_objects(morph_collection())
+    frames = frame_objects(baked_morph())
     assert len(frames) == 7
     scene = bpy.context.scene
     shown = []
@@ -349,7 +340,7 @@ def test_diagnostics_are_stored_with_a_morph(shapes):
     bpy.ops.object.join()
     ball.name = "A"
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=40, inputs="A, B", thickness=0.1)
-    collection = morph_collection()
+    collection = baked_morph()
     kinds = {note.kind for note in stored_diagnostics(collection)}
     assert "TOO_COARSE" in kinds
     assert any("thin parts of A" in note.text for note in stored_diagnostics(collection))
@@ -374,7 +365,7 @@ def test_selecting_the_inputs_of_a_morph_brings_back_their_order_and_weights(sha
 
 
 def delete_morph():
-    bpy.context.view_layer.objects.active = frame_objects(morph_collection())[0]
+    bpy.context.view_layer.objects.active = frame_objects(baked_morph())[0]
     bpy.ops.convwass.delete_morph()
 
 
@@ -389,7 +380,7 @@ def delete_morph():
 def test_the_output_is_made_of_the_morph(shapes, arguments, kind):
     before = set(bpy.data.objects)
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **{**QUICK, "inputs": "A,B", **arguments})
-    frames = set(frame_objects(morph_collection()))
+    frames = set(frame_objects(baked_morph()))
     made = set(bpy.data.objects) - before - frames
     assert bool(made) == (kind is not None)
     assert kind is None or bpy.context.object.type == kind
@@ -400,7 +391,7 @@ def test_an_output_that_fails_leaves_the_meshes(shapes, tmp_path, monkeypatch):
     folder = str(tmp_path / "folder")
     made = bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, inputs="A,B", output="VOLUME", folder=folder)
     assert made == {"FINISHED"}
-    assert len(frame_objects(morph_collection())) == 3
+    assert len(frame_objects(baked_morph())) == 3
 
 
 @pytest.mark.parametrize("output", ["CACHE", "VOLUME"])

@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.applications.morphs.diagnostics import Diagnostic
 from convwass_addon.bridge.morphs.stored import frame_objects, store_diagnostics
 from convwass_addon.panels.sidebar import draw_wrapped
+from tests.operators.morphs import baked_morph
 
 from .drawing import draw, forbid, named, panels
 from .fake_layout import FakeLayout
@@ -42,7 +43,7 @@ def shapes():
 @pytest.fixture
 def baked(shapes):
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=24)
-    return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+    return baked_morph()
 
 
 def test_an_empty_scene_shows_instructions():
