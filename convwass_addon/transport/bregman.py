@@ -97,8 +97,10 @@ class BregmanIteration:
         self._arrived = np.ones(len(alphas))
         self._inputs = inputs.regions
         self._log_mus = inputs.log_mus
-        first = inputs.regions[0].scatter(np.exp(inputs.log_mus[0]), 0.0) if self.domain.pieces is not None else None
-        self._pieces = None if first is None else PieceMasses.of(first, self.domain)
+        self._pieces = None
+        if self.balanced and self.domain.pieces is not None:
+            first = inputs.regions[0].scatter(np.exp(inputs.log_mus[0]), 0.0)
+            self._pieces = PieceMasses.of(first, self.domain)
         # Exponents below 1 converge without over-relaxation, which would break the invariant.
         self._relaxation = self.domain.relaxation if self.balanced else 1.0
         self._enter(start)
@@ -166,7 +168,7 @@ class BregmanIteration:
 
     def _balance(self) -> None:
         """Set the mass of every connected component, where there are several."""
-        if self._pieces is not None and self.balanced:
+        if self._pieces is not None:
             self._log_mu[...] = self._pieces.balanced(self._log_mu, self.weights)
 
     def _normalize(self) -> None:
@@ -330,7 +332,7 @@ class BregmanIteration:
         if self.entropy_limit is not None:
             expected -= self._log_mass
         residual = self.fidelity.mean_of_scalings(self.log_v, self.alphas) - expected
-        if self._pieces is not None and self.balanced:
+        if self._pieces is not None:
             # Every component has a constant of its own, which changes no plan.
             mass = self.density * self.weights
             means = self._pieces.sums(residual * mass) / np.maximum(self._pieces.sums(mass), np.finfo(float).tiny)
