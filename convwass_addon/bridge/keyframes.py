@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -103,6 +103,43 @@ def curves_of(block: bpy.types.ID) -> list[bpy.types.FCurve]:
     """Return the F-curves of a data-block, or of a node tree."""
     bag = channels_of(block)
     return list(bag.fcurves) if bag is not None else []
+
+
+def is_driven(block: bpy.types.ID, path: str) -> bool:
+    """Return whether a property of a data-block has a driver."""
+    data = block.animation_data
+    return data is not None and any(curve.data_path == path for curve in data.drivers)
+
+
+def strips_span(blocks: Iterable[bpy.types.ID], path: str | None = None) -> range:
+    """Return the scene frames from the first to the last NLA strip of some data-blocks; empty without strips.
+
+    Parameters
+    ----------
+    blocks : iterable of bpy.types.ID
+        Objects and other data.
+    path : str, optional
+        The property that the strips animate; any by default.
+    """
+    there = [data for block in blocks if (data := block.animation_data) is not None]
+    tracks = [track for data in there for track in data.nla_tracks if not track.mute]
+    found = [strip for track in tracks for strip in _strips(track.strips) if _animates(strip, path)]
+    if not found:
+        return range(0)
+    return range(round(min(one.frame_start for one in found)), round(max(one.frame_end for one in found)) + 1)
+
+
+def _strips(strips: Iterable[bpy.types.NlaStrip]) -> Iterator[bpy.types.NlaStrip]:
+    """Yield strips and those inside of them."""
+    for strip in strips:
+        if not strip.mute:
+            yield strip
+            yield from _strips(strip.strips)
+
+
+def _animates(strip: bpy.types.NlaStrip, path: str | None) -> bool:
+    bag = None if strip.action is None else action_get_channelbag_for_slot(strip.action, strip.action_slot)
+    return bag is not None and any(path in (None, curve.data_path) for curve in bag.fcurves)
 
 
 def remove_curve(block: bpy.types.ID, path: str) -> None:

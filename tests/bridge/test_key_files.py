@@ -221,6 +221,19 @@ def test_a_mesh_that_is_disabled_in_viewports_moves_in_files(keyed, tmp_path, pl
     assert (keyed.hide_viewport, keyed.users_collection) == (place == "object", (home,))
 
 
+def test_strips_of_the_sliders_are_exported(keyed, tmp_path):
+    data = keyed.animation_data
+    action, slot = data.action, data.action_slot
+    strip = data.nla_tracks.new().strips.new("Slow", 10, action)
+    strip.action_slot, strip.scale, data.action = slot, 2.0, None
+    (file,) = export_shape_keys(keyed, tmp_path / "keys.glb")
+    head, body = read_glb(file)
+    sampler = head["animations"][0]["samplers"][0]
+    weights = accessor(head, body, sampler["output"]).reshape(-1, 2)
+    assert len(weights) == 2 * FRAMES + 1
+    np.testing.assert_allclose(weights[:: 2 * FRAMES], [[0, 0], [0, 1]], atol=1e-6)
+
+
 def test_an_object_without_animation_or_another_ending_is_refused(keyed, make_object, tmp_path):
     with pytest.raises(InputError, match="end in"):
         export_shape_keys(keyed, tmp_path / "keys.stl")

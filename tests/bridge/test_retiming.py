@@ -8,11 +8,13 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.keyframes import curves_of, is_shown
+from convwass_addon.bridge.keyframes import curves_of, is_shown, make_linear
 from convwass_addon.bridge.morphs.dense_bake import bake_player, sample_times
 from convwass_addon.bridge.morphs.player import make_player, morph_value, speed
 from convwass_addon.bridge.morphs.retiming import Retiming, key_speed, keyed_span, keys_of, retime
+from convwass_addon.bridge.morphs.seen_frames import shows_as_baked
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
+from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
 from tests.moving_balls import FIRST, FRAMES, TRAVEL
 
@@ -75,6 +77,70 @@ def test_the_speed_goes_on_where_a_modifier_repeats_the_keys(moving, bare_scene)
     key_speed(player)
     assert np.allclose(values(player, FIRST + np.arange(1, 24)), once, atol=1e-5)
     assert np.allclose(values(player, FIRST + 48 + np.arange(1, 24)), once, atol=1e-4)
+
+
+def push_down(obj, start, scale):
+    """Move the action of an object to a strip of its own."""
+    data = obj.animation_data
+    action, slot = data.action, data.action_slot
+    strip = data.nla_tracks.new().strips.new("Strip", start, action)
+    strip.action_slot, strip.scale = slot, scale
+    data.action = None
+
+
+def frames_of(player):
+    """Weights of the last shape in the frames that are made of a player."""
+    first, last = keyed_span(player)
+    morph = drained(bake_player(player, range(first, last + 1), first))
+    return [obj[WEIGHTS_KEY][1] for obj in frame_objects(morph)]
+
+
+def test_strips_are_as_good_as_keys(moving):
+    player = make_player(moving, between="INTERPOLATED")
+    push_down(player, 20, 2.0)
+    assert keyed_span(player) == (20, 20 + 2 * FRAMES)
+    assert not shows_as_baked(player)
+    key_speed(player)
+    assert player.modifiers[0].show_viewport
+    assert np.allclose(values(player, [20 + FRAMES])[0], (0.5, 0.5), atol=1e-4)
+    assert np.allclose(frames_of(player), np.arange(2 * FRAMES + 1) / (2 * FRAMES), atol=1e-5)
+    # New keys are above the strips.
+    assert retime(player, Retiming(style="LINEAR", frames=10)) == range(20, 31)
+    assert np.allclose(values(player, [25])[0], (0.5, FRAMES / 10), atol=1e-4)
+
+
+def test_a_driven_player_plays_its_driver(moving, bare_scene):
+    player = make_player(moving, between="INTERPOLATED")
+    player.animation_data_clear()
+    value = morph_value(player)
+    slider = bpy.data.objects.new("Slider", None)
+    bare_scene.collection.objects.link(slider)
+    driver = value.owner.driver_add(value.path).driver
+    driver.type = "AVERAGE"
+    target = driver.variables.new().targets[0]
+    target.id, target.data_path = slider, '["amount"]'
+    slider["amount"] = 0.0
+    bare_scene.frame_start, bare_scene.frame_end = 3, 7
+    assert keyed_span(player) == (3, 7)
+    for frame in (10, 20):
+        slider["amount"] = (frame - 10) / 10
+        slider.keyframe_insert('["amount"]', frame=frame)
+    make_linear(slider)
+    assert keyed_span(player) == (10, 20)
+    key_speed(player)
+    assert np.allclose(values(player, [15])[0], (0.5, FRAMES / 10), atol=1e-4)
+    assert np.allclose(frames_of(player), np.arange(11) / 10, atol=1e-5)
+    with pytest.raises(InputError, match="has a driver, which keys would not change"):
+        retime(player, Retiming())
+
+
+def test_locked_keys_are_not_replaced(moving):
+    player = make_player(moving, between="NEAREST")
+    (curve,) = curves_of(player)
+    curve.lock = True
+    with pytest.raises(InputError, match="are locked; unlock its curve"):
+        retime(player, Retiming())
+    assert [tuple(point.co) for point in curve.keyframe_points] == [(FIRST, 0), (FIRST + FRAMES, 1)]
 
 
 def test_a_player_of_baked_blends_has_keys_only(moving):

@@ -9,10 +9,12 @@ from dataclasses import dataclass, field
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
+from ...errors import InputError
 from ...schema import Choice, Settings, setting
-from ..animation_time import time_of_frame
-from ..keyframes import changing_span, curves_of
+from ..animation_time import returning, show_time, time_of_frame
+from ..keyframes import changing_span, curves_of, driver_targets, is_driven, key_span, strips_span
 from ..node_inputs import NodeInput
 from .player import last_value, morph_value, pace, playback_item, speed
 
@@ -105,17 +107,29 @@ def _slow_keys(timing: Retiming, start: float, last: int, now: float) -> list[Ke
 
 
 def retime(player: bpy.types.Object, timing: Retiming) -> range:
-    """Replace the keys of a player's value, starting where the old ones did, or else at the current frame.
+    """Replace the keys of a player's value, starting where it was animated, or else at the current frame.
 
     Returns
     -------
     range
         Scene frames of the first and the last key.
+
+    Raises
+    ------
+    InputError
+        The value is driven, or its curve is locked.
     """
     value = morph_value(player)
+    if is_driven(player, value.data_path):
+        raise InputError(
+            "The value of {name} has a driver, which keys would not change; delete the driver first.", name=player.name
+        )
     curve = _curve(player, value)
-    scene = bpy.context.scene
-    start = curve.range()[0] if curve is not None else time_of_frame(scene, scene.frame_current)
+    if curve is not None and curve.lock:
+        raise InputError(
+            "The keys of the value of {name} are locked; unlock its curve in the Graph Editor first.", name=player.name
+        )
+    start = keyed_span(player)[0] if curve is None else curve.range()[0]
     keys = keys_of(timing, start, last_value(player) + 1, float(value.get()))
     curve = _written(player, value, [(key.frame, key.value) for key in keys])
     for point, key in zip(curve.keyframe_points, keys, strict=True):
@@ -126,23 +140,24 @@ def retime(player: bpy.types.Object, timing: Retiming) -> range:
 
 
 def key_speed(player: bpy.types.Object) -> None:
-    """Key the speed of a player from the change of its value; without keys of the value the speed is 0.
+    """Key the speed of a player from the change of its value, which may also be driven or in NLA strips.
 
     The speed at a frame is the difference of the value half a frame before and after it, and 0 beyond the ends unless
-    they repeat.
+    they repeat. Nothing is keyed if the value is not animated.
     """
     target = speed(player)
     if target is None:
         return
-    curve = _curve(player, morph_value(player))
-    if curve is None or not len(curve.keyframe_points):
+    first, last = keyed_span(player)
+    if first == last:
         return
-    span = changing_span([curve], bpy.context.scene)
+    curve = sole_curve(player)
+    span = range(first, last + 1) if curve is None else changing_span([curve], bpy.context.scene)
     frames = np.arange(span.start - 1, span.stop + 1)
-    sides = np.array([[curve.evaluate(frame + side) for side in (-0.5, 0.5)] for frame in frames])
+    values = _values_at(player, np.append(frames - 0.5, span.stop + 0.5))
     if playback_item(player) == "ONCE":
-        sides = np.clip(sides, 0.0, last_value(player))
-    speeds = (sides[:, 1] - sides[:, 0]) / pace(player)
+        values = np.clip(values, 0.0, last_value(player))
+    speeds = np.diff(values) / pace(player)
     written = _written(player, target, np.stack([frames, speeds], axis=1).tolist())
     for point in written.keyframe_points:
         point.interpolation = "LINEAR"
@@ -150,13 +165,51 @@ def key_speed(player: bpy.types.Object) -> None:
 
 
 def keyed_span(player: bpy.types.Object) -> tuple[int, int]:
-    """Return the scene frames of the first and last keys of a player's value; without keys, the current frame."""
-    curve = _curve(player, morph_value(player))
-    if curve is None:
-        now = bpy.context.scene.frame_current
-        return now, now
-    first, last = curve.range()
-    return round(first), round(last)
+    """Return the scene frames between which a player's value is animated; the current frame if it is not.
+
+    These are the frames of its first and last keys, or of the NLA strips that contain it. A driven value is animated
+    where its driver's inputs have keys, or else in all frames of the scene.
+    """
+    span = _span(player)
+    if span:
+        return span[0], span[-1]
+    scene = bpy.context.scene
+    return 2 * (round(time_of_frame(scene, scene.frame_current)),)
+
+
+def sole_curve(player: bpy.types.Object) -> bpy.types.FCurve | None:
+    """Return the curve of a player's value if nothing else animates it, or None."""
+    path, data = morph_value(player).data_path, player.animation_data
+    return None if data is None or data.nla_tracks or is_driven(player, path) else _curve(player, morph_value(player))
+
+
+def _span(player: bpy.types.Object) -> range:
+    """Return the scene frames in which the value of a player is animated; empty if it is not."""
+    value, scene = morph_value(player), bpy.context.scene
+    if is_driven(player, value.data_path):
+        inputs = [target.id for target in driver_targets(player) if target.id is not None]
+        first, last = (round(time_of_frame(scene, frame)) for frame in (scene.frame_start, scene.frame_end))
+        return key_span(curve for block in inputs for curve in curves_of(block)) or range(first, last + 1)
+    curve = _curve(player, value)
+    return key_span([] if curve is None else [curve]) or strips_span([player], value.data_path)
+
+
+def _values_at(player: bpy.types.Object, times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the value of a player at some times, (n,)."""
+    value, curve, scene = morph_value(player), sole_curve(player), bpy.context.scene
+    if curve is not None:
+        return np.array([curve.evaluate(time) for time in times])
+    found, modifier = [], value.modifier
+    # Nothing of what it shows is needed.
+    before, modifier.show_viewport = modifier.show_viewport, False
+    try:
+        with returning(scene):
+            for time in times:
+                show_time(scene, float(time))
+                found.append(value.get())
+    finally:
+        modifier.show_viewport = before
+    return np.array(found, dtype=np.float64)
 
 
 def _curve(player: bpy.types.Object, value: NodeInput) -> bpy.types.FCurve | None:

@@ -19,7 +19,7 @@ from ..objects import is_in
 from .dense_bake import bake_player, sample_times
 from .player import interpolation, is_player, morph_value, override, playback_item, shown_value, speed
 from .removal import remove_bake
-from .retiming import keyed_span
+from .retiming import keyed_span, sole_curve
 from .stand_ins import frames_modifier, shown_morph, stand_ins
 from .stored import WEIGHTS_KEY, frame_number, frame_objects, shown_frames
 
@@ -126,7 +126,8 @@ def _is_in_place(player: bpy.types.Object) -> bool:
     own = [value.data_path for value in (morph_value(player), speed(player)) if value is not None]
     moves = [curve for curve in curves_of(player) if curve.data_path not in own]
     changes = [modifier for modifier in player.modifiers if modifier != frames_modifier(player)]
-    return not (moves or changes or player.constraints or player.parent) and player.matrix_basis == Matrix()
+    driven = player.animation_data is not None and player.animation_data.drivers
+    return not (moves or driven or changes or player.constraints or player.parent) and player.matrix_basis == Matrix()
 
 
 def _has_own_look(player: bpy.types.Object) -> bool:
@@ -138,8 +139,7 @@ def _plays_as_baked(player: bpy.types.Object) -> bool:
     """Return whether a player shows the baked frames in their order and at their speed."""
     morph = shown_morph(player)
     frames, span = frame_objects(morph), shown_frames(morph)
-    value = morph_value(player)
-    curve = next((own for own in curves_of(player) if own.data_path == value.data_path), None)
+    curve = sole_curve(player)
     if curve is None or keyed_span(player) != (span[0], span[-1]):
         return False
     if len(frames) < len(span) and interpolation(player) is not None:

@@ -16,7 +16,7 @@ from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..animation_time import returning, show_time
 from ..element_values import element_values
-from ..keyframes import curves_of, driver_targets, key_span
+from ..keyframes import curves_of, driver_targets, key_span, strips_span
 from ..morphs.appearance import seen_colors
 
 # Above this value sRGB is a power law, below it is linear (IEC 61966-2-1).
@@ -41,15 +41,15 @@ class MovingVertices:
 
 
 def keyed_span(obj: bpy.types.Object) -> range:
-    """Return the scene frames from the first to the last keyframe of an object, or of its drivers' inputs.
+    """Return the scene frames from the first to the last key or NLA strip of an object, or of its drivers' inputs.
 
     Raises
     ------
     InputError
-        There are no keyframes.
+        There are neither.
     """
     blocks = _with_drivers(obj)
-    found = key_span(curve for block in blocks for curve in curves_of(block))
+    found = key_span(curve for block in blocks for curve in curves_of(block)) or strips_span(blocks)
     if found:
         return found
     driving = next((own for own in blocks if isinstance(own, bpy.types.Object) and own != obj), None)
