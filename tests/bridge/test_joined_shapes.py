@@ -304,6 +304,16 @@ def test_a_curve_is_flat_until_nodes_give_it_depth(add):
     assert not is_flat(obj, depsgraph)
 
 
+def test_a_curve_with_thickness_is_solid(add):
+    bpy.ops.curve.primitive_bezier_circle_add()
+    obj, depsgraph = bpy.context.object, bpy.context.evaluated_depsgraph_get()
+    obj.data.dimensions, obj.data.fill_mode = "2D", "BOTH"
+    assert is_flat(obj, depsgraph)
+    obj.modifiers.new("Thickness", "SOLIDIFY").thickness = 0.5
+    assert not is_flat(obj, depsgraph)
+    assert read(obj).volume == pytest.approx(0.5 * pi, rel=0.02)
+
+
 def test_copies_are_where_particles_show_them(add):
     obj = emitter(add)
     shown = [

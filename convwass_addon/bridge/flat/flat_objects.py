@@ -15,7 +15,7 @@ from ...applications.flat.flat_shapes import FlatShape
 from ...errors import InputError
 from ...geometry.flat_moments import directed
 from ..morphs.materials import base_color, input_color
-from ..nodes_output import has_nodes, nodes_output
+from ..nodes_output import nodes_output
 from ..objects import MESHED, evaluated_object
 from .flat_images import image_rings
 from .flat_kinds import is_drawn_flat
@@ -27,6 +27,8 @@ from .planes import Plane, common_planes, plane_of
 
 # Ratio of the extents in a plane below which an object is degenerate.
 _SQUASHED = 1e-6
+# Modifiers that can make a solid of a flat curve or text.
+_GIVE_DEPTH = ("NODES", "REMESH", "SCREW", "SOLIDIFY")
 
 
 def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
@@ -38,8 +40,8 @@ def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
 
 
 def _is_made_solid(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Return whether Geometry Nodes of a curve or text make something with a volume."""
-    if obj.type not in MESHED or not has_nodes(obj):
+    """Return whether the modifiers of a curve or text make something with a volume."""
+    if obj.type not in MESHED or not any(modifier.type in _GIVE_DEPTH for modifier in obj.modifiers):
         return False
     made = nodes_output(obj, depsgraph)
     if made.is_mesh and not (obj.data.extrude > 0 or obj.data.bevel_depth > 0):
