@@ -16,7 +16,7 @@ from .node_math import named_attribute, new_node, stored_attribute, without_attr
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
 from .objects import MESHED, evaluated_object, frozen_copy
-from .sequence import MODIFIER, frame_group, object_info
+from .sequence import MODIFIER, frame_group, mirrors, object_info
 from .shape_sources import ShapeSource, shows_collection
 
 VOLUME_THRESHOLD = 0.1
@@ -217,20 +217,13 @@ def _realized(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket) -> bpy.t
     its accumulated transform mirrors it.
     """
     for _ in range(_DEPTH):
-        marked = stored_attribute(tree, geometry, _MIRRORED, _mirrors(tree), "BOOLEAN", "INSTANCE")
+        transform = tree.nodes.new("GeometryNodeInstanceTransform").outputs["Transform"]
+        marked = stored_attribute(tree, geometry, _MIRRORED, mirrors(tree, transform), "BOOLEAN", "INSTANCE")
         inputs = {"Realize All": False, "Depth": 1, "Geometry": marked}
         geometry = new_node(tree, "GeometryNodeRealizeInstances", inputs).outputs["Geometry"]
     rest = new_node(tree, "GeometryNodeRealizeInstances", {"Geometry": geometry}).outputs["Geometry"]
     inputs = {"Mesh": rest, "Selection": named_attribute(tree, _MIRRORED, "BOOLEAN")}
     return without_attribute(tree, new_node(tree, "GeometryNodeFlipFaces", inputs).outputs["Mesh"], _MIRRORED)
-
-
-def _mirrors(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
-    """Return whether the transform of an instance mirrors it."""
-    transform = tree.nodes.new("GeometryNodeInstanceTransform").outputs["Transform"]
-    determinant = new_node(tree, "FunctionNodeMatrixDeterminant", {"Matrix": transform}).outputs["Determinant"]
-    inputs = {"A": determinant, "B": 0.0}
-    return new_node(tree, "FunctionNodeCompare", inputs, operation="LESS_THAN").outputs["Result"]
 
 
 def _surface_of_volume(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.types.NodeSocket:

@@ -162,14 +162,29 @@ def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str =
 def transformed(
     tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, matrix: bpy.types.NodeSocket
 ) -> bpy.types.NodeSocket:
-    """Return a geometry transformed by a matrix."""
+    """Return a geometry transformed by a matrix; its faces still point outwards if that mirrors them."""
     node = tree.nodes.new("GeometryNodeTransform")
     if "Mode" in node.inputs:
         node.inputs["Mode"].default_value = "Matrix"
     else:  # Blender 4.5
         node.mode = "MATRIX"
     feed(tree, [node.inputs["Geometry"], node.inputs["Transform"]], [geometry, matrix])
-    return node.outputs["Geometry"]
+    return _facing_outwards(tree, node.outputs["Geometry"], matrix)
+
+
+def mirrors(tree: bpy.types.NodeTree, matrix: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
+    """Return whether a matrix mirrors what it transforms."""
+    determinant = new_node(tree, "FunctionNodeMatrixDeterminant", {"Matrix": matrix}).outputs["Determinant"]
+    inputs = {"A": determinant, "B": 0.0}
+    return new_node(tree, "FunctionNodeCompare", inputs, operation="LESS_THAN").outputs["Result"]
+
+
+def _facing_outwards(
+    tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, matrix: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    """Return a mesh, which a matrix has transformed, with its faces flipped if that has mirrored it."""
+    inputs = {"Mesh": geometry, "Selection": mirrors(tree, matrix)}
+    return new_node(tree, "GeometryNodeFlipFaces", inputs).outputs["Mesh"]
 
 
 def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) -> None:
@@ -194,5 +209,6 @@ def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> b
     joint = tree.nodes.new("GeometryNodeJoinGeometry")
     for obj in objects:
         info = object_info(tree, obj, space="RELATIVE")
-        tree.links.new(info.outputs["Geometry"], joint.inputs["Geometry"])
+        outwards = _facing_outwards(tree, info.outputs["Geometry"], info.outputs["Transform"])
+        tree.links.new(outwards, joint.inputs["Geometry"])
     return joint.outputs["Geometry"]

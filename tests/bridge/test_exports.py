@@ -22,7 +22,7 @@ from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.one_mesh.moving_meshes import srgb
+from convwass_addon.bridge.one_mesh.moving_meshes import srgb, triangles_of_frames
 from convwass_addon.errors import ConvwassError, InputError
 from tests.vertex_textures import gathered, joined_steps
 
@@ -218,6 +218,34 @@ def test_frames_are_where_their_parent_is(collection, tmp_path, bare_scene, name
         bpy.context.scene.frame_set(frame)
         found.append(triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds[:, 0].mean())
     np.testing.assert_allclose(found, 7.0, atol=1e-5)
+
+
+def mirror_frames(collection, scene):
+    """Give the frames a parent that mirrors them."""
+    empty = bpy.data.objects.new("Mirror", None)
+    scene.collection.objects.link(empty)
+    empty.scale.x = -1.0
+    for obj in frame_objects(collection):
+        obj.parent = empty
+    bpy.context.view_layer.update()
+
+
+@pytest.mark.parametrize("name", [*STILLS, *ANIMATIONS])
+def test_mirrored_frames_point_outwards(collection, tmp_path, bare_scene, name):
+    mirror_frames(collection, bare_scene)
+    bare_scene.frame_set(4)
+    file = export_frames(collection, tmp_path / "rise", name)[1 if name in STILLS else 0]
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    (obj,) = import_objects(file, None)
+    bpy.context.scene.frame_set(4)
+    assert triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).volume == pytest.approx(4.0 / 3.0, rel=1e-4)
+
+
+def test_textures_of_mirrored_frames_hold_triangles_that_point_outwards(collection, bare_scene):
+    mirror_frames(collection, bare_scene)
+    bare_scene.frame_set(4)
+    triangles = triangles_of_frames(frame_objects(collection)).points[1].reshape(-1, 3, 3)
+    assert np.linalg.det(triangles).sum() / 6.0 == pytest.approx(4.0 / 3.0, rel=1e-4)
 
 
 def test_usd_has_the_colors(collection, tmp_path):

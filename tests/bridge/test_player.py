@@ -33,6 +33,7 @@ from convwass_addon.bridge.morphs.retiming import keyed_span
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, set_shown, shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input
+from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.sequence import MODIFIER
 from convwass_addon.errors import InputError
 
@@ -196,6 +197,18 @@ def test_moved_frame_objects_keep_their_place(collection):
         obj.location.z = 20
     make_player(collection)
     assert heights([FIRST, FIRST + 3]) == [[20], [23]]
+
+
+@pytest.mark.parametrize("between", ["NEAREST", "INTERPOLATED"])
+def test_mirrored_frame_objects_point_outwards(collection, between):
+    """Also between two of them."""
+    for obj in frame_objects(collection):
+        obj.scale.x = -1.0
+    player = make_player(collection, between=between)
+    for frame, subframe in ((FIRST + 3, 0.0), (FIRST + 3, 0.4)):
+        bpy.context.scene.frame_set(frame, subframe=subframe)
+        shown = triangle_mesh(player, bpy.context.evaluated_depsgraph_get())
+        assert shown.volume == pytest.approx(4.0 / 3.0, rel=0.1)
 
 
 def test_materials_and_colors_are_kept(collection):

@@ -21,7 +21,7 @@ from ..element_values import element_values
 from ..files import checked_target
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
-from ..objects import update_places
+from ..objects import transform_mesh, update_places
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
@@ -155,15 +155,20 @@ def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
     require_space(file.parent, _exported_bytes([obj]))
     with scratch_scene() as scene:
         # A copy, since the frame object itself is hidden in all frames but one.
-        still = bpy.data.objects.new(file.stem, obj.data)
+        mesh = obj.data.copy()
+        still = bpy.data.objects.new(file.stem, mesh)
         try:
-            still.matrix_world = obj.matrix_world
+            if obj.matrix_world.is_negative:
+                # Not all exporters flip the faces of mirrored objects.
+                transform_mesh(mesh, obj.matrix_world)
+            else:
+                still.matrix_world = obj.matrix_world
             still.color = obj.color
             scene.collection.objects.link(still)
             with _plain_materials([still]):
                 _write(file, chosen)
         finally:
-            bpy.data.objects.remove(still)
+            bpy.data.batch_remove([still, mesh])
 
 
 def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:

@@ -107,6 +107,9 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
         mesh.calc_loop_triangles()
         loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
         vertices = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
+        if np.linalg.det(matrix[:3, :3]) < 0.0:
+            # Triangles still point outwards if they are mirrored.
+            loops, vertices = loops[:, ::-1], vertices[:, ::-1]
         corners.append(transformed_points(_read(mesh.vertices, "co"), matrix)[vertices])
         normals.append(_turned(_read(mesh.corner_normals, "vector"), matrix)[loops])
         seen = srgb(np.asarray(seen_colors(mesh, obj.color), dtype=np.float64)[:, :3])
