@@ -11,6 +11,7 @@ import bpy
 
 from ..errors import InputError
 from .flat.flat_kinds import is_shape
+from .objects import is_in
 
 OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 """Ways to group objects to shapes."""
@@ -50,8 +51,8 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
     grouping : str
         `OBJECTS`: the object alone; an Empty that instances a collection is a shape, too. `PARENTS`: its topmost parent
         with all children. `COLLECTIONS`: all objects of its collection and nested ones; an object only in the scene's
-        own collection is a shape by itself. Parts that are disabled in viewports, disabled in renders while visible, or
-        displayed as wires or bounds are left out, unless there are no others.
+        own collection is a shape by itself. Parts that are disabled in viewports, disabled in renders while visible,
+        displayed as wires or bounds, or excluded from the view layer are left out, unless there are no others.
     """
     if grouping == PARENTS:
         root = _topmost(obj)
@@ -59,7 +60,7 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
     if grouping == COLLECTIONS and (collection := _collection(obj)) is not None:
         parts = _kept(sorted(_inside(collection), key=_name))
         if parts:
-            return ShapeSource(collection.name, parts[0], parts)
+            return ShapeSource(collection.name, _representative(collection, parts), parts)
     return ShapeSource(obj.name, obj, (obj,))
 
 
@@ -81,9 +82,13 @@ def require_found(source: ShapeSource) -> None:
 
 
 def shape_roots(objects: Iterable[bpy.types.Object], grouping: str = OBJECTS) -> list[bpy.types.Object]:
-    """Return the roots of the shapes of objects, without duplicates; objects without a surface are ignored."""
+    """Return the roots of the shapes of objects, without duplicates and shapes that are parts of others.
+
+    Objects without a surface are ignored.
+    """
     sources = [shape_source(obj, grouping) for obj in objects if grouping != OBJECTS or is_part(obj)]
-    return list(dict.fromkeys(source.root for source in sources if any(map(is_part, source.parts))))
+    parts = {source.root: set(source.parts) for source in sources if any(map(is_part, source.parts))}
+    return [root for root, own in parts.items() if not any(own < other for other in parts.values())]
 
 
 def is_plain(source: ShapeSource) -> bool:
@@ -103,7 +108,9 @@ def shows_collection(obj: bpy.types.Object) -> bool:
 
 def _kept(objects: Iterable[bpy.types.Object]) -> tuple[bpy.types.Object, ...]:
     parts = [obj for obj in objects if is_part(obj)]
-    return tuple(obj for obj in parts if not _is_helper(obj)) or tuple(parts)
+    shown = [obj for obj in parts if not _is_helper(obj)] or parts
+    layer = bpy.context.view_layer
+    return tuple(obj for obj in shown if is_in(layer, obj)) or tuple(shown)
 
 
 def _is_helper(obj: bpy.types.Object) -> bool:
@@ -120,6 +127,12 @@ def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
 def _collection(obj: bpy.types.Object) -> bpy.types.Collection | None:
     """Return the collection of an object, other than that of a scene."""
     return next((own for own in obj.users_collection if own in set(bpy.data.collections)), None)
+
+
+def _representative(collection: bpy.types.Collection, parts: tuple[bpy.types.Object, ...]) -> bpy.types.Object:
+    """Return an object whose collection this is, and not a nested one; a part of the shape if possible."""
+    own = [obj for obj in sorted(collection.objects, key=_name) if _collection(obj) == collection]
+    return next((obj for obj in own if obj in parts), own[0])
 
 
 def _inside(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:

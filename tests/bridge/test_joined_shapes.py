@@ -98,6 +98,32 @@ def test_a_collection_is_one_shape_with_all_materials_and_groups(bare_scene, add
         assert triangle_mesh(joined, depsgraph).volume == pytest.approx(2 * OCTAHEDRON)
 
 
+def test_nested_collections_belong_to_the_outer_one(bare_scene, add):
+    """Their objects may come first by name, and may be selected, too."""
+    hero = new_collection("Hero", bare_scene.collection)
+    hat, body = add("A Hat", (0, 0, 3), collection=new_collection("Clothes", hero)), add("Body", collection=hero)
+    other = add("Villain", (9, 0, 0), collection=new_collection("Others", bare_scene.collection))
+    assert shape_roots([hat, body, other], "COLLECTIONS") == [body, other]
+    for root in shape_roots([body], "COLLECTIONS"):
+        source = shape_source(root, "COLLECTIONS")
+        assert (source.name, set(source.parts)) == ("Hero", {hat, body})
+    assert shape_source(hat, "COLLECTIONS").parts == (hat,)
+
+
+def test_excluded_parts_are_left_out(bare_scene, add):
+    hero = new_collection("Hero", bare_scene.collection)
+    cutter, body = add("Cutter", collection=new_collection("Cutters", hero)), add("Body", collection=hero)
+    cutter.parent = body
+    layer = bpy.context.view_layer.layer_collection.children["Hero"]
+    layer.children["Cutters"].exclude = True
+    bpy.context.view_layer.update()
+    assert shape_source(body, "COLLECTIONS").parts == shape_source(body, "PARENTS").parts == (body,)
+    # A shape that is excluded as a whole can still be named.
+    layer.exclude = True
+    bpy.context.view_layer.update()
+    assert set(shape_source(body, "COLLECTIONS").parts) == {body, cutter}
+
+
 @pytest.mark.parametrize("hidden", [False, True])
 def test_an_empty_that_shows_a_collection_is_a_shape(add, hidden):
     """Collections in collections, mirrored twice and once more, and moved by the collection's offset."""
