@@ -118,12 +118,11 @@ def test_without_carrying_there_is_no_blur(bare_scene, make_object, tmp_path):
     assert length_of_trace(bare_scene, tmp_path / "still.png") < 0.2
 
 
-@pytest.mark.parametrize("kind", ["alembic", "usd"])
-def test_files_carry_the_velocity(bare_scene, make_object, tmp_path, kind):
+def exported(collection, path, kind):
+    """Export a morph, and return the object that reads the file in a scene with 24 frames per second."""
     import bpy
 
-    collection = bake_a_moving_ball(bare_scene, make_object, 24)
-    (file,) = export_frames(collection, tmp_path / "moving", kind)
+    (file,) = export_frames(collection, path, kind)
     bpy.ops.wm.read_factory_settings(use_empty=True)
     if kind == "alembic":
         bpy.ops.wm.alembic_import(filepath=str(file), as_background_job=False)
@@ -131,10 +130,32 @@ def test_files_carry_the_velocity(bare_scene, make_object, tmp_path, kind):
         bpy.ops.wm.usd_import(filepath=str(file))
     bpy.context.scene.render.fps = 24
     (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
+    return obj
+
+
+@pytest.mark.parametrize("kind", ["alembic", "usd"])
+def test_files_carry_the_velocity(bare_scene, make_object, tmp_path, kind):
+    import bpy
+
+    obj = exported(bake_a_moving_ball(bare_scene, make_object, 24), tmp_path / "moving", kind)
     for frame, speed in ((1, 0.0), (1 + STEPS // 2, DISTANCE / STEPS * 24), (1 + STEPS, 0.0)):
         bpy.context.scene.frame_set(frame)
         mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
         np.testing.assert_allclose(np.linalg.norm(velocity_of(mesh), axis=1), speed, rtol=0.02)
+
+
+@pytest.mark.parametrize("kind", ["alembic", "usd"])
+def test_the_velocity_in_files_turns_and_grows_with_the_frames(bare_scene, make_object, tmp_path, kind):
+    import bpy
+
+    collection = bake_a_moving_ball(bare_scene, make_object, 24)
+    for frame in frame_objects(collection):
+        frame.rotation_euler.y, frame.scale = -np.pi / 2.0, (3.0, 1.0, 1.0)
+    obj = exported(collection, tmp_path / "moving", kind)
+    bpy.context.scene.frame_set(1 + STEPS // 2)
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    velocity = velocity_of(mesh).mean(axis=0)
+    np.testing.assert_allclose(velocity, [0.0, 0.0, 3.0 * DISTANCE / STEPS * 24], atol=0.5)
 
 
 def test_rates_are_differences_over_the_frames_between():

@@ -12,6 +12,7 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 
 from ...applications.whole_paths import whole_path
 from ...disk_space import require_space, require_whole
@@ -221,12 +222,20 @@ def _colored_copies(
             for name in [attribute.name for attribute in mesh.color_attributes]:
                 mesh.color_attributes.remove(mesh.color_attributes[name])
             write_colors(mesh, colors)
+            _turn_velocity(mesh, obj.matrix_world)
         meshes = [copy.data for copy in copies.values()]
         _still_where_none_moves(meshes)
         _with_one_uv_map(meshes)
         yield copies
     finally:
         bpy.data.batch_remove([*copies.values(), *(copy.data for copy in copies.values())])
+
+
+def _turn_velocity(mesh: bpy.types.Mesh, matrix: Matrix) -> None:
+    """Give a mesh the velocity in the space to which a matrix transforms its vertices; Blender only moves these."""
+    if VELOCITY in mesh.attributes and matrix.to_3x3() != Matrix.Identity(3):
+        velocity = element_values(mesh.attributes[VELOCITY].data, "vector", 3)
+        write_velocity(mesh, velocity @ np.array(matrix.to_3x3().transposed()))
 
 
 def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:
