@@ -227,3 +227,20 @@ def test_the_morph_of_the_scene_that_it_began_in_is_handed_over(morph, tmp_path,
     (shown,) = (obj for obj in bpy.data.objects if key in obj and obj.users_scene)
     assert own in shown.users_scene and other not in shown.users_scene
     assert list(morph.objects) == frames and not morph.hide_render
+
+
+@pytest.mark.parametrize("operator", ["make_volume", "make_cache"])
+def test_a_mesh_that_a_copy_was_converted_to_is_kept(morph, tmp_path, operator):
+    """As for a simulation."""
+    getattr(bpy.ops.convwass, operator)(folder=str(tmp_path))
+    reader = bpy.context.object
+    bpy.ops.object.duplicate()
+    bpy.ops.object.convert(target="MESH")
+    mine = bpy.context.object
+    mine.name = "A Rigid Body"
+    count = len(mine.data.polygons)
+    bpy.context.view_layer.objects.active = reader
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert bpy.context.object == reader and not mine.modifiers
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    assert bpy.data.objects.get("A Rigid Body") == mine and len(mine.data.polygons) == count > 0

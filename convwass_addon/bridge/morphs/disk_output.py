@@ -195,8 +195,14 @@ def for_blender(path: Path) -> str:
 
 
 def disk_outputs(morph: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the objects of a morph that read files, and their helper objects."""
-    return [obj for obj in morph.objects if OUTPUT_KEY in obj]
+    """Return the objects of a morph that read files, and their helper objects, but not meshes made from them."""
+    return [obj for obj in morph.objects if OUTPUT_KEY in obj and not _was_converted(obj)]
+
+
+def _was_converted(obj: bpy.types.Object) -> bool:
+    """Return whether an object has a mesh of its own in place of what it read; Blender keeps its custom properties."""
+    reads = any(modifier.type in ("MESH_SEQUENCE_CACHE", "VOLUME_TO_MESH") for modifier in obj.modifiers)
+    return obj.type == "MESH" and len(obj.data.polygons) > 0 and not reads
 
 
 def cache_readers(obj: bpy.types.Object) -> list[bpy.types.MeshSequenceCacheModifier]:
