@@ -13,9 +13,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from .components import component_labels
 from .mesh import TriangleMesh
 
 # Cubes with more triangles might hold a tube and a disk, whose Euler numbers add up to that of a single disk.
@@ -222,9 +221,8 @@ def _parts(
         return np.empty(0, np.int64), 0, np.empty(0, bool)
     keys, corners = np.unique(numbers[:, None] * len(on_edge) + faces, return_inverse=True)
     count = len(faces)
-    ends = np.repeat(np.arange(count), 3), corners.ravel() + count
-    graph = coo_array((np.ones(3 * count, np.int8), ends), shape=(count + len(keys),) * 2)
-    number, labels = connected_components(graph, directed=False)
+    labels = component_labels(np.repeat(np.arange(count), 3), corners.ravel() + count, count + len(keys))
+    number = int(labels.max()) + 1
     outer = on_edge[keys % len(on_edge)]
     twice = np.bincount(labels[count:], np.where(outer, 1, 2), number) - np.bincount(labels[:count], minlength=number)
     return labels[:count].astype(np.int64), number, twice == 2

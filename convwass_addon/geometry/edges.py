@@ -8,9 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from .components import component_labels
 from .mesh import TriangleMesh
 
 
@@ -155,5 +154,4 @@ def proper_part(mesh: TriangleMesh) -> tuple[NDArray[np.int64], NDArray[np.int64
 def _joined_vertices(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """Label `count` vertices by connected component of the triangles' edges."""
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])
-    graph = coo_array((np.ones(len(ends), np.int8), (ends[:, 0], ends[:, 1])), shape=(count, count))
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    return component_labels(*ends.T, count)

@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from .components import component_labels
 from .edges import EdgeUse, edge_use, face_components
 from .mesh import TriangleMesh
 from .solid_angles import winding_numbers
@@ -76,8 +75,7 @@ def _disagreeing_faces(
     across = np.where(agree, other, other + face_count)
     back = np.where(agree, other + face_count, other)
     rows, columns = np.r_[one, one + face_count], np.r_[across, back]
-    graph = coo_array((np.ones(len(rows), np.int8), (rows, columns)), shape=(2 * face_count, 2 * face_count))
-    labels = connected_components(graph, directed=False)[1]
+    labels = component_labels(rows, columns, 2 * face_count)
     kept, turned = labels[:face_count], labels[face_count:]
     # Of two components, take the one that flips fewer faces; the smaller label wins ties.
     votes = np.bincount(labels[:face_count], minlength=labels.max() + 1)

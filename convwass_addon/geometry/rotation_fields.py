@@ -14,8 +14,10 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import breadth_first_order, connected_components, minimum_spanning_tree
+from scipy.sparse.csgraph import breadth_first_order, minimum_spanning_tree
 from scipy.spatial.transform import Rotation
+
+from .components import component_labels
 
 # Regions that would rotate by more than this, three quarters of a turn, take the short way instead: no limb rotates
 # that far, but maps can twist feet and hands.
@@ -75,7 +77,7 @@ def unwound(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[n
     for parents, children in _tree_levels(vectors, edges):
         chosen[children] = nearest_branches(vectors[children], chosen[parents])
     far = np.linalg.norm(chosen - vectors, axis=1) > _HALF_TURN
-    regions = _regions(edges[far[edges].all(axis=1)], len(vectors))
+    regions = component_labels(*edges[far[edges].all(axis=1)].T, len(vectors))
     largest = np.zeros(len(vectors))
     np.maximum.at(largest, regions[far], np.linalg.norm(chosen[far], axis=1))
     back = far & (largest[regions] > _LARGEST_TURN)
@@ -122,7 +124,7 @@ def _tree_levels(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> list
     angles = (turns[edges[:, 0]] * turns[edges[:, 1]].inv()).magnitude()
     # The sparse graph would drop edges of weight zero.
     tree = minimum_spanning_tree(csr_array((angles + 1e-6, edges.T), shape=(count, count))).tocoo()
-    roots = _roots(vectors, _regions(edges, count))
+    roots = _roots(vectors, component_labels(*edges.T, count))
     # An extra vertex connects to every root, so that one traversal visits all trees.
     rows = np.concatenate([tree.coords[0], np.full(len(roots), count)])
     columns = np.concatenate([tree.coords[1], roots])
@@ -136,12 +138,6 @@ def _tree_levels(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> list
     while ends[-1] < count + 1:
         ends.append(1 + int(np.searchsorted(places, ends[-1])))
     return [(parents[order[first:last]], order[first:last]) for first, last in pairwise(ends[1:])]
-
-
-def _regions(edges: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Label `count` vertices by connected component, (count,)."""
-    graph = coo_array((np.ones(len(edges), np.int8), edges.T), shape=(count, count))
-    return connected_components(graph, directed=False)[1]
 
 
 def _roots(vectors: NDArray[np.float64], labels: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+
+from .components import component_labels
 
 SEAM_DETOUR = 3.0
 """A point lies beyond a seam if its distance in the texture from the center of a triangle exceeds this multiple of what
@@ -71,8 +71,7 @@ def chart_labels(faces: NDArray[np.int64], uvs: NDArray[np.floating], repeats: b
         apart -= np.rint(apart[:, :1])
     joined = (np.abs(apart) <= 1e-6 * size).all(axis=(1, 2))
     pairs = shared.faces[joined]
-    graph = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(len(faces),) * 2)
-    return connected_components(graph, directed=False)[1].astype(np.int64)
+    return component_labels(*pairs.T, len(faces))
 
 
 def uv_sizes(corners: NDArray[np.floating], uvs: NDArray[np.floating]) -> NDArray[np.float64]:

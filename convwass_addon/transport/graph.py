@@ -4,14 +4,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
+
+from ..geometry.components import component_labels
 
 
 @dataclass(frozen=True)
@@ -101,7 +101,7 @@ class PropagationGraph:
         """
         tails, heads = self.vertex_of_end[0::2], self.vertex_of_end[1::2]
         inner = ~(self.fixed[tails] | self.fixed[heads])
-        labels = _components(self.size, tails[inner], heads[inner])
+        labels = component_labels(tails[inner], heads[inner], self.size)
         parts = np.full(self.size, -1)
         parts[~self.fixed] = np.unique(labels[~self.fixed], return_inverse=True)[1]
         return parts
@@ -132,13 +132,8 @@ def line(count: int) -> NDArray[np.int64]:
     return np.stack([np.arange(count - 1), np.arange(1, count)], axis=1)
 
 
-def _components(size: int, tails: Sequence[int], heads: Sequence[int]) -> NDArray[np.int64]:
-    links = coo_array((np.ones(len(tails), np.int8), (tails, heads)), shape=(size, size))
-    return connected_components(links, directed=False)[1]
-
-
 def _check_reached(pairs: NDArray[np.int64], fixed: NDArray[np.bool_]) -> None:
-    labels = _components(len(fixed), pairs[:, 0], pairs[:, 1])
+    labels = component_labels(*pairs.T, len(fixed))
     lost = np.flatnonzero(~np.isin(labels, labels[fixed]))
     if len(lost):
         names = ", ".join(map(str, lost[:5])) + (" ..." if len(lost) > 5 else "")

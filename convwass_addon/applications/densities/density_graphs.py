@@ -11,10 +11,9 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ...errors import InputError
+from ...geometry.components import component_labels
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ...transport import Surface
@@ -130,8 +129,7 @@ def _check_graph(pairs: NDArray[np.int64], fixed: Mapping[int, ArrayLike], names
     loops = pairs[pairs[:, 0] == pairs[:, 1], 0]
     if len(loops):
         raise InputError("An edge runs from {name} to itself; leave it out.", name=names[loops[0]])
-    links = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(size, size))
-    labels = connected_components(links, directed=False)[1]
+    labels = component_labels(*pairs.T, size)
     lost = np.flatnonzero(~np.isin(labels, labels[list(fixed)]))
     if len(lost):
         raise InputError(

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ...geometry.components import component_labels
 from ...geometry.edges import mesh_edges
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
@@ -86,6 +85,5 @@ def coinciding_region(
     areas = first.vertex_areas * together
     ends = mesh_edges(first.faces)
     ends = ends[(areas[ends] > 0).all(axis=1)]
-    graph = coo_array((np.ones(len(ends), np.int8), ends.T), shape=(len(areas), len(areas)))
-    labels = connected_components(graph, directed=False)[1]
+    labels = component_labels(*ends.T, len(areas))
     return (areas > 0) & (labels == np.bincount(labels, areas).argmax()), nearest

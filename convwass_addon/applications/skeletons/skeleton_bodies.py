@@ -10,12 +10,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ...errors import InputError
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.coarsening import coarsened
+from ...geometry.components import component_labels
 from ...geometry.edges import EdgeUse, edge_use, topology, vertex_components
 from ...geometry.isosurface import surface_at_level
 from ...geometry.mesh import TriangleMesh
@@ -124,12 +123,10 @@ def _is_connected(mesh: TriangleMesh, use: EdgeUse) -> bool:
 
     The edge use is independent of the orientation of faces.
     """
-    count = len(mesh.faces)
     same = np.ones(len(use.face), bool)
     same[use.start] = False
     tails, heads = use.face[:-1][same[1:]], use.face[1:][same[1:]]
-    graph = coo_array((np.ones(len(tails), np.int8), (tails, heads)), shape=(count, count))
-    return connected_components(graph, directed=False)[0] == 1
+    return not component_labels(tails, heads, len(mesh.faces)).any()
 
 
 def _solid_body(

@@ -8,10 +8,9 @@ from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from ...errors import InputError
+from ...geometry.components import component_labels
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains
 
@@ -109,9 +108,7 @@ def check_inside(graph: JointGraph, outside: NDArray[np.int64], places: NDArray[
 
 def skeleton_parts(graph: JointGraph) -> NDArray[np.int64]:
     """Label the joints by connected component, (v,)."""
-    count = len(graph.positions)
-    links = coo_array((np.ones(len(graph.edges), np.int8), graph.edges.T), shape=(count, count))
-    return connected_components(links, directed=False)[1]
+    return component_labels(*graph.edges.T, len(graph.positions))
 
 
 def named(graph: JointGraph, joints: NDArray[np.int64]) -> str:

@@ -9,9 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
+from ...geometry.components import component_labels
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from .map_sides import MapSide
@@ -95,9 +94,8 @@ def _matched_labels(
         yield np.zeros(1, np.int64), np.zeros(1, np.int64)
         return
     # A bipartite graph of the source's components, followed by the target's.
-    total = counts[0] + counts[1]
     ends = (named[0], named[1] + counts[0])
-    groups = connected_components(coo_array((np.ones(len(ends[0])), ends), shape=(total, total)), directed=False)[1]
+    groups = component_labels(*ends, counts[0] + counts[1])
     for group in np.unique(groups[np.unique(ends[0])]):
         members = np.flatnonzero(groups == group)
         yield members[members < counts[0]], members[members >= counts[0]] - counts[0]

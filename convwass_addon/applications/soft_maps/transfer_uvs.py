@@ -12,12 +12,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
 from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
+from ...geometry.components import component_labels
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_areas
 from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
@@ -242,8 +241,7 @@ def _welded(
     joined = (same | (apart <= _WELDED * lengths)) & known[shared.faces].all(axis=1)
     corners = 3 * shared.faces[joined][:, :, None] + shared.corners[joined]
     pairs = np.concatenate([corners[:, :, 0], corners[:, :, 1]])
-    graph = coo_array((np.ones(len(pairs), np.int8), pairs.T), shape=(faces.size,) * 2)
-    labels = connected_components(graph, directed=False)[1]
+    labels = component_labels(*pairs.T, faces.size)
     # Corners at their own points have a million times the weight of those moved to a seam.
     weights = np.where(is_own.ravel(), 1.0, 1e-6)
     sums = np.bincount(labels, weights)

@@ -14,10 +14,9 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
+from ...geometry.components import component_labels
 from .rig_bones import RigBone
 
 # Relative to the extent of the armature.
@@ -83,8 +82,7 @@ def joint_layout(bones: Sequence[RigBone]) -> JointLayout:
     places = {bone.name: place for place, bone in enumerate(bones)}
     joined = [(2 * places[bone.parent] + 1, 2 * place) for place, bone in enumerate(bones) if bone.is_connected]
     first, second = np.concatenate([pairs, np.array(joined, dtype=np.int64).reshape(-1, 2)]).T
-    graph = coo_array((np.ones(len(first)), (first, second)), shape=(len(points), len(points)))
-    _, labels = connected_components(graph, directed=False)
+    labels = component_labels(first, second, len(points))
     # Number the joints in the order of the bones.
     _, firsts, inverse = np.unique(labels, return_index=True, return_inverse=True)
     order = np.empty(len(firsts), dtype=np.int64)
