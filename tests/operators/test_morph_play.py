@@ -130,6 +130,16 @@ def test_a_pad(sheet):
     assert len(shown()) == 6
 
 
+def test_a_handle_without_its_limit_is_blurred(sheet):
+    bpy.ops.convwass.make_blend_pad()
+    handle = bpy.context.object
+    handle.constraints.clear()
+    for frame, x in ((1, 0.0), (5, 1.0)):
+        handle.location.x = x
+        handle.keyframe_insert("location", frame=frame)
+    assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
+
+
 def test_undo_of_a_pad(sheet):
     bpy.ops.ed.undo_push(message="sheet")
     before = census()

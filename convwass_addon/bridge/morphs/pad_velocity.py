@@ -60,9 +60,11 @@ def _places(
     places = np.tile(np.array(handle.location), (len(frames), 1))
     for curve in curves:
         places[:, curve.array_index] = [curve.evaluate(frame) for frame in frames]
-    limit = next(own for own in handle.constraints if own.type == "LIMIT_LOCATION")
-    low, high = ([getattr(limit, f"{end}_{axis}") for axis in "xyz"] for end in ("min", "max"))
-    return np.clip(places, low, high)
+    # Its user may have removed the limit.
+    for limit in (own for own in handle.constraints if own.type == "LIMIT_LOCATION"):
+        low, high = ([getattr(limit, f"{end}_{axis}") for axis in "xyz"] for end in ("min", "max"))
+        places = np.clip(places, low, high)
+    return places
 
 
 def _write(target: NodeInput, frames: NDArray[np.integer], values: NDArray[np.float64]) -> None:
