@@ -41,6 +41,16 @@ def test_the_frames_become_files(morph, tmp_path, operator, options, files):
     assert len(frames) == 4
 
 
+def test_a_surface_whose_volume_was_deleted_shows_the_next_one(morph, tmp_path):
+    bpy.ops.convwass.make_volume(folder=str(tmp_path))
+    surface = bpy.context.object
+    bpy.data.objects.remove(next(obj for obj in bpy.data.objects if obj.type == "VOLUME"))
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert bpy.ops.convwass.make_volume(folder=str(tmp_path)) == {"FINISHED"}
+    assert bpy.context.object == surface
+    assert len(surface.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons) > 0
+
+
 @pytest.mark.parametrize("factor", [1.02, 0.98])
 def test_cells_of_volumes_are_as_wide_as_openvdb_demands(empty_scene, tmp_path, factor):
     """Cubes of 0.1 mm at 16 cells."""

@@ -162,6 +162,9 @@ def _objects(
     volume.location = [place + shift for place in volume.location]
     volume[OFFSET_KEY] = offset
     shown = there.get("MESH") or _mesh_object(collection, volume)
+    for modifier in (own for own in shown.modifiers if own.type == "VOLUME_TO_MESH" and own.object is None):
+        # The object that it read was deleted.
+        modifier.object = volume
     if "VOLUME" not in there:
         _hide(volume)
     return shown
