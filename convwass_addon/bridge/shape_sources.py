@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 
@@ -20,6 +21,7 @@ OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 _OTHER_SURFACES = ("SURFACE", "META", "CURVES", "POINTCLOUD", "VOLUME")
 # Display types of helper objects: cages, cutters, bone shapes.
 _HELPERS = ("BOUNDS", "WIRE")
+_NUMBER = re.compile(r"\.\d+$")
 
 
 @dataclass(frozen=True)
@@ -49,10 +51,11 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
     obj : bpy.types.Object
         Any object.
     grouping : str
-        `OBJECTS`: the object alone; an Empty that instances a collection is a shape, too. `PARENTS`: its topmost parent
-        with all children. `COLLECTIONS`: all objects of its collection and nested ones; an object only in the scene's
-        own collection is a shape by itself. Parts that are disabled in viewports, disabled in renders while visible,
-        displayed as wires or bounds, or excluded from the view layer are left out, unless there are no others.
+        `OBJECTS`: the object alone, or all metaballs that are joined with it; an Empty that instances a collection is a
+        shape, too. `PARENTS`: its topmost parent with all children. `COLLECTIONS`: all objects of its collection and
+        nested ones; an object only in the scene's own collection is a shape by itself. Parts that are disabled in
+        viewports, disabled in renders while visible, displayed as wires or bounds, or excluded from the view layer are
+        left out, unless there are no others.
     """
     if grouping == PARENTS:
         root = _topmost(obj)
@@ -61,7 +64,8 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
         parts = _kept(sorted(_inside(collection), key=_name))
         if parts:
             return ShapeSource(collection.name, _representative(collection, parts), parts)
-    return ShapeSource(obj.name, obj, (obj,))
+    own = _with_surface(obj)
+    return ShapeSource(own.name, own, (own,))
 
 
 def require_found(source: ShapeSource) -> None:
@@ -116,6 +120,21 @@ def _kept(objects: Iterable[bpy.types.Object]) -> tuple[bpy.types.Object, ...]:
 def _is_helper(obj: bpy.types.Object) -> bool:
     # Inputs hidden by a bake are hidden in the viewport and disabled in renders, so they still count.
     return obj.hide_viewport or obj.display_type in _HELPERS or (obj.hide_render and obj.visible_get())
+
+
+def _with_surface(obj: bpy.types.Object) -> bpy.types.Object:
+    """Return an object, or of a metaball the one that has the surface of all metaballs joined with it."""
+    if obj.type != "META":
+        return obj
+    there = {other for scene in obj.users_scene for other in scene.objects if other.type == "META"}
+    family = [other for other in there if _family(other) == _family(obj)]
+    # Blender gives it to the one without a number, or else with the lowest one.
+    return min(family, key=lambda other: (other.name != _family(other), other.name), default=obj)
+
+
+def _family(metaball: bpy.types.Object) -> str:
+    """Return the name by which metaballs are joined."""
+    return _NUMBER.sub("", metaball.name)
 
 
 def _topmost(obj: bpy.types.Object) -> bpy.types.Object:

@@ -434,3 +434,19 @@ def test_every_property_and_operator_explains_itself():
             assert prop.name, (name, prop.identifier)
             assert prop.description, (name, prop.identifier)
             assert not prop.description.endswith("."), (name, prop.identifier)
+
+
+def test_metaballs_that_are_joined_are_one_shape(empty_scene):
+    for x in (0.0, 1.0):
+        bpy.ops.object.metaball_add(location=(x, 0, 0))
+    bpy.ops.mesh.primitive_cube_add(location=(6, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=2, resolution=16) == {"FINISHED"}
+    (morph,) = (collection for collection in bpy.data.collections if "convwass_morph" in collection)
+    assert stored_inputs(morph) == [bpy.data.objects["Cube"], bpy.data.objects["Mball"]]
+    frames = frame_objects(morph)
+    assert frames[-1].dimensions.x == pytest.approx(bpy.data.objects["Mball"].dimensions.x, rel=0.1)
+    # One that has no surface of its own stands for all.
+    assert bpy.ops.convwass.bake_morph(inputs="Cube, Mball.001", motion="TRANSPORT", frames=2, resolution=16) == {
+        "FINISHED"
+    }
