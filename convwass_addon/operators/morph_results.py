@@ -15,6 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..bridge.edited_materials import made_as
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
+from ..bridge.morphs.hidden_inputs import missed_in_renders
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
@@ -101,6 +102,7 @@ class FrameResults:
         self._hand_over(scene, collection)
         shown = main_object(collection)
         select_only(context, [] if shown is None else [shown])
+        _report_missed(self.operator, collection)
         self._report(collection)
         _bake_following(self.operator)
 
@@ -237,6 +239,15 @@ def _report_kept(operator: bpy.types.Operator, materials: list[bpy.types.Materia
             "Materials of an earlier version cannot be compared, so frames have new ones; the old ones are kept: {:s}"
         )
         operator.report({"WARNING"}, text.format(listed(earlier)))
+
+
+def _report_missed(operator: bpy.types.Operator, morph: bpy.types.Collection) -> None:
+    """Report shapes that renders of other scenes lack from now on."""
+    for scene, names in missed_in_renders(morph).items():
+        text = rpt_(
+            "Renders of {:s} lack {:s}, since objects are hidden in all scenes; if needed, turn Hide Inputs off"
+        )
+        operator.report({"WARNING"}, text.format(scene, listed(names)))
 
 
 def _outdated(morph: bpy.types.Collection) -> list[str]:

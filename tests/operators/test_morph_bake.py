@@ -86,6 +86,19 @@ def test_inputs_are_hidden_on_request_only():
     assert not ball.hide_get()
 
 
+def test_other_scenes_that_lack_hidden_shapes_are_named(capfd):
+    cube, _ = two_shapes()
+    for name in ("Set", "Close Up"):
+        bpy.data.scenes.new(name).collection.objects.link(cube)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    said = capfd.readouterr().out
+    assert "Renders of Set lack Cube," in said and "Renders of Close Up lack Cube," in said
+    bpy.data.scenes["Set"].collection.children.link(baked_morph())
+    bpy.ops.convwass.rebake_morph()
+    said = capfd.readouterr().out
+    assert "Renders of Set" not in said and "Renders of Close Up lack Cube," in said
+
+
 def test_undo_takes_the_morph_away():
     two_shapes()
     bpy.ops.ed.undo_push(message="shapes")

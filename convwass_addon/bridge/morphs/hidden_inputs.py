@@ -71,6 +71,18 @@ def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene:
             obj.hide_set(True, view_layer=layer)
 
 
+def missed_in_renders(morph: bpy.types.Collection) -> dict[str, list[str]]:
+    """Return the scenes without a morph whose renders lack objects that it hides: names of objects by name of scene.
+
+    Blender hides objects in the renders of all scenes.
+    """
+    others = [scene for scene in bpy.data.scenes if morph not in scene.collection.children_recursive]
+    hidden = [own.name for own in _hidden_by(morph) if own.in_renders]
+    objects = [obj for obj in objects_named(hidden) if obj is not None]
+    missed = {scene.name: [obj.name for obj in objects if scene in obj.users_scene] for scene in others}
+    return {scene: names for scene, names in missed.items() if names}
+
+
 def take_hidden(old: bpy.types.ID, new: bpy.types.ID) -> None:
     """Store with a morph what its new bake has hidden, or else what its last one has and is hidden still."""
     found = _hidden_by(new)
