@@ -28,6 +28,9 @@ _RESIDUAL, _MOST_ITERATIONS = 1e-4, 60
 _FEW_ITERATIONS = 20
 # Lower limit of the relative weight of edges that yield; without it, joints crumple.
 _LEAST_SHARE = 0.02
+# Least squared length of an edge, on the surface of unit area. With less, the squares of the strains of edges without
+# length overflow.
+_LEAST_SQUARE = 1e-100
 
 
 class ElasticSurface:
@@ -145,7 +148,7 @@ class ElasticSurface:
 
     def _strains(self, points: NDArray[np.float64], turned: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the mean squared strain around every edge, (e,)."""
-        lengths = np.maximum(np.square(self._edges).sum(axis=1), np.finfo(float).tiny)
+        lengths = np.maximum(np.square(self._edges).sum(axis=1), _LEAST_SQUARE)
         squares = np.square(points[self._rows] - points[self._columns] - turned).sum(axis=1) / lengths
         sums = self._sums @ np.stack([self._weights * squares, self._weights], axis=1)
         means = sums[:, 0] / np.maximum(sums[:, 1], np.finfo(float).tiny)

@@ -57,6 +57,23 @@ def test_large_strain_stays_concentrated(strip):
     assert stretched(0.03) < 0.2 * evenly
 
 
+def test_edges_without_length_may_open():
+    """Two coincident vertices that are pulled apart, as on a mirrored mesh that was not merged, do not overflow."""
+    mesh = sheet(7, 7)
+    middle = int(np.argmin(np.linalg.norm(mesh.vertices - mesh.vertices.mean(axis=0), axis=1)))
+    triangle = mesh.faces[(mesh.faces == middle).any(axis=1)][0]
+    beside = next(int(vertex) for vertex in triangle if vertex != middle)
+    vertices = mesh.vertices.copy()
+    vertices[beside] = vertices[middle]
+    shape = UnitShape.of(type(mesh)(vertices, mesh.faces))
+    start = shape.vertices.copy()
+    start[beside, 2] += 0.1
+    springs = np.broadcast_to(np.eye(3), (len(start), 3, 3))
+    found = shape.elastic.relaxed_robustly(start, springs, start, WIDTH, give=0.03)
+    assert np.isfinite(found).all()
+    assert found[beside, 2] - found[middle, 2] > 0.0
+
+
 def test_normal_springs_allow_sliding(strip):
     shape, surface = strip
     start = shape.vertices + np.array([0.1, 0.0, 0.05])
