@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -150,8 +151,9 @@ def _collection(obj: bpy.types.Object) -> bpy.types.Collection | None:
 
 def _representative(collection: bpy.types.Collection, parts: tuple[bpy.types.Object, ...]) -> bpy.types.Object:
     """Return an object whose collection this is, and not a nested one; a part of the shape if possible."""
-    own = [obj for obj in sorted(collection.objects, key=_name) if _collection(obj) == collection]
-    return next((obj for obj in own if obj in parts), own[0])
+    # Panels ask this for every selected object. The first part is mostly the answer.
+    candidates = itertools.chain(parts, sorted(collection.objects, key=_name))
+    return next(obj for obj in candidates if _collection(obj) == collection)
 
 
 def _inside(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:
