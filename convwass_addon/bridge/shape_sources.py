@@ -22,7 +22,7 @@ OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 _OTHER_SURFACES = ("SURFACE", "META", "CURVES", "POINTCLOUD", "VOLUME")
 # Display types of helper objects: cages, cutters, bone shapes.
 _HELPERS = ("BOUNDS", "WIRE")
-_NUMBER = re.compile(r"\.\d+$")
+_NUMBER = re.compile(r"\.(\d+)$")
 
 
 @dataclass(frozen=True)
@@ -130,12 +130,18 @@ def _with_surface(obj: bpy.types.Object) -> bpy.types.Object:
     there = {other for scene in obj.users_scene for other in scene.objects if other.type == "META"}
     family = [other for other in there if _family(other) == _family(obj)]
     # Blender gives it to the one without a number, or else with the lowest one.
-    return min(family, key=lambda other: (other.name != _family(other), other.name), default=obj)
+    return min(family, key=_number, default=obj)
 
 
 def _family(metaball: bpy.types.Object) -> str:
     """Return the name by which metaballs are joined."""
     return _NUMBER.sub("", metaball.name)
+
+
+def _number(metaball: bpy.types.Object) -> int:
+    """Return the number at the end of a metaball's name; -1 without one."""
+    found = _NUMBER.search(metaball.name)
+    return -1 if found is None else int(found[1])
 
 
 def _topmost(obj: bpy.types.Object) -> bpy.types.Object:

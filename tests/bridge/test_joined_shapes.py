@@ -110,6 +110,16 @@ def test_nested_collections_belong_to_the_outer_one(bare_scene, add):
     assert shape_source(hat, "COLLECTIONS").parts == (hat,)
 
 
+def test_metaballs_are_numbered_and_not_only_named(bare_scene):
+    balls = [bpy.data.objects.new(name, bpy.data.metaballs.new("Ball")) for name in ("B.10", "B.1000", "B.999", "B.2")]
+    for ball in balls:
+        ball.data.elements.new()
+        bare_scene.collection.objects.link(ball)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    with_surface = [ball for ball in balls if ball.evaluated_get(depsgraph).dimensions.x > 0]
+    assert shape_roots(balls) == with_surface == balls[-1:]
+
+
 def test_excluded_parts_are_left_out(bare_scene, add):
     hero = new_collection("Hero", bare_scene.collection)
     cutter, body = add("Cutter", collection=new_collection("Cutters", hero)), add("Body", collection=hero)
