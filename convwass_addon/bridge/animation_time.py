@@ -13,17 +13,18 @@ import numpy as np
 
 def times_per_second(scene: bpy.types.Scene) -> float:
     """Return by how much the time of the animation rises in a second."""
-    return scene.render.fps / scene.render.fps_base * _times_per_frame(scene)
+    return time_of_frame(scene, scene.render.fps / scene.render.fps_base)
 
 
 def time_of_frame(scene: bpy.types.Scene, frame: float) -> float:
     """Return the time of the animation in a frame of a scene."""
-    return frame * _times_per_frame(scene)
+    # Whole times must stay whole; the product is exact.
+    return frame * scene.render.frame_map_old / scene.render.frame_map_new
 
 
 def frame_of_time(scene: bpy.types.Scene, time: float) -> float:
     """Return the frame of a scene, with its fraction, in which its animation is at a time."""
-    return time / _times_per_frame(scene)
+    return time * scene.render.frame_map_new / scene.render.frame_map_old
 
 
 def show_time(scene: bpy.types.Scene, time: float) -> None:
@@ -40,7 +41,3 @@ def returning(scene: bpy.types.Scene) -> Iterator[None]:
         yield
     finally:
         scene.frame_set(frame, subframe=subframe)
-
-
-def _times_per_frame(scene: bpy.types.Scene) -> float:
-    return scene.render.frame_map_old / scene.render.frame_map_new
