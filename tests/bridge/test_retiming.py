@@ -79,6 +79,21 @@ def test_the_speed_goes_on_where_a_modifier_repeats_the_keys(moving, bare_scene)
     assert np.allclose(values(player, FIRST + 48 + np.arange(1, 24)), once, atol=1e-4)
 
 
+def test_a_single_key_has_the_speed_of_its_modifier_and_else_none(moving, bare_scene):
+    player = make_player(moving, between="INTERPOLATED")
+    retime(player, Retiming(style="EASE", frames=24))
+    (curve,) = (own for own in curves_of(player) if own.data_path == morph_value(player).data_path)
+    while len(curve.keyframe_points) > 1:
+        curve.keyframe_points.remove(curve.keyframe_points[-1])
+    key_speed(player)
+    assert np.allclose(values(player, FIRST + np.arange(24))[:, 1], 0.0)
+    bare_scene.frame_end = FIRST + 24
+    ramp = curve.modifiers.new("GENERATOR")
+    ramp.use_additive, ramp.coefficients[0], ramp.coefficients[1] = True, -FIRST / 48, 1 / 48
+    key_speed(player)
+    assert np.allclose(values(player, FIRST + np.arange(2, 23))[:, 1], FRAMES / 48, rtol=1e-3)
+
+
 def push_down(obj, start, scale):
     """Move the action of an object to a strip of its own."""
     data = obj.animation_data

@@ -148,11 +148,11 @@ def key_speed(player: bpy.types.Object) -> None:
     target = speed(player)
     if target is None:
         return
-    first, last = keyed_span(player)
-    if first == last:
+    span, curve = _span(player), sole_curve(player)
+    if not span:
         return
-    curve = sole_curve(player)
-    span = range(first, last + 1) if curve is None else changing_span([curve], bpy.context.scene)
+    if curve is not None:
+        span = changing_span([curve], bpy.context.scene)
     frames = np.arange(span.start - 1, span.stop + 1)
     values = _values_at(player, np.append(frames - 0.5, span.stop + 0.5))
     if playback_item(player) == "ONCE":
