@@ -15,6 +15,7 @@ import pytest
 from convwass_addon.applications.morphs.morph import morph as morph_of_meshes
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.stand_ins import shown_morph, shows_frames, stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.object_names import ObjectName, objects_named
 from convwass_addon.bridge.objects import triangle_mesh
@@ -685,6 +686,28 @@ def test_a_morph_whose_player_was_deleted_is_kept_and_shown_again(morph, between
     frames = frame_objects(morph)
     assert len(frames) == 4 and all(obj in set(morph.objects) for obj in frames)
     assert set(morph.all_objects) == set(frames)
+
+
+@pytest.mark.parametrize("kind", ["PLAYER", "PAD"])
+def test_what_only_an_instance_shows_remains(empty_scene, kind):
+    """The collection of the morph is in no scene then, but in a collection that an Empty instances."""
+    for x in (0.0, 3.0, 6.0):
+        bpy.ops.mesh.primitive_cube_add(location=(x, 0, 0))
+    bpy.ops.object.select_all(action="SELECT")
+    options = {"layout": "TRIANGLE", "steps": 2} if kind == "PAD" else {"frames": 2}
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=16, output="PLAYER", **options)
+    shown = bpy.context.object
+    morph, stage = shown_morph(shown), bpy.data.collections.new("Stage")
+    empty_scene.collection.children.unlink(morph)
+    stage.children.link(morph)
+    instance = bpy.data.objects.new("Instance", None)
+    instance.instance_type, instance.instance_collection = "COLLECTION", stage
+    empty_scene.collection.objects.link(instance)
+    there = set(stand_ins(morph)).intersection(morph.all_objects)
+    shapes(morph)[0].scale.z = 2.0
+    assert bpy.ops.convwass.rebake_morph(morphs=morph.name) == {"FINISHED"}
+    assert set(stand_ins(morph)).intersection(morph.all_objects) == there
+    assert not shows_frames(morph)
 
 
 def test_a_player_whose_modifier_was_renamed_is_baked_again(morph):

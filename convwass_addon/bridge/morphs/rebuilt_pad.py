@@ -72,10 +72,10 @@ def _merge(homes: Sequence[bpy.types.Collection], others: Sequence[bpy.types.Col
 
 
 def _parts(objects: Iterable[bpy.types.Object]) -> dict[object, list[bpy.types.Object]]:
-    """Return the objects of a pad that are in a scene by their purpose, duplicates after their originals."""
+    """Return the objects of a pad that are in a collection by their purpose, duplicates after their originals."""
     parts: dict[object, list[bpy.types.Object]] = defaultdict(list)
     for obj in objects:
-        if obj.users_scene:
+        if obj.users_collection:
             parts[_purpose(obj)].append(obj)
     return parts
 

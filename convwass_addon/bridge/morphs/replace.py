@@ -42,7 +42,7 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
     list of bpy.types.Material
         Edited materials that frames no longer have; see :func:`.kept_materials.take_materials`.
     """
-    shown_by = [obj for obj in stand_ins(old) if obj.users_scene]
+    shown_by = [obj for obj in stand_ins(old) if obj.users_collection]
     slots = {obj: changed_slots(obj) for obj in shown_by if frames_modifier(obj)}
     home = hidden_frames(old) or old
     made = frame_objects(new)
