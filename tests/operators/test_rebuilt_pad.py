@@ -118,6 +118,17 @@ def test_the_strips_of_a_handle_and_duplicates_of_the_blend_remain(empty_scene):
     assert width(copy) == pytest.approx(2.0 * before, rel=0.2)
 
 
+def test_a_blend_without_its_modifier_gives_way_to_a_new_one(empty_scene):
+    handle = triangle_pad()
+    morph, blend, before = shown_morph(handle), blend_of(handle), width(blend_of(handle))
+    blend.modifiers.clear()
+    grow_shapes(handle)
+    bpy.context.view_layer.objects.active = handle
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert bpy.context.object == handle and len(frame_objects(morph)) == 3
+    assert width(blend_of(handle)) == pytest.approx(2.0 * before, rel=0.1)
+
+
 def test_deleted_parts_of_a_pad_are_made_again(empty_scene):
     handle = triangle_pad()
     home, morph, blend = handle.users_collection[0], shown_morph(handle), blend_of(handle)

@@ -89,7 +89,8 @@ def _purpose(obj: bpy.types.Object) -> object:
         return obj.type
     modifier = frames_modifier(obj)
     if modifier is None:
-        return "PAD"
+        # Without its modifier, an object that shows frames is a point.
+        return "PAD" if len(obj.data.edges) else "NOTHING"
     infos = [node for node in modifier.node_group.nodes if node.bl_idname == "GeometryNodeObjectInfo"]
     read = [node.inputs["Object"].default_value for node in infos]
     # The blend also reads the pad and its handle.
@@ -98,7 +99,8 @@ def _purpose(obj: bpy.types.Object) -> object:
 
 def _take_over(before: Mapping[object, list[bpy.types.Object]], made: Mapping[object, list[bpy.types.Object]]) -> None:
     """Let the objects of a pad show what new ones show, and remove these; new ones without a counterpart are kept."""
-    ratio = _width(made["PAD"][0]) / _width(before["PAD"][0]) if before.get("PAD") else 1.0
+    width = _width(before.get("PAD", ()))
+    ratio = _width(made["PAD"]) / width if width else 1.0
     pairs = [(before[purpose], new) for purpose, (new,) in made.items() if before.get(purpose)]
     spare = [obj.data for objects, new in pairs for obj in (*objects, new) if obj.data]
     for objects, new in pairs:
@@ -112,9 +114,10 @@ def _take_over(before: Mapping[object, list[bpy.types.Object]], made: Mapping[ob
     bpy.data.batch_remove({data for data in spare if not data.users})
 
 
-def _width(pad: bpy.types.Object) -> float:
-    places = [vertex.co.x for vertex in pad.data.vertices]
-    return max(places) - min(places)
+def _width(pads: Sequence[bpy.types.Object]) -> float:
+    """Return the width of the first pad; 0 if there is none."""
+    places = [vertex.co.x for pad in pads[:1] for vertex in pad.data.vertices]
+    return max(places) - min(places) if places else 0.0
 
 
 def _give(obj: bpy.types.Object, new: bpy.types.Object, ratio: float) -> None:
