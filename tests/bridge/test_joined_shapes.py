@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_objects import is_flat
 from convwass_addon.bridge.joined_shapes import joined_shape
 from convwass_addon.bridge.morphs.changes import changed_inputs
@@ -344,9 +345,9 @@ def test_a_curve_with_thickness_is_solid(add):
     bpy.ops.curve.primitive_bezier_circle_add()
     obj, depsgraph = bpy.context.object, bpy.context.evaluated_depsgraph_get()
     obj.data.dimensions, obj.data.fill_mode = "2D", "BOTH"
-    assert is_flat(obj, depsgraph)
+    assert is_flat(obj, depsgraph) and looks_flat(obj)
     obj.modifiers.new("Thickness", "SOLIDIFY").thickness = 0.5
-    assert not is_flat(obj, depsgraph)
+    assert not is_flat(obj, depsgraph) and not looks_flat(obj)
     assert read(obj).volume == pytest.approx(0.5 * pi, rel=0.02)
 
 

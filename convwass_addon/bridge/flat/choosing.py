@@ -10,7 +10,7 @@ import bpy
 
 from ...errors import InputError
 from ..objects import MESHED
-from .flat_kinds import is_drawn_flat, is_shape
+from .flat_kinds import has_own_depth, is_drawn_flat, is_shape
 from .flat_objects import is_flat
 
 
@@ -39,7 +39,7 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
                 flat=obj.name,
                 solid=solid.name,
             )
-        if thickness <= 0 and not (is_drawn_flat(obj) and (obj.data.extrude > 0 or obj.data.bevel_depth > 0)):
+        if thickness <= 0 and not (is_drawn_flat(obj) and has_own_depth(obj)):
             raise InputError(
                 "{flat} is flat but {solid} is solid; choose shapes of one kind, or set Thickness to make the flat "
                 "ones solid.",

@@ -16,9 +16,9 @@ from ...errors import InputError
 from ...geometry.flat_moments import directed
 from ..morphs.materials import base_color, input_color
 from ..nodes_output import nodes_output
-from ..objects import MESHED, evaluated_object
+from ..objects import evaluated_object
 from .flat_images import image_rings
-from .flat_kinds import is_drawn_flat
+from .flat_kinds import has_own_depth, is_drawn_flat, may_become_solid
 from .flat_meshes import is_flat_mesh, mesh_rings
 from .flat_pencils import pencil_rings
 from .flat_rings import FlatRings
@@ -27,8 +27,6 @@ from .planes import Plane, common_planes, plane_of
 
 # Ratio of the extents in a plane below which an object is degenerate.
 _SQUASHED = 1e-6
-# Modifiers that can make a solid of a flat curve or text.
-_GIVE_DEPTH = ("NODES", "REMESH", "SCREW", "SOLIDIFY")
 
 
 def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
@@ -41,10 +39,10 @@ def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
 
 def _is_made_solid(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Return whether the modifiers of a curve or text make something with a volume."""
-    if obj.type not in MESHED or not any(modifier.type in _GIVE_DEPTH for modifier in obj.modifiers):
+    if not may_become_solid(obj):
         return False
     made = nodes_output(obj, depsgraph)
-    if made.is_mesh and not (obj.data.extrude > 0 or obj.data.bevel_depth > 0):
+    if made.is_mesh and not has_own_depth(obj):
         with evaluated_object(obj, depsgraph) as evaluated:
             return not is_flat_mesh(evaluated)
     return made.instances or made.volume or made.points
