@@ -97,7 +97,7 @@ def test_what_was_added_to_a_pad_remains(empty_scene, between):
     assert sorted(block.name for block in (*bpy.data.objects, *bpy.data.meshes, *bpy.data.node_groups)) == names
 
 
-def test_the_strips_of_a_handle_and_duplicates_of_the_blend_remain(empty_scene):
+def test_the_strips_of_a_handle_and_duplicates_remain(empty_scene):
     handle = triangle_pad()
     corner = handle.parent.data.vertices[1].co.copy()
     for frame, place in ((1, (0.0, 0.0, 0.0)), (9, corner)):
@@ -109,12 +109,17 @@ def test_the_strips_of_a_handle_and_duplicates_of_the_blend_remain(empty_scene):
     blend_of(handle).select_set(True)
     bpy.ops.object.duplicate()
     (copy,), before = bpy.context.selected_objects, width(blend_of(handle))
+    bpy.ops.object.select_all(action="DESELECT")
+    handle.select_set(True)
+    bpy.ops.object.duplicate()
+    (second,) = bpy.context.selected_objects
     grow_shapes(handle)
     bpy.context.view_layer.objects.active = handle
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
     assert [own.name for own in handle.animation_data.nla_tracks[0].strips] == [strip.name]
     bpy.context.scene.frame_set(19)
-    assert handle.location[:] == pytest.approx(handle.parent.data.vertices[1].co)
+    # Both handles share the action of the strip.
+    assert handle.location[:] == second.location[:] == pytest.approx(handle.parent.data.vertices[1].co)
     assert width(copy) == pytest.approx(2.0 * before, rel=0.2)
 
 

@@ -105,11 +105,13 @@ def _take_over(before: Mapping[object, list[bpy.types.Object]], made: Mapping[ob
     spare = [obj.data for objects, new in pairs for obj in (*objects, new) if obj.data]
     for objects, new in pairs:
         for obj in objects:
-            _give(obj, new, ratio)
+            _give(obj, new)
         homes = objects[0].users_collection
         new.user_remap(objects[0])
         for home in set(objects[0].users_collection).difference(homes):
             home.objects.unlink(objects[0])
+    if not math.isclose(ratio, 1.0, rel_tol=_SAME_WIDTH):
+        _scale_locations(before.get("EMPTY", ()), ratio)
     bpy.data.batch_remove([new for _, new in pairs])
     bpy.data.batch_remove({data for data in spare if not data.users})
 
@@ -120,8 +122,8 @@ def _width(pads: Sequence[bpy.types.Object]) -> float:
     return max(places) - min(places) if places else 0.0
 
 
-def _give(obj: bpy.types.Object, new: bpy.types.Object, ratio: float) -> None:
-    """Let an object show what a new one shows, which is part of a pad that is wider by a ratio."""
+def _give(obj: bpy.types.Object, new: bpy.types.Object) -> None:
+    """Let an object show what a new one shows."""
     if PLACE_KEY in new:
         _move_along(obj, new)
     if obj.type == "FONT":
@@ -129,8 +131,6 @@ def _give(obj: bpy.types.Object, new: bpy.types.Object, ratio: float) -> None:
             setattr(obj.data, name, getattr(new.data, name))
     elif obj.type == "EMPTY":
         _give_reach(obj, new)
-        if not math.isclose(ratio, 1.0, rel_tol=_SAME_WIDTH):
-            _scale_locations(obj, ratio)
     else:
         obj.data = new.data
         if (modifier := frames_modifier(new)) is not None:
@@ -154,12 +154,13 @@ def _give_reach(handle: bpy.types.Object, new: bpy.types.Object) -> None:
             setattr(limits[0], name, getattr(limits[1], name))
 
 
-def _scale_locations(handle: bpy.types.Object, ratio: float) -> None:
-    """Multiply the size, the location and the keyed locations of a handle."""
-    handle.empty_display_size *= ratio
-    handle.location *= ratio
-    own_action(handle)
-    for curve in _location_curves(handle):
+def _scale_locations(handles: Sequence[bpy.types.Object], ratio: float) -> None:
+    """Multiply the sizes, the locations and the keyed locations of handles, also keys that they share once."""
+    for handle in handles:
+        handle.empty_display_size *= ratio
+        handle.location *= ratio
+        own_action(handle)
+    for curve in _location_curves(handles):
         for key in curve.keyframe_points:
             # The left and right ends of its tangent are stored as positions.
             left, right = (ratio * end.y for end in (key.handle_left, key.handle_right))
@@ -168,10 +169,10 @@ def _scale_locations(handle: bpy.types.Object, ratio: float) -> None:
         curve.update()
 
 
-def _location_curves(obj: bpy.types.Object) -> list[bpy.types.FCurve]:
-    """Return the curves of the location of an object, also those in NLA strips."""
-    data = obj.animation_data
-    strips = [] if data is None else [data, *(strip for track in data.nla_tracks for strip in track.strips)]
+def _location_curves(objects: Iterable[bpy.types.Object]) -> list[bpy.types.FCurve]:
+    """Return the curves of the locations of objects, also those in NLA strips, each once."""
+    there = [data for obj in objects if (data := obj.animation_data) is not None]
+    strips = [own for data in there for own in (data, *(one for track in data.nla_tracks for one in track.strips))]
     animated = dict.fromkeys((own.action, own.action_slot) for own in strips if own.action and own.action_slot)
     bags = [action_get_channelbag_for_slot(*both) for both in animated]
     return [curve for bag in bags if bag is not None for curve in bag.fcurves if curve.data_path == "location"]
