@@ -43,6 +43,8 @@ class Effort:
         density in its hole is at least this fraction of the level.
     radii : int
         How many of the radii are tried.
+    cells : int
+        Most cells that a change moves to the other side of the level.
     places : int
         Number of places examined.
     smoothings : int
@@ -51,13 +53,15 @@ class Effort:
 
     false: float
     radii: int
+    cells: int
     places: int
     smoothings: int
 
 
-GENTLE = Effort(0.5, 3, 240, 1)
-"""For every blend by itself."""
-FIRM = Effort(0.1, 4, 960, 3)
+GENTLE = Effort(0.5, 3, 14, 240, 1)
+"""For every blend by itself. A ball of the smallest radius has 14 cells; more is a limb that would be cut, in another
+place or not at all in the next frame (docs/performance.md, "Voxels and topology")."""
+FIRM = Effort(0.1, 4, 120, 960, 3)
 """For blends whose neighbors have no such handle. From octopus to horse at 64 cells, the handle of one frame in 24
 takes a fraction of 0.2; from ball to knot at 40 cells by transport, seven frames take the strongest smoothing."""
 
@@ -113,7 +117,8 @@ def remove_handles(
     def removed(left: int, places: Places, narrowest: int, widest: int) -> int:
         if left <= 0:
             return 0
-        return _removed(density, level, left, tried.untried(places, widest), tried, narrowest, widest, control)
+        untried = tried.untried(places, widest)
+        return _removed(density, level, left, untried, tried, narrowest, widest, effort.cells, control)
 
     widest = effort.radii
     left = excess - removed(excess, _cheapest_places(density, level, effort, tried), 0, _NARROW)
@@ -139,11 +144,12 @@ def _removed(
     tried: TriedPlaces,
     narrowest: int,
     widest: int,
+    cells: int,
     control: Control,
 ) -> int:
     """Like `remove_handles`, at given places with the changes of some radii."""
     around = np.pad(density, REACH)
-    search = _Search(around, level, narrowest, widest, tried)
+    search = _Search(around, level, narrowest, widest, cells, tried)
     left = excess
     for start in range(0, len(places.cells), _AT_ONCE):
         control.check()
@@ -159,9 +165,15 @@ class _Search:
     """A density, padded by the half width of a change, that is modified in place by changes of some radii."""
 
     def __init__(
-        self, around: NDArray[np.floating], level: float, narrowest: int, widest: int, tried: TriedPlaces
+        self,
+        around: NDArray[np.floating],
+        level: float,
+        narrowest: int,
+        widest: int,
+        cells: int,
+        tried: TriedPlaces,
     ) -> None:
-        self._around, self._level, self._tried = around, level, tried
+        self._around, self._level, self._cells, self._tried = around, level, cells, tried
         self._shapes, self._widths = _SHAPES[narrowest:widest], widest
         # A margin of one cell is enough to connect the outside.
         self._inner = around[(slice(REACH - 1, 1 - REACH),) * 3]
@@ -175,7 +187,8 @@ class _Search:
         gains = self._gains(before, after)
         radii = np.argmax(gains > 0, axis=1)
         flips = (before > self._level) != (after[np.arange(len(cells)), radii] > self._level)
-        useful, lowers = (gains > 0).any(axis=1), wanted < self._level
+        useful = (gains > 0).any(axis=1) & (np.count_nonzero(flips, axis=(1, 2, 3)) <= self._cells)
+        lowers = wanted < self._level
         inside = self._inner > self._level
         cuts = Cuts(inside, _flipped(cells, flips, useful & lowers))
         fills = Cuts(~inside, _flipped(cells, flips, useful & ~lowers))
@@ -277,7 +290,7 @@ def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort
     holes = [find(density, level * _DEEPEST, level / _SLACK) for find in (lids, lids_by_corners)]
     found = [np.unique(np.concatenate(cells), axis=0) for cells in (thin, holes)]
     places = tried.untried(Places.of(*found, density, level, effort.places), _NARROW)
-    search = _Search(np.pad(density, REACH), level, 0, _NARROW, tried)
+    search = _Search(np.pad(density, REACH), level, 0, _NARROW, effort.cells, tried)
     batches = [slice(start, start + _AT_ONCE) for start in range(0, len(places.cells), _AT_ONCE)]
     flips = [search.flips(places.cells[batch], places.wanted[batch]) for batch in batches]
     moved = np.concatenate([np.empty(0, np.int64), *flips])

@@ -42,3 +42,18 @@ def test_a_small_hole_is_filled_and_the_ring_beside_it_stays() -> None:
     assert remove_handles(changed, _LEVEL, 1) == 1
     assert changed[44, 20, 12] > _LEVEL
     assert not ((density > _LEVEL) & (changed <= _LEVEL)).any()
+
+
+def _uneven_ring(thick: float, thin: float) -> NDArray:
+    """Return the density of a ring whose radius falls from one side to the other."""
+    x, y, z = (axis - 21.53 for axis in np.ogrid[:44, :44, :44])
+    radius = 0.5 * (thick + thin) + 0.5 * (thick - thin) * x / np.maximum(np.hypot(x, y), 1e-9)
+    return np.clip(0.5 - 0.5 * (np.hypot(np.hypot(x, y) - 11.0, z) - radius), 0.0, 1.0)
+
+
+def test_a_thread_of_a_ring_is_cut_but_not_a_limb() -> None:
+    """A change that moves many cells removes a part that is seen."""
+    assert remove_handles(_uneven_ring(2.5, 0.8), _LEVEL, 1) == 1
+    limb = _uneven_ring(3.5, 1.5)
+    assert remove_handles(limb, _LEVEL, 1) == 0
+    np.testing.assert_array_equal(limb, _uneven_ring(3.5, 1.5))
