@@ -99,7 +99,7 @@ class MorphSettings(Settings):
             ),
             Choice("size", "Even Size", "Lengths grow evenly, as if the shapes were scaled"),
         ),
-        note="Lengths of flat shapes always grow evenly, and volumes of shape keys",
+        note="Has no effect on flat shapes, whose lengths grow evenly, nor on shape keys, whose volume does",
         panel="motion",
     )
     sharpness: float | None = setting(
