@@ -23,6 +23,9 @@ from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 _RADII = (1.5, 2.25, 3.0, 4.5)
 # Wide changes move a lot from one frame to the next, so the first this many radii are tried alone before all of them.
 _NARROW = 2
+# A cut removes at most this many cells, those of a ball of the smallest radius. More is a limb, which would be cut in
+# another place or not at all in the next frame (docs/performance.md, "Voxels and topology").
+_MOST_CUT = 14
 # Holes may be filled by a narrow change if their density is at least this fraction of the level. Between the rings of
 # scissors that become a snail, it is a quarter; with a half, the thick ring was cut (docs/performance.md).
 _DEEPEST = 0.1
@@ -43,8 +46,8 @@ class Effort:
         density in its hole is at least this fraction of the level.
     radii : int
         How many of the radii are tried.
-    cells : int
-        Most cells that a change moves to the other side of the level.
+    filled : int
+        Most cells that a change adds to the solid.
     places : int
         Number of places examined.
     smoothings : int
@@ -53,14 +56,13 @@ class Effort:
 
     false: float
     radii: int
-    cells: int
+    filled: int
     places: int
     smoothings: int
 
 
 GENTLE = Effort(0.5, 3, 14, 240, 1)
-"""For every blend by itself. A ball of the smallest radius has 14 cells; more is a limb that would be cut, in another
-place or not at all in the next frame (docs/performance.md, "Voxels and topology")."""
+"""For every blend by itself."""
 FIRM = Effort(0.1, 4, 120, 960, 3)
 """For blends whose neighbors have no such handle. From octopus to horse at 64 cells, the handle of one frame in 24
 takes a fraction of 0.2; from ball to knot at 40 cells by transport, seven frames take the strongest smoothing."""
@@ -118,7 +120,7 @@ def remove_handles(
         if left <= 0:
             return 0
         untried = tried.untried(places, widest)
-        return _removed(density, level, left, untried, tried, narrowest, widest, effort.cells, control)
+        return _removed(density, level, left, untried, tried, narrowest, widest, effort.filled, control)
 
     widest = effort.radii
     left = excess - removed(excess, _cheapest_places(density, level, effort, tried), 0, _NARROW)
@@ -144,12 +146,12 @@ def _removed(
     tried: TriedPlaces,
     narrowest: int,
     widest: int,
-    cells: int,
+    filled: int,
     control: Control,
 ) -> int:
     """Like `remove_handles`, at given places with the changes of some radii."""
     around = np.pad(density, REACH)
-    search = _Search(around, level, narrowest, widest, cells, tried)
+    search = _Search(around, level, narrowest, widest, filled, tried)
     left = excess
     for start in range(0, len(places.cells), _AT_ONCE):
         control.check()
@@ -170,10 +172,10 @@ class _Search:
         level: float,
         narrowest: int,
         widest: int,
-        cells: int,
+        filled: int,
         tried: TriedPlaces,
     ) -> None:
-        self._around, self._level, self._cells, self._tried = around, level, cells, tried
+        self._around, self._level, self._filled, self._tried = around, level, filled, tried
         self._shapes, self._widths = _SHAPES[narrowest:widest], widest
         # A margin of one cell is enough to connect the outside.
         self._inner = around[(slice(REACH - 1, 1 - REACH),) * 3]
@@ -187,8 +189,9 @@ class _Search:
         gains = self._gains(before, after)
         radii = np.argmax(gains > 0, axis=1)
         flips = (before > self._level) != (after[np.arange(len(cells)), radii] > self._level)
-        useful = (gains > 0).any(axis=1) & (np.count_nonzero(flips, axis=(1, 2, 3)) <= self._cells)
         lowers = wanted < self._level
+        limits = np.where(lowers, _MOST_CUT, self._filled)
+        useful = (gains > 0).any(axis=1) & (np.count_nonzero(flips, axis=(1, 2, 3)) <= limits)
         inside = self._inner > self._level
         cuts = Cuts(inside, _flipped(cells, flips, useful & lowers))
         fills = Cuts(~inside, _flipped(cells, flips, useful & ~lowers))
@@ -290,7 +293,7 @@ def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort
     holes = [find(density, level * _DEEPEST, level / _SLACK) for find in (lids, lids_by_corners)]
     found = [np.unique(np.concatenate(cells), axis=0) for cells in (thin, holes)]
     places = tried.untried(Places.of(*found, density, level, effort.places), _NARROW)
-    search = _Search(np.pad(density, REACH), level, 0, _NARROW, effort.cells, tried)
+    search = _Search(np.pad(density, REACH), level, 0, _NARROW, effort.filled, tried)
     batches = [slice(start, start + _AT_ONCE) for start in range(0, len(places.cells), _AT_ONCE)]
     flips = [search.flips(places.cells[batch], places.wanted[batch]) for batch in batches]
     moved = np.concatenate([np.empty(0, np.int64), *flips])

@@ -3,10 +3,11 @@
 """Handles are removed where that moves the fewest cells to the other side of the level."""
 
 import numpy as np
+import pytest
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from convwass_addon.geometry.handle_removal import remove_handles
+from convwass_addon.geometry.handle_removal import FIRM, GENTLE, Effort, remove_handles
 
 _LEVEL = 0.5
 
@@ -51,9 +52,10 @@ def _uneven_ring(thick: float, thin: float) -> NDArray:
     return np.clip(0.5 - 0.5 * (np.hypot(np.hypot(x, y) - 11.0, z) - radius), 0.0, 1.0)
 
 
-def test_a_thread_of_a_ring_is_cut_but_not_a_limb() -> None:
-    """A change that moves many cells removes a part that is seen."""
-    assert remove_handles(_uneven_ring(2.5, 0.8), _LEVEL, 1) == 1
+@pytest.mark.parametrize("effort", [GENTLE, FIRM])
+def test_a_thread_of_a_ring_is_cut_but_not_a_limb(effort: Effort) -> None:
+    """A cut that removes many cells takes away a part that is seen."""
+    assert remove_handles(_uneven_ring(2.5, 0.8), _LEVEL, 1, effort) == 1
     limb = _uneven_ring(3.5, 1.5)
-    assert remove_handles(limb, _LEVEL, 1) == 0
+    assert remove_handles(limb, _LEVEL, 1, effort) == 0
     np.testing.assert_array_equal(limb, _uneven_ring(3.5, 1.5))
