@@ -23,9 +23,10 @@ from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 _RADII = (1.5, 2.25, 3.0, 4.5)
 # Wide changes move a lot from one frame to the next, so the first this many radii are tried alone before all of them.
 _NARROW = 2
-# A cut removes at most this many cells, those of a ball of the smallest radius. More is a limb, which would be cut in
-# another place or not at all in the next frame (docs/performance.md, "Voxels and topology").
-_MOST_CUT = 14
+# A cut removes at most this many cells. More is a limb, which would be cut in another place or not at all in the next
+# frame (docs/performance.md, "Voxels and topology"): the fin of a rocket takes 32 to 45. The deepest cut that spares a
+# cactus and a child a handle for two frames takes 28.
+_MOST_CUT = 30
 # Holes may be filled by a narrow change if their density is at least this fraction of the level. Between the rings of
 # scissors that become a snail, it is a quarter; with a half, the thick ring was cut (docs/performance.md).
 _DEEPEST = 0.1
@@ -46,8 +47,6 @@ class Effort:
         density in its hole is at least this fraction of the level.
     radii : int
         How many of the radii are tried.
-    filled : int
-        Most cells that a change adds to the solid.
     places : int
         Number of places examined.
     smoothings : int
@@ -56,14 +55,13 @@ class Effort:
 
     false: float
     radii: int
-    filled: int
     places: int
     smoothings: int
 
 
-GENTLE = Effort(0.5, 3, 14, 240, 1)
+GENTLE = Effort(0.5, 3, 240, 1)
 """For every blend by itself."""
-FIRM = Effort(0.1, 4, 120, 960, 3)
+FIRM = Effort(0.1, 4, 960, 3)
 """For blends whose neighbors have no such handle. From octopus to horse at 64 cells, the handle of one frame in 24
 takes a fraction of 0.2; from ball to knot at 40 cells by transport, seven frames take the strongest smoothing."""
 
@@ -119,8 +117,7 @@ def remove_handles(
     def removed(left: int, places: Places, narrowest: int, widest: int) -> int:
         if left <= 0:
             return 0
-        untried = tried.untried(places, widest)
-        return _removed(density, level, left, untried, tried, narrowest, widest, effort.filled, control)
+        return _removed(density, level, left, tried.untried(places, widest), tried, narrowest, widest, control)
 
     widest = effort.radii
     left = excess - removed(excess, _cheapest_places(density, level, effort, tried), 0, _NARROW)
@@ -146,12 +143,11 @@ def _removed(
     tried: TriedPlaces,
     narrowest: int,
     widest: int,
-    filled: int,
     control: Control,
 ) -> int:
     """Like `remove_handles`, at given places with the changes of some radii."""
     around = np.pad(density, REACH)
-    search = _Search(around, level, narrowest, widest, filled, tried)
+    search = _Search(around, level, narrowest, widest, tried)
     left = excess
     for start in range(0, len(places.cells), _AT_ONCE):
         control.check()
@@ -167,15 +163,9 @@ class _Search:
     """A density, padded by the half width of a change, that is modified in place by changes of some radii."""
 
     def __init__(
-        self,
-        around: NDArray[np.floating],
-        level: float,
-        narrowest: int,
-        widest: int,
-        filled: int,
-        tried: TriedPlaces,
+        self, around: NDArray[np.floating], level: float, narrowest: int, widest: int, tried: TriedPlaces
     ) -> None:
-        self._around, self._level, self._filled, self._tried = around, level, filled, tried
+        self._around, self._level, self._tried = around, level, tried
         self._shapes, self._widths = _SHAPES[narrowest:widest], widest
         # A margin of one cell is enough to connect the outside.
         self._inner = around[(slice(REACH - 1, 1 - REACH),) * 3]
@@ -190,8 +180,8 @@ class _Search:
         radii = np.argmax(gains > 0, axis=1)
         flips = (before > self._level) != (after[np.arange(len(cells)), radii] > self._level)
         lowers = wanted < self._level
-        limits = np.where(lowers, _MOST_CUT, self._filled)
-        useful = (gains > 0).any(axis=1) & (np.count_nonzero(flips, axis=(1, 2, 3)) <= limits)
+        is_limb = lowers & (np.count_nonzero(flips, axis=(1, 2, 3)) > _MOST_CUT)
+        useful = (gains > 0).any(axis=1) & ~is_limb
         inside = self._inner > self._level
         cuts = Cuts(inside, _flipped(cells, flips, useful & lowers))
         fills = Cuts(~inside, _flipped(cells, flips, useful & ~lowers))
@@ -293,7 +283,7 @@ def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort
     holes = [find(density, level * _DEEPEST, level / _SLACK) for find in (lids, lids_by_corners)]
     found = [np.unique(np.concatenate(cells), axis=0) for cells in (thin, holes)]
     places = tried.untried(Places.of(*found, density, level, effort.places), _NARROW)
-    search = _Search(np.pad(density, REACH), level, 0, _NARROW, effort.filled, tried)
+    search = _Search(np.pad(density, REACH), level, 0, _NARROW, tried)
     batches = [slice(start, start + _AT_ONCE) for start in range(0, len(places.cells), _AT_ONCE)]
     flips = [search.flips(places.cells[batch], places.wanted[batch]) for batch in batches]
     moved = np.concatenate([np.empty(0, np.int64), *flips])

@@ -56,6 +56,6 @@ def _uneven_ring(thick: float, thin: float) -> NDArray:
 def test_a_thread_of_a_ring_is_cut_but_not_a_limb(effort: Effort) -> None:
     """A cut that removes many cells takes away a part that is seen."""
     assert remove_handles(_uneven_ring(2.5, 0.8), _LEVEL, 1, effort) == 1
-    limb = _uneven_ring(3.5, 1.5)
+    limb = _uneven_ring(4.0, 2.0)
     assert remove_handles(limb, _LEVEL, 1, effort) == 0
-    np.testing.assert_array_equal(limb, _uneven_ring(3.5, 1.5))
+    np.testing.assert_array_equal(limb, _uneven_ring(4.0, 2.0))
