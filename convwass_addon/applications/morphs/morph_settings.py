@@ -99,7 +99,7 @@ class MorphSettings(Settings):
             ),
             Choice("size", "Even Size", "Lengths grow evenly, as if the shapes were scaled"),
         ),
-        note="Has no effect on flat shapes, whose lengths grow evenly, nor on shape keys, whose volume does",
+        note="Flat shapes always grow evenly in length, and shape keys of one mesh in volume",
         panel="motion",
     )
     sharpness: float | None = setting(
