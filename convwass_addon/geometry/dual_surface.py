@@ -225,7 +225,7 @@ def _parts(
     number = int(labels.max()) + 1
     outer = on_edge[keys % len(on_edge)]
     twice = np.bincount(labels[count:], np.where(outer, 1, 2), number) - np.bincount(labels[:count], minlength=number)
-    return labels[:count].astype(np.int64), number, twice == 2
+    return labels[:count], number, twice == 2
 
 
 def _doubled(around: NDArray[np.int64], count: int) -> NDArray[np.bool_]:
