@@ -86,10 +86,15 @@ def key_span(curves: Iterable[bpy.types.FCurve]) -> range:
 def changing_span(curves: Iterable[bpy.types.FCurve], scene: bpy.types.Scene) -> range:
     """Return the times from the first to the last key of some curves; of the whole scene if modifiers go on there."""
     curves = list(curves)
-    keyed = key_span(curves)
     if not any(modifier.active and not modifier.mute for curve in curves for modifier in curve.modifiers):
-        return keyed
+        return key_span(curves)
+    return scene_span(scene, curves)
+
+
+def scene_span(scene: bpy.types.Scene, curves: Iterable[bpy.types.FCurve] = ()) -> range:
+    """Return the times from the first frame of a scene, or key of some curves before it, to the last."""
     first, last = (round(time_of_frame(scene, frame)) for frame in (scene.frame_start, scene.frame_end))
+    keyed = key_span(curves) or range(first, last + 1)
     return range(min(keyed.start, first), max(keyed.stop, last + 1))
 
 

@@ -166,7 +166,7 @@ class CONVWASS_OT_update_player_speed(_OnKeyedPlayer, bpy.types.Operator):
 
 
 class CONVWASS_OT_update_pad_velocity(OnActiveMorph, bpy.types.Operator):
-    """Key the velocity of the pad's handle from its keyframes, for motion blur; needed after these were edited"""
+    """Key the velocity of the pad's handle from its movement, for motion blur; needed after that was edited"""
 
     bl_idname = "convwass.update_pad_velocity"
     bl_label = "Update Motion Blur"

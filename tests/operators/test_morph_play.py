@@ -10,6 +10,8 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.bridge.keyframes import make_linear
+from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
 from convwass_addon.bridge.morphs.player import is_player, morph_value
 from convwass_addon.bridge.morphs.stored import frame_objects
 from tests.operators.morphs import add, census
@@ -138,6 +140,68 @@ def test_a_handle_without_its_limit_is_blurred(sheet):
         handle.location.x = x
         handle.keyframe_insert("location", frame=frame)
     assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
+
+
+def constrained(handle):
+    """Let a handle take the place of an Empty that moves by 1 from frame 1 to 11."""
+    guide = moved_by_keys(bpy.data.objects.new("Guide", None))
+    bpy.context.scene.collection.objects.link(guide)
+    copied = handle.constraints.new("COPY_LOCATION")
+    copied.target, copied.target_space, copied.owner_space = guide, "WORLD", "LOCAL"
+    guide.hide_viewport = True
+
+
+def carried(handle):
+    """Let a handle hang at an Empty that moves."""
+    handle.parent = moved_by_keys(bpy.data.objects.new("Guide", None))
+    bpy.context.scene.collection.objects.link(handle.parent)
+
+
+def driven(handle):
+    curve = handle.driver_add("location", 0)
+    curve.driver.expression = "min(max(frame - 1, 0), 10) / 10"
+
+
+def in_a_strip(handle):
+    data = moved_by_keys(handle).animation_data
+    data.nla_tracks.new().strips.new("Move", 1, data.action)
+    data.action = None
+
+
+def moved_by_keys(obj):
+    for frame, x in ((1, 0.0), (11, 1.0)):
+        obj.location.x = x
+        obj.keyframe_insert("location", frame=frame)
+    make_linear(obj)
+    return obj
+
+
+@pytest.mark.parametrize("move", [moved_by_keys, constrained, carried, driven, in_a_strip])
+def test_a_handle_is_blurred_however_it_moves(sheet, move):
+    bpy.ops.convwass.make_blend_pad()
+    handle, pad = bpy.context.object, bpy.context.object.parent
+    pad.location, handle.location = (0, 0, 0), (0, 0, 0)
+    handle.constraints.clear()
+    move(handle)
+    bpy.context.scene.frame_end = 12
+    assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
+    velocity, speeds = handle_velocity(sheet), []
+    for frame in (1, 6, 12):
+        bpy.context.scene.frame_set(frame)
+        speeds.append(list(velocity.get()))
+    expected = bpy.context.scene.render.fps / 10 * np.array([0.5, 1.0, 0.0])
+    assert np.allclose(speeds, np.outer(expected, (1, 0, 0)), atol=1e-3)
+
+
+def test_a_pad_without_its_handle_says_so(sheet):
+    bpy.ops.convwass.make_blend_pad()
+    pad = bpy.context.object.parent
+    bpy.data.objects.remove(bpy.context.object)
+    bpy.context.view_layer.objects.active = pad
+    with pytest.raises(RuntimeError, match="has lost its handle; bake it again"):
+        bpy.ops.convwass.update_pad_velocity()
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert any(obj.type == "EMPTY" for obj in bpy.data.objects)
 
 
 def test_undo_of_a_pad(sheet):
