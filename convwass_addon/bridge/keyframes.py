@@ -116,6 +116,12 @@ def is_driven(block: bpy.types.ID, path: str) -> bool:
     return data is not None and any(curve.data_path == path for curve in data.drivers)
 
 
+def is_tweaked(block: bpy.types.ID) -> bool:
+    """Return whether the action of an NLA strip of a data-block is edited, in tweak mode."""
+    data = block.animation_data
+    return data is not None and data.use_tweak_mode
+
+
 def strips_span(blocks: Iterable[bpy.types.ID], path: str | None = None) -> range:
     """Return the scene frames from the first to the last NLA strip of some data-blocks; empty without strips.
 

@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
+from ..bridge.keyframes import is_tweaked
 from ..bridge.morphs.blend_pad import build_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.pad_velocity import handle_velocity, key_handle_velocity
@@ -110,10 +111,14 @@ class _OnPlayer(_OnPlayedMorph):
 def _has_own_keys(operator: type[bpy.types.Operator], obj: bpy.types.Object) -> bool:
     """Return whether keys can be set on an object; otherwise set the operator's poll message."""
     action = obj.animation_data and obj.animation_data.action
-    if all(block is None or block.is_editable for block in (obj, action)):
-        return True
-    operator.poll_message_set("The keys are linked from another file; open that file to change them")
-    return False
+    if not all(block is None or block.is_editable for block in (obj, action)):
+        operator.poll_message_set("The keys are linked from another file; open that file to change them")
+        return False
+    if is_tweaked(obj):
+        # Its keys are at the times of a strip, not of the scene.
+        operator.poll_message_set("Leave tweak mode in the NLA editor first")
+        return False
+    return True
 
 
 class _OnKeyedPlayer(_OnPlayer):

@@ -13,7 +13,7 @@ import pytest
 from convwass_addon.bridge.keyframes import make_linear
 from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
 from convwass_addon.bridge.morphs.player import is_player, morph_value
-from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from tests.operators.morphs import add, census
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -202,6 +202,21 @@ def test_a_pad_without_its_handle_says_so(sheet):
         bpy.ops.convwass.update_pad_velocity()
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
     assert any(obj.type == "EMPTY" for obj in bpy.data.objects)
+
+
+def test_keys_are_not_set_in_tweak_mode(path):
+    bpy.ops.convwass.make_player()
+    player = bpy.context.object
+    data = player.animation_data
+    data.nla_tracks.new().strips.new("Play", 11, data.action)
+    data.action, data.use_tweak_mode = None, True
+    assert data.use_tweak_mode
+    for name in ("retime_player", "update_player_speed"):
+        with pytest.raises(RuntimeError, match="Leave tweak mode in the NLA editor first"):
+            getattr(bpy.ops.convwass, name)()
+    assert bpy.ops.convwass.bake_player() == {"FINISHED"}
+    made = frame_objects(bpy.context.object.users_collection[0])
+    assert [obj[WEIGHTS_KEY][1] for obj in made] == pytest.approx([0, 1 / 3, 2 / 3, 1])
 
 
 def test_undo_of_a_pad(sheet):

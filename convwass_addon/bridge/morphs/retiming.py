@@ -14,7 +14,16 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...schema import Choice, Settings, setting
 from ..animation_time import returning, show_time, time_of_frame
-from ..keyframes import changing_span, curves_of, driver_targets, is_driven, key_span, scene_span, strips_span
+from ..keyframes import (
+    changing_span,
+    curves_of,
+    driver_targets,
+    is_driven,
+    is_tweaked,
+    key_span,
+    scene_span,
+    strips_span,
+)
 from ..node_inputs import NodeInput
 from .player import last_value, morph_value, pace, playback_item, speed
 
@@ -189,7 +198,8 @@ def _span(player: bpy.types.Object) -> range:
     if is_driven(player, value.data_path):
         inputs = [target.id for target in driver_targets(player) if target.id is not None]
         return key_span(curve for block in inputs for curve in curves_of(block)) or scene_span(scene)
-    curve = _curve(player, value)
+    # In tweak mode, keys are at the times of their strip.
+    curve = None if is_tweaked(player) else _curve(player, value)
     return key_span([] if curve is None else [curve]) or strips_span([player], value.data_path)
 
 
