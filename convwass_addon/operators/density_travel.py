@@ -16,7 +16,7 @@ from bpy.props import BoolProperty, StringProperty
 
 from ..bridge.densities.density_attributes import require_free
 from ..bridge.densities.density_material import heat_material
-from ..bridge.densities.density_player import DensityKey, animate_density
+from ..bridge.densities.density_player import DensityKey, animate_density, takes_keys
 from ..bridge.densities.density_request import path_request
 from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.densities.result_groups import require_unpainted, write_result
@@ -27,6 +27,7 @@ from ..bridge.vertex_groups import group_names, read_groups, require_unlocked
 from ..errors import InputError
 from ..progress import Control
 from ..properties.densities import PathProperties, TravelProperties
+from ..sentence import Sentence
 from .density_job import DensityJob, WritingDensityOperator, slack_notices
 from .density_stops import StopArguments, named_stops
 from .density_targets import OnGroups
@@ -85,7 +86,8 @@ class CONVWASS_OT_interpolate_density(
         known = stored_or_new(obj, self.density)
         description = StoredDensity(stops.names, self._stored, frames.records, outputs=known.outputs)
         times = (np.array(stops.frames) - stops.frames[0]) / (stops.frames[-1] - stops.frames[0])
-        keys = [DensityKey(*key) for key in zip(stops.frames, times.tolist(), strict=True)] if self.set_keys else []
+        set_keys = self.set_keys and takes_keys(obj, self.density)
+        keys = [DensityKey(*key) for key in zip(stops.frames, times.tolist(), strict=True)] if set_keys else []
         shown = frames.covered if self.trail else frames.densities
         animate_density(obj, shown, frames.times, self.density, keys=keys, easing=self.easing, description=description)
         if self.add_material and not any(slot.material for slot in obj.material_slots):
@@ -94,7 +96,10 @@ class CONVWASS_OT_interpolate_density(
             play_among_others(self._own_scene(context), stops.frames[0], stops.frames[-1])
         text = rpt_("{:s}: {:d} steps from frame {:g} to {:g}")
         text = text.format(self.density, len(frames.times) - 1, stops.frames[0], stops.frames[-1])
-        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
+        notices = [*job.warnings, *slack_notices(frames)]
+        if self.set_keys and not set_keys:
+            notices.append(Sentence("Its value has a driver or locked keys, which were kept; no keys were set."))
+        tell(self, text, ignored_notice(job.ignored), notices)
         return {"FINISHED"}
 
 

@@ -16,6 +16,7 @@ from convwass_addon.bridge.densities.density_player import density_value, played
 from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.densities.result_groups import RESULTS_KEY
 from convwass_addon.bridge.element_values import element_values
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.vertex_groups import read_group, write_group
 from convwass_addon.operators.density_travel import CONVWASS_OT_interpolate_density, CONVWASS_OT_propagate_densities
 from tests.operators.densities import ball, center, curve, linked, positions, two_balls
@@ -121,6 +122,29 @@ def test_unchanged_keys_leave_the_scene_unchanged(obj):
     bpy.context.scene.frame_end = 99
     call("interpolate_density", groups="A, C", frames="1, 13", steps=2, set_keys=False)
     assert bpy.context.scene.frame_end == 99
+
+
+def drive(value):
+    value.owner.driver_add(value.path).driver.expression = "0.5"
+
+
+def lock(value):
+    (own,) = curves_of(value.modifier.id_data)
+    own.lock = True
+
+
+@pytest.mark.parametrize("animate", [drive, lock])
+def test_drivers_and_locked_keys_stay(obj, animate, capfd):
+    call("interpolate_density", groups="A, C", frames="1, 13", steps=2)
+    value, keys = density_value(obj), curve(obj)
+    if animate == drive:
+        obj.animation_data_clear()
+    animate(value)
+    assert call("interpolate_density", groups="A, C", frames="20, 400", steps=3) == {"FINISHED"}
+    assert "no keys were set" in capfd.readouterr().out
+    assert stored_density(obj, "Density").settings["steps"] == 3
+    assert curve(obj) == keys if animate == lock else not curves_of(obj) and len(obj.animation_data.drivers) == 1
+    assert bpy.context.scene.frame_end == 250
 
 
 @pytest.mark.parametrize("entropy_limit", ["OFF", "BETWEEN", "MAX", "NUMBER"])

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ..keyframes import EASINGS, channels_of, own_action
+from ..keyframes import EASINGS, channels_of, is_driven, own_action
 from ..mesh_checks import writable_mesh
 from ..node_inputs import NodeInput, node_input
 from .density_attributes import remove_color, remove_frames, require_free, write_frames
@@ -129,6 +129,18 @@ def density_modifier(obj: bpy.types.Object, name: str = NAME) -> bpy.types.Nodes
 def density_value(obj: bpy.types.Object, name: str = NAME) -> NodeInput:
     """Return the animatable value of a density; draw it with ``layout.prop(value.owner, value.path)``."""
     return node_input(density_modifier(obj, name), VALUE)
+
+
+def takes_keys(obj: bpy.types.Object, name: str = NAME) -> bool:
+    """Return whether keys of a density, which need not exist yet, have an effect and may be replaced.
+
+    A driver takes precedence over keys, and those of a locked curve are to stay as they are.
+    """
+    if name not in played_densities(obj):
+        return True
+    value = density_value(obj, name)
+    curve = _curve(value)
+    return not is_driven(obj, value.data_path) and (curve is None or not curve.lock)
 
 
 def played_densities(obj: bpy.types.Object) -> list[str]:
