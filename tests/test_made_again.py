@@ -151,6 +151,13 @@ def test_all_settings_of_a_bake_are_stored_and_taken_over():
     assert (own.flat_settings().resolution, own.flat_settings().words, own.resolution) == (300, "mass", 33)
 
 
+def test_morphs_of_earlier_versions_load_what_was_done_without_a_choice():
+    own = bpy.context.scene.convwass_morph
+    own.motion, own.growth = "GUIDED", "SIZE"
+    own.take_stored({"resolution": 33})
+    assert (own.resolution, own.motion, own.growth) == (33, "TRANSPORT", "VOLUME")
+
+
 @pytest.fixture
 def ball(tmp_path):
     bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3)
