@@ -103,6 +103,6 @@ class Leg:
 
 
 def _halvings(instant: float) -> int:
-    """Return the number of halvings that reach an instant; it is large if none of the solver's do."""
+    """Return the number of halvings that reach an instant; it is large if bisection does not."""
     # A float is a whole number divided by a power of two.
     return instant.as_integer_ratio()[1].bit_length() - 1
