@@ -65,8 +65,8 @@ class MorphProperties(SolverProperties):
 def stored_arguments(stored: Mapping[str, object]) -> dict[str, object]:
     """Return the stored settings of a morph as property values; raises ValueError for unknown choices.
 
-    Settings unknown to the version that stored them are left out. Before motions existed, everything was transported, and
-    before growth could be chosen, volume grew evenly.
+    Settings unknown to the version that stored them are left out. Before motions existed, everything was transported.
+    Before growth could be chosen, volume grew evenly.
     """
     stored = {"motion": "transport", "growth": "volume", **stored}
     found = arguments_of(stored, MorphSettings) | arguments_of(stored, MorphRequest)
