@@ -220,6 +220,37 @@ def test_frames_are_where_their_parent_is(collection, tmp_path, bare_scene, name
     np.testing.assert_allclose(found, 7.0, atol=1e-5)
 
 
+def corners_of(files):
+    """Read the lowest and the highest corner of what files show in frames 3 to 6."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene, found = bpy.context.scene, []
+    is_gltf = files[0].suffix == ".glb"
+    if is_gltf:
+        bpy.ops.import_scene.gltf(filepath=str(files[0]))
+    elif len(files) == 1:
+        import_objects(files[0], None)
+    for place in range(4):
+        if len(files) > 1:
+            bpy.ops.wm.read_factory_settings(use_empty=True)
+            import_objects(files[place], None)
+        scene = bpy.context.scene
+        scene.frame_set(place if is_gltf else 3 + place)
+        shown = [obj for obj in scene.objects if obj.type == "MESH" and min(obj.scale) > 0.5]
+        (bounds,) = (triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds for obj in shown)
+        found.append(bounds)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("name", ["gltf"])
+def test_frames_are_turned(collection, tmp_path, bare_scene, name):
+    """Also those that are hidden in the first frame."""
+    for obj in frame_objects(collection):
+        obj.rotation_euler.x = 1.2
+    found = corners_of(export_frames(collection, tmp_path / "rise", name))
+    high = [np.cos(1.2) * place for place in range(4)]
+    np.testing.assert_allclose(found.mean(axis=1)[:, 2], high, atol=0.02)
+
+
 def mirror_frames(collection, scene):
     """Give the frames a parent that mirrors them."""
     empty = bpy.data.objects.new("Mirror", None)

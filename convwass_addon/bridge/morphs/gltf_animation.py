@@ -10,11 +10,12 @@ from contextlib import contextmanager
 import bpy
 
 from ..keyframes import is_shown, key_scale
+from ..objects import transform_mesh
 
 
 @contextmanager
 def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str) -> Iterator[list[bpy.types.Object]]:
-    """Create objects with the meshes of frame objects that are scaled to zero while these are hidden.
+    """Create objects with world-space copies of the meshes of frames, scaled to zero while these are hidden.
 
     The specification of glTF 2.0 suggests this way to hide nodes (section "Transformations").
 
@@ -35,20 +36,21 @@ def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str)
     action = bpy.data.actions.new(name)
     copies = []
     try:
-        for place, obj in enumerate(frames, start=1):
-            copy = bpy.data.objects.new(f"{name}_{place:04d}", obj.data)
+        for number, obj in enumerate(frames, start=1):
+            mesh = obj.data.copy()
+            copy = bpy.data.objects.new(f"{name}_{number:04d}", mesh)
             copies.append(copy)
-            copy.matrix_world = obj.matrix_world
+            # A node that is scaled to zero has lost its rotation for the exporter.
+            transform_mesh(mesh, obj.matrix_world)
             copy.color = obj.color
             shown = [is_shown(obj, frame) for frame in span]
-            size = tuple(copy.scale)
             keys = [(number, now) for number, now in enumerate(shown) if now != shown[number - 1] or number == 0]
             keys.append((len(span), shown[-1]))
             for axis in range(3):
-                key_scale(copy, action, axis, [(number, size[axis] * now) for number, now in keys])
+                key_scale(copy, action, axis, keys)
         yield copies
     finally:
-        bpy.data.batch_remove([*copies, action])
+        bpy.data.batch_remove([*copies, *(copy.data for copy in copies), action])
 
 
 def write_gltf_animation(file: str, **options: bool) -> set[str]:
