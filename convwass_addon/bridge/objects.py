@@ -377,3 +377,16 @@ def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:
     """Return whether a view layer has an object; a linked object may share its name with another one."""
     found = layer.objects.get(obj.name)
     return found is not None and (found == obj or obj in set(layer.objects))
+
+
+@contextmanager
+def hidden_modifiers(modifiers: Iterable[bpy.types.Modifier]) -> Iterator[None]:
+    """Switch modifiers off in viewports during a block of code."""
+    shown = [modifier for modifier in modifiers if modifier.show_viewport]
+    for modifier in shown:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in shown:
+            modifier.show_viewport = True

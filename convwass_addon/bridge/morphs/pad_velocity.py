@@ -13,7 +13,7 @@ from ...errors import InputError
 from ..animation_time import returning, show_time, times_per_second
 from ..keyframes import changing_span, curves_of, scene_span
 from ..node_inputs import NodeInput, node_input
-from ..objects import update_places
+from ..objects import hidden_modifiers, update_places
 from .stand_ins import frames_modifier, stand_ins
 from .stored import WEIGHTS_KEY
 
@@ -98,17 +98,13 @@ def _seen_places(
     target: NodeInput, pad: bpy.types.Object, handle: bpy.types.Object, times: NDArray[np.floating]
 ) -> NDArray[np.float64]:
     """Return where a handle is in local space of its pad at some times, (n, 3)."""
-    scene, modifier, found = bpy.context.scene, target.modifier, []
-    # Nothing of what it shows is needed.
-    before, modifier.show_viewport = modifier.show_viewport, False
-    try:
-        with returning(scene):
-            for time in times:
-                show_time(scene, float(time))
-                update_places([pad, handle], bpy.context.evaluated_depsgraph_get())
-                found.append(pad.matrix_world.inverted_safe() @ handle.matrix_world.translation)
-    finally:
-        modifier.show_viewport = before
+    scene, found = bpy.context.scene, []
+    # Nothing of what the modifier shows is needed.
+    with hidden_modifiers([target.modifier]), returning(scene):
+        for time in times:
+            show_time(scene, float(time))
+            update_places([pad, handle], bpy.context.evaluated_depsgraph_get())
+            found.append(pad.matrix_world.inverted_safe() @ handle.matrix_world.translation)
     return np.array(found, dtype=np.float64)
 
 

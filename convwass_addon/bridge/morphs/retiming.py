@@ -25,6 +25,7 @@ from ..keyframes import (
     strips_span,
 )
 from ..node_inputs import NodeInput
+from ..objects import hidden_modifiers
 from .player import last_value, morph_value, pace, playback_item, speed
 
 # Half of the range shown in slow motion, in shapes.
@@ -208,16 +209,12 @@ def _values_at(player: bpy.types.Object, times: NDArray[np.float64]) -> NDArray[
     value, curve, scene = morph_value(player), sole_curve(player), bpy.context.scene
     if curve is not None:
         return np.array([curve.evaluate(time) for time in times])
-    found, modifier = [], value.modifier
-    # Nothing of what it shows is needed.
-    before, modifier.show_viewport = modifier.show_viewport, False
-    try:
-        with returning(scene):
-            for time in times:
-                show_time(scene, float(time))
-                found.append(value.get())
-    finally:
-        modifier.show_viewport = before
+    found = []
+    # Nothing of what the modifier shows is needed.
+    with hidden_modifiers([value.modifier]), returning(scene):
+        for time in times:
+            show_time(scene, float(time))
+            found.append(value.get())
     return np.array(found, dtype=np.float64)
 
 

@@ -23,7 +23,14 @@ from ...geometry.affine import transformed_points
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..element_values import element_values
-from ..objects import evaluated_object, frozen_copy, take_own_materials, transform_mesh, triangle_mesh
+from ..objects import (
+    evaluated_object,
+    frozen_copy,
+    hidden_modifiers,
+    take_own_materials,
+    transform_mesh,
+    triangle_mesh,
+)
 from .shape_keys import require_mixable_keys
 from .skinning import approximation_notices, armatures, deforms_by_groups, is_posed, skinning
 
@@ -76,7 +83,7 @@ class RestMesh:
 @contextmanager
 def armature_last(obj: bpy.types.Object) -> Iterator[None]:
     """Hide modifiers after the armatures of an object temporarily; does nothing if there are none."""
-    with _hidden(_shown_after(obj, armatures(obj))):
+    with hidden_modifiers(_shown_after(obj, armatures(obj))):
         yield
 
 
@@ -123,7 +130,7 @@ def rest_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> RestMesh
         require_mixable_keys(obj)
     if not rigged:
         return RestMesh(_world_copy(obj, depsgraph, apply=bool(before)), seen, None, (), notices)
-    with _hidden(rigged):
+    with hidden_modifiers(rigged):
         mesh = _local_copy(obj, depsgraph) if before else obj.data.copy()
     try:
         linear = skinning(obj, rigged, mesh)[:, :3, :3]
@@ -186,17 +193,6 @@ def _world_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, *, apply:
 def _local_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
     with evaluated_object(obj, depsgraph) as evaluated:
         return bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-
-
-@contextmanager
-def _hidden(modifiers: Sequence[bpy.types.Modifier]) -> Iterator[None]:
-    for modifier in modifiers:
-        modifier.show_viewport = False
-    try:
-        yield
-    finally:
-        for modifier in modifiers:
-            modifier.show_viewport = True
 
 
 def _basis(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
