@@ -82,9 +82,5 @@ def joint_layout(bones: Sequence[RigBone]) -> JointLayout:
     places = {bone.name: place for place, bone in enumerate(bones)}
     joined = [(2 * places[bone.parent] + 1, 2 * place) for place, bone in enumerate(bones) if bone.is_connected]
     first, second = np.concatenate([pairs, np.array(joined, dtype=np.int64).reshape(-1, 2)]).T
-    labels = component_labels(first, second, len(points))
-    # Number the joints in the order of the bones.
-    _, firsts, inverse = np.unique(labels, return_index=True, return_inverse=True)
-    order = np.empty(len(firsts), dtype=np.int64)
-    order[np.argsort(firsts)] = np.arange(len(firsts))
-    return JointLayout(bones, order[inverse].reshape(-1, 2), extent)
+    # Joints are numbered in the order of the bones.
+    return JointLayout(bones, component_labels(first, second, len(points)).reshape(-1, 2), extent)
