@@ -11,7 +11,7 @@ import pytest
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import drive_key, object_with_keys
-from tests.scene import world
+from tests.scene import select_only, world
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -45,9 +45,7 @@ def hat():
 
 
 def select(*objects):
-    bpy.ops.object.select_all(action="DESELECT")
-    for obj in objects:
-        obj.select_set(True)
+    select_only(*objects)
     bpy.context.view_layer.objects.active = objects[-1]
 
 
