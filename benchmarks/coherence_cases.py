@@ -13,14 +13,10 @@ from numpy.typing import NDArray
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.volumes import Lattice
-from convwass_addon.applications.motions.growing_motion import GrowingMotion
 from convwass_addon.applications.motions.motion import Motion
 from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.errors import ConvwassError
-from convwass_addon.geometry.centroid import centroid
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.orientation import orient_outward
-from convwass_addon.geometry.solid_volume import solid_volume
 from convwass_addon.schema import setting_of
 
 from .blends import baked_frames
@@ -40,7 +36,7 @@ from .coherence_pairs import Ends, pairs_named
 from .coherence_turned import turned
 from .end_frames import EndLoss
 from .processes import run_case
-from .recorded_motions import recorded_motions
+from .recorded_problems import recorded_problems
 from .rival_measures import Connectivity
 
 TRANSPORT = "transport"
@@ -96,13 +92,6 @@ class Bake:
         spacing = Lattice.around(shapes, settings.resolution, settings.sigma).spacing
         return cls(meshes, times, [frame.record for frame in found], spacing, seconds)
 
-    def growing(self, motion: Motion) -> GrowingMotion:
-        """Return a motion as it is baked: scaled so that the volume grows evenly."""
-        ends = [orient_outward(self.meshes[end]) for end in (0, -1)]
-        return GrowingMotion(
-            motion, np.array([solid_volume(mesh) for mesh in ends]), np.stack([centroid(mesh) for mesh in ends])
-        )
-
 
 def passage(
     pair: str, motion: str, cells: int, frames: int, meshes: str | None = None, keep: str | None = None
@@ -123,16 +112,17 @@ def passage(
     (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
     ends = chosen.ends()
     try:
-        with recorded_motions() as recorded:
+        with recorded_problems() as recorded:
             bake = Bake.of(ends, settings_for(motion, cells), frames)
     except ConvwassError as error:
         return {"error": str(error)}
     if keep is not None:
         write_frames(Path(keep), bake.meshes)
-    motion = recorded[-1] if recorded else None
-    figures = {**held(bake, ends), **clean(bake, motion), "records": [_brief(record) for record in bake.records]}
-    if motion is not None:
-        figures["residual"] = remaining_share(motion, [ends.first, ends.second])
+    problem = recorded[-1] if recorded else None
+    placed = None if problem is None else problem.motion
+    figures = {**held(bake, ends), **clean(bake, placed), "records": [_brief(record) for record in bake.records]}
+    if placed is not None:
+        figures["residual"] = remaining_share(placed, [ends.first, ends.second])
         figures["motion"] = bake.records[0]["motion"]
     return figures
 
@@ -177,8 +167,7 @@ def held(bake: Bake, ends: Ends) -> dict[str, object]:
 def clean(bake: Bake, motion: Motion | None = None) -> dict[str, object]:
     """Measure the evenness of the steps and the quality of the meshes; `motion` is the motion of the bake."""
     between = bake.meshes[1:-1]
-    growing = None if motion is None else bake.growing(motion)
-    losses = [end_loss(bake, growing, end) for end in (0, 1)]
+    losses = [end_loss(bake, motion, end) for end in (0, 1)]
     return {
         **asdict(Evenness.of(steps_between(bake.meshes, bake.spacing))),
         "changes": changes_of_topology(bake.meshes),

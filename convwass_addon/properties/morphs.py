@@ -66,9 +66,9 @@ def stored_arguments(stored: Mapping[str, object]) -> dict[str, object]:
     """Return the stored settings of a morph as property values; raises ValueError for unknown choices.
 
     Settings unknown to the version that stored them are left out. Before motions existed, everything was transported.
-    Before growth could be chosen, volume grew evenly.
+    Before growth could be chosen, volume grew evenly, and there was no floor.
     """
-    stored = {"motion": "transport", "growth": "volume", **stored}
+    stored = {"motion": "transport", "growth": "volume", "on_floor": False, **stored}
     found = arguments_of(stored, MorphSettings) | arguments_of(stored, MorphRequest)
     found |= arguments_of(stored, FlatSettings, only=OF_FLAT)
     # Flat and solid shapes both have a resolution, but only one of them is stored.

@@ -46,7 +46,7 @@ class Sliding:
 
 @pytest.fixture
 def problem() -> MovingProblem:
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=24), 1))
+    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=24, on_floor=False), 1))
     return MovingProblem.of(still, Sliding(), path_blends(2, 3), NAMES, unparted(2), Control())
 
 

@@ -41,7 +41,7 @@ class Turning:
 
 @pytest.fixture(scope="module")
 def problem() -> MovingProblem:
-    settings = MorphSettings(resolution=48)
+    settings = MorphSettings(resolution=48, on_floor=False)
     still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
     return MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
 
@@ -96,7 +96,7 @@ def test_velocity_is_that_of_the_turn(problem):
 
 def test_the_grid_holds_the_swinging_rod(problem):
     """At half of the way the rod reaches further along no axis than before, but a rod that swings through does."""
-    settings = MorphSettings(resolution=48)
+    settings = MorphSettings(resolution=48, on_floor=False)
     opposite = (ROD, turned(ROD, np.pi))
 
     @dataclass(frozen=True)
@@ -151,7 +151,7 @@ def test_inputs_of_different_size_fill_their_cells():
 
 def test_a_blend_has_only_the_cells_that_it_needs():
     """A rod that turns within a plane needs few cells beside that plane."""
-    settings = MorphSettings(resolution=48)
+    settings = MorphSettings(resolution=48, on_floor=False)
     still = drained(prepared_problem(SHAPES, NAMES, unparted(2), settings, 1))
     apart = np.array([8.0, 0.0, 16.0])
     large = replace(still.lattice, shape=(64, 56, 48), origin=still.lattice.origin - apart * still.lattice.spacing)

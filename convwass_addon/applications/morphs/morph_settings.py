@@ -102,6 +102,14 @@ class MorphSettings(Settings):
         note="Flat shapes always grow evenly in length, and shape keys of one mesh in volume",
         panel="motion",
     )
+    on_floor: bool = setting(
+        True,
+        "Stay on Floor",
+        "Shapes whose lowest points are at the same height stay on that floor while limbs swing, and feet that touch "
+        "it do not slide",
+        note="Has no effect with the motion Transport, nor on flat shapes",
+        panel="motion",
+    )
     sharpness: float | None = setting(
         None,
         "Sharpness",

@@ -19,6 +19,7 @@ from ...geometry.normals import vertex_normals
 from ...progress import UNINTERRUPTED, Control
 from ..motions.growing_motion import GrowingMotion
 from ..motions.motion import Motion, MovedShape
+from ..motions.standing_motion import standing_motion
 from .blend_solver import ALONE, BlendSolver
 from .blend_store import BlendStore
 from .blending import HandOver, solve_blends, surfaced_frame
@@ -27,7 +28,7 @@ from .demands import Demand
 from .detail import detailed_blend, reliability_of, starts_on_readings
 from .extraction import extract_coinciding
 from .interpolated_volumes import interpolated_volumes
-from .layouts import Blend
+from .layouts import Blend, pairs_of
 from .morph_problem import MorphFrame, MorphProblem
 from .moved_blend import MovedBlend
 from .moved_origins import moved_origins, moved_tangents
@@ -90,7 +91,8 @@ class MovingProblem:
             The inputs at rest, with their connectivity.
         motion : Motion
             The motion, which interpolates lengths. Blends are scaled if volumes are to be interpolated instead, see
-            :class:`.growing_motion.GrowingMotion`.
+            :class:`.growing_motion.GrowingMotion`, and kept on the floor if the settings say so, see
+            :func:`.standing_motion.standing_motion`.
         blends : sequence of Blend
             All blends of the morph, including those computed elsewhere.
         names, matching
@@ -100,6 +102,8 @@ class MovingProblem:
         """
         if still.settings.growth == "volume":
             motion = GrowingMotion(motion, still.transport.volumes, still.lattice.centers)
+        if still.settings.on_floor:
+            motion = standing_motion(motion, len(names), pairs_of(blends))
 
         def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
             return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)

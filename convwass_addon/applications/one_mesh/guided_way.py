@@ -15,7 +15,7 @@ from ...geometry.normals import vertex_normals
 from ...geometry.surface_projection import drawn_along_normals
 from ...geometry.unfolding import unfolded
 from ...progress import Control
-from ..motions.guided_motion import GuidedMotion
+from ..motions.motion import Motion
 from .mirror_symmetry import MirrorSymmetry
 from .turned_offsets import TurnedOffsets
 
@@ -29,8 +29,10 @@ class GuidedWay:
 
     Attributes
     ----------
-    motion : GuidedMotion
-        The motion of all shapes, the first of which is the mesh.
+    motion : Motion
+        The guided motion of all shapes, the first of which is the mesh.
+    count : int
+        Number of shapes.
     index : int
         Index of the other shape.
     folds : FoldFinder
@@ -41,7 +43,8 @@ class GuidedWay:
         Further offsets of vertices near folds.
     """
 
-    motion: GuidedMotion
+    motion: Motion
+    count: int
     index: int
     folds: FoldFinder
     heights: NDArray[np.float64]
@@ -49,12 +52,12 @@ class GuidedWay:
 
     @classmethod
     def of(
-        cls, motion: GuidedMotion, index: int, mesh: TriangleMesh, target: TriangleMesh, control: Control
+        cls, motion: Motion, count: int, index: int, mesh: TriangleMesh, target: TriangleMesh, control: Control
     ) -> GuidedWay:
         """Guide the mesh to the end, project it onto the surface there, and unfold it."""
         nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
         folds = FoldFinder.of(mesh, target)
-        way = cls(motion, index, folds, np.zeros(len(mesh.vertices)), nothing)
+        way = cls(motion, count, index, folds, np.zeros(len(mesh.vertices)), nothing)
         guided = way.guided(1.0)
         normals = vertex_normals(guided.vertices, mesh.faces)
         drawn = drawn_along_normals(guided, target, control)
@@ -65,7 +68,7 @@ class GuidedWay:
         mended = (final != laid).any(axis=1)
         heights[mended] = 0.0
         offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
-        return cls(motion, index, folds, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
+        return cls(motion, count, index, folds, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
 
     @property
     def mesh(self) -> TriangleMesh:
@@ -80,7 +83,7 @@ class GuidedWay:
     def guided(self, t: float) -> TriangleMesh:
         """Return the guided mesh; at the end, its limit, since a shape without weight is not moved."""
         t = min(t, 1.0 - _CLOSE)
-        weights = [0.0] * len(self.motion.carriers)
+        weights = [0.0] * self.count
         weights[0], weights[self.index] = 1.0 - t, t
         moved = self.motion.moved(weights)[0]
         return TriangleMesh(moved.vertices[: len(self.mesh.vertices)], self.mesh.faces)

@@ -25,6 +25,7 @@ from ...sentence import Sentence
 from ..motions.guided_motion import GuidedMotion, guided_motion
 from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
+from ..motions.standing_motion import standing_motion
 from .guided_way import GuidedWay
 from .mirror_symmetry import MirrorSymmetry
 from .poor_maps import poor_map_error
@@ -57,10 +58,13 @@ class KeyDemands:
         Largest distance of vertices from their path, as a fraction of the diagonal of the shape they move to.
     symmetry : MirrorSymmetry or None
         Mirror images among the vertices, if the keys are to be symmetric.
+    on_floor : bool
+        Whether shapes that stand on one floor stay on it; see :func:`..motions.standing_motion.standing_motion`.
     """
 
     error: float
     symmetry: MirrorSymmetry | None = None
+    on_floor: bool = True
 
 
 @dataclass(frozen=True)
@@ -165,11 +169,13 @@ def paths_along(
     shapes, names, demands, control
         As for :func:`key_paths`; the shapes must be oriented outward.
     """
-    found = []
+    found, moving = [], motion
+    if demands.on_floor:
+        moving = standing_motion(motion, len(shapes), [(0, index) for index in range(1, len(shapes))])
     for index in range(1, len(shapes)):
         message = Sentence("Projecting {first} onto {second}", {"first": names[0], "second": names[index]})
         yield Progress((index - 1) / (len(shapes) - 1), message)
-        way = GuidedWay.of(motion, index, shapes[0], shapes[index], control)
+        way = GuidedWay.of(moving, len(shapes), index, shapes[0], shapes[index], control)
         found.append(_path(way, names[index], motion.pairs[0, index].score, demands, control))
     return found
 

@@ -80,7 +80,7 @@ class ShapeKeyJob(KeyJob):
         self._move = None if laid.moves is None else laid.moves[0]
         self._placements = placements(laid)
         self._settings = GuidedSettings(coherence=settings.coherence)
-        self._demands = KeyDemands(request.key_error / 100.0, symmetry)
+        self._demands = KeyDemands(request.key_error / 100.0, symmetry, settings.on_floor)
         self.notices.extend(basis.rest.notices)
         self.paths: list[KeyPath] = []
 

@@ -183,7 +183,7 @@ def test_weights_that_are_no_numbers_are_refused(filled):
 def test_a_motion_takes_over_from_plain_transport():
     clock = Clock()
     shapes = LiveShapes(SHAPES, NAMES, unparted(2))
-    live = LiveBlends(shapes, MorphSettings(), LiveSettings(live_resolution=32), clock, TurningFound())
+    live = LiveBlends(shapes, MorphSettings(on_floor=False), LiveSettings(live_resolution=32), clock, TurningFound())
     live.point((0.499, 0.501))
     reaches = []
     for _ in live.work(Control()):
@@ -208,7 +208,7 @@ def test_shapes_without_a_motion_get_the_complete_lattice():
 
 
 def test_fields_of_moved_shapes_turn_with_them():
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=48), 1))
+    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=48, on_floor=False), 1))
     problem = MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
     source = MovingSource(problem)
     blend = Blend((0.7, 0.3))

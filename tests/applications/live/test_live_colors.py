@@ -131,7 +131,7 @@ def test_colors_of_transported_matter_stay_in_their_places(cells):
 
 
 def test_colors_of_moved_shapes_move_with_them():
-    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=48), 1))
+    still = drained(prepared_problem(SHAPES, NAMES, unparted(2), MorphSettings(resolution=48, on_floor=False), 1))
     problem = MovingProblem.of(still, Turning(), path_blends(2, 4), NAMES, unparted(2), Control())
     colors = []
     for mesh, angle in zip(SHAPES, (0.0, ANGLE), strict=True):
