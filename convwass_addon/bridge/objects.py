@@ -20,6 +20,7 @@ from ..geometry.polygons import Polygons
 from .element_values import element_values
 from .keyframes import curves_of
 from .mesh_checks import not_a_mesh
+from .morphs.frame_attributes import VELOCITY
 
 if TYPE_CHECKING:
     from ..applications.morphs.part_labels import FaceLabels
@@ -158,8 +159,34 @@ def frozen_copy(
     return mesh
 
 
+def world_copy(obj: bpy.types.Object, name: str) -> bpy.types.Object:
+    """Create an object at the origin from a mesh object, without modifiers; its mesh is in world space.
+
+    Blender gives an object without a parent only a location, a rotation and a scale. These do not suffice for a turned
+    child of an unevenly scaled parent, which is sheared.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object whose world matrix is current; see `update_places`.
+    name : str
+        Name of the copy.
+
+    Returns
+    -------
+    bpy.types.Object
+        Not linked to a scene, with a mesh of its own and the color of the object.
+    """
+    copy = bpy.data.objects.new(name, obj.data.copy())
+    copy.color = obj.color
+    transform_mesh(copy.data, obj.matrix_world, shape_keys=True)
+    return copy
+
+
 def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix, *, shape_keys: bool = False) -> None:
-    """Transform a mesh with its custom normals; faces that point outward still do if the matrix mirrors them.
+    """Transform a mesh with its custom normals and its velocity.
+
+    Faces that point outward still do if the matrix mirrors them.
 
     Parameters
     ----------
@@ -179,6 +206,15 @@ def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix, *, shape_keys: bool = F
         placed = np.empty_like(normals)
         placed[_corner_order(mesh)] = normals[before]
         mesh.normals_split_custom_set(placed.tolist())
+    _transform_velocity(mesh, matrix)
+
+
+def _transform_velocity(mesh: bpy.types.Mesh, matrix: Matrix) -> None:
+    """Transform the velocity of the points of a mesh, if it has one; Blender only transforms the points."""
+    velocity = mesh.attributes.get(VELOCITY)
+    if velocity is not None and velocity.data_type == "FLOAT_VECTOR":
+        turned = element_values(velocity.data, "vector", 3) @ np.array(matrix.to_3x3().transposed(), dtype=np.float32)
+        velocity.data.foreach_set("vector", turned.ravel())
 
 
 def _transformed_normals(mesh: bpy.types.Mesh, matrix: Matrix) -> np.ndarray | None:
@@ -189,7 +225,8 @@ def _transformed_normals(mesh: bpy.types.Mesh, matrix: Matrix) -> np.ndarray | N
     linear = np.array(matrix, dtype=np.float64)[:3, :3]
     lengths = np.linalg.svd(linear, compute_uv=False)
     is_even = lengths[-1] >= (1.0 - _UNEVEN) * lengths[0] and not matrix.is_negative
-    if is_even or not mesh.has_custom_normals:
+    is_flat = lengths[-1] <= FLATTENED * lengths[0]
+    if is_even or is_flat or not mesh.has_custom_normals:
         return None
     normals = element_values(mesh.corner_normals, "vector", 3)
     turned = normals @ np.linalg.inv(linear)

@@ -26,7 +26,7 @@ def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], firs
     name : str
         Name of the object, its mesh and its node group.
     shown : sequence of tuple of bpy.types.Object
-        Objects shown at `first_frame`, the frame after it, and so on.
+        Objects at the origin, shown at `first_frame`, the frame after it, and so on.
     first_frame : int
         A scene frame.
 
@@ -205,10 +205,8 @@ def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) 
 
 
 def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> bpy.types.NodeSocket:
-    """Return the geometry of all objects in world space."""
+    """Return the geometry of all objects."""
     joint = tree.nodes.new("GeometryNodeJoinGeometry")
     for obj in objects:
-        info = object_info(tree, obj, space="RELATIVE")
-        outwards = _facing_outwards(tree, info.outputs["Geometry"], info.outputs["Transform"])
-        tree.links.new(outwards, joint.inputs["Geometry"])
+        tree.links.new(object_info(tree, obj).outputs["Geometry"], joint.inputs["Geometry"])
     return joint.outputs["Geometry"]

@@ -251,6 +251,21 @@ def test_frames_are_turned(collection, tmp_path, bare_scene, name):
     np.testing.assert_allclose(found.mean(axis=1)[:, 2], high, atol=0.02)
 
 
+@pytest.mark.parametrize("name", [name for name in FORMATS if name != "vat"])
+def test_sheared_frames_keep_their_shape(collection, tmp_path, bare_scene, name):
+    """Turned children of an unevenly scaled parent have a matrix that no location, rotation and scale give."""
+    empty = bpy.data.objects.new("Stretch", None)
+    bare_scene.collection.objects.link(empty)
+    empty.scale.x = 3.0
+    for obj in frame_objects(collection):
+        obj.parent, obj.rotation_euler.y = empty, 0.6
+    found = corners_of(export_frames(collection, tmp_path / "rise", name))
+    # Half the extents of an octahedron that is turned, and then stretched.
+    np.testing.assert_allclose(
+        (found[:3, 1] - found[:3, 0]) / 2.0, [[3.0 * np.cos(0.6), 1.0, np.cos(0.6)]] * 3, atol=1e-5
+    )
+
+
 def mirror_frames(collection, scene):
     """Give the frames a parent that mirrors them."""
     empty = bpy.data.objects.new("Mirror", None)

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from mathutils import Euler, Matrix
 
-from convwass_addon.bridge.objects import frozen_copy, triangle_mesh, write_mesh
+from convwass_addon.bridge.objects import frozen_copy, transform_mesh, triangle_mesh, write_mesh
 from convwass_addon.bridge.one_mesh.rest_mesh import rest_mesh
 from convwass_addon.errors import InputError
 
@@ -268,3 +268,10 @@ def test_custom_normals_are_those_of_the_object(make_object, depsgraph, scale, k
             found = np.array(mesh.corner_normals[loop].vector)
             assert found @ normal / np.linalg.norm(normal) == pytest.approx(1.0, abs=1e-6)
     assert not any(edge.use_edge_sharp for edge in mesh.edges)
+
+
+def test_a_mesh_with_custom_normals_is_flattened(make_object):
+    mesh = make_object("Gem").data
+    mesh.normals_split_custom_set_from_vertices([(0.0, 0.0, 1.0)] * len(mesh.vertices))
+    transform_mesh(mesh, Matrix.Diagonal((2.0, 1.0, 0.0, 1.0)))
+    assert [max(abs(vertex.co[axis]) for vertex in mesh.vertices) for axis in range(3)] == [2.0, 1.0, 0.0]

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import bpy
 import numpy as np
-from mathutils import Matrix
 
 from ...applications.whole_paths import whole_path
 from ...disk_space import require_space, require_whole
@@ -22,7 +21,7 @@ from ..element_values import element_values
 from ..files import checked_target
 from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
-from ..objects import transform_mesh, update_places
+from ..objects import update_places, world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
@@ -156,20 +155,13 @@ def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
     require_space(file.parent, _exported_bytes([obj]))
     with scratch_scene() as scene:
         # A copy, since the frame object itself is hidden in all frames but one.
-        mesh = obj.data.copy()
-        still = bpy.data.objects.new(file.stem, mesh)
+        still = world_copy(obj, file.stem)
         try:
-            if obj.matrix_world.is_negative:
-                # Not all exporters flip the faces of mirrored objects.
-                transform_mesh(mesh, obj.matrix_world)
-            else:
-                still.matrix_world = obj.matrix_world
-            still.color = obj.color
             scene.collection.objects.link(still)
             with _plain_materials([still]):
                 _write(file, chosen)
         finally:
-            bpy.data.batch_remove([still, mesh])
+            bpy.data.batch_remove([still, still.data])
 
 
 def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
@@ -213,29 +205,20 @@ def _colored_copies(
     copies = {}
     try:
         for obj in objects:
-            mesh = obj.data.copy()
-            copies[obj] = bpy.data.objects.new(obj.name, mesh)
-            copies[obj].matrix_world = obj.matrix_world
+            copies[obj] = world_copy(obj, obj.name)
+            mesh = copies[obj].data
             colors = seen_colors(mesh, obj.color)
             mesh.materials.clear()
             # Removed by name: before Blender 5, removing an attribute invalidates references to the others.
             for name in [attribute.name for attribute in mesh.color_attributes]:
                 mesh.color_attributes.remove(mesh.color_attributes[name])
             write_colors(mesh, colors)
-            _turn_velocity(mesh, obj.matrix_world)
         meshes = [copy.data for copy in copies.values()]
         _still_where_none_moves(meshes)
         _with_one_uv_map(meshes)
         yield copies
     finally:
         bpy.data.batch_remove([*copies.values(), *(copy.data for copy in copies.values())])
-
-
-def _turn_velocity(mesh: bpy.types.Mesh, matrix: Matrix) -> None:
-    """Give a mesh the velocity in the space to which a matrix transforms its vertices; Blender only moves these."""
-    if VELOCITY in mesh.attributes and matrix.to_3x3() != Matrix.Identity(3):
-        velocity = element_values(mesh.attributes[VELOCITY].data, "vector", 3)
-        write_velocity(mesh, velocity @ np.array(matrix.to_3x3().transposed()))
 
 
 def _still_where_none_moves(meshes: list[bpy.types.Mesh]) -> None:

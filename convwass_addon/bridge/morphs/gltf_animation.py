@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import bpy
 
 from ..keyframes import is_shown, key_scale
-from ..objects import transform_mesh
+from ..objects import world_copy
 
 
 @contextmanager
@@ -37,12 +37,9 @@ def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str)
     copies = []
     try:
         for number, obj in enumerate(frames, start=1):
-            mesh = obj.data.copy()
-            copy = bpy.data.objects.new(f"{name}_{number:04d}", mesh)
+            # In world space, since a node that is scaled to zero has lost its rotation for the exporter.
+            copy = world_copy(obj, f"{name}_{number:04d}")
             copies.append(copy)
-            # A node that is scaled to zero has lost its rotation for the exporter.
-            transform_mesh(mesh, obj.matrix_world)
-            copy.color = obj.color
             shown = [is_shown(obj, frame) for frame in span]
             keys = [(number, now) for number, now in enumerate(shown) if now != shown[number - 1] or number == 0]
             keys.append((len(span), shown[-1]))
