@@ -162,8 +162,7 @@ def frozen_copy(
 def world_copy(obj: bpy.types.Object, name: str) -> bpy.types.Object:
     """Create an object at the origin from a mesh object, without modifiers; its mesh is in world space.
 
-    Blender gives an object without a parent only a location, a rotation and a scale. These do not suffice for a turned
-    child of an unevenly scaled parent, which is sheared.
+    Its matrix may be sheared; see `is_sheared`.
 
     Parameters
     ----------
@@ -181,6 +180,32 @@ def world_copy(obj: bpy.types.Object, name: str) -> bpy.types.Object:
     copy.color = obj.color
     transform_mesh(copy.data, obj.matrix_world, shape_keys=True)
     return copy
+
+
+def place_mesh(obj: bpy.types.Object, matrix: Matrix) -> None:
+    """Place a new mesh object in the world; what a location, a rotation and a scale cannot express is done to its mesh.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        Without a parent, and with a mesh of its own.
+    matrix : Matrix
+        The world matrix.
+    """
+    if is_sheared(matrix):
+        transform_mesh(obj.data, matrix.to_3x3().to_4x4(), shape_keys=True)
+        obj.location = matrix.translation
+    else:
+        obj.matrix_world = matrix
+
+
+def is_sheared(matrix: Matrix) -> bool:
+    """Return whether a world matrix differs from its location, rotation and scale.
+
+    An object without a parent has no others. Turned children of an unevenly scaled parent are sheared.
+    """
+    difference = np.array(matrix) - np.array(Matrix.LocRotScale(*matrix.decompose()))
+    return bool(np.abs(difference).max() > _UNEVEN * np.abs(np.array(matrix)[:3, :3]).max())
 
 
 def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix, *, shape_keys: bool = False) -> None:

@@ -17,6 +17,7 @@ from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
 from tests.moving_balls import FIRST, FRAMES, TRAVEL
+from tests.scene import linked, world
 
 
 def corners(timing, shapes=3, now=0.0):
@@ -184,3 +185,18 @@ def test_frames_at_another_rate(moving, bare_scene):
         assert np.allclose(middle, (TRAVEL * number / (2 * FRAMES), 0, 0), atol=0.02)
         assert np.isclose(obj[WEIGHTS_KEY][1], number / (2 * FRAMES), atol=1e-5)
         assert [is_shown(obj, FIRST + other) for other in range(len(frames))].count(True) == 1
+
+
+def test_frames_of_a_sheared_player_keep_its_shape(moving, bare_scene):
+    """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
+    player = make_player(moving, between="INTERPOLATED")
+    parent = linked("Stretch", None)
+    parent.scale.x, parent.location.z = 3.0, 5.0
+    player.parent, player.rotation_euler.y = parent, 0.6
+    times, shown = [FIRST, FIRST + 2], []
+    for time in times:
+        bare_scene.frame_set(time)
+        shown.append(world(player))
+    morph = drained(bake_player(player, times, FIRST))
+    for obj, expected in zip(frame_objects(morph), shown, strict=True):
+        assert np.allclose(world(obj), expected, atol=1e-5)

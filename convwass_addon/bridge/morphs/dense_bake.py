@@ -17,7 +17,7 @@ from ...sentence import Sentence
 from ..animation_time import returning, show_time
 from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
-from ..objects import take_own_materials
+from ..objects import place_mesh, take_own_materials
 from .hidden_inputs import copy_hidden
 from .player import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
@@ -115,7 +115,7 @@ def _frame(player: bpy.types.Object, number: int) -> bpy.types.Object:
     take_own_materials(mesh, player)
     mesh.name = f"Frame {number + 1:04d}"
     obj = bpy.data.objects.new(mesh.name, mesh)
-    obj.matrix_world = evaluated.matrix_world
+    place_mesh(obj, evaluated.matrix_world)
     obj[INDEX_KEY], obj[FRAME_KEY], obj[WEIGHTS_KEY] = number, number, _weights(player)
     return obj
 
