@@ -15,7 +15,7 @@ from convwass_addon.bridge.morphs.player import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
 from convwass_addon.bridge.node_trees import own_tree
 from tests.operators.morphs import baked_morph, census
-from tests.scene import select_only
+from tests.scene import linked, select_only
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -38,6 +38,10 @@ def enclosed(obj):
     curve.extrude = curve.bevel_depth = 0.0
     mesh = bpy.data.meshes.new_from_object(bpy.data.objects.new("Copy", curve), depsgraph=depsgraph)
     return sum(face.area for face in mesh.polygons)
+
+
+def flat_area(flat):
+    return filled_by(flat.shape, np.arange(len(flat.shape.rings))).area
 
 
 def test_a_word_becomes_another_with_the_originals_at_both_ends():
@@ -71,6 +75,28 @@ def test_frames_lie_between_the_planes_of_the_inputs():
         low, high = world.min(axis=0), world.max(axis=0)
         np.testing.assert_allclose((low + high) / 2, (0.3335 + 6 * share, 0.343, 3 * share), atol=0.03)
         assert np.ptp(world[:, 2]) < 1e-5
+
+
+@pytest.mark.parametrize("made", ["FONT", "CURVE", "MESH"])
+def test_sheared_shapes_are_shown_at_the_ends(made):
+    """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
+    first, last = text("L"), text("V", 4.0)
+    if made != "FONT":
+        select_only(first)
+        bpy.context.view_layer.objects.active = first
+        bpy.ops.object.convert(target=made)
+    first.data.materials.append(bpy.data.materials.new("Gold"))
+    parent = linked("Stretch", None)
+    parent.scale.x, first.parent, first.rotation_euler.z = 3.0, parent, 0.6
+    (expected,) = flat_objects([first], bpy.context.evaluated_depsgraph_get())
+    select_only(first, last)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    shown = frame_objects(baked_morph())[0]
+    (found,) = flat_objects([shown], bpy.context.evaluated_depsgraph_get())
+    for pick in (np.min, np.max):
+        np.testing.assert_allclose(pick(found.read.points, axis=0), pick(expected.read.points, axis=0), atol=1e-3)
+    assert flat_area(found) == pytest.approx(flat_area(expected), rel=1e-3)
+    assert shown.active_material.name == "Gold"
 
 
 def test_letters_travel_to_letters():

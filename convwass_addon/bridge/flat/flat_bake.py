@@ -17,7 +17,7 @@ from ...geometry.outlines import ring_area
 from ..handles import Handle, found
 from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_first_frame
 from ..morphs.frozen_inputs import FrozenInput
-from ..objects import evaluated_object
+from ..objects import evaluated_object, is_sheared, place_mesh
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
 from .flat_paint import assign_region_materials, paint_mesh, unused_materials
@@ -132,18 +132,19 @@ class FlatBake(MorphBake):
 
 
 def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object:
-    """Copy an input in its current state, as an object of the same type or as a mesh."""
+    """Copy an input in its current state, as an object of the same type or as a mesh, which can be sheared."""
     if obj.type == "EMPTY" or (obj.type == "GREASEPENCIL" and kind == "MESH"):
         copy = _of_rings(obj, flat)
         return _as_mesh_object(copy) if kind == "MESH" else copy
     with evaluated_object(obj, depsgraph) as evaluated:
         place = Matrix(flat.move.tolist()) @ evaluated.matrix_world
-        if kind == "MESH" or obj.type == "MESH":
+        if kind == "MESH" or obj.type == "MESH" or (obj.type != "GREASEPENCIL" and is_sheared(place)):
             mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
             copy = bpy.data.objects.new(obj.name, mesh)
+            place_mesh(copy, place)
         else:
             copy = _own_copy(obj)
-    copy.matrix_world = place
+            copy.matrix_world = place
     copy.color = obj.color
     return copy
 
