@@ -20,7 +20,7 @@ from .blend_files import appended_instances, appended_objects, listed_names
 from .flat.flat_kinds import is_drawn_flat
 from .joined_shapes import joined_shape
 from .mesh_checks import CONVERTIBLE
-from .objects import frozen_copy
+from .objects import frozen_copy, stand
 from .operator_errors import reason
 from .scratch_scene import scratch_scene
 from .shape_sources import shape_source
@@ -262,10 +262,9 @@ def _standing(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object
     depsgraph = bpy.context.evaluated_depsgraph_get()
     depsgraph.update()
     place = obj.evaluated_get(depsgraph).matrix_world.copy()
-    obj.parent = None
     obj.constraints.clear()
     obj.animation_data_clear()
-    obj.matrix_world = place
+    stand(obj, place)
     return obj
 
 

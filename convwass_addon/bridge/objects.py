@@ -199,6 +199,30 @@ def place_mesh(obj: bpy.types.Object, matrix: Matrix) -> None:
         obj.matrix_world = matrix
 
 
+def stand(obj: bpy.types.Object, matrix: Matrix) -> list[bpy.types.Object]:
+    """Place an object of any type in the world, without its parent.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        An object.
+    matrix : Matrix
+        The world matrix.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        If the matrix is sheared, a new Empty at the origin, which is not in a scene: the object needs it as a parent.
+    """
+    obj.parent, obj.parent_type = None, "OBJECT"
+    if not is_sheared(matrix):
+        obj.matrix_world = matrix
+        return []
+    obj.parent = bpy.data.objects.new(f"{obj.name} Place", None)
+    obj.matrix_parent_inverse, obj.matrix_basis = matrix, Matrix()
+    return [obj.parent]
+
+
 def is_sheared(matrix: Matrix) -> bool:
     """Return whether a world matrix differs from its location, rotation and scale.
 

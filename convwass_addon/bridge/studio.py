@@ -24,6 +24,7 @@ from ..geometry.affine import transformed_points
 from .element_values import element_values
 from .files import checked_target
 from .framing import Pose, View
+from .objects import stand
 from .studio_set import even_sky, floor_material, floor_mesh
 
 FLOOR_REACH = 60.0
@@ -82,8 +83,7 @@ class Studio:
         """
         copy = self._keep(obj.copy())
         copy.animation_data_clear()
-        copy.parent = None
-        copy.matrix_world = Matrix.Translation(shift) @ world_matrix(obj)
+        self._made += stand(copy, Matrix.Translation(shift) @ world_matrix(obj))
         copy.hide_render = copy.hide_viewport = False
         self.scene.collection.objects.link(copy)
         return copy

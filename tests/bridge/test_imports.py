@@ -11,10 +11,12 @@ import numpy as np
 import pytest
 
 from convwass_addon.bridge.files import save_blend
+from convwass_addon.bridge.flat.flat_objects import read_rings
 from convwass_addon.bridge.imports import READERS, Source, import_objects, parse_source
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
+from tests.scene import linked
 
 # Blender's own add-on for glTF uses what newer versions of numpy and Python advise against.
 pytestmark = pytest.mark.filterwarnings("ignore::DeprecationWarning")
@@ -132,6 +134,22 @@ def test_a_collection_of_a_blend_is_one_shape(two_parts, tmp_path, inventory):
     assert {kind for kind, _ in inventory() - before} <= {"OBJECT", "MESH", "MATERIAL"}
     mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
     assert mesh.volume == pytest.approx(4 / 3 * 3, rel=1e-4)
+
+
+def test_a_sheared_text_of_a_blend_keeps_its_shape(tmp_path):
+    """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
+    text, parent = linked("Word", bpy.data.curves.new("Word", "FONT")), linked("Stretch", None)
+    text.data.body, text.parent, text.rotation_euler.z, parent.scale.x = "L", parent, 0.6, 3.0
+    expected = flat_points(text)
+    save_blend(tmp_path / "word.blend")
+    start_anew()
+    (obj,) = import_objects(tmp_path / "word.blend", ["Word"])
+    assert (obj.type, obj.data.body) == ("FONT", "L")
+    np.testing.assert_allclose(flat_points(obj), expected, atol=1e-5)
+
+
+def flat_points(obj):
+    return read_rings(obj, bpy.context.evaluated_depsgraph_get()).points
 
 
 def test_same_object_twice(two_parts, tmp_path):

@@ -16,7 +16,7 @@ from convwass_addon.bridge.morphs.animation import render_animation
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.materials import morph_material
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
-from convwass_addon.bridge.studio import Studio, choose_cycles, opening, world_points
+from convwass_addon.bridge.studio import Studio, choose_cycles, opening, world_matrix, world_points
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
 from convwass_addon.progress import Control, drained
 from tests.controls import recorded
@@ -163,6 +163,19 @@ def test_objects_with_hidden_parents_are_shown_in_place(collection, tmp_path):
     obj.parent = anchor
     picture = photographed([obj], tmp_path / "still.png", (32, 32), SAMPLES)
     assert is_red(picture).mean() > 0.1
+
+
+def test_sheared_objects_are_shown_as_they_are(collection, tmp_path):
+    """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
+    parent, obj = bpy.data.objects.new("Stretch", None), cube(collection, 0, 1)
+    parent.scale.x, obj.parent, obj.rotation_euler.y = 3.0, parent, 0.6
+    before = snapshot()
+    shown = photographed([obj], tmp_path / "sheared.png", (64, 48), SAMPLES)
+    assert snapshot() == before
+    obj.data.transform(world_matrix(obj))
+    obj.parent, obj.rotation_euler.y = None, 0.0
+    expected = photographed([obj], tmp_path / "plain.png", (64, 48), SAMPLES)
+    assert (is_red(shown) == is_red(expected)).mean() > 0.99
 
 
 def test_animation_shows_all_frames(path_morph, tmp_path):

@@ -15,6 +15,7 @@ from mathutils import Euler, Matrix
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
 from convwass_addon.bridge.image_files import pixel_values
+from convwass_addon.bridge.node_math import new_node
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import export_shape_keys
@@ -23,6 +24,7 @@ from convwass_addon.bridge.one_mesh.texture_job import TextureJob
 from convwass_addon.bridge.one_mesh.texture_looks import remember_shape
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
+from tests.scene import linked
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -142,11 +144,16 @@ def test_a_mesh_without_uvs_is_unwrapped_and_a_texture_of_the_shape_lands_where_
     found = baked(ball, texture_looks="END")
     (image,) = found.images
     assert image.colorspace_settings.name == "Non-Color" and found.uv_map == "Baked"
+    assert error_of_heights(ball, image) < 0.06
+
+
+def error_of_heights(ball, image):
+    """Return how far values in an image are from 0 at the bottom of a mesh to 1 at the top, at most of its corners."""
     uvs = np.array([own.vector for own in ball.data.uv_layers["Baked"].uv])
     heights = np.array([ball.data.vertices[loop.vertex_index].co.z for loop in ball.data.loops])
     places = np.clip((uvs * SIZE).astype(int), 0, SIZE - 1)
     seen = pixels(image)[places[:, 1], places[:, 0], 0]
-    assert np.quantile(np.abs(seen - (heights + 1.0) / 2.0), 0.95) < 0.06
+    return np.quantile(np.abs(seen - (heights + 1.0) / 2.0), 0.95)
 
 
 def test_normal_maps_and_light_are_baked(ball):
@@ -245,6 +252,28 @@ def test_the_object_may_have_been_moved(ball):
     copy = object_with_keys(ball, world_copy(ball), [], bpy.context.scene)
     bpy.context.view_layer.update()
     assert copy.matrix_world == Matrix() and len(baked(copy).images) == len(expected)
+
+
+def test_the_shape_may_be_sheared(ball, inventory):
+    """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
+    shape, parent = ball["convwass_shapes"]["Large"]["shape"], linked("Stretch", None)
+    place = shape.matrix_world.copy()
+    parent.scale.x, shape.parent, shape.rotation_euler.y = 3.0, parent, 0.6
+    while ball.data.uv_layers:
+        ball.data.uv_layers.remove(ball.data.uv_layers[0])
+    bpy.context.view_layer.update()
+    shape.data.transform(shape.matrix_world.inverted() @ place)
+    # Heights from -2 to 2 become values from 0 to 1.
+    material = shape.data.materials[0]
+    tree = material.node_tree
+    position, axes = tree.nodes.new("ShaderNodeNewGeometry"), tree.nodes.new("ShaderNodeSeparateXYZ")
+    tree.links.new(position.outputs["Position"], axes.inputs[0])
+    value = new_node(tree, "ShaderNodeMath", {0: axes.outputs["Z"], 1: 0.25, 2: 0.5}, operation="MULTIPLY_ADD")
+    tree.links.new(value.outputs[0], principled(material).inputs["Roughness"])
+    before = {name for kind, name in inventory() if kind == "OBJECT"}
+    (image,) = baked(ball, texture_looks="END").images
+    assert {name for kind, name in inventory() if kind == "OBJECT"} == before
+    assert error_of_heights(ball, image) < 0.06
 
 
 def world_copy(obj):

@@ -92,8 +92,8 @@ def _made_objects(look: Look, scene: bpy.types.Scene) -> Iterator[list[bpy.types
             objects.append(look.shape.object_in(scene, "Shape"))
         yield objects
     finally:
-        meshes = [obj.data for obj in objects]
-        bpy.data.batch_remove([*objects, *meshes])
+        needed = [block for obj in objects for block in (obj.data, obj.parent) if block is not None]
+        bpy.data.batch_remove([*objects, *needed])
 
 
 @contextmanager

@@ -20,7 +20,7 @@ from ...geometry.closest_points import ClosestPointFinder
 from ..element_values import element_values
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
-from ..objects import evaluated_object, take_own_materials, triangle_mesh
+from ..objects import evaluated_object, stand, take_own_materials, triangle_mesh
 from .records import SHAPES_KEY, key_names, key_records
 
 SLOTS = "convwass_slots"
@@ -53,12 +53,19 @@ class Surface:
     color: tuple[float, ...]
 
     def object_in(self, scene: bpy.types.Scene, name: str) -> bpy.types.Object:
-        """Link an object with a copy of the mesh to a scene; raises ConvwassError if the mesh was removed by undo."""
+        """Link an object with a copy of the mesh to a scene; it has an Empty as a parent if it is sheared.
+
+        Raises
+        ------
+        ConvwassError
+            The mesh was removed by undo.
+        """
         mesh = self.mesh.find()
         if mesh is None:
             raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
         obj = bpy.data.objects.new(name, mesh.copy())
-        obj.matrix_world, obj.color = Matrix(self.world), self.color
+        obj.color = self.color
+        stand(obj, Matrix(self.world))
         scene.collection.objects.link(obj)
         return obj
 
