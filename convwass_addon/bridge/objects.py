@@ -223,6 +223,19 @@ def stand(obj: bpy.types.Object, matrix: Matrix) -> list[bpy.types.Object]:
     return [obj.parent]
 
 
+def take_parent(before: bpy.types.Object, after: bpy.types.Object) -> None:
+    """Give an object the parent of the one that it replaces, with the same relation to it."""
+    if before.parent is None:
+        return
+    after.parent = before.parent
+    after.parent_type = before.parent_type
+    if before.parent_type == "BONE":
+        after.parent_bone = before.parent_bone
+    elif before.parent_type in {"VERTEX", "VERTEX_3"}:
+        after.parent_vertices = before.parent_vertices
+    after.matrix_parent_inverse = before.matrix_parent_inverse
+
+
 def is_sheared(matrix: Matrix) -> bool:
     """Return whether a world matrix differs from its location, rotation and scale.
 

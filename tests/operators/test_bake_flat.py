@@ -14,6 +14,7 @@ from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.player import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
 from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.objects import update_places
 from tests.operators.morphs import baked_morph, census
 from tests.scene import linked, select_only
 
@@ -275,6 +276,26 @@ RED, GREEN, BLUE = (1, 0, 0, 1), (0, 1, 0, 1), (0, 0, 1, 1)
 
 def region(obj, number):
     return tuple(obj[f"convwass_region_{number}"])
+
+
+def places(frames):
+    """Return the world matrices of frames, also of hidden ones."""
+    update_places(frames, bpy.context.evaluated_depsgraph_get())
+    return [obj.matrix_world.copy() for obj in frames]
+
+
+def test_curves_that_become_meshes_keep_their_parent():
+    select_only(text("A"), text("B", 3.0))
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    parent = linked("Stretch", None)
+    parent.scale.x = 3.0
+    for obj in frame_objects(baked_morph()):
+        obj.parent, obj.rotation_euler.z = parent, 0.6
+    before = places(frame_objects(baked_morph()))
+    bpy.ops.convwass.make_player()
+    frames = frame_objects(baked_morph())
+    assert {(obj.type, obj.parent) for obj in frames} == {("MESH", parent)}
+    np.testing.assert_allclose(places(frames), before, atol=1e-6)
 
 
 def test_letters_keep_their_colors_and_share_materials():

@@ -12,6 +12,7 @@ from ...errors import InputError
 from ..morphs.bake import assign_default_material
 from ..morphs.stand_ins import stand_ins
 from ..morphs.stored import frame_objects, store, stored_morph
+from ..objects import take_parent
 from .flat_paint import paint_mesh, region_colors
 
 
@@ -84,9 +85,10 @@ def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
 
 
 def _standing_for(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """Make a mesh object with the transform, keys and properties of another object."""
+    """Make a mesh object with the parent, transform, keys and properties of another object."""
     other = bpy.data.objects.new(obj.name, mesh)
-    other.matrix_world, other.color = obj.matrix_world.copy(), obj.color
+    take_parent(obj, other)
+    other.matrix_basis, other.color = obj.matrix_basis, obj.color
     for key, value in obj.items():
         other[key] = value
     if obj.animation_data is not None and obj.animation_data.action is not None:

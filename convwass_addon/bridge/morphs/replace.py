@@ -9,6 +9,7 @@ from itertools import chain
 
 import bpy
 
+from ..objects import take_parent
 from .changes import SIGNATURES_KEY
 from .disk_output import FOLDER_KEY
 from .hidden_inputs import take_hidden
@@ -78,26 +79,13 @@ def _replace_frames(morph: bpy.types.Collection, made: Sequence[bpy.types.Object
     edited = take_materials(gone, made)
     names = [_names(before, after) for before, after in pairs]
     for before, after in pairs:
-        _take_parent(before, after)
+        take_parent(before, after)
     for before, after in pairs:
         before.user_remap(after)
     remove_frame_objects(gone)
     for block, name in chain.from_iterable(names):
         block.name = name
     return edited
-
-
-def _take_parent(before: bpy.types.Object, after: bpy.types.Object) -> None:
-    """Give a new frame the parent of the one that it replaces, and its place relative to it."""
-    if before.parent is None:
-        return
-    after.parent = before.parent
-    after.parent_type = before.parent_type
-    if before.parent_type == "BONE":
-        after.parent_bone = before.parent_bone
-    elif before.parent_type in {"VERTEX", "VERTEX_3"}:
-        after.parent_vertices = before.parent_vertices
-    after.matrix_parent_inverse = before.matrix_parent_inverse
 
 
 def _names(before: bpy.types.Object, after: bpy.types.Object) -> list[tuple[bpy.types.ID, str]]:
