@@ -19,6 +19,7 @@ from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_k
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.errors import InputError
 from tests.pictures import pixels_in
+from tests.scene import linked, world
 from tests.vertex_textures import gathered, joined_steps, unpacked_normals
 
 # Blender's own add-ons use what newer versions of NumPy and Python advise against.
@@ -117,6 +118,31 @@ def test_the_object_moves_in_files(keyed, tmp_path, suffix, inventory):
         bpy.context.scene.frame_set(frame - 3 + first)
         np.testing.assert_allclose(obj.matrix_world.to_translation(), place, atol=1e-3)
     assert obj.data.shape_keys.key_blocks[2].value == pytest.approx(1.0, abs=1e-3)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".fbx"])
+@pytest.mark.parametrize("turn", [0.0, np.pi / 2])
+def test_a_sheared_object_keeps_its_shape_in_files(keyed, tmp_path, suffix, turn):
+    """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
+    parent = linked("Stretch", None)
+    parent.scale.x, keyed.parent, keyed.rotation_euler.y = 3.0, parent, 0.6
+    for frame, angle in ((3, 0.0), (3 + FRAMES, turn)):
+        parent.rotation_euler.z = angle
+        parent.keyframe_insert("rotation_euler", frame=frame)
+    frames, expected = [3, 4, 3 + FRAMES], []
+    for frame in frames:
+        bpy.context.scene.frame_set(frame)
+        expected.append(world(keyed))
+    (file,) = export_shape_keys(keyed, tmp_path / f"keys{suffix}")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    read = bpy.ops.import_scene.gltf if suffix == ".glb" else bpy.ops.import_scene.fbx
+    read(filepath=str(file))
+    (obj,) = [one for one in bpy.data.objects if one.type == "MESH"]
+    for frame, points in zip(frames, expected, strict=True):
+        bpy.context.scene.frame_set(frame - 3 + (0 if suffix == ".glb" else 1))
+        found = world(obj)
+        for pick in (np.min, np.max):
+            np.testing.assert_allclose(pick(found, axis=0), pick(points, axis=0), atol=1e-2)
 
 
 def test_fbx_keeps_the_keys(keyed, tmp_path):

@@ -29,7 +29,7 @@ from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
-from ..objects import shown_objects, take_own_materials
+from ..objects import is_sheared, shown_objects, take_own_materials, transform_mesh
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
@@ -129,7 +129,6 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         take_own_materials(mesh, obj)
         plain = _assign_plain_material(mesh, obj)
         copy = bpy.data.objects.new(obj.name, mesh)
-        copy.matrix_world = obj.matrix_world
         scene.collection.objects.link(copy)
         rig = _rigged(copy, obj, scene)
         keys = mesh.shape_keys
@@ -155,7 +154,12 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
 
 
 def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.types.Action) -> None:
-    """Key in an action where an object is in every frame from 0 on, if it moves."""
+    """Place an object in every frame from 0 on, with keys in an action if it moves; its mesh takes a shear."""
+    if any(map(is_sheared, places)):
+        transform_mesh(copy.data, places[0], shape_keys=True)
+        # Free of shear if only its parent moves.
+        places = [place @ places[0].inverted_safe() for place in places]
+    copy.matrix_world = places[0]
     if np.allclose(places, places[0], atol=1e-6):
         return
     data = copy.animation_data_create()
