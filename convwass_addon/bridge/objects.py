@@ -144,7 +144,7 @@ def frozen_copy(
         As for `triangle_mesh`, but coordinates are not checked.
     """
     with _evaluated(obj, depsgraph, kinds) as evaluated:
-        _checked_matrix(evaluated)
+        checked_matrix(evaluated)
         world = evaluated.matrix_world.copy()
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
@@ -413,8 +413,8 @@ def shown_objects(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -
             curve.mute = False
 
 
-def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
-    """Return the (4, 4) world matrix; raises InputError if it flattens the object."""
+def checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
+    """Return the world matrix of an evaluated object, (4, 4) float64; raises InputError if it flattens the object."""
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     if not np.isfinite(matrix).all():
         raise InputError(
@@ -431,7 +431,7 @@ def _checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
 
 def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> TriangleMesh:
     """Check an evaluated object and its mesh, and transform the mesh to world space."""
-    matrix = _checked_matrix(evaluated)
+    matrix = checked_matrix(evaluated)
     vertices, faces = _arrays(mesh)
     _check_faces(name, mesh)
     world = transformed_points(vertices, matrix)

@@ -267,6 +267,18 @@ def test_flat_and_solid_shapes_are_not_mixed_without_a_thickness(make_object):
         asks_for_flat([solid, painted(disc())], depsgraph, 0.1)
 
 
+@pytest.mark.parametrize("thickness", [0.0, 0.1])
+@pytest.mark.parametrize("depth", [0.0, 0.1])
+def test_a_scale_of_zero_among_solid_shapes_is_named(make_object, thickness, depth):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    solid, gem, word = make_object("Solid"), make_object("Gem"), text("A", extrude=depth)
+    gem.scale.z = word.scale.z = 0.0
+    for flat in (gem, word):
+        with pytest.raises(InputError, match=rf"{flat.name} has a scale of zero, so it has no volume; give it another"):
+            asks_for_flat([solid, flat], depsgraph, thickness)
+    assert asks_for_flat([gem, word], depsgraph, 0.0)
+
+
 def test_an_outline_becomes_a_curve_that_blender_fills():
     angle = np.linspace(0, 2 * np.pi, 300, endpoint=False)
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 
 from ...errors import InputError
-from ..objects import MESHED
+from ..objects import MESHED, checked_matrix, evaluated_object
 from .flat_kinds import has_own_depth, is_drawn_flat, is_shape
 from .flat_objects import is_flat
 
@@ -20,7 +20,7 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
     Raises
     ------
     InputError
-        Flat and solid shapes are mixed, and the flat ones have no depth.
+        Flat and solid shapes are mixed, and the flat ones have no depth, or only a scale of zero flattens them.
     """
     if not all(is_shape(obj) for obj in inputs):
         # Reading them reports the problem.
@@ -39,6 +39,9 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
                 flat=obj.name,
                 solid=solid.name,
             )
+        with evaluated_object(obj, depsgraph) as evaluated:
+            # Neither a thickness nor a depth helps where the scale is zero.
+            checked_matrix(evaluated)
         if thickness <= 0 and not (is_drawn_flat(obj) and has_own_depth(obj)):
             raise InputError(
                 "{flat} is flat but {solid} is solid; choose shapes of one kind, or set Thickness to make the flat "
