@@ -135,8 +135,7 @@ class BackgroundOperator:
             # On any error, leave nothing running unnoticed.
             self._background.cancel()
             self._stop(context)
-            self._job.discard()
-            return refuse_if_known(self, error)
+            return self._fail(error)
         if not written:
             return {"PASS_THROUGH"}
         waiting = None if stopping else self._waits_for(context)
@@ -177,11 +176,18 @@ class BackgroundOperator:
                 return {"FINISHED"}
         except Exception as failure:
             error = failure
-        self._job.discard()
         if isinstance(error, Cancelled):
+            self._job.discard()
             self.report({"INFO"}, self._nothing_kept())
             return {"CANCELLED"}
-        return refuse_if_known(self, error)
+        return self._fail(error)
+
+    def _fail(self, error: BaseException) -> set[str]:
+        """Discard the job, report its error, and go on with what was to follow it."""
+        self._job.discard()
+        answer = refuse_if_known(self, error)
+        self._go_on()
+        return answer
 
     def _show(self, context: bpy.types.Context, fraction: float, sentence: Sentence) -> None:
         message = translated(sentence)
@@ -238,6 +244,9 @@ class BackgroundOperator:
     def _keep(self, context: bpy.types.Context, job: Job) -> bool:
         """Keep the finished part of a stopped job; return whether there is any."""
         return False
+
+    def _go_on(self) -> None:
+        """Start what was to follow a job that has failed in the background, if anything."""
 
     def _waits_for(self, context: bpy.types.Context) -> Sentence | None:
         """Return what the user must do before the result can be written, or None."""

@@ -26,7 +26,7 @@ from ..translations import translated
 from .background import BackgroundOperator
 from .chosen_inputs import ChosenInputs, baked_inputs, chosen_inputs
 from .morph_manage import is_free_to_bake, is_own
-from .morph_results import FrameResults, ShapeKeyResults, SwapResults
+from .morph_results import FrameResults, ShapeKeyResults, SwapResults, bake_following
 
 if TYPE_CHECKING:
     from ..applications.morphs.computation import Computation
@@ -230,6 +230,9 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     ) -> set[str]:
         self._results().finish(context, self._own_scene(context))
         return {"FINISHED"}
+
+    def _go_on(self) -> None:
+        bake_following(self)
 
 
 classes = (CONVWASS_OT_bake_morph,)

@@ -33,6 +33,7 @@ from ..bridge.one_mesh.records import baked_keys
 from ..bridge.operator_errors import reason
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
+from ..translations import translated
 from .background import is_idle
 from .reporting import listed, refuse, tell
 
@@ -181,27 +182,28 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
         return True
 
     def invoke(self, context, event):
-        # In the background, each bake starts the next one.
-        return self._bake(context, "INVOKE_DEFAULT", lambda blocks: [(blocks[0], _uids(blocks[1:]))])
+        return self._bake(context, "INVOKE_DEFAULT")
 
     def execute(self, context):
-        return self._bake(context, "EXEC_DEFAULT", lambda blocks: [(block, "") for block in blocks])
+        return self._bake(context, "EXEC_DEFAULT")
 
-    def _bake(self, context, how, planned):
+    def _bake(self, context, how):
         blocks = self._wanted(context)
         if not blocks:
             self.report({"INFO"}, rpt_("No morph needs to be baked again"))
             return {"CANCELLED"}
-        try:
-            for block, following in planned(blocks):
-                with refusing_damage(block.name):
-                    bpy.ops.convwass.bake_morph(how, following=following, **_arguments(block))
-        except ConvwassError as error:
-            return refuse(self, error)
-        except RuntimeError as error:
-            self.report({"ERROR"}, str(reason(error)))
-            return {"CANCELLED"}
-        return {"FINISHED"}
+        problems = []
+        for place, block in enumerate(blocks, start=1):
+            # In the background, each bake starts the next one.
+            following = blocks[place:] if how == "INVOKE_DEFAULT" else []
+            problem = _problem_of_baking(block, how, following)
+            if problem is not None:
+                problems.append(problem)
+            elif following:
+                break
+        if problems:
+            self.report({"ERROR"}, " ".join(problems))
+        return {"CANCELLED"} if len(problems) == len(blocks) else {"FINISHED"}
 
     def _wanted(self, context: bpy.types.Context) -> list[bpy.types.Collection | bpy.types.Object]:
         """Return the morphs to bake."""
@@ -217,6 +219,22 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
             return [] if active is None else [active]
         solved = [block for block in there if not _is_sampled(block)]
         return [block for block in solved if self.which == "ALL" or changed_inputs(block)]
+
+
+def _problem_of_baking(
+    block: bpy.types.Collection | bpy.types.Object,
+    how: str,
+    following: Sequence[bpy.types.Collection | bpy.types.Object],
+) -> str | None:
+    """Bake a morph again, and others after it; return what has prevented that, in the user's language, or None."""
+    try:
+        with refusing_damage(block.name):
+            bpy.ops.convwass.bake_morph(how, following=_uids(following), **_arguments(block))
+    except ConvwassError as error:
+        return translated(error.sentence)
+    except RuntimeError as error:
+        return str(reason(error))
+    return None
 
 
 def _uids(blocks: Sequence[bpy.types.Collection | bpy.types.Object]) -> str:

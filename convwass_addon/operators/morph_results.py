@@ -104,7 +104,7 @@ class FrameResults:
         select_only(context, [] if shown is None else [shown])
         _report_missed(self.operator, collection)
         self._report(collection)
-        _bake_following(self.operator)
+        bake_following(self.operator)
 
     def _report(self, collection: bpy.types.Collection) -> None:
         """Show the most important message: errors of the solver, notices, the size, or a summary."""
@@ -197,7 +197,7 @@ class ShapeKeyResults:
         select_only(context, shown)
         poor = [_poor_notice(path) for path in self.job.paths if len(path.poor)]
         tell(self.operator, self._summary(shown), (), [*self.job.notices, *poor, *following_notices(shown)])
-        _bake_following(self.operator)
+        bake_following(self.operator)
 
     def _summary(self, shown: list[bpy.types.Object]) -> str:
         """Return how well the mesh arrives, as text."""
@@ -258,10 +258,14 @@ def _outdated(morph: bpy.types.Collection) -> list[str]:
     return [text.format(main_object(morph).name)]
 
 
-def _bake_following(operator: bpy.types.Operator) -> None:
-    """Start the next one of several bakes in the background."""
-    if operator.following:
+def bake_following(operator: bpy.types.Operator) -> None:
+    """Start the next one of several bakes in the background, and report those that cannot start."""
+    if not operator.following:
+        return
+    try:
         bpy.ops.convwass.rebake_morph("INVOKE_DEFAULT", session_uids=operator.following)
+    except RuntimeError as error:
+        operator.report({"ERROR"}, str(reason(error)))
 
 
 def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob | SwapJob, scene: bpy.types.Scene) -> None:

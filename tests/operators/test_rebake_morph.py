@@ -19,7 +19,10 @@ from convwass_addon.bridge.morphs.stand_ins import shown_morph, shows_frames, st
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
 from convwass_addon.bridge.object_names import ObjectName, objects_named
 from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.errors import ConvwassError
 from tests.linked_objects import linked_object
+from tests.operators.morphs import PressedBake
+from tests.operators.running import started, until, window_context
 
 
 def bake(**options):
@@ -201,6 +204,47 @@ def test_only_outdated_morphs_are_baked(morph):
     assert bpy.ops.convwass.rebake_morph(which="STALE") == {"CANCELLED"}
     assert bpy.ops.convwass.rebake_morph(which="ALL") == {"FINISHED"}
     assert len(frame_objects(morph)) == 4
+
+
+@pytest.mark.parametrize("how", ["EXEC_DEFAULT", "INVOKE_DEFAULT"])
+def test_all_morphs_are_baked_although_some_cannot_be(morph, how):
+    others = [bake() for _ in range(4)]
+    missing = [shapes(other)[0].name for other in (morph, *others[1:3])]
+    for name in missing:
+        bpy.data.objects.remove(bpy.data.objects[name])
+    for other in (others[0], others[3]):
+        shapes(other)[0].scale.z = 1.5
+    bpy.context.view_layer.update()
+    with pytest.raises(RuntimeError) as error:
+        bpy.ops.convwass.rebake_morph(how, which="ALL")
+    if how == "EXEC_DEFAULT":
+        assert all(name in str(error.value) for name in missing)
+    assert [changed_inputs(other) for other in (others[0], others[3])] == [[], []]
+    bpy.context.view_layer.objects.active = frame_objects(morph)[0]
+    with pytest.raises(RuntimeError, match=missing[0]):
+        bpy.ops.convwass.rebake_morph()
+
+
+def test_after_a_bake_that_fails_in_the_background_the_next_one_starts(morph, monkeypatch):
+    other = bake()
+    shapes(other)[0].scale.z = 1.5
+    bpy.context.view_layer.update()
+    pressed, context = PressedBake(), window_context()
+    pressed.inputs, pressed.replaces = ",".join(stored_morph(morph).inputs), morph.name
+    pressed.following = str(other.session_uid)
+    bpy.context.scene.convwass_morph.resolution = 24
+    write = job.MorphJob.write
+
+    def failing(own, report):
+        monkeypatch.setattr(job.MorphJob, "write", write)
+        raise ConvwassError("The disk is full.")
+
+    monkeypatch.setattr(job.MorphJob, "write", failing)
+    kept = frame_objects(morph)
+    assert started(pressed, context)
+    assert until(pressed, context) == {"CANCELLED"}
+    assert pressed.reports == ["The disk is full."]
+    assert (frame_objects(morph), changed_inputs(other)) == (kept, [])
 
 
 def test_settings_are_those_of_the_morph_and_not_of_the_panel(empty_scene):
