@@ -159,6 +159,18 @@ def test_locked_keys_are_not_replaced(moving):
     assert [tuple(point.co) for point in curve.keyframe_points] == [(FIRST, 0), (FIRST + FRAMES, 1)]
 
 
+def test_muted_keys_are_named_and_give_no_speed(moving):
+    player = make_player(moving, between="INTERPOLATED")
+    curve = next(own for own in curves_of(player) if own.data_path == morph_value(player).data_path)
+    curve.mute = True
+    with pytest.raises(InputError, match="are muted, so they have no effect; unmute its curve"):
+        retime(player, Retiming())
+    assert len(curve.keyframe_points) == 2
+    key_speed(player)
+    assert not values(player, FIRST + np.arange(FRAMES))[:, 1].any()
+    assert not shows_as_baked(player)
+
+
 def test_a_player_of_baked_blends_has_keys_only(moving):
     player = make_player(moving, between="NEAREST")
     retime(player, Retiming(style="BOUNCE", frames=12))

@@ -127,7 +127,7 @@ def retime(player: bpy.types.Object, timing: Retiming) -> range:
     Raises
     ------
     InputError
-        The value is driven, or its curve is locked.
+        The value is driven, or its curve is locked or muted.
     """
     value = morph_value(player)
     if is_driven(player, value.data_path):
@@ -138,6 +138,12 @@ def retime(player: bpy.types.Object, timing: Retiming) -> range:
     if curve is not None and curve.lock:
         raise InputError(
             "The keys of the value of {name} are locked; unlock its curve in the Graph Editor first.", name=player.name
+        )
+    if curve is not None and curve.mute:
+        raise InputError(
+            "The keys of the value of {name} are muted, so they have no effect; unmute its curve in the Graph Editor "
+            "first.",
+            name=player.name,
         )
     start = keyed_span(player)[0] if curve is None else curve.range()[0]
     keys = keys_of(timing, start, last_value(player) + 1, float(value.get()))
@@ -189,8 +195,11 @@ def keyed_span(player: bpy.types.Object) -> tuple[int, int]:
 
 def sole_curve(player: bpy.types.Object) -> bpy.types.FCurve | None:
     """Return the curve of a player's value if nothing else animates it, or None."""
-    path, data = morph_value(player).data_path, player.animation_data
-    return None if data is None or data.nla_tracks or is_driven(player, path) else _curve(player, morph_value(player))
+    value, data = morph_value(player), player.animation_data
+    if data is None or data.nla_tracks or is_driven(player, value.data_path):
+        return None
+    curve = _curve(player, value)
+    return None if curve is None or curve.mute else curve
 
 
 def _span(player: bpy.types.Object) -> range:
