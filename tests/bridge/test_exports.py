@@ -199,7 +199,32 @@ def test_textures_hold_the_triangles_of_every_frame(collection, tmp_path, invent
     np.testing.assert_allclose(colors[1][0], 255 * srgb(np.array([2 / 3, 0.0, 1 / 3])), atol=1.5)
 
 
-@pytest.mark.parametrize("name", ["stl", "alembic"])
+_READERS = {
+    ".abc": lambda file: bpy.ops.wm.alembic_import(filepath=file, as_background_job=False),
+    ".glb": lambda file: bpy.ops.import_scene.gltf(filepath=file),
+    ".usdc": lambda file: bpy.ops.wm.usd_import(filepath=file),
+}
+
+
+def corners_of(files):
+    """Read the lowest and the highest corner of what files show in frames 3 to 6."""
+    suffix, found = files[0].suffix, []
+    for place in range(4):
+        if place < len(files):
+            bpy.ops.wm.read_factory_settings(use_empty=True)
+            if suffix in _READERS:
+                _READERS[suffix](str(files[place]))
+            else:
+                import_objects(files[place], None)
+        scene = bpy.context.scene
+        scene.frame_set(place if suffix == ".glb" else 3 + place)
+        shown = [obj for obj in scene.objects if obj.type == "MESH" and min(obj.scale) > 0.5]
+        (bounds,) = (triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds for obj in shown)
+        found.append(bounds)
+    return np.array(found)
+
+
+@pytest.mark.parametrize("name", ["stl", "gltf", *ANIMATIONS])
 def test_frames_are_where_their_parent_is(collection, tmp_path, bare_scene, name):
     """Also those that are hidden now."""
     empty = bpy.data.objects.new("Place", None)
@@ -209,36 +234,10 @@ def test_frames_are_where_their_parent_is(collection, tmp_path, bare_scene, name
     for frame in range(3, 7):
         bare_scene.frame_set(frame)
     empty.location.x = 7.0
-    files = export_frames(collection, tmp_path / "rise", name)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    found = []
-    for frame in range(3, 7):
-        file = files[min(frame - 3, len(files) - 1)]
-        (obj,) = import_objects(file, None) if name == "stl" or frame == 3 else (obj,)
-        bpy.context.scene.frame_set(frame)
-        found.append(triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds[:, 0].mean())
-    np.testing.assert_allclose(found, 7.0, atol=1e-5)
-
-
-def corners_of(files):
-    """Read the lowest and the highest corner of what files show in frames 3 to 6."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
-    scene, found = bpy.context.scene, []
-    is_gltf = files[0].suffix == ".glb"
-    if is_gltf:
-        bpy.ops.import_scene.gltf(filepath=str(files[0]))
-    elif len(files) == 1:
-        import_objects(files[0], None)
-    for place in range(4):
-        if len(files) > 1:
-            bpy.ops.wm.read_factory_settings(use_empty=True)
-            import_objects(files[place], None)
-        scene = bpy.context.scene
-        scene.frame_set(place if is_gltf else 3 + place)
-        shown = [obj for obj in scene.objects if obj.type == "MESH" and min(obj.scale) > 0.5]
-        (bounds,) = (triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).bounds for obj in shown)
-        found.append(bounds)
-    return np.array(found)
+    middles = corners_of(export_frames(collection, tmp_path / "rise", name)).mean(axis=1)
+    np.testing.assert_allclose(middles[:, 0], 7.0, atol=1e-5)
+    # Every frame is read.
+    np.testing.assert_allclose(middles[:, 2], [0.0, 1.0, 2.0, 3.0], atol=1e-5)
 
 
 @pytest.mark.parametrize("name", ["gltf"])
