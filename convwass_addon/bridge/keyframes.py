@@ -63,16 +63,22 @@ def key_scale(obj: bpy.types.Object, action: bpy.types.Action, axis: int, keys: 
     _write(_channels(obj, action).fcurves.new("scale", index=axis), keys)
 
 
-def is_shown(obj: bpy.types.Object, frame: int) -> bool:
+def is_shown(obj: bpy.types.Object, frame: float) -> bool:
     """Return whether an object is rendered at a scene frame, by its keys or else by its current setting."""
     bag = channels_of(obj)
     curve = bag.fcurves.find("hide_render") if bag else None
-    return curve.evaluate(frame) < 0.5 if curve else not obj.hide_render
+    return curve.evaluate(frame) < 0.5 if curve and not curve.mute else not obj.hide_render
 
 
 def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
-    """Return the scene frames from the first to the last visibility key of some objects; empty without keys."""
-    return key_span(curve for obj in objects for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS)
+    """Return the scene frames from the first to the last visibility key of some objects, or NLA strip with such keys.
+
+    Empty without any.
+    """
+    objects = list(objects)
+    keys = key_span(curve for obj in objects for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS)
+    spans = [span for span in (keys, *(strips_span(objects, path) for path in VISIBILITY_PATHS)) if span]
+    return range(min(span.start for span in spans), max(span.stop for span in spans)) if spans else range(0)
 
 
 def key_span(curves: Iterable[bpy.types.FCurve]) -> range:

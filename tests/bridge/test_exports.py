@@ -16,6 +16,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
 from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
@@ -206,10 +207,10 @@ _READERS = {
 }
 
 
-def corners_of(files):
-    """Read the lowest and the highest corner of what files show in frames 3 to 6."""
+def corners_of(files, count=4):
+    """Read the lowest and the highest corner of what files show in `count` frames from 3 on."""
     suffix, found = files[0].suffix, []
-    for place in range(4):
+    for place in range(count):
         if place < len(files):
             bpy.ops.wm.read_factory_settings(use_empty=True)
             if suffix in _READERS:
@@ -238,6 +239,45 @@ def test_frames_are_where_their_parent_is(collection, tmp_path, bare_scene, name
     np.testing.assert_allclose(middles[:, 0], 7.0, atol=1e-5)
     # Every frame is read.
     np.testing.assert_allclose(middles[:, 2], [0.0, 1.0, 2.0, 3.0], atol=1e-5)
+
+
+def push_down(obj, later):
+    """Move the keys of an object to an NLA strip that plays them later."""
+    data = obj.animation_data
+    action, slot, start = data.action, data.action_slot, int(curves_of(obj)[0].range()[0]) + later
+    strip = data.nla_tracks.new().strips.new("Strip", start, action)
+    strip.action_slot = slot
+    data.action = None
+
+
+@pytest.mark.parametrize("name", ["gltf", *ANIMATIONS])
+def test_strips_show_frames_in_files_when_they_show_them_in_the_scene(collection, tmp_path, bare_scene, name):
+    for obj in frame_objects(collection):
+        push_down(obj, 2)
+    bare_scene.frame_set(5)
+    expected = []
+    for frame in range(3, 9):
+        bare_scene.frame_set(frame)
+        (shown,) = [number for number, obj in enumerate(frame_objects(collection)) if not obj.hide_render]
+        expected.append(shown)
+    assert expected == [0, 0, 0, 1, 2, 3]
+    bare_scene.frame_set(5)
+    files = export_frames(collection, tmp_path / "rise", name)
+    assert bare_scene.frame_current == 5
+    np.testing.assert_allclose(corners_of(files, 6).mean(axis=1)[:, 2], expected, atol=1e-5)
+
+
+def test_a_muted_curve_does_not_show_a_frame_in_files(collection, tmp_path, bare_scene):
+    frames = frame_objects(collection)
+    bare_scene.frame_set(3)
+    for curve in curves_of(frames[3]):
+        curve.mute = True
+    frames[3].hide_render = True
+    (file,) = export_frames(collection, tmp_path / "rise", "gltf")
+    tables, numbers = read_glb(file)
+    (animation,) = tables["animations"]
+    outputs = [numbers(animation["samplers"][channel["sampler"]]["output"]) for channel in animation["channels"]]
+    assert [scales.max() for scales in outputs] == [1.0, 1.0, 1.0, 0.0]
 
 
 @pytest.mark.parametrize("name", ["gltf"])

@@ -15,9 +15,9 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..framing import View, broad_view, orbit
-from ..keyframes import is_shown
 from ..studio import Studio, checked_output, opening, world_points
 from ..video import write_video
+from ..visibility import shown_at
 from .stored import frame_objects, shown_frames
 
 ELEVATION = math.radians(18.0)
@@ -91,6 +91,7 @@ def render_animation(
             "{name} contains no morph along a path; for a sheet, make a contact sheet instead.", name=collection.name
         )
     frames = [*span[:-1:step], span[-1]]
+    seen = shown_at(objects, frames)
     with Studio() as studio, tempfile.TemporaryDirectory(prefix="convwass-") as folder:
         copies = [studio.show(obj) for obj in objects]
         points = [_sample(obj) for obj in objects]
@@ -100,12 +101,12 @@ def render_animation(
         views = [View(view.azimuth + angle, view.elevation) for angle in _swing(turn, len(frames))]
         poses = orbit(np.concatenate(points), views, opening(resolution))
         pictures = [Path(folder) / f"{index:05d}.png" for index in range(len(frames))]
-        for index, (frame, pose) in enumerate(zip(frames, poses, strict=True)):
+        for index, (now, pose) in enumerate(zip(seen, poses, strict=True)):
             message = Sentence("Rendering frame {done} of {total}", {"done": index + 1, "total": len(frames)})
             yield Progress(index / (len(frames) + 1), message)
             control.check()
             for obj, copy in zip(objects, copies, strict=True):
-                copy.hide_render = not is_shown(obj, frame)
+                copy.hide_render = obj not in now
             studio.look(pose, depth)
             studio.render(pictures[index])
         yield Progress(len(frames) / (len(frames) + 1), Sentence("Writing the video"))

@@ -19,7 +19,6 @@ from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..element_values import element_values
 from ..files import checked_target
-from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
 from ..objects import update_places, world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
@@ -27,6 +26,7 @@ from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
+from ..visibility import shown_at
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, shows_color_attribute, shows_object_color
@@ -169,7 +169,7 @@ def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, c
     original = bpy.context.scene
     first, last = (span[0], span[-1]) if span else 2 * (original.frame_current,)
     require_space(file.parent, _exported_bytes(frames))
-    shown = [tuple(obj for obj in frames if is_shown(obj, frame)) for frame in range(first, last + 1)]
+    shown = shown_at(frames, range(first, last + 1))
     with scratch_scene() as scene, _colored_copies(frames, chosen.write_colors) as copies:
         scene.frame_start, scene.frame_end = first, last
         scene.render.fps, scene.render.fps_base = original.render.fps, original.render.fps_base
@@ -187,8 +187,8 @@ def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, c
 def _export_steps(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
     """Write the frame objects of a path as nodes that take turns."""
     require_space(file.parent, _exported_bytes(frames))
-    render = bpy.context.scene.render
-    with scratch_scene() as scene, scaled_stand_ins(frames, span, file.stem) as copies, _plain_materials(copies):
+    render, shown = bpy.context.scene.render, shown_at(frames, span)
+    with scratch_scene() as scene, scaled_stand_ins(frames, shown, file.stem) as copies, _plain_materials(copies):
         scene.frame_start, scene.frame_end = 0, len(span)
         scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
         for copy in copies:

@@ -9,12 +9,14 @@ from contextlib import contextmanager
 
 import bpy
 
-from ..keyframes import is_shown, key_scale
+from ..keyframes import key_scale
 from ..objects import world_copy
 
 
 @contextmanager
-def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str) -> Iterator[list[bpy.types.Object]]:
+def scaled_stand_ins(
+    frames: Sequence[bpy.types.Object], shown: Sequence[Sequence[bpy.types.Object]], name: str
+) -> Iterator[list[bpy.types.Object]]:
     """Create objects with world-space copies of the meshes of frames, scaled to zero while these are hidden.
 
     The specification of glTF 2.0 suggests this way to hide nodes (section "Transformations").
@@ -23,8 +25,8 @@ def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str)
     ----------
     frames : sequence of bpy.types.Object
         All frame objects of a path.
-    span : range
-        The scene frames; the first of them becomes frame 0, and the last is shown for one frame.
+    shown : sequence of sequence of bpy.types.Object
+        Those that are shown in each scene frame, the first of which becomes frame 0; the last is shown for one frame.
     name : str
         Name of the action and of the objects, which get numbers from 0001.
 
@@ -40,9 +42,9 @@ def scaled_stand_ins(frames: Sequence[bpy.types.Object], span: range, name: str)
             # In world space, since a node that is scaled to zero has lost its rotation for the exporter.
             copy = world_copy(obj, f"{name}_{number:04d}")
             copies.append(copy)
-            shown = [is_shown(obj, frame) for frame in span]
-            keys = [(number, now) for number, now in enumerate(shown) if now != shown[number - 1] or number == 0]
-            keys.append((len(span), shown[-1]))
+            seen = [obj in objects for objects in shown]
+            keys = [(number, now) for number, now in enumerate(seen) if now != seen[number - 1] or number == 0]
+            keys.append((len(seen), seen[-1]))
             for axis in range(3):
                 key_scale(copy, action, axis, keys)
         yield copies

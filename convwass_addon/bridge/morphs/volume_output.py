@@ -19,10 +19,10 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..keyframes import is_shown
 from ..numbered_files import numbered_paths
 from ..objects import layers_with, triangle_meshes
 from ..openvdb_module import openvdb_module
+from ..visibility import shown_at
 from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
 from .materials import morph_material
 from .stored import frame_objects, shown_frames, stored_morph
@@ -112,13 +112,13 @@ def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> flo
 
 def _timeline(
     collection: bpy.types.Collection, frames: list[bpy.types.Object]
-) -> tuple[range, list[list[bpy.types.Object]]]:
+) -> tuple[range, list[tuple[bpy.types.Object, ...]]]:
     """Return the scene frames of a morph with the visible objects at each; a sheet is one frame with all objects."""
     span = shown_frames(collection)
     if not span:
         now = bpy.context.scene.frame_current
-        return range(now, now + 1), [frames]
-    return span, [[obj for obj in frames if is_shown(obj, number)] for number in span]
+        return range(now, now + 1), [tuple(frames)]
+    return span, shown_at(frames, span)
 
 
 def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spacing: float) -> None:
