@@ -209,6 +209,20 @@ def test_weights_leave_a_body_with_another_parent_in_place(rig):
     np.testing.assert_allclose(np.array(body.matrix_world), before, atol=1e-5)
 
 
+def test_weights_leave_a_sheared_body_in_place(rig):
+    """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
+    body, root = own().body, bpy.data.objects.new("Root", None)
+    bpy.context.collection.objects.link(root)
+    root.scale.y, body.rotation_euler.z, body.parent = 2.0, 0.2, root
+    bpy.context.view_layer.update()
+    before = np.array(body.matrix_world)
+    for _ in range(2):
+        assert call("fit_armature", auto_weights=True) == {"FINISHED"}
+        assert body.parent == rig
+        bpy.context.view_layer.update()
+        np.testing.assert_allclose(np.array(body.matrix_world), before, atol=1e-5)
+
+
 def test_weights_without_a_solution_are_reported(rig, monkeypatch, capfd):
     monkeypatch.setattr(armature_fit, "bind_with_weights", lambda body, rig: 7)
     call("fit_armature", auto_weights=True)

@@ -52,11 +52,11 @@ def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
     InputError
         Blender cannot parent the body to the armature.
     """
+    world = body.matrix_world.copy()
     chosen = {"active_object": rig, "object": rig, "selected_objects": [rig, body]}
     try:
         with bpy.context.temp_override(**chosen, selected_editable_objects=[rig, body]):
-            # A body that had another parent would jump otherwise.
-            bpy.ops.object.parent_set(type="ARMATURE_AUTO", keep_transform=True)
+            bpy.ops.object.parent_set(type="ARMATURE_AUTO")
     except RuntimeError as error:
         raise InputError(
             "{body} could not be bound to {rig}: {reason}",
@@ -64,6 +64,8 @@ def bind_with_weights(body: bpy.types.Object, rig: bpy.types.Object) -> int:
             rig=rig.name,
             reason=reason(error),
         ) from error
+    # A body that had another parent would jump otherwise; keep_transform=True loses the shear that it may have.
+    body.matrix_parent_inverse = rig.matrix_world.inverted_safe() @ world @ body.matrix_basis.inverted_safe()
     return unweighted(body, rig)
 
 
