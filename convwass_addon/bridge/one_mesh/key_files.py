@@ -184,8 +184,8 @@ def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scen
     rig.matrix_world = world
     scene.collection.objects.link(rig)
     copy.modifiers.new("Armature", "ARMATURE").object = rig
-    copy.parent, copy.matrix_parent_inverse = rig, world.inverted()
-    copy.matrix_world = obj.matrix_world
+    # Unlike a location, a rotation and a scale, it may have a shear.
+    copy.parent, copy.matrix_parent_inverse = rig, world.inverted() @ obj.matrix_world
     return rig
 
 
