@@ -34,6 +34,8 @@ _DEEPEST = 0.1
 _SLACK = 0.95
 # Number of places examined at once.
 _AT_ONCE = 20
+# Finds saddles, (n, 3), of a density between two values.
+_Finder = Callable[[NDArray[np.floating], float, float], NDArray[np.int64]]
 
 
 @dataclass(frozen=True)
@@ -124,14 +126,16 @@ def remove_handles(
     if left <= 0:
         return excess - left
     # Then places whose densities are nearest to the level, with wider and wider changes.
-    places = _places(density, level, effort)
+    places = _places(density, level, effort, bridges, lids)
     narrow = removed(left, places, 0, _NARROW)
     left -= narrow
     # Where nothing has changed, narrow changes were tried at all of these places.
-    wider = (_places(density, level, effort), 0) if narrow else (places, _NARROW)
+    wider = (_places(density, level, effort, bridges, lids), 0) if narrow else (places, _NARROW)
     left -= removed(left, *wider, widest)
     if left > 0:
-        left -= removed(left, _places_between(density, level, effort), 0, widest)
+        # Last come saddles that exist only because the isosurface separates cells sharing an edge or a corner.
+        between = _places(density, level, effort, bridges_by_faces, lids_by_corners)
+        left -= removed(left, between, 0, widest)
     return excess - left
 
 
@@ -291,15 +295,10 @@ def _cheapest_places(density: NDArray[np.floating], level: float, effort: Effort
     return places.chosen(order[moved[order] >= 0])
 
 
-def _places(density: NDArray[np.floating], level: float, effort: Effort) -> Places:
+def _places(
+    density: NDArray[np.floating], level: float, effort: Effort, find_thin: _Finder, find_holes: _Finder
+) -> Places:
     """Return saddles of potentially false handles."""
-    thin = bridges(density, level * _SLACK, level / effort.false)
-    holes = lids(density, level * effort.false, level / _SLACK)
-    return Places.of(thin, holes, density, level, effort.places)
-
-
-def _places_between(density: NDArray[np.floating], level: float, effort: Effort) -> Places:
-    """Return saddles that exist only because the isosurface separates cells sharing an edge or a corner."""
-    thin = bridges_by_faces(density, level * _SLACK, level / effort.false)
-    holes = lids_by_corners(density, level * effort.false, level / _SLACK)
+    thin = find_thin(density, level * _SLACK, level / effort.false)
+    holes = find_holes(density, level * effort.false, level / _SLACK)
     return Places.of(thin, holes, density, level, effort.places)
