@@ -8,6 +8,7 @@ import shutil
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -24,6 +25,7 @@ from ..objects import update_places, world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
+from ..scene_writing import write_alembic, write_still_gltf, write_usd
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from ..visibility import shown_at
@@ -305,38 +307,21 @@ def _write_corner_colors(mesh: bpy.types.Mesh, colors: np.ndarray) -> None:
     attribute.data.foreach_set("color", np.ascontiguousarray(colors.reshape(-1, 4)[vertices], dtype=np.float32).ravel())
 
 
-def _write_gltf(file: str) -> set[str]:
-    return bpy.ops.export_scene.gltf(
-        filepath=file, export_format="GLB", use_active_scene=True, export_animations=False, export_extras=False
-    )
-
-
 def _write_textures(frames: Sequence[bpy.types.Object], target: Path, fps: float) -> list[Path]:
     return write_changing_mesh(triangles_of_frames(frames), target, fps)
-
-
-def _write_usd(file: str) -> set[str]:
-    return bpy.ops.wm.usd_export(
-        filepath=file, export_animation=True, evaluation_mode="RENDER", convert_world_material=False
-    )
-
-
-def _write_alembic(file: str) -> set[str]:
-    scene = bpy.context.scene
-    return bpy.ops.wm.alembic_export(
-        filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER", vcolors=True
-    )
 
 
 FORMATS: dict[str, _Format] = {
     "obj": _Format((".obj",), animated=False, write=lambda file: bpy.ops.wm.obj_export(filepath=file)),
     "ply": _Format((".ply",), animated=False, write=lambda file: bpy.ops.wm.ply_export(filepath=file)),
     "stl": _Format((".stl",), animated=False, write=lambda file: bpy.ops.wm.stl_export(filepath=file)),
-    "gltf": _Format((".glb",), animated=False, write=_write_gltf, write_steps=write_gltf_animation),
+    "gltf": _Format((".glb",), animated=False, write=write_still_gltf, write_steps=write_gltf_animation),
     "usd": _Format(
-        (".usdc", ".usd", ".usda", ".usdz"), animated=True, write=_write_usd, write_colors=_write_point_colors
+        (".usdc", ".usd", ".usda", ".usdz"), animated=True, write=write_usd, write_colors=_write_point_colors
     ),
     "vat": _Format((".json",), animated=False, write=None, write_frames=_write_textures),
-    "alembic": _Format((".abc",), animated=True, write=_write_alembic, write_colors=_write_corner_colors),
+    "alembic": _Format(
+        (".abc",), animated=True, write=partial(write_alembic, colors=True), write_colors=_write_corner_colors
+    ),
 }
 """The formats of `export_frames`."""

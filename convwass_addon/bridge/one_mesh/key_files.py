@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -30,6 +31,7 @@ from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
 from ..objects import is_sheared, shown_objects, take_own_materials, transform_mesh
+from ..scene_writing import write_alembic, write_usd
 from ..scratch_scene import scratch_scene
 from ..sequence import mesh_sequence, remove_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
@@ -300,26 +302,13 @@ def _fbx(file: str) -> set[str]:
     )
 
 
-def _usd(file: str) -> set[str]:
-    return bpy.ops.wm.usd_export(
-        filepath=file, export_animation=True, evaluation_mode="RENDER", convert_world_material=False
-    )
-
-
-def _alembic(file: str) -> set[str]:
-    scene = bpy.context.scene
-    return bpy.ops.wm.alembic_export(
-        filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER"
-    )
-
-
 KEY_FORMATS: dict[str, Callable[[bpy.types.Object, range, Path], list[Path]]] = {
     ".glb": _write_targets(_gltf),
     ".fbx": _write_targets(_fbx),
-    ".usdc": _write_points(_usd),
-    ".usd": _write_points(_usd),
-    ".usda": _write_points(_usd),
-    ".abc": _write_points(_alembic),
+    ".usdc": _write_points(write_usd),
+    ".usd": _write_points(write_usd),
+    ".usda": _write_points(write_usd),
+    ".abc": _write_points(partial(write_alembic, colors=False)),
     ".json": _write_textures,
 }
 """Functions that write a mesh with shape keys, by file extension."""

@@ -19,6 +19,7 @@ from ...drafts import written_whole
 from ...errors import ConvwassError
 from ..element_values import element_values
 from ..image_files import ImageFormat, drawn_image, write_image
+from ..scene_writing import write_still_gltf
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
 from .moving_meshes import MovingVertices
@@ -152,14 +153,7 @@ def _write_exr(pixels: NDArray[np.float32], path: Path) -> None:
 def _write_glb(mesh: bpy.types.Mesh, path: Path) -> None:
     """Write a mesh unchanged, with its materials and UV maps."""
     with _alone(mesh, path.stem), written_whole(path) as draft:
-        finished = bpy.ops.export_scene.gltf(
-            filepath=str(draft),
-            export_format="GLB",
-            use_active_scene=True,
-            export_animations=False,
-            export_extras=False,
-        )
-        if "FINISHED" not in finished:
+        if "FINISHED" not in write_still_gltf(str(draft)):
             raise ConvwassError("{file} could not be written.", file=str(path))
 
 

@@ -1,0 +1,29 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's exporters, each with the options of all exports; they write the current scene and return their status."""
+
+from __future__ import annotations
+
+import bpy
+
+
+def write_still_gltf(file: str) -> set[str]:
+    """Write a glTF file without animation."""
+    return bpy.ops.export_scene.gltf(
+        filepath=file, export_format="GLB", use_active_scene=True, export_animations=False, export_extras=False
+    )
+
+
+def write_usd(file: str) -> set[str]:
+    """Write a USD file of all frames."""
+    return bpy.ops.wm.usd_export(
+        filepath=file, export_animation=True, evaluation_mode="RENDER", convert_world_material=False
+    )
+
+
+def write_alembic(file: str, colors: bool) -> set[str]:
+    """Write an Alembic file of all frames, with the colors of corners or without."""
+    scene = bpy.context.scene
+    return bpy.ops.wm.alembic_export(
+        filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER", vcolors=colors
+    )
