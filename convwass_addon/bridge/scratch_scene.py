@@ -23,3 +23,13 @@ def scratch_scene() -> Iterator[bpy.types.Scene]:
             yield scene
     finally:
         bpy.data.scenes.remove(scene)
+
+
+@contextmanager
+def scratch_animation(first: int, last: int) -> Iterator[bpy.types.Scene]:
+    """Like `scratch_scene`, with a range of frames and the frame rate of the current scene."""
+    render = bpy.context.scene.render
+    with scratch_scene() as scene:
+        scene.frame_start, scene.frame_end = first, last
+        scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
+        yield scene

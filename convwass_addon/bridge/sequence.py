@@ -4,19 +4,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 
 import bpy
 import numpy as np
 
 from .node_math import feed, new_node
+from .scratch_scene import scratch_animation
 
 MODIFIER = "Frames"
 """Name of the modifier that selects the mesh."""
 
 
-def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], first_frame: int) -> bpy.types.Object:
-    """Create an object that shows the meshes of others, frame by frame.
+@contextmanager
+def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], first_frame: int) -> Iterator[None]:
+    """Run a block of code in a temporary scene of one object, which shows the meshes of others, frame by frame.
 
     All versions of Blender export it as a single mesh of changing topology, whereas exporters treat objects that are
     shown in turn differently.
@@ -28,24 +31,21 @@ def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], firs
     shown : sequence of tuple of bpy.types.Object
         Objects at the origin, shown at `first_frame`, the frame after it, and so on.
     first_frame : int
-        A scene frame.
-
-    Returns
-    -------
-    bpy.types.Object
-        Not linked to a scene; remove it with `remove_sequence`.
+        The first frame of the scene, and its current one.
     """
     tree = frame_group(name)
     time = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
     index = nearest(tree, own_geometry(tree), along_x(tree, time))
     joints = {objects: _joint(tree, objects) for objects in set(shown)}
     output(tree, pick(tree, "GEOMETRY", index, [joints[objects] for objects in shown]), len(shown))
-    return table_object(name, [(first_frame + place, 0.0, 0.0) for place in range(len(shown))], tree)
-
-
-def remove_sequence(obj: bpy.types.Object) -> None:
-    """Remove an object created by `mesh_sequence`."""
-    bpy.data.batch_remove([obj, obj.data, obj.modifiers[MODIFIER].node_group])
+    obj = table_object(name, [(first_frame + place, 0.0, 0.0) for place in range(len(shown))], tree)
+    try:
+        with scratch_animation(first_frame, first_frame + len(shown) - 1) as scene:
+            scene.collection.objects.link(obj)
+            scene.frame_set(first_frame)
+            yield
+    finally:
+        bpy.data.batch_remove([obj, obj.data, tree])
 
 
 def frame_group(name: str) -> bpy.types.NodeTree:

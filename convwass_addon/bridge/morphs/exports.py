@@ -26,8 +26,8 @@ from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
 from ..scene_writing import write_alembic, write_still_gltf, write_usd
-from ..scratch_scene import scratch_scene
-from ..sequence import mesh_sequence, remove_sequence
+from ..scratch_scene import scratch_animation, scratch_scene
+from ..sequence import mesh_sequence
 from ..visibility import shown_at
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
@@ -168,31 +168,24 @@ def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
 
 def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
     """Export the frame objects as one mesh over scene frames; without animation, in their current state."""
-    original = bpy.context.scene
-    first, last = (span[0], span[-1]) if span else 2 * (original.frame_current,)
+    numbers = span or [bpy.context.scene.frame_current]
     require_space(file.parent, _exported_bytes(frames))
-    shown = shown_at(frames, range(first, last + 1))
-    with scratch_scene() as scene, _colored_copies(frames, chosen.write_colors) as copies:
-        scene.frame_start, scene.frame_end = first, last
-        scene.render.fps, scene.render.fps_base = original.render.fps, original.render.fps_base
-        sequence = mesh_sequence(
-            bpy.path.clean_name(file.stem), [tuple(copies[obj] for obj in group) for group in shown], first
-        )
-        try:
-            scene.collection.objects.link(sequence)
-            scene.frame_set(first)
+    shown = shown_at(frames, numbers)
+    with _colored_copies(frames, chosen.write_colors) as copies:
+        groups = [tuple(copies[obj] for obj in group) for group in shown]
+        with mesh_sequence(bpy.path.clean_name(file.stem), groups, numbers[0]):
             _write(file, chosen)
-        finally:
-            remove_sequence(sequence)
 
 
 def _export_steps(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
     """Write the frame objects of a path as nodes that take turns."""
     require_space(file.parent, _exported_bytes(frames))
-    render, shown = bpy.context.scene.render, shown_at(frames, span)
-    with scratch_scene() as scene, scaled_stand_ins(frames, shown, file.stem) as copies, _plain_materials(copies):
-        scene.frame_start, scene.frame_end = 0, len(span)
-        scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
+    shown = shown_at(frames, span)
+    with (
+        scratch_animation(0, len(span)) as scene,
+        scaled_stand_ins(frames, shown, file.stem) as copies,
+        _plain_materials(copies),
+    ):
         for copy in copies:
             scene.collection.objects.link(copy)
         scene.frame_set(0)

@@ -32,8 +32,8 @@ from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
 from ..objects import is_sheared, shown_objects, take_own_materials, transform_mesh
 from ..scene_writing import write_alembic, write_usd
-from ..scratch_scene import scratch_scene
-from ..sequence import mesh_sequence, remove_sequence
+from ..scratch_scene import scratch_animation
+from ..sequence import mesh_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
 from .skinning import armatures
 from .vertex_animation_files import write_moving_mesh
@@ -123,10 +123,8 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
 
     Of its modifiers it keeps an armature, of which a copy is linked too.
     """
-    sampled, render = _sampled_keys(obj, frames), bpy.context.scene.render
-    with scratch_scene() as scene:
-        scene.frame_start, scene.frame_end = 0, len(frames) - 1
-        scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
+    sampled = _sampled_keys(obj, frames)
+    with scratch_animation(0, len(frames) - 1) as scene:
         mesh = obj.data.copy()
         take_own_materials(mesh, obj)
         plain = _assign_plain_material(mesh, obj)
@@ -221,16 +219,9 @@ def _write_points(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Objec
         meshes = _frame_meshes(obj, moving, render.fps / render.fps_base)
         shown = [bpy.data.objects.new(mesh.name, mesh) for mesh in meshes]
         try:
-            with scratch_scene() as scene, written_whole(target) as draft:
-                scene.frame_start, scene.frame_end = frames[0], frames[-1]
-                scene.render.fps, scene.render.fps_base = render.fps, render.fps_base
-                sequence = mesh_sequence(bpy.path.clean_name(target.stem), [(one,) for one in shown], frames[0])
-                try:
-                    scene.collection.objects.link(sequence)
-                    scene.frame_set(frames[0])
-                    _require(write(str(draft)), draft, target)
-                finally:
-                    remove_sequence(sequence)
+            sequence = mesh_sequence(bpy.path.clean_name(target.stem), [(one,) for one in shown], frames[0])
+            with sequence, written_whole(target) as draft:
+                _require(write(str(draft)), draft, target)
         finally:
             bpy.data.batch_remove([*shown, *meshes])
         return [target]
