@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from string import Formatter
 
@@ -46,6 +46,11 @@ class Sentence:
             return template.format(**self.values) if self.values else template
         except (KeyError, IndexError, ValueError):
             return self.template.format(**self.values)
+
+
+def first_names(names: Sequence[str], most: int = 5) -> str:
+    """Join the first names of a list with commas; dots stand for the others."""
+    return ", ".join(names[:most]) + (" ..." if len(names) > most else "")
 
 
 def as_sentence(text: str) -> Sentence:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..geometry.components import component_labels
+from ..sentence import first_names
 
 
 @dataclass(frozen=True)
@@ -136,7 +137,7 @@ def _check_reached(pairs: NDArray[np.int64], fixed: NDArray[np.bool_]) -> None:
     labels = component_labels(*pairs.T, len(fixed))
     lost = np.flatnonzero(~np.isin(labels, labels[fixed]))
     if len(lost):
-        names = ", ".join(map(str, lost[:5])) + (" ..." if len(lost) > 5 else "")
+        names = first_names([str(vertex) for vertex in lost])
         raise ValueError(f"edges must connect every vertex with a fixed one; no path leads to {names}")
 
 

@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InputError
 from ...geometry.components import component_labels
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
-from ...sentence import Sentence
+from ...sentence import Sentence, first_names
 from ...transport import Surface
 from ...transport.propagation import propagation
 from .density_frames import DensityFrames, record
@@ -134,7 +134,7 @@ def _check_graph(pairs: NDArray[np.int64], fixed: Mapping[int, ArrayLike], names
     if len(lost):
         raise InputError(
             "No edges lead from a painted place to {names}; add an edge, or paint there.",
-            names=", ".join(names[place] for place in lost[:5]) + (" ..." if len(lost) > 5 else ""),
+            names=first_names([names[place] for place in lost]),
         )
 
 

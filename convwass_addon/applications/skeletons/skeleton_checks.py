@@ -11,13 +11,12 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.components import component_labels
+from ...sentence import first_names
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains
 
 # Pins within this distance, relative to the diagonal of their bounding box, coincide.
 _SAME_PLACE = 1e-4
-# Number of joints named in a message.
-_NAMED = 5
 
 
 def check_pins(graph: JointGraph) -> None:
@@ -113,8 +112,7 @@ def skeleton_parts(graph: JointGraph) -> NDArray[np.int64]:
 
 def named(graph: JointGraph, joints: NDArray[np.int64]) -> str:
     """Names of joints, abbreviated if there are many."""
-    names = [graph.names[joint] for joint in joints]
-    return ", ".join(names[:_NAMED]) + (" ..." if len(names) > _NAMED else "")
+    return first_names([graph.names[joint] for joint in joints])
 
 
 def _ends(graph: JointGraph, joints: NDArray[np.int64]) -> NDArray[np.int64]:

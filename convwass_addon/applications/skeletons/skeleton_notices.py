@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...sentence import Sentence
+from ...sentence import Sentence, first_names
 from .skeleton_bodies import SkeletonBody
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains
@@ -39,8 +39,8 @@ def bone_notices(
     notices = []
     leaving = _bones_outside(graph, positions, body)
     if len(leaving):
-        names = [f"{graph.names[a]} - {graph.names[b]}" for a, b in graph.edges[leaving[:3]]]
-        shown = {"count": len(leaving), "names": ", ".join(names) + (" ..." if len(leaving) > 3 else "")}
+        names = [f"{graph.names[a]} - {graph.names[b]}" for a, b in graph.edges[leaving]]
+        shown = {"count": len(leaving), "names": first_names(names, 3)}
         notices.append(Sentence("Bones that leave the body between their joints: {count} ({names}).", shown))
     for chain, times in _stretched(graph, positions, lengths):
         way = {"first": graph.names[chain[0]], "last": graph.names[chain[-1]], "times": times}
