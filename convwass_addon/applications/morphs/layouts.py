@@ -54,7 +54,7 @@ def path_blends(count: int, frames: int, step: int = 1) -> list[Blend]:
         raise InputError("There must be at least 2 frames from one shape to the next, got {frames}.", frames=frames)
     if step < 1:
         raise InputError("The step must be at least 1 frame, got {step}.", step=step)
-    blends = [Blend(_corner(count, 0), frame=0)]
+    blends = [Blend((1.0, *[0.0] * (count - 1)), frame=0)]
     for leg in range(count - 1):
         for frame in [*range(step, frames, step), frames]:
             t = frame / frames
@@ -132,10 +132,6 @@ def pairs_of(blends: Sequence[Blend]) -> list[tuple[int, int]]:
     """Return the pairs of inputs that occur together in a blend, smaller index first."""
     active = {tuple(np.flatnonzero(blend.weights).tolist()) for blend in blends}
     return sorted({pair for together in active for pair in combinations(together, 2)})
-
-
-def _corner(count: int, index: int) -> tuple[float, ...]:
-    return tuple(float(i == index) for i in range(count))
 
 
 def _check_steps(steps: int) -> None:
