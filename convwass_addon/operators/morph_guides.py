@@ -22,7 +22,7 @@ from ..properties.morph_guides import CONVWASS_PG_guide, CONVWASS_PG_guides
 from ..translations import translated
 from .chosen_inputs import chosen_inputs
 from .lists import ClearsList, RemovesItem, SidebarList
-from .picking import PicksPoints, depth_of, redraw_views, vertex_at
+from .picking import PicksPoints, nearest_hit, redraw_views
 from .reporting import refuse, reporting_errors
 from .windows import write_status
 
@@ -94,17 +94,11 @@ class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator)
             return True
 
     def _take(self, context, region, place):
-        depsgraph = context.evaluated_depsgraph_get()
-        hits = []
-        for obj in self._shapes:
-            vertex = vertex_at(obj, depsgraph, region, place) if obj.visible_get() else None
-            if vertex is not None:
-                hits.append((depth_of(obj, vertex, depsgraph, region.data), obj, vertex))
-        if not hits:
+        hit = nearest_hit(self._shapes, context.evaluated_depsgraph_get(), region, place)
+        if hit is None:
             self.report({"INFO"}, rpt_("This is not on any of the shapes; click on their surfaces"))
         else:
-            _, obj, vertex = min(hits, key=lambda hit: hit[0])
-            self._place(context.scene.convwass_guides, obj, vertex)
+            self._place(context.scene.convwass_guides, *hit)
         self._say(context)
         redraw_views(context)
         return {"RUNNING_MODAL"}

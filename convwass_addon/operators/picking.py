@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
 import numpy as np
 from bpy_extras.view3d_utils import region_2d_to_origin_3d, region_2d_to_vector_3d
@@ -121,6 +123,27 @@ def vertex_at(
     return None if point is None else nearest_vertex(surface_mesh(obj, depsgraph), point)
 
 
+def nearest_hit(
+    objects: Iterable[bpy.types.Object],
+    depsgraph: bpy.types.Depsgraph,
+    region: bpy.types.Region,
+    place: tuple[int, int],
+) -> tuple[bpy.types.Object, int] | None:
+    """Return the visible object that is nearest to the viewer at a position of a view, and its vertex there, or None.
+
+    Raises
+    ------
+    InputError
+        An object has no surface.
+    """
+    hits = []
+    for obj in objects:
+        vertex = vertex_at(obj, depsgraph, region, place) if obj.visible_get() else None
+        if vertex is not None:
+            hits.append((_depth_of(obj, vertex, depsgraph, region.data), obj, vertex))
+    return min(hits, key=lambda hit: hit[0])[1:] if hits else None
+
+
 def redraw_views(context: bpy.types.Context) -> None:
     """Redraw the 3D viewports of a window."""
     for area in context.window.screen.areas:
@@ -128,7 +151,9 @@ def redraw_views(context: bpy.types.Context) -> None:
             area.tag_redraw()
 
 
-def depth_of(obj: bpy.types.Object, vertex: int, depsgraph: bpy.types.Depsgraph, view: bpy.types.RegionView3D) -> float:
+def _depth_of(
+    obj: bpy.types.Object, vertex: int, depsgraph: bpy.types.Depsgraph, view: bpy.types.RegionView3D
+) -> float:
     """Return the distance of a vertex from the viewer, along the view direction."""
     evaluated = obj.evaluated_get(depsgraph)
     is_kept = len(evaluated.data.vertices) == len(obj.data.vertices)

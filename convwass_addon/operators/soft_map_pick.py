@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_map_pair, CONVWASS_PG_soft_map
 from ..translations import translated
-from .picking import PicksPoints, depth_of, redraw_views, vertex_at
+from .picking import PicksPoints, nearest_hit, redraw_views
 from .windows import write_status
 
 
@@ -42,7 +42,9 @@ class PicksPair(PicksPoints):
 
     def _take(self, context, region, place):
         own = context.scene.convwass_soft_map
-        hit = _hit(context, own, region, place)
+        # Source and target may be the same object.
+        shown = dict.fromkeys((own.source, own.target))
+        hit = nearest_hit(shown, context.evaluated_depsgraph_get(), region, place)
         if hit is None:
             self.report({"INFO"}, rpt_("This is not on the source or the target; click on their surfaces"))
         else:
@@ -100,16 +102,3 @@ def require_free(own: CONVWASS_PG_soft_map, vertex: int, is_source: bool) -> Non
 def _half_pair(own: CONVWASS_PG_soft_map) -> CONVWASS_PG_map_pair | None:
     """Return the incomplete pair, which can only be the last one."""
     return own.pairs[-1] if own.pairs and not own.pairs[-1].is_complete else None
-
-
-def _hit(
-    context: bpy.types.Context, own: CONVWASS_PG_soft_map, region: bpy.types.Region, place: tuple[int, int]
-) -> tuple[bpy.types.Object, int] | None:
-    """Return the object that is closest under the mouse, and its vertex there."""
-    depsgraph = context.evaluated_depsgraph_get()
-    hits = []
-    for obj in dict.fromkeys((own.source, own.target)):
-        vertex = vertex_at(obj, depsgraph, region, place) if obj.visible_get() else None
-        if vertex is not None:
-            hits.append((depth_of(obj, vertex, depsgraph, region.data), obj, vertex))
-    return min(hits, key=lambda hit: hit[0])[1:] if hits else None

@@ -264,7 +264,7 @@ def test_an_object_that_cannot_be_read_ends_it(pair, clicking, monkeypatch):
 
     pressed = Pressed(CONVWASS_OT_add_map_pair)
     pressed.invoke(clicking, None)
-    monkeypatch.setattr(soft_map_pick, "vertex_at", refuse)
+    monkeypatch.setattr(picking, "vertex_at", refuse)
     assert click(clicking, pressed, 200, 200) == {"CANCELLED"}
     assert pressed.reports[-1] == ("ERROR", "No surface.")
 
