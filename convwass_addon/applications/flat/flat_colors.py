@@ -77,7 +77,7 @@ def _of_image(points: NDArray[np.float64], image: FlatImage) -> NDArray[np.float
 
 def _of_layers(points: NDArray[np.float64], shape: FlatShape) -> NDArray[np.float64]:
     """Return the color of the top layer that contains each point, or of the nearest layer."""
-    layers = layers_of(shape, np.arange(len(shape.rings)))
+    layers = layers_of(shape)
     colors = np.stack([shape.colors[layer[0]] for layer in layers]).astype(np.float64)
     if len(layers) == 1:
         return np.repeat(colors, len(points), axis=0)

@@ -62,13 +62,13 @@ def input_layers(
     """
     if any(isinstance(shape, FlatImage) or shape.colors is None for shape in shapes):
         return ()
-    if all(len(layers_of(shape, np.arange(len(shape.rings)))) == 1 for shape in shapes):
+    if all(len(layers_of(shape)) == 1 for shape in shapes):
         return ()
     return tuple(_drawn(shape, lattice, center) for shape, center in zip(shapes, centers, strict=True))
 
 
 def _drawn(shape: FlatInput, lattice: FlatLattice, center: NDArray[np.float64]) -> InputLayers:
-    layers = layers_of(shape, np.arange(len(shape.rings)))
+    layers = layers_of(shape)
     colors = np.stack([shape.colors[layer[0]] for layer in layers]).astype(np.float64)
     if len(layers) == 1:
         return InputLayers(colors, None)

@@ -143,8 +143,9 @@ def filled_by(shape: FlatShape, rings: NDArray[np.int64]) -> Boundary:
     return layers[0] if len(layers) == 1 else layers[0].united(layers[1:])
 
 
-def layers_of(shape: FlatShape, rings: NDArray[np.int64]) -> list[NDArray[np.int64]]:
-    """Return the indices of the rings of every color, in the order in which the colors first occur."""
+def layers_of(shape: FlatShape, rings: NDArray[np.int64] | None = None) -> list[NDArray[np.int64]]:
+    """Return the indices of some or all rings of every color, in the order in which the colors first occur."""
+    rings = np.arange(len(shape.rings)) if rings is None else rings
     if shape.colors is None:
         return [rings]
     _, first, color = np.unique(shape.colors[rings], axis=0, return_index=True, return_inverse=True)

@@ -67,7 +67,7 @@ class PencilBake(FlatBake):
         if self._inks is None:
             self._inks = []
             for shape, flat in zip(self._inputs, self._flats, strict=True):
-                layers = layers_of(flat.shape, np.arange(len(flat.shape.rings)))
+                layers = layers_of(flat.shape)
                 made = [fill_material(shape.name, flat.shape.colors[layer[0]]) for layer in layers]
                 for material in made:
                     mark_as_frames(material)
@@ -87,7 +87,7 @@ class PencilBake(FlatBake):
         shape, first = self._flats[source].shape, self._first_slot(source)
         error = _ERROR * float(np.ptp(np.concatenate(shape.rings), axis=0).max())
         fills = []
-        for number, layer in enumerate(layers_of(shape, np.arange(len(shape.rings)))):
+        for number, layer in enumerate(layers_of(shape)):
             outline = fitted_polygons(outline_of(filled_by(shape, layer)), error)
             regions = tuple(tuple(polygon_ring(ring) for ring in region.rings) for region in outline.regions)
             fills.append(Fill(regions, first + number))
