@@ -101,18 +101,18 @@ def shown_channel(source: bpy.types.Material | None, channel: Channel) -> ShownC
 
 def has_normals(materials: Sequence[bpy.types.Material | None]) -> bool:
     """Return whether any of the materials changes the normals of a surface."""
-    trees = [shown_tree(own) for own in materials if own is not None]
-    nodes = [node for tree in trees if tree is not None for own in node_trees(tree) for node in own.nodes]
     return any(
-        node.inputs[name].is_linked for node in nodes for name in ("Normal", "Displacement") if _takes(node, name)
+        node.inputs[name].is_linked
+        for node in _nodes_of(materials)
+        for name in ("Normal", "Displacement")
+        if _takes(node, name)
     )
 
 
 def missing_images(materials: Sequence[bpy.types.Material | None]) -> list[bpy.types.Image]:
     """Return images in materials whose files do not exist."""
-    trees = [shown_tree(own) for own in materials if own is not None]
-    nodes = [node for tree in trees if tree is not None for own in node_trees(tree) for node in own.nodes]
-    images = dict.fromkeys(node.image for node in nodes if node.type == "TEX_IMAGE" and node.image is not None)
+    shown = (node for node in _nodes_of(materials) if node.type == "TEX_IMAGE" and node.image is not None)
+    images = dict.fromkeys(node.image for node in shown)
     return [
         image
         for image in images
@@ -120,6 +120,12 @@ def missing_images(materials: Sequence[bpy.types.Material | None]) -> list[bpy.t
         and image.packed_file is None
         and not Path(bpy.path.abspath(image.filepath, library=image.library)).is_file()
     ]
+
+
+def _nodes_of(materials: Sequence[bpy.types.Material | None]) -> list[bpy.types.Node]:
+    """Return the nodes of materials, including those in groups."""
+    trees = [shown_tree(own) for own in materials if own is not None]
+    return [node for tree in trees if tree is not None for own in node_trees(tree) for node in own.nodes]
 
 
 def _takes(node: bpy.types.Node, name: str) -> bool:
