@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 
 from ...applications.morphs.appearance import Appearance, Carried, Paint, Painted, Plain, Textured
 from ...applications.morphs.shading import FrameNormals, Shading
@@ -47,13 +48,9 @@ def read_appearance(
     texture_size : int
         Images are downsampled to at most this size.
     """
-    mesh.calc_loop_triangles()
-    triangles = mesh.loop_triangles
-    faces = element_values(triangles, "vertices", 3, np.int32).astype(np.int64)
-    corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[faces]
-    loops = element_values(triangles, "loops", 3, np.int32)
+    faces, corners, loops = _triangles(mesh)
     slots = list(mesh.materials) or [None]
-    materials = element_values(triangles, "material_index", kind=np.int32).astype(np.int64)
+    materials = element_values(mesh.loop_triangles, "material_index", kind=np.int32).astype(np.int64)
     return Appearance(
         corners,
         # A face may have an invalid slot index; Blender then uses the last slot.
@@ -72,12 +69,16 @@ def read_shading(mesh: bpy.types.Mesh) -> Shading:
     mesh : bpy.types.Mesh
         A frozen copy, in the space of origins.
     """
+    faces, corners, loops = _triangles(mesh)
+    return Shading(corners, faces, element_values(mesh.corner_normals, "vector", 3)[loops])
+
+
+def _triangles(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]]:
+    """Return the vertices, their positions, (m, 3, 3), and the face corners of the triangles of a mesh."""
     mesh.calc_loop_triangles()
-    triangles = mesh.loop_triangles
-    faces = element_values(triangles, "vertices", 3, np.int32).astype(np.int64)
+    faces = element_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
     corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[faces]
-    normals = element_values(mesh.corner_normals, "vector", 3)
-    return Shading(corners, faces, normals[element_values(triangles, "loops", 3, np.int32)])
+    return faces, corners, element_values(mesh.loop_triangles, "loops", 3, np.int32)
 
 
 def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: TriangleMesh) -> None:
