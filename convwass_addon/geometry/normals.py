@@ -24,8 +24,7 @@ def mean_directions(normals: NDArray[np.float64], corners: NDArray[np.int64]) ->
 
 def triangle_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return unit normals of triangles, (m, 3), from their corners, (m, 3, 3); zero for triangles without area."""
-    first, second, third = (np.ascontiguousarray(corners[:, corner].T) for corner in range(3))
-    x, y, z = _cross(second - first, third - first)
+    x, y, z = _doubled_normals(corners)
     lengths = np.sqrt(x * x + y * y + z * z)
     lengths[lengths == 0.0] = 1.0
     return np.stack([x / lengths, y / lengths, z / lengths], axis=1)
@@ -33,8 +32,7 @@ def triangle_normals(corners: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def triangle_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the areas of triangles, (m,), from their corners, (m, 3, 3); of a mesh, `face_areas` is faster."""
-    first, second, third = (np.ascontiguousarray(corners[:, corner].T) for corner in range(3))
-    x, y, z = _cross(second - first, third - first)
+    x, y, z = _doubled_normals(corners)
     return 0.5 * np.sqrt(x * x + y * y + z * z)
 
 
@@ -60,6 +58,12 @@ def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDA
 def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return area-weighted unit normals of vertices, (n, 3); zero for vertices without triangles."""
     return unit_vectors(area_normals(vertices, faces))
+
+
+def _doubled_normals(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+    """Return the coordinates of normals, three arrays (m,), with twice the area of their triangles as length."""
+    first, second, third = (np.ascontiguousarray(corners[:, corner].T) for corner in range(3))
+    return _cross(second - first, third - first)
 
 
 def _cross(
