@@ -19,6 +19,7 @@ from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
 from .element_values import element_values
 from .keyframes import curves_of
+from .matrix_checks import FLATTENED, is_flattening, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
 
@@ -32,9 +33,6 @@ MESHED = ("MESH", "FONT", "CURVE")
 
 # Relative difference of scales that single precision makes.
 _UNEVEN = 1e-5
-
-FLATTENED = 1e-6
-"""Ratio of the smallest to the largest scale at which an object counts as flattened; single precision gives 1e-7."""
 
 
 def triangle_mesh(
@@ -416,12 +414,8 @@ def shown_objects(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -
 def checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
     """Return the world matrix of an evaluated object, (4, 4) float64; raises InputError if it flattens the object."""
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-    if not np.isfinite(matrix).all():
-        raise InputError(
-            "{name}: its location, rotation or scale is not a number (NaN or infinite).", name=evaluated.name
-        )
-    scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
-    if scales[-1] <= FLATTENED * scales[0]:
+    require_finite(evaluated.name, matrix)
+    if is_flattening(matrix):
         raise InputError(
             "{name} has a scale of zero, so it has no volume; give it another scale in Item > Transform.",
             name=evaluated.name,

@@ -16,6 +16,7 @@ from ..errors import InputError
 from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from .element_values import element_values
+from .matrix_checks import require_finite
 from .mesh_checks import readable_mesh
 from .objects import is_current, shown_objects
 
@@ -209,10 +210,7 @@ def _world(obj: bpy.types.Object, shape: _Shape, matrix: NDArray[np.float64]) ->
     """Transform a shape to world space, and check that it supports densities."""
     if not len(shape.faces):
         raise InputError("{object} has no faces; choose an object with a surface.", object=obj.name)
-    if not np.isfinite(matrix).all():
-        raise InputError(
-            "{object}: its location, rotation or scale is not a number (NaN or infinite).", object=obj.name
-        )
+    require_finite(obj.name, matrix)
     bad = int((~np.isfinite(shape.vertices)).any(axis=1).sum())
     if bad:
         raise InputError(

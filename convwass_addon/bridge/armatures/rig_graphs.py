@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
-from ..objects import FLATTENED
+from ..matrix_checks import is_flattening, require_finite
 
 
 @dataclass(frozen=True)
@@ -88,11 +88,7 @@ def world_matrix(obj: bpy.types.Object) -> NDArray[np.float64]:
         The matrix flattens the rig, or is not finite.
     """
     matrix = np.array(obj.matrix_world, dtype=np.float64)
-    if not np.isfinite(matrix).all():
-        raise InputError(
-            "{object}: its location, rotation or scale is not a number (NaN or infinite).", object=obj.name
-        )
-    scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
-    if scales[-1] <= FLATTENED * scales[0]:
+    require_finite(obj.name, matrix)
+    if is_flattening(matrix):
         raise InputError("{object} has a scale of zero; give it another scale in Item > Transform.", object=obj.name)
     return matrix

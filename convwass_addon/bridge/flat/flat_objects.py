@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from ...applications.flat.flat_shapes import FlatShape
 from ...errors import InputError
 from ...geometry.flat_moments import directed
+from ..matrix_checks import require_finite
 from ..morphs.materials import base_color, input_color
 from ..nodes_output import nodes_output
 from ..objects import evaluated_object
@@ -92,11 +93,7 @@ def read_rings(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> FlatRin
         Nothing is closed or filled, or coordinates are not finite.
     """
     with evaluated_object(obj, depsgraph) as evaluated:
-        matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-        if not np.isfinite(matrix).all():
-            raise InputError(
-                "{name}: its location, rotation or scale is not a number (NaN or infinite).", name=obj.name
-            )
+        require_finite(obj.name, np.array(evaluated.matrix_world, dtype=np.float64))
         if obj.type == "MESH":
             read = mesh_rings(evaluated)
         elif obj.type == "GREASEPENCIL":
