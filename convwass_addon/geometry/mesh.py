@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
 from ..one_line import one_line
+from .normals import cross_coordinates
 
 # Relative height of points that lie in a plane.
 _LEVEL = 1e-9
@@ -103,8 +104,8 @@ class TriangleMesh:
         """Areas of the triangles, (m,)."""
         # Coordinate by coordinate takes a third of the time of np.cross and np.linalg.norm.
         a, b, c = self._corners_by_coordinate(self.vertices)
-        (ux, uy, uz), (vx, vy, vz) = b - a, c - a
-        return 0.5 * np.sqrt((uy * vz - uz * vy) ** 2 + (uz * vx - ux * vz) ** 2 + (ux * vy - uy * vx) ** 2)
+        x, y, z = cross_coordinates(b - a, c - a)
+        return 0.5 * np.sqrt(x * x + y * y + z * z)
 
     def _corners_by_coordinate(self, vertices: NDArray[np.float64]) -> list[NDArray[np.float64]]:
         """First, second and third corners of the triangles, (3, m) each."""

@@ -50,7 +50,7 @@ def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDA
     columns = np.ascontiguousarray(vertices.T)
     one, other = ([column[end] - column[first] for column in columns] for end in (second, third))
     corners, found = faces.ravel(), np.empty((len(vertices), 3))
-    for axis, doubled in enumerate(_cross(one, other)):
+    for axis, doubled in enumerate(cross_coordinates(one, other)):
         found[:, axis] = np.bincount(corners, np.repeat(doubled / 6.0, 3), len(vertices))
     return found
 
@@ -63,10 +63,10 @@ def vertex_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> N
 def _doubled_normals(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
     """Return the coordinates of normals, three arrays (m,), with twice the area of their triangles as length."""
     first, second, third = (np.ascontiguousarray(corners[:, corner].T) for corner in range(3))
-    return _cross(second - first, third - first)
+    return cross_coordinates(second - first, third - first)
 
 
-def _cross(
+def cross_coordinates(
     first: Sequence[NDArray[np.float64]], second: Sequence[NDArray[np.float64]]
 ) -> tuple[NDArray[np.float64], ...]:
     """Return the coordinates of cross products, three arrays (m,), of vectors given by theirs.

@@ -17,6 +17,7 @@ from scipy.sparse import coo_array, csc_array, diags_array
 from .edge_energy import EdgeEnergy
 from .factorization import Factorization, factorize
 from .mesh import TriangleMesh
+from .normals import cross_coordinates
 
 # Default weight per area, on a surface of unit area, that pulls vertices to their anchors: just enough to fix the
 # position of every component.
@@ -91,8 +92,7 @@ def _frames(points: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[NDAr
 
 def _cross(first: NDArray[np.float64], second: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the cross products of vectors given by coordinates, (3, m)."""
-    (ux, uy, uz), (vx, vy, vz) = first, second
-    return np.stack([uy * vz - uz * vy, uz * vx - ux * vz, ux * vy - uy * vx])
+    return np.stack(cross_coordinates(first, second))
 
 
 class PoissonDeformation:
