@@ -388,22 +388,22 @@ def is_current(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
 @contextmanager
 def shown_objects(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> Iterator[None]:
     """Show objects in all frames of a scene, also where they, their collections, keys or drivers hide them."""
-    objects, home = list(objects), set(scene.collection.objects)
+    objects, linked = list(objects), set(scene.collection.objects)
     animated = [obj for obj in objects if obj.animation_data is not None]
     curves = [curve for obj in animated for curve in (*curves_of(obj), *obj.animation_data.drivers)]
     muted = [curve for curve in curves if curve.data_path == "hide_viewport" and not curve.mute]
-    hidden, visitors = [obj.hide_viewport for obj in objects], [obj for obj in objects if obj not in home]
+    hidden, others = [obj.hide_viewport for obj in objects], [obj for obj in objects if obj not in linked]
     for curve in muted:
         curve.mute = True
     for obj in objects:
         obj.hide_viewport = False
-    for obj in visitors:
+    for obj in others:
         # Objects in the scene's own collection are always evaluated.
         scene.collection.objects.link(obj)
     try:
         yield
     finally:
-        for obj in visitors:
+        for obj in others:
             scene.collection.objects.unlink(obj)
         for obj, own in zip(objects, hidden, strict=True):
             obj.hide_viewport = own

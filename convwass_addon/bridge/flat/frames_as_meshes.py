@@ -95,6 +95,6 @@ def _standing_for(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Obje
         own = other.animation_data_create()
         own.action, own.action_slot = obj.animation_data.action, obj.animation_data.action_slot
     other.hide_render, other.hide_viewport = obj.hide_render, obj.hide_viewport
-    for home in obj.users_collection:
-        home.objects.link(other)
+    for parent in obj.users_collection:
+        parent.objects.link(other)
     return other

@@ -25,7 +25,7 @@ from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
 from .pad_velocity import HANDLE_VELOCITY
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
-from .stand_ins import adopt, homes, require_none, set_shown
+from .stand_ins import adopt, collections_for_stand_ins, require_none, set_shown
 from .stored import WEIGHTS_KEY, frame_objects, is_solid, stored_morph
 from .stored_fields import StoredFields, field_cells
 
@@ -139,24 +139,24 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST
     sheet = _read_sheet(collection)
     interpolated = between == "INTERPOLATED" and is_solid(collection)
     fields = (yield from _stored(collection, sheet)) if interpolated else None
-    home = bpy.data.collections.new(collection.name.replace("Morph", "Blend Pad", 1))
-    for parent in homes(collection):
-        parent.children.link(home)
-    pad = _linked(home, _pad(sheet))
+    parts = bpy.data.collections.new(collection.name.replace("Morph", "Blend Pad", 1))
+    for parent in collections_for_stand_ins(collection):
+        parent.children.link(parts)
+    pad = _linked(parts, _pad(sheet))
     # The right and lower edges.
     corner = np.array([sheet.points[:, 0].max(), 0.0, sheet.points[:, 2].min()])
     pad.location = sheet.feet[0] - (GAP + 0.5) * np.array([sheet.size, 0.0, 0.0]) - corner
     pad[PLACE_KEY] = pad.location
     # The initial position is the center.
-    handle = _linked(home, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
+    handle = _linked(parts, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
     for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
-        _linked(home, drawn)
-    result = _linked(home, _result(sheet, pad, handle, fields))
+        _linked(parts, drawn)
+    result = _linked(parts, _result(sheet, pad, handle, fields))
     result.location = sheet.feet[0]
     result[PLACE_KEY] = result.location
-    trees = [obj.modifiers[MODIFIER].node_group for obj in home.objects if MODIFIER in obj.modifiers]
+    trees = [obj.modifiers[MODIFIER].node_group for obj in parts.objects if MODIFIER in obj.modifiers]
     made = [material for tree in trees for material in colored_materials(tree)]
-    adopt(collection, [home, *home.objects, *trees, *made])
+    adopt(collection, [parts, *parts.objects, *trees, *made])
     set_shown(collection, False)
     return BlendPad(pad, handle, result)
 
@@ -178,8 +178,8 @@ def require_all_blends(collection: bpy.types.Collection) -> None:
     _sheet_blends(collection, frame_objects(collection))
 
 
-def _linked(home: bpy.types.Collection, obj: bpy.types.Object) -> bpy.types.Object:
-    home.objects.link(obj)
+def _linked(parent: bpy.types.Collection, obj: bpy.types.Object) -> bpy.types.Object:
+    parent.objects.link(obj)
     return obj
 
 

@@ -99,10 +99,10 @@ def bake_player(
     store(collection, replace(stored, settings=settings, first_frame=first_frame, records=[{} for _ in made]))
     copy_hidden(source, collection)
     places = (scene.collection, *bpy.data.collections)
-    homes = [home for home in places if source in set(home.children) and not is_linked(home)]
+    parents = [place for place in places if source in set(place.children) and not is_linked(place)]
     # A linked morph may be in collections that cannot take others.
-    for home in homes or [scene.collection]:
-        home.children.link(collection)
+    for parent in parents or [scene.collection]:
+        parent.children.link(collection)
     player.hide_viewport = player.hide_render = True
     return collection
 

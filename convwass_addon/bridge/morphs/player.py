@@ -37,9 +37,9 @@ from .stand_ins import (
     SHOWS_KEY,
     adopt,
     adopted,
+    collections_for_stand_ins,
     drop_numbers,
     frames_modifier,
-    homes,
     remove_unused,
     require_none,
     set_shown,
@@ -114,8 +114,8 @@ def build_player(
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
     adopt(collection, [player, tree, *colored_materials(tree)])
     node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
-    for home in homes(collection):
-        home.objects.link(player)
+    for parent in collections_for_stand_ins(collection):
+        parent.objects.link(player)
     _key(morph_value(player), frames, stored_morph(collection).first_frame, easing)
     set_shown(collection, False)
     return player

@@ -36,7 +36,7 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
     """
     require_all_blends(collection)
     bpy.context.view_layer.update()
-    before, homes = stand_ins(collection), _homes(collection)
+    before, parents = stand_ins(collection), _pad_collections(collection)
     known = {block.session_uid for block in adopted(collection)}
     mixed = any(frames_modifier(obj) and interpolation(obj) for obj in before)
     # A morph cannot have two pads.
@@ -47,7 +47,7 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
     finally:
         adopt(collection, before)
     _take_over(_parts(before), _parts(obj for obj in stand_ins(collection) if obj not in before))
-    _merge(homes, [home for home in _homes(collection) if home not in homes])
+    _merge(parents, [new for new in _pad_collections(collection) if new not in parents])
     remove_unused(collection)
     drop_numbers(block for block in adopted(collection) if block.session_uid not in known)
     handle = _parts(stand_ins(collection))["EMPTY"][0]
@@ -55,17 +55,17 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
         key_handle_velocity(collection)
 
 
-def _homes(morph: bpy.types.Collection) -> list[bpy.types.Collection]:
+def _pad_collections(morph: bpy.types.Collection) -> list[bpy.types.Collection]:
     """Return the collections of the pads of a morph."""
-    return [home for home in bpy.data.collections if home.get(SHOWS_KEY) == morph]
+    return [own for own in bpy.data.collections if own.get(SHOWS_KEY) == morph]
 
 
-def _merge(homes: Sequence[bpy.types.Collection], others: Sequence[bpy.types.Collection]) -> None:
+def _merge(parents: Sequence[bpy.types.Collection], others: Sequence[bpy.types.Collection]) -> None:
     """Move the objects of other collections to the first one, if there is one, and remove those that are empty then."""
     for other in others:
-        for obj in [obj for obj in other.objects if homes]:
+        for obj in [obj for obj in other.objects if parents]:
             if len(obj.users_collection) == 1:
-                homes[0].objects.link(obj)
+                parents[0].objects.link(obj)
             other.objects.unlink(obj)
         if not other.objects:
             bpy.data.collections.remove(other)
@@ -106,10 +106,10 @@ def _take_over(before: Mapping[object, list[bpy.types.Object]], made: Mapping[ob
     for objects, new in pairs:
         for obj in objects:
             _give(obj, new)
-        homes = objects[0].users_collection
+        parents = objects[0].users_collection
         new.user_remap(objects[0])
-        for home in set(objects[0].users_collection).difference(homes):
-            home.objects.unlink(objects[0])
+        for parent in set(objects[0].users_collection).difference(parents):
+            parent.objects.unlink(objects[0])
     if not math.isclose(ratio, 1.0, rel_tol=_SAME_WIDTH):
         _scale_locations(before.get("EMPTY", ()), ratio)
     bpy.data.batch_remove([new for _, new in pairs])

@@ -45,11 +45,11 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
     """
     shown_by = [obj for obj in stand_ins(old) if obj.users_collection]
     slots = {obj: changed_slots(obj) for obj in shown_by if frames_modifier(obj)}
-    home = hidden_frames(old) or old
+    parent = hidden_frames(old) or old
     made = frame_objects(new)
     edited = _replace_frames(old, made)
-    for obj in set(made).difference(home.objects):
-        home.objects.link(obj)
+    for obj in set(made).difference(parent.objects):
+        parent.objects.link(obj)
     for key in (MORPH_KEY, DIAGNOSTICS_KEY, SIGNATURES_KEY, WRITTEN_KEY, FOLDER_KEY):
         if key in new:
             old[key] = new[key]

@@ -148,7 +148,7 @@ def shows_frames(collection: bpy.types.Collection) -> bool:
     return hidden_frames(collection) is None and not (collection.hide_viewport or collection.hide_render)
 
 
-def homes(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
+def collections_for_stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
     """Return the collections for objects that show a morph: its own, or the scene's if that is in no scene."""
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
     is_linked = any(collection in set(root.children) for root in roots)
