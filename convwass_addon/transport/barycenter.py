@@ -211,11 +211,11 @@ def barycenter(
     if reach is not None and entropy_limit is not None:
         raise ValueError("entropy_limit holds a mass of 1 together, so there can be no reach")
     active = np.flatnonzero(alphas)
-    ladder = tuple(level.chosen(active) for level in inputs.levels)
+    input_levels = tuple(level.chosen(active) for level in inputs.levels)
     length = None if reach is None else float(reach) / inputs.aim.unit_length
     tolerances = _Tolerances(tolerance, tolerance if debias_tolerance is None else debias_tolerance)
     problem = _Problem(
-        ladder, inputs.aim, alphas[active], sharpness, length, tolerances, max_iterations, numerics, control
+        input_levels, inputs.aim, alphas[active], sharpness, length, tolerances, max_iterations, numerics, control
     )
     limit = float(inputs.entropies[active].max()) if entropy_limit == "max" else entropy_limit
     usable = initial is not None and np.array_equal(initial.active, active)
@@ -266,7 +266,7 @@ class _Tolerances:
 class _Problem:
     """Everything that stays the same from level to level and from bound to bound."""
 
-    ladder: tuple[Level, ...]
+    input_levels: tuple[Level, ...]
     aim: Domain
     alphas: NDArray[np.float64]
     sharpness: float
@@ -278,7 +278,7 @@ class _Problem:
 
     def resumed(self, begun: Barycenter, limit: float | None) -> _Solved:
         """Restart from the coarse levels that `begun` has solved."""
-        level, start = self.ladder[len(begun.levels) - 1], begun.levels[-1]
+        level, start = self.input_levels[len(begun.levels) - 1], begun.levels[-1]
         state = BregmanIteration(level, self.alphas, self.sharpness, limit, start, self.numerics, self.reach)
         state.density[...] = start.region.gather(begun.density)
         return _Solved(state, begun.levels, begun.iterations)
@@ -290,8 +290,8 @@ class _Problem:
         levels: list[Potentials] = [] if done is None else list(done.levels)
         iterations = [] if done is None else list(done.iterations)
         state = None if done is None else done.state
-        for depth in range(len(levels), len(self.ladder)):
-            level = self.ladder[depth]
+        for depth in range(len(levels), len(self.input_levels)):
+            level = self.input_levels[depth]
             domain = level.domain
             region = state.finer_region(self.tolerances.marginal, domain) if depth else Region.whole(domain.shape)
             if before:
@@ -313,7 +313,7 @@ class _Problem:
 
     def continued(self, solved: _Solved, limit: float) -> _Solved:
         """Solve the finest level again with another bound."""
-        state, count = self._solve(self.ladder[-1], limit, solved.levels[-1])
+        state, count = self._solve(self.input_levels[-1], limit, solved.levels[-1])
         return _Solved(state, (*solved.levels[:-1], state.potentials()), (*solved.iterations, count))
 
     def _solve(
