@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Read soft maps in the first format in which .blend files stored them.
 
-`MAGIC`, the length of the header (4 bytes, little-endian), the header in JSON, and all arrays, compressed together.
+`_MAGIC`, the length of the header (4 bytes, little-endian), the header in JSON, and all arrays, compressed together.
 Arrays are encoded as in :mod:`.soft_map_bytes`, and ``shapes`` in the header contains their sizes.
 """
 
