@@ -55,8 +55,9 @@ def textured_cube(material: bpy.types.Material) -> bpy.types.Object:
     return cube
 
 
-def checkered_material(name: str, size: int = 2048) -> bpy.types.Material:
+def checkered_material(name: str) -> bpy.types.Material:
     """Return a glowing material with a checkerboard of single pixels."""
+    size = 2048
     rows, columns = np.indices((size, size))
     pixels = np.ones((size, size, 4), np.float32)
     pixels[..., :3] = ((rows + columns) % 2)[..., None]

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -129,10 +128,10 @@ class MeshFigures:
         )
 
 
-def volume_error(played: PlayedKeys, volume: float, times: Sequence[float] = WAY) -> float:
+def volume_error(played: PlayedKeys, volume: float) -> float:
     """Return the largest error relative to the volume interpolated between the first mesh's and `volume`."""
     before = played.mesh.volume
-    return max(abs(played.at(t).volume / ((1.0 - t) * before + t * volume) - 1.0) for t in times)
+    return max(abs(played.at(t).volume / ((1.0 - t) * before + t * volume) - 1.0) for t in WAY)
 
 
 def median_stretch(rest: TriangleMesh, vertices: NDArray[np.float64]) -> float:

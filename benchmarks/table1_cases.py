@@ -77,7 +77,7 @@ def noise(trials: int, gamma: float, folder: str) -> dict[str, object]:
         "solver": surface.solver,
         "before": before,
         "peak": peak_megabytes(),
-        "application": 1e3 * _best(lambda: surface.apply(densities[0]), 5),
+        "application": 1e3 * _best(lambda: surface.apply(densities[0])),
         "bound": _bound(surface),
     }
 
@@ -118,10 +118,10 @@ def _solved(surface: Surface, densities: NDArray[np.float64], *, debias: bool) -
     return found, (time.process_time() - start) / len(found)
 
 
-def _best(action: Callable[[], object], times: int) -> float:
-    """Return the CPU seconds of the fastest of several runs."""
+def _best(action: Callable[[], object]) -> float:
+    """Return the CPU seconds of the fastest of five runs."""
     seconds = []
-    for _ in range(times):
+    for _ in range(5):
         start = time.process_time()
         action()
         seconds.append(time.process_time() - start)
@@ -142,7 +142,7 @@ def _bound(surface: Surface) -> float | None:
     system = diags_array(surface.weights) + (surface.gamma / 4.0 / surface.steps) * stiffness
     entries = cholesky(system.tocsc(), mode="simplicial", ordering_method="nesdis").L().nnz
     large = np.ones(_READ_BYTES // 8)
-    bytes_per_second = _READ_BYTES / _best(lambda: large @ large, 5)
+    bytes_per_second = _READ_BYTES / _best(lambda: large @ large)
     return 1e3 * surface.steps * 2 * 8 * entries / bytes_per_second
 
 

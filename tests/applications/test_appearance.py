@@ -17,11 +17,9 @@ def appearance_of(mesh, *paints, materials=None, groups=None):
     return Appearance(mesh.corners, slots, paints, mesh.faces, groups or {})
 
 
-def at_corners(shares, triangles=None):
+def at_corners(shares):
     count = len(shares)
-    return ClosestPoints(
-        np.zeros(count, np.int64) if triangles is None else triangles, np.array(shares), np.zeros(count)
-    )
+    return ClosestPoints(np.zeros(count, np.int64), np.array(shares), np.zeros(count))
 
 
 def linear_paint(mesh):

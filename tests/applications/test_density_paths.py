@@ -34,13 +34,13 @@ def radius(surface, density, angle):
     return np.sqrt((density * surface.weights) @ angles(surface, at(angle)) ** 2)
 
 
-def check_records(frames, tolerance=1e-2):
+def check_records(frames):
     np.testing.assert_allclose(frames.densities @ frames.surface.weights, 1.0, rtol=1e-6)
     assert (frames.densities >= 0).all()
     for time, density, figures in zip(frames.times, frames.densities, frames.records, strict=True):
         assert figures["time"] == time
         assert figures["entropy"] == pytest.approx(entropy(density, frames.surface.weights), abs=1e-9)
-        assert not figures["converged"] or figures["marginal_error"] <= tolerance
+        assert not figures["converged"] or figures["marginal_error"] <= 1e-2
         assert (figures["iterations"] == 0) == (figures["key"] is not None)
     json.dumps(frames.records, allow_nan=False)
 

@@ -23,9 +23,9 @@ MIDDLE = 20 * 41 + 20
 BALLS = density_surface(joined(ball(1.0, points=400), ball(0.7, (5, 0, 0), points=300)))
 
 
-def variances(density, surface, middle):
-    away = surface.positions - surface.positions[middle]
-    return (density * surface.weights) @ away[:, :2] ** 2
+def variances(density):
+    away = PLANE.positions - PLANE.positions[MIDDLE]
+    return (density * PLANE.weights) @ away[:, :2] ** 2
 
 
 def test_a_unit_mass_is_at_its_vertices():
@@ -48,10 +48,10 @@ def test_unit_masses_need_vertices_with_area(vertices, message):
 def test_diffusing_adds_the_square_of_the_length():
     """On a plane, the variance per axis grows by length^2, so 3 and then 4 equal 5, except for the time steps."""
     density = diffused(unit_mass(MIDDLE, PLANE), PLANE, 1.0, "a")
-    before = variances(density, PLANE, MIDDLE)
-    np.testing.assert_allclose(variances(diffused(density, PLANE, 1.5, "a"), PLANE, MIDDLE) - before, 2.25, rtol=2e-3)
+    before = variances(density)
+    np.testing.assert_allclose(variances(diffused(density, PLANE, 1.5, "a")) - before, 2.25, rtol=2e-3)
     twice = diffused(diffused(density, PLANE, 1.2, "a"), PLANE, 1.6, "a")
-    np.testing.assert_allclose(variances(twice, PLANE, MIDDLE) - before, 4.0, rtol=2e-3)
+    np.testing.assert_allclose(variances(twice) - before, 4.0, rtol=2e-3)
     once = diffused(density, PLANE, 2.0, "a")
     # Measured 0.012.
     assert np.abs(twice - once) @ PLANE.weights < 0.03
@@ -99,7 +99,7 @@ def test_sharpening_a_gaussian_narrows_it():
     gauss = distribution(np.exp(-(away**2) / (2 * 4.0**2)), PLANE, "a")
     half = sharpened_by(gauss, PLANE, 0.5, "a")
     assert entropy(half, PLANE.weights) == pytest.approx(entropy(gauss, PLANE.weights) - np.log(2), abs=1e-6)
-    np.testing.assert_allclose(variances(half, PLANE, MIDDLE), 8.0, rtol=0.01)
+    np.testing.assert_allclose(variances(half), 8.0, rtol=0.01)
 
 
 def test_a_density_that_is_sharp_enough_is_unchanged():

@@ -178,9 +178,10 @@ def painted(values, name="Picture"):
     return obj
 
 
-def disc(size=(96, 128), radius=30.0):
-    y, x = np.mgrid[: size[0], : size[1]]
-    return np.clip(radius + 0.5 - np.hypot(x + 0.5 - size[1] / 2, y + 0.5 - size[0] / 2), 0, 1)
+def disc():
+    """A disc with a radius of 30 pixels."""
+    y, x = np.mgrid[:96, :128]
+    return np.clip(30.5 - np.hypot(x - 63.5, y - 47.5), 0, 1)
 
 
 @pytest.mark.parametrize("how", ["black on white", "white on black", "alpha"])

@@ -147,9 +147,9 @@ def test_scattered_density_does_not_become_crumbs():
     assert np.linalg.norm(surface.mesh.vertices - BALL_CENTER, axis=1).max() < BALL_RADIUS + 1.0
 
 
-def removed_rod(blur=BLUR):
+def removed_rod():
     """A blurred ball and rod, and the cells of a ball with the volume of both."""
-    density = gaussian_filter(ball() + rod(), blur)
+    density = gaussian_filter(ball() + rod(), BLUR)
     larger = (BALL_RADIUS**3 + rod().sum() / (4 / 3 * np.pi)) ** (1 / 3)
     return density, ball(larger) > 0.5
 

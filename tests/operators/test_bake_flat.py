@@ -265,8 +265,8 @@ def colored(obj, *colors):
     return obj
 
 
-def two_letters(body, x, first, second):
-    obj = colored(text(body, x), first, second)
+def two_letters(body, first, second):
+    obj = colored(text(body), first, second)
     obj.data.body_format[1].material_index = 1
     return obj
 
@@ -299,7 +299,7 @@ def test_curves_that_become_meshes_keep_their_parent():
 
 
 def test_letters_keep_their_colors_and_share_materials():
-    select_only(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
+    select_only(two_letters("IO", RED, GREEN), two_letters("OI", BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     first, *between, _ = frame_objects(baked_morph())
     assert [slot.material.name for slot in first.material_slots] == ["IO 0", "IO 1"]
@@ -313,7 +313,7 @@ def test_letters_keep_their_colors_and_share_materials():
 
 
 def test_a_player_of_curves_shows_the_colors_of_regions():
-    select_only(two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE))
+    select_only(two_letters("IO", RED, GREEN), two_letters("OI", BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)
     bpy.ops.convwass.make_player()
     painted = frame_objects(baked_morph())[1].data
@@ -324,7 +324,7 @@ def test_a_player_of_curves_shows_the_colors_of_regions():
 
 
 def test_colored_frames_are_deleted_with_their_materials():
-    letters = two_letters("IO", 0.0, RED, GREEN), two_letters("OI", 0.0, BLUE, BLUE)
+    letters = two_letters("IO", RED, GREEN), two_letters("OI", BLUE, BLUE)
     before = census()
     for kind in ("CURVE", "MESH", "DRAWING"):
         select_only(*letters)
