@@ -62,8 +62,7 @@ def ready(session):
     ticked(session, lambda: time.monotonic() > quiet)
 
 
-def shown_volume(session):
-    mesh = session.scene.shape.data
+def volume(mesh):
     mesh.calc_loop_triangles()
     points = np.array([v.co for v in mesh.vertices])
     a, b, c = points[[list(t.vertices) for t in mesh.loop_triangles]].transpose(1, 0, 2)
@@ -79,7 +78,7 @@ def test_the_shape_follows_the_handle(begin):
         assert session.tick()
         assert session.place[0] == pytest.approx(across)
         assert session.weights == pytest.approx((1.0 - across, across), abs=1e-6)
-        assert shown_volume(session) == pytest.approx((1.0 - across) * small + across * large, rel=0.03)
+        assert volume(session.scene.shape.data) == pytest.approx((1.0 - across) * small + across * large, rel=0.03)
         np.testing.assert_allclose(session.scene.shape.location, (3.0 * across, 0.0, 0.0), atol=0.02)
     assert not session.scene.shape.data.validate()
     # The user drags it, beyond the end of the line.
@@ -133,14 +132,14 @@ def test_edited_inputs_are_blended_anew(begin):
     ready(session)
     session.move_to(0.0, 0.0)
     session.tick()
-    before = shown_volume(session)
+    before = volume(session.scene.shape.data)
     for vertex in bpy.data.objects["Ball 0"].data.vertices:
         vertex.co *= 1.3
     bpy.data.objects["Ball 0"].data.update()
     bpy.context.view_layer.update()
-    ticked(session, lambda: shown_volume(session) > 1.5 * before, 20.0)
+    ticked(session, lambda: volume(session.scene.shape.data) > 1.5 * before, 20.0)
     ready(session)
-    assert shown_volume(session) == pytest.approx(1.3**3 * before, rel=0.05)
+    assert volume(session.scene.shape.data) == pytest.approx(1.3**3 * before, rel=0.05)
 
 
 def test_inputs_can_be_looked_at_in_edit_mode(begin):
@@ -210,12 +209,8 @@ def test_kept_shapes_are_solved_in_full_and_stay(begin):
     assert session.scene.shape is not kept
     session.end()
     assert kept.name in bpy.context.scene.objects
-    volume = np.mean([ball(size, points=200).volume for size in SIZES[:2]])
-    mesh = kept.data
-    mesh.calc_loop_triangles()
-    points = np.array([v.co for v in mesh.vertices])
-    a, b, c = points[[list(t.vertices) for t in mesh.loop_triangles]].transpose(1, 0, 2)
-    assert np.einsum("ij,ij->i", a, np.cross(b, c)).sum() / 6.0 == pytest.approx(volume, rel=0.02)
+    expected = np.mean([ball(size, points=200).volume for size in SIZES[:2]])
+    assert volume(kept.data) == pytest.approx(expected, rel=0.02)
 
 
 def test_objects_restored_by_undo_are_removed(begin, inventory):
