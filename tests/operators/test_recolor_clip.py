@@ -57,6 +57,11 @@ def clip(files):
     return image
 
 
+def recolor_by_command(files, folder):
+    palette = saved(image_of("Copy", pixel_values(bpy.data.images["Blue"])), folder / "blue.png")
+    assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(folder / "command")]) == 0
+
+
 def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
     """The command grades the same way: frames are measured together and keep their differences."""
     before = len(bpy.data.textures), {path: path.read_bytes() for path in files}
@@ -67,8 +72,7 @@ def test_all_frames_are_graded_by_one_map(clip, files, tmp_path):
     assert (np.diff(means[:, 0]) > 2.0).all()
     np.testing.assert_allclose(means.mean(axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.0)
     assert before == (len(bpy.data.textures), {path: path.read_bytes() for path in files})
-    palette = saved(image_of("Copy", pixel_values(bpy.data.images["Blue"])), tmp_path / "blue.png")
-    assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
+    recolor_by_command(files, tmp_path)
     for path in results:
         np.testing.assert_allclose(pixels_in(path), pixels_in(tmp_path / "command" / path.name), atol=1.1 / 255)
 
@@ -130,8 +134,7 @@ def test_empty_frames_do_not_count(clip, files, tmp_path):
     means = [mean_lab(pixels_in(tmp_path / "graded" / path.name)) for path in files[1:]]
     np.testing.assert_allclose(np.mean(means, axis=0), mean_lab(pixel_values(bpy.data.images["Blue"])), atol=1.0)
     assert not pixels_in(tmp_path / "graded" / files[0].name)[..., 3].any()
-    palette = saved(image_of("Copy", pixel_values(bpy.data.images["Blue"])), tmp_path / "blue.png")
-    assert cli.main(["recolor", *map(str, files), "--palette", str(palette), "--out", str(tmp_path / "command")]) == 0
+    recolor_by_command(files, tmp_path)
     for path in files:
         graded, command = (pixels_in(tmp_path / folder / path.name) for folder in ("graded", "command"))
         np.testing.assert_allclose(graded, command, atol=1.1 / 255)
