@@ -15,7 +15,6 @@ from .lobe_images import fill_image
 from .lobe_materials import (
     RESULT_OF,
     PrincipledFit,
-    follow,
     is_own,
     lobe_node,
     principled_node,
@@ -25,6 +24,7 @@ from .lobe_materials import (
 )
 from .lobe_nodes import ACROSS, DIFFUSE, UP, lobe_pad_group
 from .material_pad import MaterialPad
+from .sun_drivers import follow
 
 PLACE = "Place on the Pad"
 """Name of the node whose X and Y the pad drives, from 0 to 1."""
