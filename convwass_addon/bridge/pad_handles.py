@@ -1,14 +1,27 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What pads have in common: the Empty that is dragged, what it drives, and the names at the corners."""
+"""What pads have in common: their lines, the Empty that is dragged, what it drives, and the names at the corners."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
 from numpy.typing import NDArray
+
+OUTLINES = {2: [(0, 1)], 3: [(0, 1), (1, 2), (2, 0)], 4: [(0, 1), (1, 3), (3, 2), (2, 0)]}
+"""Edges around a pad by the number of its corners; those of a square are in rows."""
+
+
+def pad_lines(name: str, points: NDArray[np.float64], edges: Sequence[Sequence[int]]) -> bpy.types.Object:
+    """Draw the lines of a pad, edges between points, (n, 3); the object is not in a collection yet."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(points.tolist(), edges, [])
+    pad = bpy.data.objects.new(mesh.name, mesh)
+    pad.hide_render = True
+    return pad
 
 
 def pad_handle(name: str, size: float, points: NDArray[np.float64], pad: bpy.types.Object) -> bpy.types.Object:

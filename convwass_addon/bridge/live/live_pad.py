@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.live.pad_places import pad_corners, pad_height, pad_middle
 from ..handles import Handle
-from ..pad_handles import pad_handle, pad_label
+from ..pad_handles import OUTLINES, pad_handle, pad_label
 
 # Side of a pad and distance from the shapes, relative to the largest shape; lengths on the pad, relative to its side.
 _SIDE, _GAP = 1.5, 0.3
@@ -94,9 +94,8 @@ class LivePad:
         return np.array([low[0] - _GAP * size - self.side / 2.0, middle[1], low[2] - self._low[2]])
 
     def _outline(self, points: NDArray[np.float64]) -> bpy.types.Mesh:
-        edges = {2: [(0, 1)], 3: [(0, 1), (1, 2), (2, 0)], 4: [(0, 1), (1, 3), (3, 2), (2, 0)]}[self.count]
         mesh = bpy.data.meshes.new("Live Pad")
-        mesh.from_pydata(points.tolist(), edges, [])
+        mesh.from_pydata(points.tolist(), OUTLINES[self.count], [])
         return mesh
 
     def _labels(

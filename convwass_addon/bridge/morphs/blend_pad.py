@@ -19,7 +19,7 @@ from ...errors import InputError
 from ...progress import Work, drained
 from ..element_values import element_values
 from ..node_math import math_node, new_node, switch
-from ..pad_handles import pad_handle, pad_label
+from ..pad_handles import pad_handle, pad_label, pad_lines
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
@@ -236,11 +236,7 @@ def _pad(sheet: _Sheet) -> bpy.types.Object:
     spans = np.linalg.norm(sheet.points[:, None] - sheet.points[None], axis=2)
     step = spans[spans > 0].min()
     edges = np.argwhere(np.triu((spans > 0) & (spans < 1.01 * step)))
-    mesh = bpy.data.meshes.new("Blend Pad")
-    mesh.from_pydata(sheet.points.tolist(), edges.tolist(), [])
-    pad = bpy.data.objects.new(mesh.name, mesh)
-    pad.hide_render = True
-    return pad
+    return pad_lines("Blend Pad", sheet.points, edges.tolist())
 
 
 def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:

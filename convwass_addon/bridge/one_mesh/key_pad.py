@@ -17,7 +17,7 @@ from ..keyframes import driver_targets, remove_curve
 from ..mesh_checks import writable_mesh
 from ..morphs.blend_pad import GAP, SIDE, TEXT
 from ..morphs.removal import remove_objects
-from ..pad_handles import drive_by_handle, pad_handle, pad_label
+from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_label, pad_lines
 from .records import key_records
 from .shape_keys import slider_path
 
@@ -80,7 +80,7 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     side = SIDE * size
     corners = _TRIANGLE if len(names) == 2 else _SQUARE
     points = side * np.stack([corners[:, 0], np.zeros(len(corners)), corners[:, 1]], axis=1)
-    pad = _outline(obj.name, points, [(0, 1), (1, 2), (2, 0)] if len(names) == 2 else [(0, 1), (1, 3), (3, 2), (2, 0)])
+    pad = pad_lines(f"{obj.name} Pad", points, OUTLINES[len(points)])
     middle = np.array(obj.matrix_world @ _center(obj))
     pad.location = middle - np.array([side + (GAP + 0.5) * size, 0.0, side / 2.0])
     handle = pad_handle("Key Handle", 0.06 * side, points, pad)
@@ -136,14 +136,6 @@ def _drive(obj: bpy.types.Object, slider: str, handle: bpy.types.Object, express
     # Keyframes of a driven property would have no effect.
     remove_curve(obj, path)
     drive_by_handle(obj.driver_add(path).driver, handle, expression)
-
-
-def _outline(name: str, points: np.ndarray, edges: Sequence[tuple[int, int]]) -> bpy.types.Object:
-    mesh = bpy.data.meshes.new(f"{name} Pad")
-    mesh.from_pydata(points.tolist(), list(edges), [])
-    pad = bpy.data.objects.new(mesh.name, mesh)
-    pad.hide_render = True
-    return pad
 
 
 def _label(text: str, point: np.ndarray, side: float, pad: bpy.types.Object) -> bpy.types.Object:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..pad_handles import drive_by_handle, pad_handle, pad_label
+from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_label, pad_lines
 
 PAD_OF = "convwass_material_pad"
 """Custom property of the Empty of a pad: the blend that it drives."""
@@ -79,7 +79,7 @@ def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], si
     home = bpy.data.collections.new(f"{name} Pad")
     scene.collection.children.link(home)
     corners = _corners(len(materials))
-    lattice = _lattice(corners)
+    lattice = pad_lines("Material Pad", corners, OUTLINES[len(corners)])
     lattice.location = scene.cursor.location
     home.objects.link(lattice)
     handle = pad_handle("Material Handle", _HANDLE, corners, lattice)
@@ -102,17 +102,6 @@ def _corners(count: int) -> np.ndarray:
     if count == 4:
         places = [(-0.5, high), (0.5, high), (-0.5, -high), (0.5, -high)]
     return SIDE * np.array([(x, 0.0, z) for x, z in places])
-
-
-def _lattice(corners: np.ndarray) -> bpy.types.Object:
-    """Draw the outline."""
-    mesh = bpy.data.meshes.new("Material Pad")
-    round_about = [0, 1, 2] if len(corners) == 3 else [0, 1, 3, 2]
-    edges = [(a, b) for a, b in zip(round_about, [*round_about[1:], round_about[0]], strict=True)]
-    mesh.from_pydata(corners.tolist(), edges, [])
-    lattice = bpy.data.objects.new(mesh.name, mesh)
-    lattice.hide_render = True
-    return lattice
 
 
 def _label(name: str, corner: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:
