@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from typing import Literal
+
 import bpy
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -36,6 +38,12 @@ def element_values(
     values = np.empty(len(elements) * width, kind)
     elements.foreach_get(name, values)
     return values if width == 1 else values.reshape(-1, width)
+
+
+def triangle_corners(mesh: bpy.types.Mesh, kind: Literal["vertices", "loops"]) -> NDArray[np.int32]:
+    """Return the vertices or the face corners at the corners of the triangles of a mesh, (m, 3)."""
+    mesh.calc_loop_triangles()
+    return element_values(mesh.loop_triangles, kind, 3, np.int32)
 
 
 def write_attribute(

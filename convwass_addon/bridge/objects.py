@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
-from .element_values import element_values
+from .element_values import element_values, triangle_corners
 from .keyframes import curves_of
 from .matrix_checks import FLATTENED, is_flattening, require_finite
 from .mesh_checks import not_a_mesh
@@ -440,9 +440,7 @@ def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) ->
 
 def _arrays(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Return vertices, (n, 3) float64, and triangles, (m, 3) int32, in local space."""
-    mesh.calc_loop_triangles()
-    vertices = element_values(mesh.vertices, "co", 3).astype(np.float64)
-    return vertices, element_values(mesh.loop_triangles, "vertices", 3, np.int32)
+    return element_values(mesh.vertices, "co", 3).astype(np.float64), triangle_corners(mesh, "vertices")
 
 
 def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
-from .element_values import element_values
+from .element_values import triangle_corners
 from .matrix_checks import require_finite
 from .mesh_checks import readable_mesh
 from .objects import is_current, shown_objects
@@ -169,8 +169,7 @@ def _shape(mesh: bpy.types.Mesh) -> _Shape:
     _read(mesh, ("position", "vector"), (mesh.vertices, "co"), vertices.ravel())
     if len(mesh.loops) == 3 * len(mesh.polygons):
         return _Shape(vertices, _corner_vertices(mesh).reshape(-1, 3))
-    mesh.calc_loop_triangles()
-    return _Shape(vertices, element_values(mesh.loop_triangles, "vertices", 3, np.int32))
+    return _Shape(vertices, triangle_corners(mesh, "vertices"))
 
 
 def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:

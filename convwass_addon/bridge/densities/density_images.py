@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
-from ..element_values import element_values
+from ..element_values import element_values, triangle_corners
 from ..files import absolute_folder, made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh
@@ -195,8 +195,7 @@ def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:
     if mesh.is_editmode:
         raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
     layer = _uv_layer(obj, settings.uv_map)
-    mesh.calc_loop_triangles()
-    loops, faces = (element_values(mesh.loop_triangles, name, 3, np.int32) for name in ("loops", "vertices"))
+    loops, faces = triangle_corners(mesh, "loops"), triangle_corners(mesh, "vertices")
     uv = element_values(layer.uv, "vector", 2)
     pixels = uv_pixels(uv[loops], faces, settings.size, settings.margin)
     if not len(pixels.places):

@@ -14,7 +14,7 @@ from ...applications.morphs.appearance import Appearance, Carried, Paint, Painte
 from ...applications.morphs.shading import FrameNormals, Shading
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
-from ..element_values import element_values, write_attribute
+from ..element_values import element_values, triangle_corners, write_attribute
 from ..image_files import pixel_values
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, shows_color_attribute
@@ -75,10 +75,9 @@ def read_shading(mesh: bpy.types.Mesh) -> Shading:
 
 def _triangles(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]]:
     """Return the vertices, their positions, (m, 3, 3), and the face corners of the triangles of a mesh."""
-    mesh.calc_loop_triangles()
-    faces = element_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
+    faces = triangle_corners(mesh, "vertices").astype(np.int64)
     corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[faces]
-    return faces, corners, element_values(mesh.loop_triangles, "loops", 3, np.int32)
+    return faces, corners, triangle_corners(mesh, "loops")
 
 
 def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: TriangleMesh) -> None:

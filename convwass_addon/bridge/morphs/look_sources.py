@@ -14,7 +14,7 @@ from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.carried_uvs import UvMap
 from ...geometry.affine import transformed_points
 from ...geometry.normals import unit_vectors
-from ..element_values import element_values, write_attribute
+from ..element_values import element_values, triangle_corners, write_attribute
 from ..joined_shapes import OWN_POSITION
 from .appearance import render_uv_map
 from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT
@@ -75,8 +75,7 @@ def with_looks(
     always : sequence of str
         Names on frames of positions to add in any case.
     """
-    mesh.calc_loop_triangles()
-    loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
+    loops = triangle_corners(mesh, "loops")
     repeats = _repeats([mesh.materials[slot] for slot in np.unique(appearance.materials) if len(mesh.materials)])
     uv_maps = {}
     for carried, name in names.uvs.items():

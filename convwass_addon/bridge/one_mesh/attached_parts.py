@@ -17,7 +17,7 @@ from ...geometry.affine import transformed_points
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
-from ..element_values import element_values
+from ..element_values import element_values, triangle_corners
 from ..mesh_checks import writable_mesh
 from .records import has_key_record, key_names, key_records
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
@@ -229,5 +229,4 @@ def _points(items: bpy.types.bpy_prop_collection) -> NDArray[np.float64]:
 
 
 def _triangles(mesh: bpy.types.Mesh) -> NDArray[np.int64]:
-    mesh.calc_loop_triangles()
-    return element_values(mesh.loop_triangles, "vertices", 3, np.int32).astype(np.int64)
+    return triangle_corners(mesh, "vertices").astype(np.int64)

@@ -17,7 +17,7 @@ from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, write_colors
-from ..element_values import element_values
+from ..element_values import element_values, triangle_corners
 from ..morphs.appearance import render_uv_map
 from ..uv_maps import read_uvs, uv_names, write_uvs
 from ..vertex_groups import group_names, read_groups, write_group
@@ -44,14 +44,10 @@ class _Triangles:
 
     @classmethod
     def of(cls, mesh: bpy.types.Mesh) -> _Triangles:
-        mesh.calc_loop_triangles()
-        points = element_values(mesh.vertices, "co", 3)
-        triangles = mesh.loop_triangles
-        materials = element_values(triangles, "material_index", kind=np.int32)
-        vertices = element_values(triangles, "vertices", 3, np.int32).astype(np.int64)
-        corners = points.astype(np.float64)[vertices]
-        loops = element_values(triangles, "loops", 3, np.int32)
-        return cls(corners, vertices, loops.astype(np.int64), materials.astype(np.int64))
+        vertices, loops = (triangle_corners(mesh, kind).astype(np.int64) for kind in ("vertices", "loops"))
+        corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[vertices]
+        materials = element_values(mesh.loop_triangles, "material_index", kind=np.int32)
+        return cls(corners, vertices, loops, materials.astype(np.int64))
 
 
 @dataclass(frozen=True)

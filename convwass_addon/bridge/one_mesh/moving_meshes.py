@@ -15,7 +15,7 @@ from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_tri
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..animation_time import returning, show_time
-from ..element_values import element_values
+from ..element_values import element_values, triangle_corners
 from ..keyframes import curves_of, driver_targets, key_span, strips_span
 from ..morphs.appearance import seen_colors
 
@@ -104,9 +104,7 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
     corners, normals, colors = [], [], []
     for obj in objects:
         mesh, matrix = obj.data, np.array(obj.matrix_world, dtype=np.float64)
-        mesh.calc_loop_triangles()
-        loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
-        vertices = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
+        loops, vertices = triangle_corners(mesh, "loops"), triangle_corners(mesh, "vertices")
         if np.linalg.det(matrix[:3, :3]) < 0.0:
             # Triangles still point outwards if they are mirrored.
             loops, vertices = loops[:, ::-1], vertices[:, ::-1]

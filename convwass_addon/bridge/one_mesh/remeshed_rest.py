@@ -7,14 +7,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import bpy
-import numpy as np
 
 from ...applications.one_mesh.remeshed_basis import adaptive_mesh, even_mesh
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ...progress import UNINTERRUPTED
 from ...sentence import Sentence
-from ..element_values import element_values
+from ..element_values import element_values, triangle_corners
 from ..objects import frozen_copy, write_mesh
 from .carried_basis import carry_to_basis
 from .rest_mesh import RestMesh, at_rest
@@ -78,7 +77,4 @@ def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: 
 
 
 def _triangles(mesh: bpy.types.Mesh) -> TriangleMesh:
-    mesh.calc_loop_triangles()
-    points = element_values(mesh.vertices, "co", 3)
-    corners = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
-    return TriangleMesh.from_arrays(points, corners)
+    return TriangleMesh.from_arrays(element_values(mesh.vertices, "co", 3), triangle_corners(mesh, "vertices"))

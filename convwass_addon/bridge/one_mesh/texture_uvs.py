@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
-from ..element_values import element_values
+from ..element_values import element_values, triangle_corners
 from ..morphs.appearance import render_uv_map
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
@@ -55,15 +55,12 @@ def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str, made: str = "") -> s
 
 def texture_pixels(mesh: bpy.types.Mesh, uv_map: str, size: int) -> UvPixels:
     """Rasterize a UV map without margin; see :func:`.uv_pixels.uv_pixels`."""
-    vertices = element_values(mesh.loop_triangles, "vertices", 3, np.int32)
-    return uv_pixels(triangle_uvs(mesh, uv_map), vertices, size, 0)
+    return uv_pixels(triangle_uvs(mesh, uv_map), triangle_corners(mesh, "vertices"), size, 0)
 
 
 def triangle_uvs(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32]:
     """Return the UV coordinates at the corners of the triangles, (m, 3, 2)."""
-    mesh.calc_loop_triangles()
-    loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
-    return loop_uvs(mesh, uv_map)[loops]
+    return loop_uvs(mesh, uv_map)[triangle_corners(mesh, "loops")]
 
 
 def loop_uvs(mesh: bpy.types.Mesh, uv_map: str) -> NDArray[np.float32]:
