@@ -15,7 +15,7 @@ from bpy.props import BoolVectorProperty, FloatVectorProperty
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from .rig_bones import SIDES, forget_rest, note_rest
+from .rig_bones import SIDES, current_bones, forget_rest, note_rest
 
 if TYPE_CHECKING:
     from .rig_graphs import RigGraph
@@ -74,7 +74,7 @@ def _set_pins(obj: bpy.types.Object, rig: RigGraph, joints: Iterable[int], pinne
     if obj.type != "ARMATURE":
         pin_vertices(obj, [int(own[0]) for own in chosen], pinned)
         return
-    bones = obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones
+    bones = current_bones(obj)
     for own in chosen:
         for end in own:
             _pin_end(bones, end, pinned and end == own[0])
@@ -94,7 +94,7 @@ def clear_pins(obj: bpy.types.Object) -> None:
     if obj.type == "ARMATURE":
         forget_rest(obj)
         for end in pinned_ends(obj):
-            _pin_end(obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones, end, False)
+            _pin_end(current_bones(obj), end, False)
         return
     pin_vertices(obj, list(range(len(obj.data.vertices))), False)
 
@@ -102,10 +102,9 @@ def clear_pins(obj: bpy.types.Object) -> None:
 def pinned_ends(obj: bpy.types.Object) -> list[str]:
     """Return the names of the pinned joints. Fast enough for a panel."""
     if obj.type == "ARMATURE":
-        bones = obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones
         return [
             f"{bone.name}.{side}"
-            for bone in bones
+            for bone in current_bones(obj)
             for side, pinned in zip(SIDES, bone.convwass_pinned, strict=True)
             if pinned
         ]

@@ -91,7 +91,7 @@ def note_rest(obj: bpy.types.Object) -> None:
     In Edit Mode, the positions before Edit Mode are stored. Bones added later invalidate the stored positions.
     """
     is_edited = obj.mode == "EDIT"
-    bones = obj.data.edit_bones if is_edited else obj.data.bones
+    bones = current_bones(obj)
     present = bone_ends(obj)
     if all(bone.rest is not None for bone in present):
         return
@@ -105,5 +105,10 @@ def note_rest(obj: bpy.types.Object) -> None:
 
 def forget_rest(obj: bpy.types.Object) -> None:
     """Remove the stored original positions."""
-    for bone in obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones:
+    for bone in current_bones(obj):
         bone.convwass_rest = np.zeros(6)
+
+
+def current_bones(obj: bpy.types.Object) -> bpy.types.bpy_prop_collection:
+    """Return the bones of an armature; in Edit Mode, those that are edited."""
+    return obj.data.edit_bones if obj.mode == "EDIT" else obj.data.bones
