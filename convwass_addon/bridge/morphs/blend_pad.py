@@ -26,7 +26,7 @@ from .mixed_frames import DETAIL, INTERPOLATE
 from .pad_velocity import HANDLE_VELOCITY
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
 from .stand_ins import adopt, collections_for_stand_ins, require_none, set_shown
-from .stored import WEIGHTS_KEY, frame_objects, is_solid, stored_morph
+from .stored import frame_objects, frame_weights, is_solid, stored_morph
 from .stored_fields import StoredFields, field_cells
 
 SIDE = 1.5
@@ -200,7 +200,7 @@ def _read_sheet(collection: bpy.types.Collection) -> _Sheet:
 
 def _sheet_blends(collection: bpy.types.Collection, frames: list[bpy.types.Object]) -> list[Blend]:
     """Return the blend of every frame object; raises InputError if they are not a complete sheet."""
-    blends = _layout(np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) if frames else np.empty((0, 0)))
+    blends = _layout(frame_weights(frames) if frames else np.empty((0, 0)))
     if blends is None:
         raise InputError(
             "{name} is not a complete sheet of four shapes in a grid or three in a triangle; bake one with that "

@@ -29,7 +29,7 @@ from ..element_values import write_attribute
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from .field_sampler import SampleGrid, field_sampler
-from .stored import WEIGHTS_KEY
+from .stored import frame_weights
 from .stored_fields import BAND, COLOR, ENCLOSED, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
 
 # Margin of samples around all blends.
@@ -83,7 +83,7 @@ def store_fields(
             "Between to Nearest Blend."
         )
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
+    weights = frame_weights(frames)
     meshes = [_local_mesh(*own) for own in zip(frames, triangle_meshes(frames, depsgraph), strict=True)]
     offsets = _centers(meshes, weights)
     grid = _grid(meshes, offsets, cells)

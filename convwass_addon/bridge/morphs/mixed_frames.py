@@ -32,7 +32,7 @@ from .field_sampler import set_position
 from .frame_attributes import CUSTOM_NORMAL, LOOKS, SOURCE_WEIGHT, VELOCITY
 from .laid_mixture import LaidMixture
 from .moved_frames import HAS
-from .stored import WEIGHTS_KEY
+from .stored import WEIGHTS_KEY, frame_weights
 from .stored_fields import COLOR, ENCLOSED, Column, StoredFields
 
 DETAIL = "Detail"
@@ -83,7 +83,7 @@ def is_shape(frame: bpy.types.Object) -> bool:
 
 def columns_of(frames: Sequence[bpy.types.Object]) -> list[Column]:
     """Return the columns of the table of steps for :class:`MixedFrames`."""
-    weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
+    weights = frame_weights(frames)
     shapes = np.array([float(is_shape(obj)) for obj in frames])
     columns = [Column(SOURCE_WEIGHT.format(number), "FLOAT", own) for number, own in enumerate(weights.T, start=1)]
     columns.append(Column(_SHAPE, "FLOAT", shapes))

@@ -45,7 +45,7 @@ from .stand_ins import (
     set_shown,
     stand_ins,
 )
-from .stored import WEIGHTS_KEY, frame_number, frame_objects, is_solid, stored_morph
+from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, is_solid, stored_morph
 from .stored_fields import field_cells
 
 PLAYBACK = "Playback"
@@ -248,7 +248,7 @@ def _is_on_path(obj: bpy.types.Object) -> bool:
 
 def _values(frames: Sequence[bpy.types.Object]) -> np.ndarray:
     """Return the value of each blend, (n,)."""
-    weights = np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
+    weights = frame_weights(frames)
     return weights @ np.arange(weights.shape[1])
 
 

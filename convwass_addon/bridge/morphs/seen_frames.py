@@ -21,7 +21,7 @@ from .player import interpolation, is_player, morph_value, override, playback_it
 from .removal import remove_bake
 from .retiming import keyed_span, sole_curve
 from .stand_ins import frames_modifier, shown_morph, stand_ins
-from .stored import WEIGHTS_KEY, frame_number, frame_objects, shown_frames
+from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, shown_frames
 
 # Largest difference of values that counts as the same moment, far below the step from frame to frame.
 _SAME = 1e-4
@@ -148,5 +148,5 @@ def _plays_as_baked(player: bpy.types.Object) -> bool:
     last, item = len(frames[0][WEIGHTS_KEY]) - 1, playback_item(player)
     times = [span[0] + frame_number(obj) for obj in frames]
     shown = np.array([shown_value(curve.evaluate(time), item, last) for time in times])
-    baked = np.array([list(obj[WEIGHTS_KEY]) for obj in frames]) @ np.arange(last + 1)
+    baked = frame_weights(frames) @ np.arange(last + 1)
     return bool(np.abs(shown - baked).max() < _SAME)

@@ -11,6 +11,8 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
@@ -199,6 +201,11 @@ def release_duplicates(collection: bpy.types.Collection) -> None:
     for obj in set(_framelike(collection)).difference(frame_objects(collection)):
         for key in (INDEX_KEY, FRAME_KEY, WEIGHTS_KEY):
             obj.pop(key, None)
+
+
+def frame_weights(frames: Sequence[bpy.types.Object]) -> NDArray[np.float64]:
+    """Return the weights of frame objects, (f, k)."""
+    return np.array([list(obj[WEIGHTS_KEY]) for obj in frames])
 
 
 def frame_number(obj: bpy.types.Object) -> int:
