@@ -12,9 +12,9 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
-from ...geometry.planar_fill import Boundary, filled_boundary
+from ...geometry.planar_fill import Boundary
 from .flat_frames import FlatFrame
-from .flat_pieces import layers_of
+from .flat_pieces import filled_layer, layers_of
 from .flat_shapes import FlatImage, FlatInput, FlatShape
 
 # Samples of an outline for colors, along its longest side.
@@ -81,7 +81,7 @@ def _of_layers(points: NDArray[np.float64], shape: FlatShape) -> NDArray[np.floa
     colors = np.stack([shape.colors[layer[0]] for layer in layers]).astype(np.float64)
     if len(layers) == 1:
         return np.repeat(colors, len(points), axis=0)
-    boundaries = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers]
+    boundaries = [filled_layer(shape, layer) for layer in layers]
     found = np.full(len(points), -1)
     for index, boundary in enumerate(boundaries):
         found[boundary.contains(points)] = index

@@ -12,9 +12,8 @@ from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt, gaussian_filter, map_coordinates
 
 from ...geometry.coverage import coverage
-from ...geometry.planar_fill import filled_boundary
 from .flat_lattice import FlatLattice
-from .flat_pieces import layers_of
+from .flat_pieces import filled_layer, layers_of
 from .flat_shapes import FlatImage, FlatInput
 
 # Cells over which the borders between layers are smoothed.
@@ -73,7 +72,7 @@ def _drawn(shape: FlatInput, lattice: FlatLattice, center: NDArray[np.float64]) 
     if len(layers) == 1:
         return InputLayers(colors, None)
     corner, scale = lattice.origin + center, 1.0 / lattice.spacing
-    filled = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers]
+    filled = [filled_layer(shape, layer) for layer in layers]
     shares = np.stack([coverage(own.moved(-corner * scale, scale), lattice.shape) for own in filled])
     # Later layers cover earlier ones.
     beyond = np.ones(lattice.shape)

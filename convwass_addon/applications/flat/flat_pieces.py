@@ -139,8 +139,13 @@ def flat_pieces(shape: FlatInput, name: str, letters: Sequence[NDArray[np.int64]
 
 def filled_by(shape: FlatShape, rings: NDArray[np.int64]) -> Boundary:
     """Return the boundary of the union of a shape's layers, each of which some rings fill by the rule."""
-    layers = [filled_boundary([shape.rings[i] for i in layer], shape.rule) for layer in layers_of(shape, rings)]
+    layers = [filled_layer(shape, layer) for layer in layers_of(shape, rings)]
     return layers[0] if len(layers) == 1 else layers[0].united(layers[1:])
+
+
+def filled_layer(shape: FlatShape, layer: NDArray[np.int64]) -> Boundary:
+    """Return the boundary of what the rings of one layer fill by the rule of their shape."""
+    return filled_boundary([shape.rings[i] for i in layer], shape.rule)
 
 
 def layers_of(shape: FlatShape, rings: NDArray[np.int64] | None = None) -> list[NDArray[np.int64]]:
