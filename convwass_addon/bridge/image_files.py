@@ -51,9 +51,14 @@ def loaded_image(file: Path) -> bpy.types.Image:
         ) from error
 
 
+def image_path(image: bpy.types.Image) -> Path:
+    """Return the absolute path of the file of an image."""
+    return Path(bpy.path.abspath(image.filepath, library=image.library))
+
+
 def refuse_damaged(image: bpy.types.Image) -> None:
     """Raise InputError if Blender could not load an image whose file exists."""
-    file = Path(bpy.path.abspath(image.filepath, library=image.library))
+    file = image_path(image)
     if image.source == "FILE" and image.packed_file is None and not image.has_data and file.is_file():
         raise InputError(
             "{file} could not be read; it is damaged, or of a format that Blender does not know.", file=file.name

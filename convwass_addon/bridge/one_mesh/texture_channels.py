@@ -10,10 +10,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from pathlib import Path
 
 import bpy
 
+from ..image_files import image_path
 from ..morphs.look_groups import node_trees
 from ..node_math import Value, new_node, vector_math_node
 from ..node_trees import own_tree
@@ -116,9 +116,7 @@ def missing_images(materials: Sequence[bpy.types.Material | None]) -> list[bpy.t
     return [
         image
         for image in images
-        if image.source == "FILE"
-        and image.packed_file is None
-        and not Path(bpy.path.abspath(image.filepath, library=image.library)).is_file()
+        if image.source == "FILE" and image.packed_file is None and not image_path(image).is_file()
     ]
 
 

@@ -13,6 +13,7 @@ import bpy
 from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..handles import Handle
+from ..image_files import image_path
 from ..last_result import last_result
 from ..morphs.disk_output import for_blender
 from ..numbered_files import numbered_paths
@@ -41,7 +42,7 @@ class ClipFrames:
     """
 
     def __init__(self, image: bpy.types.Image, mask: bpy.types.Image | None = None) -> None:
-        self.path = Path(bpy.path.abspath(image.filepath, library=image.library))
+        self.path = image_path(image)
         self.numbers = _sequence(self.path) if image.source == "SEQUENCE" else range(1, image.frame_duration + 1)
         if not len(self.numbers):
             raise InputError("There is no file {file}.", file=str(self.path))
