@@ -89,8 +89,8 @@ def remove_handles(
     """Move saddles near a level to its other side until enough handles are removed, the smallest changes first.
 
     A handle can be cut, or its hole can be filled. Narrow changes come first, in the order of the number of cells that
-    they move to the other side: inside a ring as inside the contact of two rings, the density is about one, and only
-    the number of cells tells that the contact is thinner.
+    they move to the other side. Inside a ring as inside the contact of two rings, the density is about one; only the
+    number of cells tells that the contact is thinner.
 
     Parameters
     ----------

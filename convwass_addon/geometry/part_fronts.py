@@ -109,9 +109,9 @@ def separate_parts(
 
     Light links always need one.
 
-    The mean of signed distances at the weight w leaves the length r w / (1 - w) of a part of half thickness r, which
-    then vanishes at once if it is long. A cone with the depth k x at the distance x from its tip retracts by at most
-    1 / k times its length per unit of the weight, so short and stout parts, like the corners of a cube, need no front.
+    The mean of signed distances at the weight w leaves the length r w / (1 - w) of a part of half thickness r; a long
+    part vanishes at once. A cone with the depth k x at the distance x from its tip retracts by at most 1 / k times its
+    length per unit of the weight. Short and stout parts, like the corners of a cube, therefore need no front.
 
     Parameters
     ----------

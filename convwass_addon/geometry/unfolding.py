@@ -4,9 +4,9 @@
 
 Around each group of folded triangles, a disc of the mesh is embedded in a flattened disc of the surface, with its rim
 fixed (:mod:`.planar_embedding`). An embedding has no folds if the rim is convex, and rarely any otherwise; those that
-appear because triangles of the surface are not flat are removed by moving single vertices. No step is taken that does
-not leave fewer folds, or that uncovers a part of the surface: flattening shrinks what protrudes, and a muzzle could be
-cut off without a fold.
+appear because triangles of the surface are not flat are removed by moving single vertices. Every step leaves fewer
+folds, and none uncovers a part of the surface: flattening shrinks what protrudes, and a muzzle could be cut off without
+a fold.
 """
 
 from __future__ import annotations

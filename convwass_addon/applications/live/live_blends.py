@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A live morph: blends of two to four shapes at any weights, while the lattice they are mixed from is being filled.
 
-One thread points at weights and takes the shape there; another one works. It solves the blend that is pointed at until
-the lattice around it is there, fills the lattice from coarse to fine and nearest to the hand first, looks for the
-motion of the shapes and fills a lattice of moved shapes, and solves the blend in full where the hand rests.
+One thread points at weights and takes the shape there; another one works. Until the lattice around the hand is there,
+it solves the blend that is pointed at. It fills the lattice from coarse to fine and nearest to the hand first, then
+looks for the motion of the shapes, and fills a lattice of moved shapes. Where the hand rests, it solves the blend in
+full.
 """
 
 from __future__ import annotations

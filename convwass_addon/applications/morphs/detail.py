@@ -109,7 +109,7 @@ def starts_on_readings(problem: MorphProblem, frame: MorphFrame, solids: Coincid
     """Return the points of moved shapes that the vertices of a blend come from.
 
     Where the shapes coincide, a point is straight above or below the vertex, on the shape's surface as the grid shows
-    it, and less certain the further it is away; elsewhere transport gives it.
+    it; the further it is away, the less certain it is. Elsewhere transport gives it.
 
     Parameters
     ----------

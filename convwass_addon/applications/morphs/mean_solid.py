@@ -8,9 +8,9 @@ frame or two. Such parts are included up to a front instead, which advances even
 Parts that link what the solids share are whole while their solid has the largest weight, so that the mean is connected:
 the bar of an H opens when the arc of the U below it is closed. Both together have too much volume and become thinner.
 
-The volume of the mean is not that of the solids. If the whole surface were offset, thin parts would vanish, so only
-those parts of the surface move where the solids differ: in proportion to the spread of the distances, as if the parts
-that only some of the solids have were a little earlier or later.
+The volume of the mean is not that of the solids. If the whole surface were offset, thin parts would vanish. The surface
+therefore moves only where the solids differ, in proportion to the spread of the distances: as if the parts that only
+some of the solids have were a little earlier or later.
 """
 
 from __future__ import annotations

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Move a laid-out skeleton to the medial axis of the body's limbs.
 
-The objective is that of the propagation, the weighted sum of squared distances along the bones, with points instead of
-distributions and paths through the body instead of paths along its surface.
+The objective is that of the propagation: the weighted sum of squared distances along the bones. Points take the place
+of distributions, and paths lead through the body instead of along its surface.
 """
 
 from __future__ import annotations
