@@ -19,7 +19,7 @@ from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
 from ...geometry.components import component_labels
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_areas
-from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
+from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, doubled_areas, uv_sizes
 from ...sentence import Sentence
 from .surface_maps import PointMap
 from .transfer import check_giver
@@ -85,7 +85,7 @@ def transferred_uvs(
         raise InputError("A UV map must have two numbers for every corner of every face.")
     if len(points) != len(receiver.vertices):
         raise InputError("The map belongs to a mesh with other vertices; compute it again.")
-    if not _doubled_areas(given).any():
+    if not doubled_areas(given).any():
         raise InputError("The UV map has no area; unwrap the mesh that gives it first.")
     owners = np.arange(len(receiver.faces)) if polygons is None else np.asarray(polygons)
     known = points.found[receiver.faces].all(axis=1)
@@ -258,7 +258,7 @@ def _seams(uvs: NDArray[np.float64], shared: SharedEdges, known: NDArray[np.bool
 def _check_folds(uvs: NDArray[np.float64], homes: NDArray[np.float64], corners: NDArray[np.float64]) -> None:
     """Raise if too much of a surface is flipped in its UVs relative to the triangles that they come from."""
     areas = triangle_areas(corners)
-    turns = np.sign(_doubled_areas(uvs)) * np.sign(_doubled_areas(homes))
+    turns = np.sign(doubled_areas(uvs)) * np.sign(doubled_areas(homes))
     # A map between mirror images flips all triangles.
     side = 1.0 if (areas * turns).sum() >= 0 else -1.0
     folded = float(areas[side * turns <= 0].sum() / max(areas.sum(), np.finfo(float).tiny))
@@ -268,8 +268,3 @@ def _check_folds(uvs: NDArray[np.float64], homes: NDArray[np.float64], corners: 
             "Subdivide the mesh that receives it, or improve the map.",
             folded=folded,
         )
-
-
-def _doubled_areas(uvs: NDArray[np.float64]) -> NDArray[np.float64]:
-    first, second = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
-    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.uv_charts import doubled_areas
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ..element_values import element_values, triangle_corners
 from ..morphs.appearance import render_uv_map
@@ -73,8 +74,7 @@ def _is_usable(mesh: bpy.types.Mesh, uv_map: str) -> bool:
     uvs = triangle_uvs(mesh, uv_map).astype(np.float64)
     if uvs.min() < -_SLACK or uvs.max() > 1.0 + _SLACK:
         return False
-    first, second = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
-    area = 0.5 * np.abs(first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]).sum()
+    area = 0.5 * np.abs(doubled_areas(uvs)).sum()
     covered = len(texture_pixels(mesh, uv_map, _SIZE).places) / _SIZE**2
     return 0.0 < area <= (1.0 + _OVERLAP) * covered + 1.0 / _SIZE
 
