@@ -11,7 +11,8 @@ from ..bridge.keyframes import is_tweaked
 from ..bridge.morphs.blend_pad import build_blend_pad, require_sheet
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.pad_velocity import handle_velocity, key_handle_velocity
-from ..bridge.morphs.player import build_player, is_player, require_path, speed
+from ..bridge.morphs.player import build_player, require_path
+from ..bridge.morphs.player_inputs import is_player, speed
 from ..bridge.morphs.retiming import Retiming, key_speed, keyed_span, retime
 from ..bridge.morphs.stand_ins import remove_stand_ins, shows_frames, stand_ins
 from ..bridge.morphs.stored import frame_objects, is_solid

@@ -11,7 +11,7 @@ from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.pad_velocity import handle_velocity
-from ..bridge.morphs.player import detail, interpolation, is_player, morph_value, playback
+from ..bridge.morphs.player_inputs import detail, interpolation, is_player, morph_value, playback
 from ..bridge.morphs.stand_ins import shows_frames
 from ..bridge.morphs.stored import ALONE_KEY, frame_objects, stored_diagnostics
 from ..operators.morph_manage import active_morph

@@ -18,14 +18,8 @@ from convwass_addon.applications.morphs.layouts import path_blends, triangle_ble
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
 from convwass_addon.bridge.morphs.pad_velocity import key_handle_velocity
-from convwass_addon.bridge.morphs.player import (
-    detail,
-    interpolation,
-    make_player,
-    morph_value,
-    refresh_player,
-    speed,
-)
+from convwass_addon.bridge.morphs.player import make_player, refresh_player
+from convwass_addon.bridge.morphs.player_inputs import detail, interpolation, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_inputs import node_input

@@ -17,17 +17,8 @@ from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.frame_colors import COLOR
-from convwass_addon.bridge.morphs.player import (
-    MATERIAL,
-    OVERRIDE,
-    PLAYBACK,
-    PLAYBACKS,
-    is_player,
-    make_player,
-    morph_value,
-    pace,
-    refresh_player,
-)
+from convwass_addon.bridge.morphs.player import make_player, pace, refresh_player
+from convwass_addon.bridge.morphs.player_inputs import MATERIAL, OVERRIDE, PLAYBACK, PLAYBACKS, is_player, morph_value
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.retiming import keyed_span
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins, set_shown, shown_morph, stand_ins

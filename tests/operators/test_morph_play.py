@@ -12,7 +12,7 @@ import pytest
 
 from convwass_addon.bridge.keyframes import make_linear
 from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
-from convwass_addon.bridge.morphs.player import is_player, morph_value
+from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from tests.operators.morphs import add, census
 

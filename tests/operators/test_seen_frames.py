@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.keyframes import curves_of
-from convwass_addon.bridge.morphs.player import MATERIAL, OVERRIDE, is_player, morph_value
+from convwass_addon.bridge.morphs.player_inputs import MATERIAL, OVERRIDE, is_player, morph_value
 from convwass_addon.bridge.morphs.seen_frames import seen_frames, shows_as_baked
 from convwass_addon.bridge.morphs.stand_ins import shown_morph
 from convwass_addon.bridge.morphs.stored import frame_objects

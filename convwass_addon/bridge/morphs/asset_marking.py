@@ -16,7 +16,7 @@ from ..framing import broad_view, orbit
 from ..image_files import opened_image, pixel_values
 from ..studio import Studio, opening, world_points
 from .contact_sheet import ELEVATION
-from .player import is_player
+from .player_inputs import is_player
 from .stand_ins import frames_modifier, stand_ins
 from .stored import frame_objects, stored_morph
 

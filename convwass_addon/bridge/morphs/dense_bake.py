@@ -19,7 +19,7 @@ from ..keyframes import FrameRange, key_visibility
 from ..linked_data import is_linked
 from ..objects import place_mesh, take_own_materials
 from .hidden_inputs import copy_hidden
-from .player import last_value, morph_value, playback_item, shown_value
+from .player_inputs import last_value, morph_value, playback_item, shown_value
 from .stand_ins import shown_morph
 from .stored import FRAME_KEY, INDEX_KEY, SAMPLED_FROM, WEIGHTS_KEY, store, stored_morph
 

@@ -33,6 +33,7 @@ from ..sequence import (
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
+from .player_inputs import MATERIAL, OVERRIDE, PLAYBACK, PLAYBACKS, interpolation, is_player, morph_value
 from .stand_ins import (
     SHOWS_KEY,
     adopt,
@@ -47,15 +48,6 @@ from .stand_ins import (
 )
 from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, is_solid, stored_morph
 from .stored_fields import field_cells
-
-PLAYBACK = "Playback"
-"""The modifier's input for values beyond the last shape and before the first: one of `PLAYBACKS`."""
-
-PLAYBACKS = {"ONCE": "Once", "LOOP": "Loop", "PING_PONG": "Ping-Pong"}
-"""The items of that menu in the user interface."""
-
-OVERRIDE = "Override Material"
-MATERIAL = "Material"
 
 
 def make_player(
@@ -152,69 +144,6 @@ def refresh_player(collection: bpy.types.Collection) -> None:
         write_table(player.data, _table(frames), seen_materials(tree, frames))
     remove_unused(collection)
     drop_numbers(set(adopted(collection)) - before)
-
-
-def is_player(obj: bpy.types.Object | None) -> bool:
-    """Return whether an object plays a morph."""
-    if obj is None or obj.get(SHOWS_KEY) is None or frames_modifier(obj) is None:
-        return False
-    try:
-        morph_value(obj)
-    except InputError:
-        return False
-    return True
-
-
-def morph_value(player: bpy.types.Object) -> NodeInput:
-    """Return the value of a player to animate; draw it with ``layout.prop(value.owner, value.path, text="Morph")``."""
-    return node_input(frames_modifier(player), VALUE)
-
-
-def interpolation(player: bpy.types.Object) -> NodeInput | None:
-    """Return the input of a player that enables interpolation; None if there are only baked blends."""
-    try:
-        return node_input(frames_modifier(player), INTERPOLATE)
-    except InputError:
-        return None
-
-
-def detail(player: bpy.types.Object) -> NodeInput | None:
-    """Return the input that projects mixtures onto the baked meshes; None if there are only baked blends."""
-    return None if interpolation(player) is None else node_input(frames_modifier(player), DETAIL)
-
-
-def speed(player: bpy.types.Object) -> NodeInput | None:
-    """Return the factor for velocities; None if there are only baked blends."""
-    return None if interpolation(player) is None else node_input(frames_modifier(player), SPEED)
-
-
-def override(player: bpy.types.Object) -> NodeInput:
-    """Return the input of a player that makes it show a single material."""
-    return node_input(frames_modifier(player), OVERRIDE)
-
-
-def playback(player: bpy.types.Object) -> NodeInput:
-    """Return the input of a player for values beyond the last shape and before the first."""
-    return node_input(frames_modifier(player), PLAYBACK)
-
-
-def playback_item(player: bpy.types.Object) -> str:
-    """Return the key of `PLAYBACKS` of a player."""
-    stored = playback(player).get()
-    names = list(PLAYBACKS.values())
-    return list(PLAYBACKS)[stored if isinstance(stored, int) else names.index(stored)]
-
-
-def shown_value(value: float, item: str, last: float) -> float:
-    """Map a value to the range from 0 to `last` by an item of `PLAYBACKS`."""
-    if item == "ONCE" or 0.0 <= value <= last:
-        return min(max(value, 0.0), last)
-    return value % last if item == "LOOP" else last - abs(value % (2.0 * last) - last)
-
-
-def last_value(player: bpy.types.Object) -> int:
-    """Return the value of a player's last shape."""
-    return round(max(vertex.co.x for vertex in player.data.vertices))
 
 
 def pace(player: bpy.types.Object) -> float:

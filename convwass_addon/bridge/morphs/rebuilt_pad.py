@@ -15,7 +15,7 @@ from mathutils import Matrix, Vector
 from ..keyframes import curves_of, own_action
 from .blend_pad import PLACE_KEY, make_blend_pad, require_all_blends
 from .pad_velocity import handle_velocity, key_handle_velocity
-from .player import interpolation
+from .player_inputs import interpolation
 from .stand_ins import SHOWS_KEY, adopt, adopted, drop_numbers, frames_modifier, remove_unused, stand_ins
 from .stored import WEIGHTS_KEY
 

@@ -14,7 +14,8 @@ from .changes import SIGNATURES_KEY
 from .disk_output import FOLDER_KEY
 from .hidden_inputs import take_hidden
 from .kept_materials import take_materials
-from .player import is_player, refresh_player
+from .player import refresh_player
+from .player_inputs import is_player
 from .player_slots import changed_slots, restore_slots
 from .rebuilt_pad import rebuild_pad
 from .removal import remove_frame_objects

@@ -26,7 +26,8 @@ from ..keyframes import (
 )
 from ..node_inputs import NodeInput
 from ..objects import hidden_modifiers
-from .player import last_value, morph_value, pace, playback_item, speed
+from .player import pace
+from .player_inputs import last_value, morph_value, playback_item, speed
 
 # Half of the range shown in slow motion, in shapes.
 _SLOW_HALF = 0.15

@@ -17,7 +17,7 @@ from ...progress import Work
 from ..keyframes import curves_of
 from ..objects import is_in
 from .dense_bake import bake_player, sample_times
-from .player import interpolation, is_player, morph_value, override, playback_item, shown_value, speed
+from .player_inputs import interpolation, is_player, morph_value, override, playback_item, shown_value, speed
 from .removal import remove_bake
 from .retiming import keyed_span, sole_curve
 from .stand_ins import frames_modifier, shown_morph, stand_ins
