@@ -87,11 +87,11 @@ def _kept_corners(ring: NDArray[np.float64], error: float) -> NDArray[np.int64]:
     count = len(ring)
     if count <= 3:
         return np.arange(count)
-    first = int(np.argmax(((ring - ring.mean(axis=0)) ** 2).sum(axis=1)))
+    first = _farthest(ring, ring.mean(axis=0))
     turned = np.roll(ring, -first, axis=0)
     closed = np.concatenate([turned, turned[:1]])
     kept = np.zeros(count + 1, bool)
-    kept[[0, int(np.argmax(((turned - turned[0]) ** 2).sum(axis=1))), count]] = True
+    kept[[0, _farthest(turned, turned[0]), count]] = True
     while True:
         places = np.flatnonzero(kept)
         piece = np.minimum(np.cumsum(kept) - 1, len(places) - 2)
@@ -122,8 +122,13 @@ def _break_points(ring: NDArray[np.float64], corners: NDArray[np.int64]) -> NDAr
     """Points where pieces begin: the corners, or the two points farthest apart if there are none."""
     if len(corners) >= 2:
         return corners
-    first = int(corners[0]) if len(corners) else int(np.argmax(((ring - ring.mean(axis=0)) ** 2).sum(axis=1)))
-    return np.sort([first, int(np.argmax(((ring - ring[first]) ** 2).sum(axis=1)))])
+    first = int(corners[0]) if len(corners) else _farthest(ring, ring.mean(axis=0))
+    return np.sort([first, _farthest(ring, ring[first])])
+
+
+def _farthest(ring: NDArray[np.float64], place: NDArray[np.float64]) -> int:
+    """Return the index of the point of a ring that is farthest from a place."""
+    return int(np.argmax(((ring - place) ** 2).sum(axis=1)))
 
 
 def _ring_of(pieces: BezierPieces, is_corner: NDArray[np.bool_]) -> BezierRing:
