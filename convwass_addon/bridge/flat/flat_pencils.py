@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from .flat_rings import FlatRings
+from .flat_splines import cubic_points
 
 # Blender's curve type for Bezier curves, and points per segment.
 _BEZIER, _STEPS = 2, 16
@@ -56,8 +57,8 @@ def _points_of(stroke: object) -> NDArray[np.float64]:
         for name in ("handle_left", "handle_right")
     )
     t = (np.arange(_STEPS) / _STEPS)[:, None, None]
-    a, b, c, d = points, right, np.roll(left, -1, axis=0), np.roll(points, -1, axis=0)
-    curve = (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t * t * c + t**3 * d
+    controls = np.stack([points, right, np.roll(left, -1, axis=0), np.roll(points, -1, axis=0)])
+    curve = cubic_points(controls, t)
     return curve.swapaxes(0, 1).reshape(-1, 3)
 
 

@@ -99,11 +99,16 @@ def _bezier_points(spline: bpy.types.Spline) -> NDArray[np.float64]:
     for piece in range(len(points) if spline.use_cyclic_u else len(points) - 1):
         count = 1 if _is_straight(controls[:, piece]) else steps
         t = (np.arange(count) / count)[:, None]
-        a, b, c, d = controls[:, piece]
-        pieces.append((1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t * t * c + t**3 * d)
+        pieces.append(cubic_points(controls[:, piece], t))
     if not spline.use_cyclic_u:
         pieces.append(points[-1:])
     return np.concatenate(pieces)
+
+
+def cubic_points(controls: NDArray[np.float64], t: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points of Bezier curves with given control points, (4, ...), at t, from 0 to 1, which is broadcast."""
+    a, b, c, d = controls
+    return (1 - t) ** 3 * a + 3 * (1 - t) ** 2 * t * b + 3 * (1 - t) * t * t * c + t**3 * d
 
 
 def _is_straight(controls: NDArray[np.float64]) -> bool:
