@@ -10,15 +10,14 @@ from .disk_output import remove_disk_outputs
 from .hidden_inputs import hidden_only_by, show_again
 from .kept_materials import carried_materials
 from .materials import drop_unused_groups
-from .stand_ins import remove_stand_ins
+from .stand_ins import parents_of, remove_stand_ins
 from .stored import frame_objects, release_duplicates
 
 
 def remove_bake(collection: bpy.types.Collection) -> None:
     """Remove a morph with its frames; other contents of its collection move up one level."""
     remove_stand_ins(collection)
-    roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
-    parents = [parent for parent in roots if collection in set(parent.children)]
+    parents = parents_of(collection)
     remove_frames(collection)
     remove_disk_outputs(collection)
     for parent in parents:

@@ -150,9 +150,13 @@ def shows_frames(collection: bpy.types.Collection) -> bool:
 
 def collections_for_stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
     """Return the collections for objects that show a morph: its own, or the scene's if that is in no scene."""
+    return [collection] if parents_of(collection) else [bpy.context.scene.collection]
+
+
+def parents_of(collection: bpy.types.Collection) -> list[bpy.types.Collection]:
+    """Return the collections that a collection is in, including those of scenes."""
     roots = [*bpy.data.collections, *(scene.collection for scene in bpy.data.scenes)]
-    is_linked = any(collection in set(root.children) for root in roots)
-    return [collection] if is_linked else [bpy.context.scene.collection]
+    return [root for root in roots if collection in set(root.children)]
 
 
 def _made_hidden(collection: bpy.types.Collection) -> bpy.types.Collection:
