@@ -291,7 +291,7 @@ def test_beside_a_texture_a_material_without_a_group_shows_its_values(method):
     group.interface.new_socket(DISPLACEMENT, in_out="OUTPUT", socket_type="NodeSocketVector")
     group.nodes.new("NodeGroupOutput")
     looks = WholeLooks([[None], [Handle.of("node_groups", group)]], "FADE")
-    made = MixedMaterials("Mixed", "Color", "Weight {}", [[plain], [checkered()]], looks).of([0, 0])
+    made = MixedMaterials("Mixed", [[plain], [checkered()]], looks).of([0, 0])
     shaders = [node for node in made.node_tree.nodes if node.type == "BSDF_PRINCIPLED"]
     coats = [shader.inputs["Coat Weight"] for shader in shaders]
     assert [coat.default_value for coat in coats if not coat.is_linked] == [0.375]

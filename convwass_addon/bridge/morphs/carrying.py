@@ -23,8 +23,6 @@ from ..animation_time import times_per_second
 from ..element_values import element_values
 from ..handles import Handle, found
 from .appearance import (
-    COLOR,
-    SOURCE_WEIGHT,
     read_appearance,
     read_shading,
     write_carried,
@@ -101,7 +99,7 @@ class Carrying:
         self._passing: dict[Blend, list[_Passing]] = {}
         name = "Morph " + " and ".join(names)
         slots = [list(mesh.materials) or [None] for mesh in frozen]
-        self._materials = MixedMaterials(name, COLOR, SOURCE_WEIGHT, slots, prepared.whole)
+        self._materials = MixedMaterials(name, slots, prepared.whole)
         material = self._materials.of([0] * len(slots))
         shown = found([own.shown for own in inputs if own.shown is not None])
         for index, mesh in [*enumerate(frozen), *enumerate(shown)]:

@@ -12,7 +12,7 @@ import bpy
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..node_math import new_node
-from .frame_attributes import LOOK
+from .frame_attributes import COLOR, LOOK, SOURCE_WEIGHT
 from .look_mixing import MixedLook, group_look, show_looks
 from .materials import ROUGHNESS, drop_unused_groups, mark_as_frames, principled_of, take_color_from, wire
 
@@ -101,9 +101,6 @@ class MixedMaterials:
     ----------
     name : str
         Name of the material of the first slots; Blender may append a number.
-    color, weight : str
-        Name of the base color attribute, and pattern of the attributes with the shares of the inputs, where ``{}`` is
-        the input's number from 1.
     slots : sequence of sequence of bpy.types.Material or None
         The material slots of every input, at least one each.
     looks : WholeLooks, optional
@@ -113,12 +110,10 @@ class MixedMaterials:
     def __init__(
         self,
         name: str,
-        color: str,
-        weight: str,
         slots: Sequence[Sequence[bpy.types.Material | None]],
         looks: WholeLooks | None = None,
     ) -> None:
-        self._color, self._weight, self._looks = color, weight, looks
+        self._looks = looks
         self._values = [[ShaderValues.of(own) for own in slots_of] for slots_of in slots]
         self._settings = [[_settings(own) for own in slots_of] for slots_of in slots]
         self._names = [["" if own is None else own.name for own in slots_of] for slots_of in slots]
@@ -145,10 +140,10 @@ class MixedMaterials:
 
     def _make(self, key: tuple[int, ...], name: str) -> None:
         values = [values[slot] for values, slot in zip(self._values, key, strict=True)]
-        material = carrying_material(name, self._color, self._weight, values)
+        material = _carrying_material(name, values)
         if self._looks is not None:
             tree, groups = material.node_tree, self._looks.of(key)
-            shares = _shares(tree, self._weight, len(values))
+            shares = _shares(tree, len(values))
             looks = [
                 _simple_look(tree, number, own, share) if group is None else group_look(tree, group, share)
                 for number, (own, group, share) in enumerate(zip(values, groups, shares, strict=True), start=1)
@@ -178,29 +173,18 @@ def _simple_look(tree: bpy.types.NodeTree, number: int, shader: ShaderValues, sh
     return MixedLook(principled.outputs["BSDF"], None, share)
 
 
-def carrying_material(name: str, color: str, weight: str, shaders: Sequence[ShaderValues]) -> bpy.types.Material:
-    """Create a material that mixes shaders at every point.
+def _carrying_material(name: str, shaders: Sequence[ShaderValues]) -> bpy.types.Material:
+    """Create a material that mixes the shaders of the inputs at every point.
 
-    Its base color is a color attribute. All other unlinked values are mixed with the shares of the inputs. Without
-    these attributes, and for values that a shader lacks, the defaults of frames are used.
-
-    Parameters
-    ----------
-    name : str
-        Name of the material; Blender may append a number.
-    color : str
-        Name of the color attribute.
-    weight : str
-        Pattern of the attributes with the shares of the inputs, where ``{}`` is the input's number from 1.
-    shaders : sequence of ShaderValues
-        One per input.
+    Its base color is the attribute `COLOR`. All other unlinked values are mixed by `SOURCE_WEIGHT`. Without these
+    attributes, and for values that a shader lacks, the defaults of frames are used.
     """
     material = bpy.data.materials.new(name)
     wire(material)
-    take_color_from(material, color)
+    take_color_from(material, COLOR)
     mark_as_frames(material)
     tree, principled = material.node_tree, principled_of(material)
-    shares = _shares(tree, weight, len(shaders))
+    shares = _shares(tree, len(shaders))
     for socket in principled.inputs:
         if _is_mixed(socket):
             usual = (ROUGHNESS,) if socket.name == "Roughness" else _value(socket)
@@ -212,11 +196,11 @@ def carrying_material(name: str, color: str, weight: str, shaders: Sequence[Shad
     return material
 
 
-def _shares(tree: bpy.types.NodeTree, weight: str, count: int) -> list[bpy.types.NodeSocket]:
+def _shares(tree: bpy.types.NodeTree, count: int) -> list[bpy.types.NodeSocket]:
     """Return the sockets with the shares of the inputs."""
     sockets = []
     for index in range(1, count + 1):
-        settings = {"attribute_name": weight.format(index), "location": (-1100.0, -200.0 * index)}
+        settings = {"attribute_name": SOURCE_WEIGHT.format(index), "location": (-1100.0, -200.0 * index)}
         sockets.append(new_node(tree, "ShaderNodeAttribute", **settings).outputs["Fac"])
     return sockets
 
