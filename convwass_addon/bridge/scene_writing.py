@@ -4,7 +4,12 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import bpy
+
+from ..disk_space import require_whole
+from ..errors import ConvwassError
 
 
 def write_still_gltf(file: str) -> set[str]:
@@ -27,3 +32,10 @@ def write_alembic(file: str, colors: bool) -> set[str]:
     return bpy.ops.wm.alembic_export(
         filepath=file, start=scene.frame_start, end=scene.frame_end, evaluation_mode="RENDER", vcolors=colors
     )
+
+
+def require_written(status: set[str], draft: Path, target: Path) -> None:
+    """Raise ConvwassError, with the name of a target, unless an exporter has written the whole draft of it."""
+    if "FINISHED" not in status or not draft.is_file():
+        raise ConvwassError("{file} could not be written.", file=str(target))
+    require_whole(draft, target)

@@ -114,7 +114,7 @@ def test_an_old_obj_is_kept_if_a_new_one_cannot_be_written(collection, tmp_path,
     def cut_off(*_):
         raise ConvwassError("The disk is full.")
 
-    monkeypatch.setattr(exports, "require_whole", cut_off)
+    monkeypatch.setattr(exports, "require_written", cut_off)
     with pytest.raises(ConvwassError, match="full"):
         export_frames(collection, tmp_path / "rise", "obj")
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {

@@ -15,7 +15,7 @@ import bpy
 import numpy as np
 
 from ...applications.whole_paths import whole_path
-from ...disk_space import require_space, require_whole
+from ...disk_space import require_space
 from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..element_values import element_values
@@ -25,7 +25,7 @@ from ..objects import update_places, world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
-from ..scene_writing import write_alembic, write_still_gltf, write_usd
+from ..scene_writing import require_written, write_alembic, write_still_gltf, write_usd
 from ..scratch_scene import scratch_animation, scratch_scene
 from ..sequence import mesh_sequence
 from ..visibility import shown_at
@@ -245,10 +245,7 @@ def _write(file: Path, chosen: _Format) -> None:
     draft = folder / file.name
     try:
         folder.mkdir()
-        finished = "FINISHED" in chosen.write(str(draft))
-        if not finished or not draft.is_file():
-            raise ConvwassError("{file} could not be written.", file=str(file))
-        require_whole(draft, file)
+        require_written(chosen.write(str(draft)), draft, file)
         for beside in [path for path in folder.iterdir() if path != draft]:
             if beside.suffix == ".mtl":
                 _name_textures(beside, file.parent)

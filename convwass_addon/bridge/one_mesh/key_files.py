@@ -20,9 +20,8 @@ import numpy as np
 from mathutils import Matrix
 from numpy.typing import NDArray
 
-from ...disk_space import require_whole
 from ...drafts import written_whole
-from ...errors import ConvwassError, InputError
+from ...errors import InputError
 from ...sentence import Sentence
 from ..animation_time import returning, show_time
 from ..files import checked_target
@@ -31,7 +30,7 @@ from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
 from ..objects import is_sheared, shown_objects, take_own_materials, transform_mesh
-from ..scene_writing import write_alembic, write_usd
+from ..scene_writing import require_written, write_alembic, write_usd
 from ..scratch_scene import scratch_animation
 from ..sequence import mesh_sequence
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
@@ -204,7 +203,7 @@ def _write_targets(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Obje
 
     def written(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
         with _keyed_copy(obj, frames), written_whole(target) as draft:
-            _require(write(str(draft)), draft, target)
+            require_written(write(str(draft)), draft, target)
         return [target]
 
     return written
@@ -221,7 +220,7 @@ def _write_points(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Objec
         try:
             sequence = mesh_sequence(bpy.path.clean_name(target.stem), [(one,) for one in shown], frames[0])
             with sequence, written_whole(target) as draft:
-                _require(write(str(draft)), draft, target)
+                require_written(write(str(draft)), draft, target)
         finally:
             bpy.data.batch_remove([*shown, *meshes])
         return [target]
@@ -263,12 +262,6 @@ def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
     )
     take_own_materials(mesh, obj)
     return mesh
-
-
-def _require(finished: set[str], draft: Path, target: Path) -> None:
-    if "FINISHED" not in finished or not draft.is_file():
-        raise ConvwassError("{file} could not be written.", file=str(target))
-    require_whole(draft, target)
 
 
 def _gltf(file: str) -> set[str]:
