@@ -194,19 +194,16 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         with_lobes = self.output != "FITTED" and not job.has_grain
         images = [frame.image for frame in job.shown] if with_lobes else []
         fitted = "{} {}".format(name, rpt_("fitted"))
-        made = []
         if job.plan.sheet is not None:
-            pad = material_pad(self._own_scene(context), name, [own.name for own in job.materials], job.plan.sheet.side)
-            if with_lobes:
-                made.append(pad_lobe_material(name, images, job.diffuse(), job.sun, pad))
-            if self.output != "LOBES":
-                made.append(pad_fitted_material(fitted, job.fits(), pad))
-            return made
-        frames = self.frame_span() if self.blend != "WEIGHTS" else None
-        if with_lobes:
-            made.append(lobe_material(name, images, job.diffuse(), job.sun, frames))
+            names = [own.name for own in job.materials]
+            moved_by = material_pad(self._own_scene(context), name, names, job.plan.sheet.side)
+            of_lobes, of_fits = pad_lobe_material, pad_fitted_material
+        else:
+            moved_by = self.frame_span() if self.blend != "WEIGHTS" else None
+            of_lobes, of_fits = lobe_material, fitted_material
+        made = [of_lobes(name, images, job.diffuse(), job.sun, moved_by)] if with_lobes else []
         if self.output != "LOBES":
-            made.append(fitted_material(fitted, job.fits(), frames))
+            made.append(of_fits(fitted, job.fits(), moved_by))
         return made
 
     def _write_table(self, job: ReflectanceJob) -> None:
