@@ -59,6 +59,7 @@ def quad_pairs(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArr
 
 def _common_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
     """Return the half-edge pairs, (2, e), of edges shared by exactly two consistently oriented triangles."""
+    # Not by `edge_use`, whose module imports SciPy: panels import this one.
     tails, heads = faces.ravel(), np.roll(faces, -1, axis=1).ravel()
     keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
     order = np.argsort(keys, kind="stable")
