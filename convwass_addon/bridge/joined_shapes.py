@@ -15,9 +15,10 @@ from .mesh_checks import not_a_mesh
 from .node_math import named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
-from .objects import MESHED, evaluated_object, frozen_copy
+from .objects import MESHED, frozen_copy
 from .sequence import MODIFIER, frame_group, mirrors, object_info
 from .shape_sources import ShapeSource, shows_collection
+from .visibility import evaluated_object
 
 VOLUME_THRESHOLD = 0.1
 """Density of volumes at their surface, as in Blender's Volume to Mesh."""

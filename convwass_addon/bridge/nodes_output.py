@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .objects import evaluated_object
+from .visibility import evaluated_object
 
 RADIUS = "radius"
 """Attribute of strands and points."""

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from .element_values import write_attribute
 from .node_math import named_attribute, new_node, without_attribute
-from .objects import evaluated_object
+from .visibility import evaluated_object
 
 _TRANSFORM = "convwass_transform"
 _AT_PARTICLES = ("OBJECT", "COLLECTION")

@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import AbstractContextManager, contextmanager
+from collections.abc import Sequence
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
@@ -18,10 +18,10 @@ from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
 from .element_values import element_values, triangle_corners
-from .keyframes import curves_of
 from .matrix_checks import FLATTENED, is_flattening, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
+from .visibility import evaluated_object, is_current, shown_objects
 
 if TYPE_CHECKING:
     from ..applications.morphs.part_labels import FaceLabels
@@ -355,62 +355,6 @@ def _evaluated(
     return evaluated_object(obj, depsgraph)
 
 
-@contextmanager
-def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
-    """Provide the evaluated object, even if it is hidden, without changing the scene permanently."""
-    if obj.mode == "EDIT":
-        obj.update_from_editmode()
-    depsgraph.update()
-    if is_current(obj, depsgraph):
-        yield obj.evaluated_get(depsgraph)
-        return
-    with shown_objects([obj], depsgraph.scene):
-        depsgraph.update()
-        yield obj.evaluated_get(depsgraph)
-
-
-def update_places(objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
-    """Update the world matrices of objects, also of hidden ones, without changing the scene permanently."""
-    depsgraph.update()
-    with shown_objects([obj for obj in objects if not is_current(obj, depsgraph)], depsgraph.scene):
-        depsgraph.update()
-
-
-def is_current(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Return whether Blender has evaluated an object in its current state.
-
-    It does not evaluate objects hidden in all viewports, but keeps those whose visibility changes over time.
-    """
-    evaluated = obj.evaluated_get(depsgraph)
-    return evaluated.is_evaluated and not evaluated.hide_viewport
-
-
-@contextmanager
-def shown_objects(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> Iterator[None]:
-    """Show objects in all frames of a scene, also where they, their collections, keys or drivers hide them."""
-    objects, linked = list(objects), set(scene.collection.objects)
-    animated = [obj for obj in objects if obj.animation_data is not None]
-    curves = [curve for obj in animated for curve in (*curves_of(obj), *obj.animation_data.drivers)]
-    muted = [curve for curve in curves if curve.data_path == "hide_viewport" and not curve.mute]
-    hidden, others = [obj.hide_viewport for obj in objects], [obj for obj in objects if obj not in linked]
-    for curve in muted:
-        curve.mute = True
-    for obj in objects:
-        obj.hide_viewport = False
-    for obj in others:
-        # Objects in the scene's own collection are always evaluated.
-        scene.collection.objects.link(obj)
-    try:
-        yield
-    finally:
-        for obj in others:
-            scene.collection.objects.unlink(obj)
-        for obj, own in zip(objects, hidden, strict=True):
-            obj.hide_viewport = own
-        for curve in muted:
-            curve.mute = False
-
-
 def checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
     """Return the world matrix of an evaluated object, (4, 4) float64; raises InputError if it flattens the object."""
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
@@ -457,27 +401,3 @@ def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
             "{name} has points but no faces, so it has no volume; choose an object with a surface.", name=name
         )
     raise InputError("{name} is an empty mesh; choose an object with a surface.", name=name)
-
-
-def layers_with(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> list[bpy.types.ViewLayer]:
-    """Return the view layers of scenes that contain an object."""
-    return [layer for scene in scenes for layer in scene.view_layers if is_in(layer, obj)]
-
-
-def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:
-    """Return whether a view layer has an object; a linked object may share its name with another one."""
-    found = layer.objects.get(obj.name)
-    return found is not None and (found == obj or obj in set(layer.objects))
-
-
-@contextmanager
-def hidden_modifiers(modifiers: Iterable[bpy.types.Modifier]) -> Iterator[None]:
-    """Switch modifiers off in viewports during a block of code."""
-    shown = [modifier for modifier in modifiers if modifier.show_viewport]
-    for modifier in shown:
-        modifier.show_viewport = False
-    try:
-        yield
-    finally:
-        for modifier in shown:
-            modifier.show_viewport = True

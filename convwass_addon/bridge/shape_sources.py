@@ -13,7 +13,7 @@ import bpy
 
 from ..errors import InputError
 from .flat.flat_kinds import is_shape
-from .objects import is_in
+from .visibility import is_in
 
 OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 """Ways to group objects to shapes."""

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.mesh import TriangleMesh
-from .objects import update_places
 from .surfaces import surface_mesh
 from .vertex_groups import read_groups
+from .visibility import update_places
 
 # Suffix that Blender appends to duplicate names.
 _SUFFIX = re.compile(r"\.\d{3,}$")

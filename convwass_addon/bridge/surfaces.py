@@ -18,7 +18,7 @@ from ..geometry.mesh import TriangleMesh
 from .element_values import triangle_corners
 from .matrix_checks import require_finite
 from .mesh_checks import readable_mesh
-from .objects import is_current, shown_objects
+from .visibility import is_current, shown_objects
 
 # fmt: off
 KEEPS_VERTICES = frozenset((

@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which objects are rendered over time."""
+"""Where and when objects and modifiers are shown, and how to show or hide them for a while."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 
 import bpy
 
 from .animation_time import returning, show_time
-from .keyframes import is_shown
-from .objects import shown_objects
+from .keyframes import curves_of, is_shown
 
 
 def shown_at(objects: Sequence[bpy.types.Object], times: Iterable[float]) -> list[tuple[bpy.types.Object, ...]]:
@@ -34,3 +34,83 @@ def shown_at(objects: Sequence[bpy.types.Object], times: Iterable[float]) -> lis
 def _has_only_keys(obj: bpy.types.Object) -> bool:
     data = obj.animation_data
     return data is None or not (data.nla_tracks or data.drivers)
+
+
+@contextmanager
+def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Iterator[bpy.types.Object]:
+    """Provide the evaluated object, even if it is hidden, without changing the scene permanently."""
+    if obj.mode == "EDIT":
+        obj.update_from_editmode()
+    depsgraph.update()
+    if is_current(obj, depsgraph):
+        yield obj.evaluated_get(depsgraph)
+        return
+    with shown_objects([obj], depsgraph.scene):
+        depsgraph.update()
+        yield obj.evaluated_get(depsgraph)
+
+
+def update_places(objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
+    """Update the world matrices of objects, also of hidden ones, without changing the scene permanently."""
+    depsgraph.update()
+    with shown_objects([obj for obj in objects if not is_current(obj, depsgraph)], depsgraph.scene):
+        depsgraph.update()
+
+
+def is_current(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Return whether Blender has evaluated an object in its current state.
+
+    It does not evaluate objects hidden in all viewports, but keeps those whose visibility changes over time.
+    """
+    evaluated = obj.evaluated_get(depsgraph)
+    return evaluated.is_evaluated and not evaluated.hide_viewport
+
+
+@contextmanager
+def shown_objects(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> Iterator[None]:
+    """Show objects in all frames of a scene, also where they, their collections, keys or drivers hide them."""
+    objects, linked = list(objects), set(scene.collection.objects)
+    animated = [obj for obj in objects if obj.animation_data is not None]
+    curves = [curve for obj in animated for curve in (*curves_of(obj), *obj.animation_data.drivers)]
+    muted = [curve for curve in curves if curve.data_path == "hide_viewport" and not curve.mute]
+    hidden, others = [obj.hide_viewport for obj in objects], [obj for obj in objects if obj not in linked]
+    for curve in muted:
+        curve.mute = True
+    for obj in objects:
+        obj.hide_viewport = False
+    for obj in others:
+        # Objects in the scene's own collection are always evaluated.
+        scene.collection.objects.link(obj)
+    try:
+        yield
+    finally:
+        for obj in others:
+            scene.collection.objects.unlink(obj)
+        for obj, own in zip(objects, hidden, strict=True):
+            obj.hide_viewport = own
+        for curve in muted:
+            curve.mute = False
+
+
+def layers_with(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> list[bpy.types.ViewLayer]:
+    """Return the view layers of scenes that contain an object."""
+    return [layer for scene in scenes for layer in scene.view_layers if is_in(layer, obj)]
+
+
+def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:
+    """Return whether a view layer has an object; a linked object may share its name with another one."""
+    found = layer.objects.get(obj.name)
+    return found is not None and (found == obj or obj in set(layer.objects))
+
+
+@contextmanager
+def hidden_modifiers(modifiers: Iterable[bpy.types.Modifier]) -> Iterator[None]:
+    """Switch modifiers off in viewports during a block of code."""
+    shown = [modifier for modifier in modifiers if modifier.show_viewport]
+    for modifier in shown:
+        modifier.show_viewport = False
+    try:
+        yield
+    finally:
+        for modifier in shown:
+            modifier.show_viewport = True

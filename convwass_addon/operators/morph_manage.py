@@ -28,9 +28,9 @@ from ..bridge.morphs.stored import (
     stored_parts,
     stored_settings,
 )
-from ..bridge.objects import is_in
 from ..bridge.one_mesh.records import baked_keys
 from ..bridge.operator_errors import reason
+from ..bridge.visibility import is_in
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
 from ..translations import translated

@@ -12,7 +12,7 @@ import pytest
 from convwass_addon.bridge.morphs import hidden_inputs
 from convwass_addon.bridge.morphs.hidden_inputs import copy_hidden, hidden_only_by, hide_shapes, show_again
 from convwass_addon.bridge.morphs.stored import MORPH_KEY
-from convwass_addon.bridge.objects import is_in
+from convwass_addon.bridge.visibility import is_in
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 

@@ -9,7 +9,8 @@ from collections.abc import Sequence
 import bpy
 
 from ...errors import InputError
-from ..objects import MESHED, checked_matrix, evaluated_object
+from ..objects import MESHED, checked_matrix
+from ..visibility import evaluated_object
 from .flat_kinds import has_own_depth, is_drawn_flat, is_shape
 from .flat_objects import is_flat
 

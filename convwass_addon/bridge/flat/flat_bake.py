@@ -17,7 +17,8 @@ from ...geometry.outlines import ring_area
 from ..handles import Handle, found
 from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_first_frame
 from ..morphs.frozen_inputs import FrozenInput
-from ..objects import evaluated_object, is_sheared, place_mesh
+from ..objects import is_sheared, place_mesh
+from ..visibility import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
 from .flat_paint import assign_region_materials, paint_mesh, unused_materials

@@ -17,7 +17,7 @@ from ...geometry.flat_moments import directed
 from ..matrix_checks import require_finite
 from ..morphs.materials import base_color, input_color
 from ..nodes_output import nodes_output
-from ..objects import evaluated_object
+from ..visibility import evaluated_object
 from .flat_images import image_rings
 from .flat_kinds import has_own_depth, is_drawn_flat, may_become_solid
 from .flat_meshes import is_flat_mesh, mesh_rings

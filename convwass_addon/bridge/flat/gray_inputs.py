@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.flat.flat_shapes import FlatImage, FlatInput
 from ...errors import InputError
-from ..objects import evaluated_object
+from ..visibility import evaluated_object
 from .flat_images import border_of, figure_of, has_ground, one_tone, pixels_of
 from .flat_kinds import is_image
 from .flat_objects import flat_objects

@@ -7,7 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ..handles import Handle, found
-from ..objects import layers_with
+from ..visibility import layers_with
 from .running import running_live
 
 LIVE_KEY = "convwass_live"

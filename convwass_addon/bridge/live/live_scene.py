@@ -11,8 +11,8 @@ import bpy
 import numpy as np
 
 from ..handles import Handle
-from ..objects import is_in
 from ..shape_sources import ShapeSource
+from ..visibility import is_in
 from .leftovers import LIVE_KEY, remove_live_objects
 from .live_colors import show_colors
 from .live_pad import LivePad

@@ -22,8 +22,9 @@ from ..animation_time import show_time
 from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
-from ..objects import is_in, layers_with, write_mesh
+from ..objects import write_mesh
 from ..shape_sources import OBJECTS, shape_source
+from ..visibility import is_in, layers_with
 from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
 from .hidden_inputs import hide_shapes

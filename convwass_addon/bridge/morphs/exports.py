@@ -21,14 +21,14 @@ from ...errors import ConvwassError, InputError
 from ..element_values import element_values
 from ..files import checked_target
 from ..numbered_files import numbered_paths
-from ..objects import update_places, world_copy
+from ..objects import world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
 from ..scene_writing import require_written, write_alembic, write_still_gltf, write_usd
 from ..scratch_scene import scratch_animation, scratch_scene
 from ..sequence import mesh_sequence
-from ..visibility import shown_at
+from ..visibility import shown_at, update_places
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, shows_color_attribute, shows_object_color

@@ -14,8 +14,8 @@ import bpy
 
 from ...errors import ConvwassError
 from ..object_names import ObjectName, objects_named
-from ..objects import layers_with
 from ..shape_sources import OBJECTS, shape_source
+from ..visibility import layers_with
 from .stored import MORPH_KEY, stored_morph
 
 HIDDEN_KEY = "convwass_hidden"

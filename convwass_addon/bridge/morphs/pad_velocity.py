@@ -13,7 +13,7 @@ from ...errors import InputError
 from ..animation_time import returning, show_time, times_per_second
 from ..keyframes import changing_span, curves_of, scene_span
 from ..node_inputs import NodeInput, node_input
-from ..objects import hidden_modifiers, update_places
+from ..visibility import hidden_modifiers, update_places
 from .stand_ins import frames_modifier, stand_ins
 from .stored import WEIGHTS_KEY
 

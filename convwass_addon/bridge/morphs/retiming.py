@@ -25,7 +25,7 @@ from ..keyframes import (
     strips_span,
 )
 from ..node_inputs import NodeInput
-from ..objects import hidden_modifiers
+from ..visibility import hidden_modifiers
 from .player import pace
 from .player_inputs import last_value, morph_value, playback_item, speed
 

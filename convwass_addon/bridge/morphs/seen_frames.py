@@ -15,7 +15,7 @@ from mathutils import Matrix
 from ...errors import InputError
 from ...progress import Work
 from ..keyframes import curves_of
-from ..objects import is_in
+from ..visibility import is_in
 from .dense_bake import bake_player, sample_times
 from .player_inputs import interpolation, is_player, morph_value, override, playback_item, shown_value, speed
 from .removal import remove_bake

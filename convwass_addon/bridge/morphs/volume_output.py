@@ -20,9 +20,9 @@ from ...geometry.occupancy import occupancy
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..numbered_files import numbered_paths
-from ..objects import layers_with, triangle_meshes
+from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
-from ..visibility import shown_at
+from ..visibility import layers_with, shown_at
 from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
 from .materials import morph_material
 from .stored import frame_objects, shown_frames, stored_morph

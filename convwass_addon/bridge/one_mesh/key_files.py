@@ -29,10 +29,11 @@ from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
-from ..objects import is_sheared, shown_objects, take_own_materials, transform_mesh
+from ..objects import is_sheared, take_own_materials, transform_mesh
 from ..scene_writing import require_written, write_alembic, write_usd
 from ..scratch_scene import scratch_animation
 from ..sequence import mesh_sequence
+from ..visibility import shown_objects
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
 from .skinning import armatures
 from .vertex_animation_files import write_moving_mesh

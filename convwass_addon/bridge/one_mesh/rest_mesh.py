@@ -23,14 +23,8 @@ from ...geometry.affine import transformed_points
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
 from ..element_values import element_values
-from ..objects import (
-    evaluated_object,
-    frozen_copy,
-    hidden_modifiers,
-    take_own_materials,
-    transform_mesh,
-    triangle_mesh,
-)
+from ..objects import frozen_copy, take_own_materials, transform_mesh, triangle_mesh
+from ..visibility import evaluated_object, hidden_modifiers
 from .shape_keys import require_mixable_keys
 from .skinning import approximation_notices, armatures, deforms_by_groups, is_posed, skinning
 

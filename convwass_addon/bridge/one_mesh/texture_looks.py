@@ -20,7 +20,8 @@ from ...geometry.closest_points import ClosestPointFinder
 from ..element_values import element_values
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
-from ..objects import evaluated_object, stand, take_own_materials, triangle_mesh
+from ..objects import stand, take_own_materials, triangle_mesh
+from ..visibility import evaluated_object
 from .records import SHAPES_KEY, key_names, key_records
 
 SLOTS = "convwass_slots"
