@@ -4,17 +4,15 @@ from __future__ import annotations
 
 import pickle
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions import combined_motion as module
 from convwass_addon.applications.motions.combined_motion import combined_motion
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.motions.remaining_distance import remaining_share
-from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
+from convwass_addon.applications.motions.warp_motion import WarpEffort
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball
@@ -43,11 +41,10 @@ class Turning:
         return Turning(coherence)
 
 
-@pytest.fixture(scope="module")
-def combined():
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(module, "warp_motion", partial(warp_motion, effort=WarpEffort(cells=24, rounds=5)))
-        return drained(combined_motion(Turning(), ["a", "b"], [(0, 1)], 0.5, Control()))
+@pytest.fixture(scope="module", params=[1.0, 0.25, 0.0])
+def combined(request):
+    effort = WarpEffort(cells=24, rounds=5)
+    return drained(combined_motion(Turning(), ["a", "b"], [(0, 1)], 0.5, Control(), effort, request.param))
 
 
 def test_ends_are_those_of_the_first_motion(combined):
@@ -75,9 +72,20 @@ def test_the_warp_turns_with_the_body(combined, t):
         moved.vertices - rest.mesh.vertices for moved, rest in zip(warp.moved(weights), warp.rests, strict=True)
     ]
     turn = Rotation.from_rotvec((0.0, 0.0, (t - 0.5) * ANGLE))
-    for found, before, by in zip(combined.moved(weights), Turning().moved(weights), displaced, strict=True):
-        expected = before.vertices + turn.apply(by[: len(before.vertices)])
-        np.testing.assert_allclose(found.vertices, expected, atol=1e-6)
+    for place, (found, before) in enumerate(zip(combined.moved(weights), Turning().moved(weights), strict=True)):
+        by = displaced[place][: len(before.vertices)]
+        # The shape of less weight has gone most of the way to the other.
+        lost = (1.0 - combined.arrival) * np.cos(np.pi * t) ** 2 if weights[place] < 0.5 else 0.0
+        np.testing.assert_allclose(found.vertices, before.vertices + (1.0 - lost) * turn.apply(by), atol=1e-6)
+
+
+def test_a_warp_that_fades_leaves_the_end_of_the_first_motion(combined):
+    last = (1e-6, 1.0 - 1e-6)
+    (found, _), (before, _), (displaced, _) = (own.moved(last) for own in (combined, Turning(), combined.warps[0, 1]))
+    by = displaced.vertices[: len(found.vertices)] - combined.warps[0, 1].rests[0].mesh.vertices[: len(found.vertices)]
+    assert np.linalg.norm(by, axis=1).max() > 0.1
+    apart = np.linalg.norm(found.vertices - before.vertices, axis=1)
+    np.testing.assert_allclose(apart, combined.arrival * np.linalg.norm(by, axis=1), atol=1e-4)
 
 
 def test_it_is_the_same_in_another_process(combined):

@@ -14,7 +14,7 @@ from ...geometry.surface_rotations import surface_rotations
 from ...progress import Control, Work, within
 from .guided_motion import GuidedMotion
 from .motion import MovedShape
-from .warp_motion import WarpMotion, warp_motion
+from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 
 
 @dataclass(frozen=True)
@@ -22,8 +22,9 @@ class CombinedMotion:
     """A guided motion, and a warp between the halfway states of every pair; a :class:`.motion.Motion`.
 
     With weights w, s = w_j / (w_i + w_j), the displacement d_ij(s) of shape i by the warp, and the rotations R_ij of
-    its surface from halfway to its state in the blend, the vertices are displaced by the sum of (w_i + w_j) R_ij
-    d_ij(s) over the other shapes j.
+    its surface from halfway to its state in the blend, the vertices are displaced by the sum of (w_i + w_j) f(s) R_ij
+    d_ij(s) over the other shapes j. The warp was made for the halfway states, so f decreases from 1 halfway to
+    `arrival` where the shape has become the other.
 
     Attributes
     ----------
@@ -31,10 +32,13 @@ class CombinedMotion:
         The motion of the shapes before the warps.
     warps : mapping of (int, int) to WarpMotion
         The warp between the two shapes of a pair, smaller index first.
+    arrival : float
+        How much of the warp is applied to a shape that has become the other, from 0 to 1.
     """
 
     guided: GuidedMotion
     warps: Mapping[tuple[int, int], WarpMotion]
+    arrival: float
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
@@ -51,11 +55,18 @@ class CombinedMotion:
                 half_way = warp.rests[place].mesh.vertices[:count]
                 turns = surface_rotations(half_way, shapes[index].vertices, shapes[index].rest.faces)
                 displaced = warped[place].vertices[:count] - half_way
-                added[index] += total * np.einsum("nij,nj->ni", turns, displaced)
+                share = total * self._applied(1.0 - weights[index] / total)
+                added[index] += share * np.einsum("nij,nj->ni", turns, displaced)
         return [
             None if shape is None else MovedShape(shape.rest, shape.vertices + added[index], shape.parents)
             for index, shape in enumerate(shapes)
         ]
+
+    def _applied(self, progress: float) -> float:
+        """Return how much of its warp is applied to a shape on its way to another, from 0 to 1."""
+        if progress <= 0.5:
+            return 1.0
+        return self.arrival + (1.0 - self.arrival) * np.sin(np.pi * progress) ** 2
 
     def with_coherence(self, coherence: float) -> CombinedMotion:
         """Return the same motion with another coherence, without recomputation.
@@ -68,7 +79,7 @@ class CombinedMotion:
             The coherence is not between 0 and 1.
         """
         warps = {pair: warp.with_coherence(coherence) for pair, warp in self.warps.items()}
-        return CombinedMotion(self.guided.with_coherence(coherence), warps)
+        return CombinedMotion(self.guided.with_coherence(coherence), warps, self.arrival)
 
 
 def combined_motion(
@@ -77,6 +88,8 @@ def combined_motion(
     pairs: Sequence[tuple[int, int]],
     coherence: float,
     control: Control,
+    effort: WarpEffort = USUAL_EFFORT,
+    arrival: float = 1.0,
 ) -> Work[CombinedMotion]:
     """Compute the warps that complete a guided motion.
 
@@ -88,8 +101,10 @@ def combined_motion(
         Names of the shapes, for messages.
     pairs : sequence of (int, int)
         Pairs of shapes that are blended with each other, smaller index first.
-    coherence, control
+    coherence, control, effort
         As for :func:`.warp_motion.warp_motion`.
+    arrival : float
+        See :class:`CombinedMotion`.
 
     Raises
     ------
@@ -105,6 +120,7 @@ def combined_motion(
             [(0, 1)],
             coherence,
             control,
+            effort,
         )
         warps[pair] = yield from within(work, number / len(pairs), (number + 1) / len(pairs))
-    return CombinedMotion(guided, warps)
+    return CombinedMotion(guided, warps, arrival)

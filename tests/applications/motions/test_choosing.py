@@ -11,6 +11,7 @@ from scipy.sparse.linalg import ArpackNoConvergence
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
+from convwass_addon.applications.motions.warp_motion import USUAL_EFFORT
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
@@ -20,6 +21,7 @@ from tests.shapes import ball, box, joined, square
 BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
 SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
 COMBINED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coherence))
+FADED = SimpleNamespace(with_coherence=lambda coherence: ("faded", coherence))
 WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence), sizes=np.ones(2))
 
 
@@ -42,11 +44,20 @@ def work_of(outcome):
 
 @pytest.fixture
 def motions(monkeypatch):
-    def given(guided, warp=WARP, combined=COMBINED, left=0.4, by_warps=0.1, by_warp_alone=0.7, may_map=True):
-        outcomes = {"guided_motion": guided, "warp_motion": warp, "combined_motion": combined, "may_map": may_map}
+    def given(
+        guided, warp=WARP, combined=COMBINED, left=0.4, by_coarse=1.0, by_warps=0.1, by_warp_alone=0.7, may_map=True
+    ):
+        outcomes = {"guided_motion": guided, "warp_motion": warp, "may_map": may_map}
         for name, outcome in outcomes.items():
             monkeypatch.setattr(choosing, name, work_of(outcome))
+
+        def completed(*arguments):
+            is_coarse = arguments[5] != USUAL_EFFORT and arguments[6] == 0.0
+            return work_of(FADED if is_coarse and combined is COMBINED else combined)()
+
+        monkeypatch.setattr(choosing, "combined_motion", completed)
         shares = {("guided", 0.5): left, ("combined", 0.5): by_warps, ("warp", 0.5): by_warp_alone}
+        shares["faded", 0.5] = by_coarse
         monkeypatch.setattr(choosing, "remaining_share", lambda motion, *_arguments: shares[motion])
 
     return given
@@ -125,6 +136,28 @@ def test_a_warp_completes_what_leaves_much_that_it_removes(motions, left, by_war
         "detour": 1.0,
         "left": left if kind == "guided" else by_warps,
     }
+
+
+@pytest.mark.parametrize(
+    ("left", "by_coarse", "by_warps", "found"),
+    [
+        (0.09, 0.0, 0.0, "guided"),
+        (0.25, 0.21, 0.0, "faded"),
+        (0.25, 0.22, 0.0, "guided"),
+        (0.5, 0.3, 0.1, "faded"),
+        (0.5, 0.4, 0.2, "combined"),
+        (0.5, 0.4, 0.3, "faded"),
+        (0.9, 0.4, 0.44, "faded"),
+        (0.9, 0.6, 0.5, "warp"),
+    ],
+)
+def test_a_coarse_warp_is_tried_before_a_fine_one(motions, left, by_coarse, by_warps, found):
+    motions(guided_with(0.6), left=left, by_coarse=by_coarse, by_warps=by_warps, by_warp_alone=0.5)
+    chosen = choice()
+    if found == "faded":
+        assert (chosen.kind, chosen.left, chosen.motion) == ("combined", by_coarse, FADED)
+    else:
+        assert (chosen.kind, chosen.motion is FADED) == (found, False)
 
 
 @pytest.mark.parametrize(
