@@ -26,13 +26,12 @@ from .promising_maps import may_map
 from .remaining_distance import remaining_share
 from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 
-# A guided motion that leaves more than this share of the distance between two shapes is completed by a coarse warp,
-# which costs a tenth of the motion. It fades on the way to the other shape, where it would leave more than without it:
-# from an octopus to a horse, three times as much.
-_LITTLE_LEFT = 0.1
-_COARSE = WarpEffort(cells=24, rounds=8, filled=750)
-# If more than this share is left then, a fine warp is tried.
+# A guided motion that leaves more than this share of the distance between two shapes is completed by a warp. A coarse
+# one, which costs a tenth of the motion, is tried first. It fades on the way to the other shape, where it would leave
+# more than without it: from an octopus to a horse, three times as much.
 _MUCH_LEFT = 0.3
+_COARSE = WarpEffort(cells=24, rounds=8, filled=750)
+# A fine warp is tried if the coarse one still leaves that much.
 # It is used if at most this share of what the map leaves is left all along the way. From an A to a B, two fifths are.
 # Four fifths are left, and crumpled, where only one shape has a part (the front legs of a giraffe that was a flamingo).
 # Such parts grow in place without a warp.
@@ -230,8 +229,8 @@ def _unless_failing(
 
 
 def _perhaps_warped(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
-    """Return the guided motion, unless it leaves what a warp removes, after it or instead of it."""
-    if alone.left <= _LITTLE_LEFT:
+    """Return the guided motion, unless it leaves much that a warp removes, after it or instead of it."""
+    if alone.left <= _MUCH_LEFT:
         return alone
     coarse = yield from within(_completed(alone, request, control, _COARSE, arrival=0.0), 0.0, 0.2)
     best = coarse if coarse.left <= _CLEARLY_LESS * alone.left else alone
