@@ -243,10 +243,10 @@ def test_names_that_earlier_versions_stored_do_not_stop_the_removal(begin, inven
     session.end()
     before = inventory()
     begin()
-    (home,) = [own for own in bpy.data.collections if "convwass_live" in own]
-    (first, *_), names = home["convwass_live"].splitlines(), ["Ball", "Ball 0", "²"]
+    (live,) = [own for own in bpy.data.collections if "convwass_live" in own]
+    (first, *_), names = live["convwass_live"].splitlines(), ["Ball", "Ball 0", "²"]
     hidden = [obj for obj in bpy.data.objects if obj.hide_get()]
-    home["convwass_live"] = "\n".join([*names, first])
+    live["convwass_live"] = "\n".join([*names, first])
     remove_leftovers()
     assert inventory() == before
     assert [obj.session_uid for obj in hidden if not obj.hide_get()] == [int(first)]

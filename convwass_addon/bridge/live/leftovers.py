@@ -19,25 +19,25 @@ Its material has the property, too.
 
 def remove_leftovers() -> None:
     """Remove ended live morphs that undo has restored, and show their inputs."""
-    for home in [collection for collection in bpy.data.collections if LIVE_KEY in collection]:
-        scenes = [scene for scene in bpy.data.scenes if home in scene.collection.children_recursive]
+    for live in [own for own in bpy.data.collections if LIVE_KEY in own]:
+        scenes = [scene for scene in bpy.data.scenes if live in scene.collection.children_recursive]
         # Earlier versions stored names.
-        uids = [int(line) for line in str(home[LIVE_KEY]).splitlines() if line.isascii() and line.isdigit()]
+        uids = [int(line) for line in str(live[LIVE_KEY]).splitlines() if line.isascii() and line.isdigit()]
         for obj in found([Handle("objects", uid) for uid in uids]):
             for layer in layers_with(obj, scenes):
                 obj.hide_set(False, view_layer=layer)
-        remove_live_objects(home)
+        remove_live_objects(live)
 
 
-def remove_live_objects(home: bpy.types.Collection | None) -> None:
+def remove_live_objects(live: bpy.types.Collection | None) -> None:
     """Remove the collection of a live morph with all its objects, their data and their material."""
-    if home is None:
+    if live is None:
         return
-    objects = list(home.objects)
+    objects = list(live.objects)
     data = [obj.data for obj in objects if obj.data is not None]
     slots = {slot for block in data for slot in block.materials if slot is not None}
     materials = [material for material in slots if LIVE_KEY in material]
-    bpy.data.batch_remove([*objects, home])
+    bpy.data.batch_remove([*objects, live])
     for blocks in (data, materials):
         bpy.data.batch_remove([block for block in blocks if block.users == 0])
 

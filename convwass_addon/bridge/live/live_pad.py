@@ -24,7 +24,7 @@ class LivePad:
 
     Parameters
     ----------
-    home : bpy.types.Collection
+    collection : bpy.types.Collection
         Collection for the objects.
     names : sequence of str
         Names of the two to four shapes.
@@ -35,7 +35,7 @@ class LivePad:
     """
 
     def __init__(
-        self, home: bpy.types.Collection, names: Sequence[str], bounds: NDArray[np.float64], size: float
+        self, collection: bpy.types.Collection, names: Sequence[str], bounds: NDArray[np.float64], size: float
     ) -> None:
         self.count, self.side = len(names), _SIDE * size
         points = self._local(pad_corners(self.count))
@@ -46,7 +46,7 @@ class LivePad:
         handle = pad_handle("Live Handle", _HANDLE * self.side, points, pad)
         handle.hide_render = True
         for obj in (pad, handle, *self._labels(names, points, pad)):
-            home.objects.link(obj)
+            collection.objects.link(obj)
         self._pad, self._handle = Handle.of("objects", pad), Handle.of("objects", handle)
         self.move_to(*pad_middle(self.count))
 

@@ -44,22 +44,22 @@ class LiveScene:
         sources: Sequence[ShapeSource],
         meshes: Sequence[TriangleMesh],
     ) -> None:
-        home = bpy.data.collections.new("Live Morph")
-        scene.collection.children.link(home)
+        collection = bpy.data.collections.new("Live Morph")
+        scene.collection.children.link(collection)
         mesh = bpy.data.meshes.new("Live Morph")
         first = sources[0].parts[0]
         for slot in first.material_slots:
             mesh.materials.append(slot.material)
         shape = bpy.data.objects.new("Live Morph", mesh)
         shape.color = first.color
-        home.objects.link(shape)
+        collection.objects.link(shape)
         bounds = np.array([own.bounds for own in meshes])
         size = float((bounds[:, 1] - bounds[:, 0]).max())
         whole = np.stack([bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)])
-        self.pad = LivePad(home, [source.name for source in sources], whole, size)
-        for block in (home, *home.objects, *(obj.data for obj in home.objects if obj.data)):
+        self.pad = LivePad(collection, [source.name for source in sources], whole, size)
+        for block in (collection, *collection.objects, *(obj.data for obj in collection.objects if obj.data)):
             block.is_runtime_data = True
-        self._home, self._shape = Handle.of("collections", home), Handle.of("objects", shape)
+        self._collection, self._shape = Handle.of("collections", collection), Handle.of("objects", shape)
         self._layer = view_layer.name
         self._scene = Handle.of("scenes", scene)
         inputs = list(dict.fromkeys(obj for source in sources for obj in (source.root, *source.parts)))
@@ -68,7 +68,7 @@ class LiveScene:
         self._active = None if active is None else Handle.of("objects", active)
         visible = [obj for obj in inputs if is_in(view_layer, obj) and not obj.hide_get(view_layer=view_layer)]
         self._hidden = [Handle.of("objects", obj) for obj in visible]
-        home[LIVE_KEY] = "\n".join(str(handle.uid) for handle in self._hidden)
+        collection[LIVE_KEY] = "\n".join(str(handle.uid) for handle in self._hidden)
         self.hide_inputs()
         if is_in(view_layer, self.pad.handle):
             self.pad.handle.select_set(True, view_layer=view_layer)
@@ -115,7 +115,7 @@ class LiveScene:
     def remove(self) -> None:
         """Remove all objects, show the inputs, and restore the selection."""
         self.show_inputs()
-        remove_live_objects(self._home.find())
+        remove_live_objects(self._collection.find())
         layer = self._view_layer()
         if layer is None:
             return

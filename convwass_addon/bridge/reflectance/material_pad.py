@@ -76,18 +76,18 @@ def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], si
     found = next(own, None)
     if found is not None:
         return MaterialPad(found, len(materials), side)
-    home = bpy.data.collections.new(f"{name} Pad")
-    scene.collection.children.link(home)
+    parts = bpy.data.collections.new(f"{name} Pad")
+    scene.collection.children.link(parts)
     corners = _corners(len(materials))
     lattice = pad_lines("Material Pad", corners, OUTLINES[len(corners)])
     lattice.location = scene.cursor.location
-    home.objects.link(lattice)
+    parts.objects.link(lattice)
     handle = pad_handle("Material Handle", _HANDLE, corners, lattice)
     handle.location = corners.mean(axis=0)
     handle[PAD_OF] = name
-    home.objects.link(handle)
+    parts.objects.link(handle)
     for material, corner in zip(materials, corners, strict=True):
-        home.objects.link(_label(material, corner, lattice))
+        parts.objects.link(_label(material, corner, lattice))
     return MaterialPad(handle, len(materials), side)
 
 
