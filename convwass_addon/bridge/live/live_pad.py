@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.live.pad_places import pad_corners, pad_height, pad_middle
 from ..handles import Handle
-from ..pad_handles import OUTLINES, pad_handle, pad_label
+from ..pad_handles import OUTLINES, pad_handle, pad_label, pad_lines
 
 # Side of a pad and distance from the shapes, relative to the largest shape; lengths on the pad, relative to its side.
 _SIDE, _GAP = 1.5, 0.3
@@ -40,8 +40,8 @@ class LivePad:
         self.count, self.side = len(names), _SIDE * size
         points = self._local(pad_corners(self.count))
         self._low, self._high = points.min(axis=0), points.max(axis=0)
-        pad = bpy.data.objects.new("Live Pad", self._outline(points))
-        pad.hide_render = pad.hide_select = True
+        pad = pad_lines("Live Pad", points, OUTLINES[self.count])
+        pad.hide_select = True
         pad.location = self._location(bounds, size)
         handle = pad_handle("Live Handle", _HANDLE * self.side, points, pad)
         handle.hide_render = True
@@ -92,11 +92,6 @@ class LivePad:
         if self.count == 2:
             return np.array([middle[0], middle[1], low[2] - _GAP * size])
         return np.array([low[0] - _GAP * size - self.side / 2.0, middle[1], low[2] - self._low[2]])
-
-    def _outline(self, points: NDArray[np.float64]) -> bpy.types.Mesh:
-        mesh = bpy.data.meshes.new("Live Pad")
-        mesh.from_pydata(points.tolist(), OUTLINES[self.count], [])
-        return mesh
 
     def _labels(
         self, names: Sequence[str], points: NDArray[np.float64], pad: bpy.types.Object
