@@ -12,7 +12,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from ..applications.morphs.part_labels import FaceLabels
-from .element_values import element_values
+from .element_values import element_values, triangle_corners
 
 
 def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
@@ -44,7 +44,7 @@ def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> Fa
         ),
         shape=(len(mesh.vertices), len(names) + 1),
     )
-    corners = element_values(mesh.loop_triangles, "vertices", 3, np.int32).ravel()
+    corners = triangle_corners(mesh, "vertices").ravel()
     incidence = csr_array(
         (np.ones(len(corners)), corners, np.arange(0, len(corners) + 1, 3)),
         shape=(len(corners) // 3, len(mesh.vertices)),

@@ -143,7 +143,7 @@ def write_own_looks(mesh: bpy.types.Mesh, appearance: Appearance, number: int, c
         Number of the input, from 1, and how many inputs there are.
     """
     names = [layer.name for layer in mesh.uv_layers]
-    loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
+    loops = triangle_corners(mesh, "loops")
     for name, uv_map in appearance.uv_maps.items():
         if name not in names:
             values = np.zeros((len(mesh.loops), 2), np.float32)
