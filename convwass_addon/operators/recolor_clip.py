@@ -15,6 +15,7 @@ from ..applications.palettes.palette_settings import RecolorSettings
 from ..applications.whole_paths import share_a_place
 from ..bridge.files import checked_folder
 from ..bridge.handles import Handle
+from ..bridge.image_files import image_path
 from ..bridge.palettes.image_files import save_pixels
 from ..bridge.palettes.image_kinds import RESULT_OF, is_clip
 from ..drafts import DraftFiles
@@ -153,7 +154,7 @@ def _require_own(image: bpy.types.Image, targets: Sequence[Path]) -> None:
         source = other.get(RESULT_OF, image.name)
         if source == image.name or source not in bpy.data.images or not is_clip(other):
             continue
-        if share_a_place(targets, [Path(bpy.path.abspath(other.filepath, library=other.library))]):
+        if share_a_place(targets, [image_path(other)]):
             raise InputError("The results would overwrite those of {image}; choose another folder.", image=source)
 
 

@@ -23,6 +23,7 @@ from ...drafts import DraftFiles
 from ...errors import InputError
 from ..edited_materials import remember_made
 from ..handles import Handle, found
+from ..image_files import image_path
 from ..morphs.bake import MorphBake, check_first_frame
 from ..morphs.disk_output import for_blender, named_folder, output_folder, remember_folder
 from ..morphs.frozen_inputs import FrozenInput
@@ -169,7 +170,7 @@ def pictures_of(collection: bpy.types.Collection) -> list[Path]:
     """Return the picture files of a morph; empty if it has none."""
     materials = [one for obj in frame_objects(collection) if obj.data for one in obj.data.materials if is_carrying(one)]
     nodes = [node for one in materials if one.node_tree for node in one.node_tree.nodes if node.type == "TEX_IMAGE"]
-    first = [Path(bpy.path.abspath(node.image.filepath)) for node in nodes if node.image]
+    first = [image_path(node.image) for node in nodes if node.image]
     return sorted(path for one in first for path in _alike(one))
 
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.whole_paths import whole_path
+from ..image_files import image_path
 from ..keyframes import clear_animation, curves_of, own_action, remove_curve
 from ..last_result import last_result
 from ..morphs.disk_output import for_blender
@@ -123,7 +124,7 @@ def _files(texture: bpy.types.Node) -> list[Path]:
     image, user = texture.image, texture.image_user
     if image is None or not image.filepath or image.packed_file is not None:
         return []
-    path = whole_path(bpy.path.abspath(image.filepath, library=image.library))
+    path = whole_path(image_path(image))
     number = re.search(r"([0-9]+)[^0-9]*$", path.stem)
     if image.source != "SEQUENCE" or number is None:
         return [path]
