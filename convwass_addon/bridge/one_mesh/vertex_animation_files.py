@@ -16,10 +16,9 @@ from numpy.typing import NDArray
 from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_normals, split_steps, y_up
 from ...applications.palettes.png_bytes import png_bytes
 from ...drafts import written_whole
-from ...errors import ConvwassError
 from ..element_values import element_values
 from ..image_files import ImageFormat, drawn_image, write_image
-from ..scene_writing import write_still_gltf
+from ..scene_writing import require_written, write_still_gltf
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
 from .moving_meshes import MovingVertices
@@ -153,8 +152,7 @@ def _write_exr(pixels: NDArray[np.float32], path: Path) -> None:
 def _write_glb(mesh: bpy.types.Mesh, path: Path) -> None:
     """Write a mesh unchanged, with its materials and UV maps."""
     with _alone(mesh, path.stem), written_whole(path) as draft:
-        if "FINISHED" not in write_still_gltf(str(draft)):
-            raise ConvwassError("{file} could not be written.", file=str(path))
+        require_written(write_still_gltf(str(draft)), draft, path)
 
 
 @contextmanager
