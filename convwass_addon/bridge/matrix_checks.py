@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 
-FLATTENED = 1e-6
-"""Ratio of the smallest to the largest scale at which an object counts as flattened; single precision gives 1e-7."""
+# Ratio of the smallest to the largest scale at which an object counts as flattened; single precision gives 1e-7.
+_FLATTENED = 1e-6
 
 
 def require_finite(name: str, matrix: NDArray[np.float64]) -> None:
@@ -20,6 +20,6 @@ def require_finite(name: str, matrix: NDArray[np.float64]) -> None:
 
 
 def is_flattening(matrix: NDArray[np.float64]) -> bool:
-    """Return whether a finite matrix, (4, 4), flattens what it transforms."""
+    """Return whether a finite matrix, (3, 3) or (4, 4), flattens what it transforms."""
     scales = np.linalg.svd(matrix[:3, :3], compute_uv=False)
-    return bool(scales[-1] <= FLATTENED * scales[0])
+    return bool(scales[-1] <= _FLATTENED * scales[0])

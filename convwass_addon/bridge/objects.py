@@ -18,7 +18,7 @@ from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
 from .element_values import element_values, triangle_corners
-from .matrix_checks import FLATTENED, is_flattening, require_finite
+from .matrix_checks import is_flattening, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
 from .visibility import evaluated_object, is_current, shown_objects
@@ -285,8 +285,7 @@ def _transformed_normals(mesh: bpy.types.Mesh, matrix: Matrix) -> np.ndarray | N
     linear = np.array(matrix, dtype=np.float64)[:3, :3]
     lengths = np.linalg.svd(linear, compute_uv=False)
     is_even = lengths[-1] >= (1.0 - _UNEVEN) * lengths[0] and not matrix.is_negative
-    is_flat = lengths[-1] <= FLATTENED * lengths[0]
-    if is_even or is_flat or not mesh.has_custom_normals:
+    if is_even or is_flattening(linear) or not mesh.has_custom_normals:
         return None
     normals = element_values(mesh.corner_normals, "vector", 3)
     turned = normals @ np.linalg.inv(linear)
