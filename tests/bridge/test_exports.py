@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import re
 import struct
 
 import bpy
@@ -303,6 +304,16 @@ def test_sheared_frames_keep_their_shape(collection, tmp_path, bare_scene, name)
     np.testing.assert_allclose(
         (found[:3, 1] - found[:3, 0]) / 2.0, [[3.0 * np.cos(0.6), 1.0, np.cos(0.6)]] * 3, atol=1e-5
     )
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_a_frame_that_is_nowhere_is_named(collection, tmp_path, name, inventory):
+    obj = frame_objects(collection)[1]
+    obj.rotation_euler.x = float("nan")
+    before = inventory()
+    with pytest.raises(InputError, match=rf"^{re.escape(obj.name)}: its location, rotation or scale is not a number"):
+        export_frames(collection, tmp_path / "rise", name)
+    assert inventory() == before and not list(tmp_path.iterdir())
 
 
 def mirror_frames(collection, scene):

@@ -20,6 +20,7 @@ from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..element_values import element_values
 from ..files import checked_target
+from ..matrix_checks import require_finite
 from ..numbered_files import numbered_paths
 from ..objects import world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
@@ -87,7 +88,8 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     Raises
     ------
     InputError
-        The format is unknown, the folder does not exist, or the collection has no frames.
+        The format is unknown, the folder does not exist, the collection has no frames, or the place of a frame is not
+        finite.
     ConvwassError
         Blender could not write a file.
     """
@@ -103,6 +105,8 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     if not frames:
         raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
     update_places(frames, bpy.context.evaluated_depsgraph_get())
+    for obj in frames:
+        require_finite(obj.name, np.array(obj.matrix_world))
     if chosen.write_frames is not None:
         return chosen.write_frames(frames, target, _frames_per_second(frames, shown_frames(collection)))
     if chosen.animated:
