@@ -50,7 +50,7 @@ class Sentence:
 
 def first_names(names: Sequence[str], most: int = 5) -> str:
     """Join the first names of a list with commas; dots stand for the others."""
-    return ", ".join(names[:most]) + (" ..." if len(names) > most else "")
+    return ", ".join(names[:most]) + (", ..." if len(names) > most else "")
 
 
 def as_sentence(text: str) -> Sentence:

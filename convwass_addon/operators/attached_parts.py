@@ -10,8 +10,9 @@ from bpy.props import BoolProperty
 
 from ..bridge.active import active_object, selected_objects
 from ..bridge.one_mesh.records import has_key_record
+from ..sentence import first_names
 from .morph_manage import select_only
-from .reporting import listed, reporting_errors, tell
+from .reporting import reporting_errors, tell
 
 
 class CONVWASS_OT_attach_parts(bpy.types.Operator):
@@ -46,7 +47,7 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
         body = context.object
         parts = [obj for obj in selected_objects(context) if obj != body]
         notices = attach_parts(body, parts, rigid=self.rigid)
-        text = rpt_("{:s}: attached to {:s}").format(listed([part.name for part in parts]), body.name)
+        text = rpt_("{:s}: attached to {:s}").format(first_names([part.name for part in parts]), body.name)
         tell(self, text, notices)
         return {"FINISHED"}
 

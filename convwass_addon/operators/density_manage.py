@@ -29,12 +29,12 @@ from ..errors import ConvwassError, InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.densities import OutputProperties
 from ..properties.from_schema import arguments_of
-from ..sentence import Sentence
+from ..sentence import Sentence, first_names
 from .background import BackgroundOperator
 from .density_changes import changed_inputs
 from .density_targets import OnDensity, chosen_density, density_property
 from .object_job import ObjectJob
-from .reporting import listed, refuse, reporting_errors, tell
+from .reporting import refuse, reporting_errors, tell
 
 if TYPE_CHECKING:
     from ..bridge.densities.density_images import ImageSettings
@@ -165,7 +165,7 @@ def _left_notice(left: Sequence[str]) -> list[Sentence]:
     """Return a notice about images of an earlier bake in the same folder, which a viewer would show, too."""
     if not left:
         return []
-    return [Sentence("The folder also contains images of an earlier bake: {files}.", {"files": listed(left)})]
+    return [Sentence("The folder also contains images of an earlier bake: {files}.", {"files": first_names(left)})]
 
 
 class CONVWASS_OT_remove_density(OnDensity, bpy.types.Operator):

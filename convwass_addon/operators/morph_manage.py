@@ -33,9 +33,10 @@ from ..bridge.operator_errors import reason
 from ..bridge.visibility import is_in
 from ..errors import ConvwassError, InputError
 from ..properties.morphs import stored_arguments
+from ..sentence import first_names
 from ..translations import translated
 from .background import is_idle
-from .reporting import listed, refuse, tell
+from .reporting import refuse, tell
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
@@ -140,7 +141,7 @@ class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):
         select_only(context, parts)
         missing = [obj.name for obj in parts if not is_in(context.view_layer, obj)]
         if missing:
-            self.report({"WARNING"}, rpt_("Not in this view layer, so not selected: {:s}").format(listed(missing)))
+            self.report({"WARNING"}, rpt_("Not in this view layer, so not selected: {:s}").format(first_names(missing)))
         return {"FINISHED"}
 
 

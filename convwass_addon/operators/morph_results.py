@@ -21,10 +21,10 @@ from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
 from ..bridge.morphs.stored import frame_objects
 from ..bridge.operator_errors import reason
-from ..sentence import Sentence
+from ..sentence import Sentence, first_names
 from ..translations import translated
 from .morph_manage import select_only
-from .reporting import listed, tell
+from .reporting import tell
 
 if TYPE_CHECKING:
     from ..applications.morphs.frame_cache import FrameCache
@@ -233,12 +233,12 @@ def _report_kept(operator: bpy.types.Operator, materials: list[bpy.types.Materia
     earlier = [material.name for material in materials if made_as(material) is None]
     if edited:
         text = rpt_("The materials of the shapes have changed, so frames have new ones; the edited ones are kept: {:s}")
-        operator.report({"WARNING"}, text.format(listed(edited)))
+        operator.report({"WARNING"}, text.format(first_names(edited)))
     if earlier:
         text = rpt_(
             "Materials of an earlier version cannot be compared, so frames have new ones; the old ones are kept: {:s}"
         )
-        operator.report({"WARNING"}, text.format(listed(earlier)))
+        operator.report({"WARNING"}, text.format(first_names(earlier)))
 
 
 def _report_missed(operator: bpy.types.Operator, morph: bpy.types.Collection) -> None:
@@ -247,7 +247,7 @@ def _report_missed(operator: bpy.types.Operator, morph: bpy.types.Collection) ->
         text = rpt_(
             "Renders of {:s} lack {:s}, since objects are hidden in all scenes; if needed, turn Hide Inputs off"
         )
-        operator.report({"WARNING"}, text.format(scene, listed(names)))
+        operator.report({"WARNING"}, text.format(scene, first_names(names)))
 
 
 def _outdated(morph: bpy.types.Collection) -> list[str]:

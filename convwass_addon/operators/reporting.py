@@ -16,9 +16,6 @@ from ..translations import translated
 
 Execute = Callable[[bpy.types.Operator, bpy.types.Context], set[str]]
 
-# Longest list of names in a message.
-_NAMED = 5
-
 
 def refuse(operator: bpy.types.Operator, error: ConvwassError) -> set[str]:
     """Report an error in the user's language and cancel the operator."""
@@ -53,8 +50,3 @@ def tell(
     """Report a result with remarks and warnings, as a warning if there are any."""
     said = [text, *map(translated, (*warnings, *remarks))]
     operator.report({"WARNING"} if warnings else {"INFO"}, ". ".join(part.removesuffix(".") for part in said))
-
-
-def listed(names: Sequence[str]) -> str:
-    """Join names with commas, shortened to a few."""
-    return ", ".join([*names[:_NAMED], *(["..."] if len(names) > _NAMED else [])])

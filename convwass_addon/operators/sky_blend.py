@@ -19,10 +19,10 @@ from ..bridge.handles import Handle
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Request, Work, within
 from ..properties.light import SkyProperties
-from ..sentence import Sentence
+from ..sentence import Sentence, first_names
 from .background import BackgroundOperator, is_idle
 from .chosen_inputs import split_names
-from .reporting import listed, tell
+from .reporting import tell
 
 if TYPE_CHECKING:
     from ..applications.skies.sky_frames import SkyFrame
@@ -187,7 +187,7 @@ def _replaced_notice(worlds: Sequence[bpy.types.World]) -> list[Sentence]:
     """Return a notice about worlds that show the new images instead of their own."""
     if not worlds:
         return []
-    names = {"worlds": listed([world.name for world in worlds])}
+    names = {"worlds": first_names([world.name for world in worlds])}
     return [Sentence("These worlds show the new images, too, which have replaced theirs: {worlds}.", names)]
 
 

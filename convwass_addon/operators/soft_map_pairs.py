@@ -11,9 +11,10 @@ from bpy.props import IntProperty, StringProperty
 from ..bridge.soft_maps.map_pairs import FoundPairs, MapPair, pairs_from_empties, pairs_from_groups
 from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, FromGroupsProperties
+from ..sentence import first_names
 from .lists import ClearsList, RemovesItem, SidebarList
 from .mesh_targets import selected_vertices
-from .reporting import listed, reporting_errors
+from .reporting import reporting_errors
 from .soft_map_pick import PicksPair, require_free
 from .soft_map_targets import OnMapObjects, one_selected
 
@@ -113,7 +114,7 @@ class _FromNames(OnMapObjects):
         text = rpt_("{:d} pairs added").format(len(added))
         left_out = [*found.left_out, *(pair.name for pair in new if pair not in added)]
         if left_out:
-            text += "; " + rpt_("ignored: {:s}").format(listed(left_out))
+            text += "; " + rpt_("ignored: {:s}").format(first_names(left_out))
         self.report({"INFO"}, text)
         return {"FINISHED"} if added else {"CANCELLED"}
 

@@ -20,11 +20,11 @@ from ..bridge.vertex_groups import group_names
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.soft_maps import TRANSFERRED, TransferProperties
-from ..sentence import Sentence
+from ..sentence import Sentence, first_names
 from .chosen_inputs import split_names
 from .mesh_writing import MeshWritingOperator
 from .object_job import ObjectJob
-from .reporting import listed, tell
+from .reporting import tell
 from .soft_map_job import require_same_mesh
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, reshaped_notices
 
@@ -141,7 +141,7 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
         counts = [f"{labels[kind]} {len(done.written)}" for kind, done in carried.items()]
         text = rpt_("Transferred to {:s}: {:s}").format(receiver.name, ", ".join(counts))
         kept = [name for done in carried.values() for name in done.kept]
-        remarks = [Sentence("Not overwritten: {names}.", {"names": listed(kept)})] if kept else []
+        remarks = [Sentence("Not overwritten: {names}.", {"names": first_names(kept)})] if kept else []
         warnings = [*self._remarks, *(notice for done in carried.values() for notice in done.notices)]
         tell(self, text, remarks, warnings)
         return {"FINISHED"}

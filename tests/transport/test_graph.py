@@ -117,7 +117,7 @@ def test_vertices_without_edges_need_a_distribution():
         ([[0, 1]], {0.5}, 1.0, None, "fixed must name vertices by whole numbers"),
         ([[0, 1]], set(), 1.0, None, "fixed must hold at least one vertex"),
         ([[0, 1], [2, 3], [3, 4]], {0}, 1.0, None, "connect every vertex with a fixed one; no path leads to 2, 3, 4"),
-        ([[0, 1]], {0}, 1.0, 9, r"no path leads to 2, 3, 4, 5, 6 \.\.\."),
+        ([[0, 1]], {0}, 1.0, 9, r"no path leads to 2, 3, 4, 5, 6, \.\.\."),
         ([[0, 1], [1, 2]], {0}, [1.0], None, "edge_weights must be one number or 2"),
         ([[0, 1]], {0}, [[1.0]], None, "edge_weights must be one number or 1"),
         ([[0, 1]], {0}, 0.0, None, "edge_weights must be positive numbers"),
