@@ -31,10 +31,9 @@ from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 # more than without it: from an octopus to a horse, three times as much.
 _MUCH_LEFT = 0.3
 _COARSE = WarpEffort(cells=24, rounds=8, filled=750)
-# A fine warp is tried if the coarse one still leaves that much.
-# It is used if at most this share of what the map leaves is left all along the way. From an A to a B, two fifths are.
-# Four fifths are left, and crumpled, where only one shape has a part (the front legs of a giraffe that was a flamingo).
-# Such parts grow in place without a warp.
+# A fine warp is tried if the coarse one still leaves that much, and used if at most this share of what the map leaves
+# is left all along the way. From an A to a B, two fifths are. Four fifths are left, and crumpled, where only one shape
+# has a part (the front legs of a giraffe that was a flamingo). Such parts grow in place without a warp.
 _WELL_WARPED = 0.5
 # Where the guided motion leaves more than this share of the distance, a warp alone is tried, too: the map of an O to an
 # X cuts the O open and leaves three quarters.
@@ -254,10 +253,10 @@ def _completed(
     return replace(alone, kind="combined", reason="UNLIKE", motion=motion, left=left)
 
 
-def _warped_instead(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
-    """Return the warp if it joins the shapes and leaves clearly less than another motion; otherwise the latter."""
-    warped = yield from _warped(replace(alone, reason="UNLIKE"), request, control)
-    return warped if warped.left <= _CLEARLY_LESS * alone.left and _joins(warped, request) else alone
+def _warped_instead(mapped: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return a warp alone if it joins the shapes and leaves clearly less than a mapped motion; otherwise the latter."""
+    warped = yield from _warped(replace(mapped, reason="UNLIKE"), request, control)
+    return warped if warped.left <= _CLEARLY_LESS * mapped.left and _joins(warped, request) else mapped
 
 
 def _warped(unmoved: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
