@@ -158,9 +158,9 @@ def frozen_copy(
 
 
 def world_copy(obj: bpy.types.Object, name: str) -> bpy.types.Object:
-    """Create an object at the origin from a mesh object, without modifiers; its mesh is in world space.
+    """Create an object at the origin with the mesh of another one in world space, without modifiers.
 
-    Its matrix may be sheared; see `is_sheared`.
+    Unlike an object without a parent, the mesh can be sheared; see `is_sheared`.
 
     Parameters
     ----------
@@ -235,9 +235,9 @@ def take_parent(before: bpy.types.Object, after: bpy.types.Object) -> None:
 
 
 def is_sheared(matrix: Matrix) -> bool:
-    """Return whether a world matrix differs from its location, rotation and scale.
+    """Return whether no location, rotation and scale give a matrix; objects without a parent have nothing else.
 
-    An object without a parent has no others. Turned children of an unevenly scaled parent are sheared.
+    Turned children of an unevenly scaled parent are sheared.
     """
     difference = np.array(matrix) - np.array(Matrix.LocRotScale(*matrix.decompose()))
     return bool(np.abs(difference).max() > _UNEVEN * np.abs(np.array(matrix)[:3, :3]).max())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's exporters, each with the options of all exports; they write the current scene and return their status."""
+"""Write the current scene with Blender's exporters, whose status is returned and checked."""
 
 from __future__ import annotations
 
