@@ -76,7 +76,9 @@ def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
     Empty without any.
     """
     objects = list(objects)
-    keys = key_span(curve for obj in objects for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS)
+    # In tweak mode, keys are at the times of their strip.
+    keyed = [obj for obj in objects if not is_tweaked(obj)]
+    keys = key_span(curve for obj in keyed for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS)
     spans = [span for span in (keys, *(strips_span(objects, path) for path in VISIBILITY_PATHS)) if span]
     return range(min(span.start for span in spans), max(span.stop for span in spans)) if spans else range(0)
 

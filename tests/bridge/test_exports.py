@@ -21,7 +21,7 @@ from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
-from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.moving_meshes import srgb, triangles_of_frames
@@ -266,6 +266,15 @@ def test_strips_show_frames_in_files_when_they_show_them_in_the_scene(collection
     files = export_frames(collection, tmp_path / "rise", name)
     assert bare_scene.frame_current == 5
     np.testing.assert_allclose(corners_of(files, 6).mean(axis=1)[:, 2], expected, atol=1e-5)
+
+
+@pytest.mark.parametrize("is_tweaked", [False, True])
+def test_a_path_lasts_as_long_as_its_strips(collection, is_tweaked):
+    for obj in frame_objects(collection):
+        push_down(obj, -2)
+        obj.animation_data.use_tweak_mode = is_tweaked
+        assert obj.animation_data.use_tweak_mode == is_tweaked
+    assert shown_frames(collection)[-1] == 4
 
 
 def test_a_muted_curve_does_not_show_a_frame_in_files(collection, tmp_path, bare_scene):
