@@ -24,7 +24,7 @@ from .motion import Motion
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
-from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
+from .warp_motion import WarpEffort, WarpMotion, warp_motion
 
 # A guided motion that leaves more than this share of the distance between two shapes is completed by a warp. A coarse
 # one, which costs a tenth of the motion, is tried first. It fades on the way to the other shape, where it would leave
@@ -35,6 +35,9 @@ _COARSE = WarpEffort(cells=24, rounds=8, filled=750)
 # is left all along the way. From an A to a B, two fifths are. Four fifths are left, and crumpled, where only one shape
 # has a part (the front legs of a giraffe that was a flamingo). Such parts grow in place without a warp.
 _WELL_WARPED = 0.5
+# From an A to a B, it leaves 0.28 instead of 0.26 with the effort of warps alone, in a sixth of the time, and the
+# largest step between frames is smaller.
+_FINE = WarpEffort(cells=40, rounds=10, filled=3500)
 # Where the guided motion leaves more than this share of the distance, a warp alone is tried, too: the map of an O to an
 # X cuts the O open and leaves three quarters.
 _MOST_LEFT = 0.5
@@ -235,7 +238,7 @@ def _perhaps_warped(alone: MotionChoice, request: MotionRequest, control: Contro
     best = coarse if coarse.left <= _CLEARLY_LESS * alone.left else alone
     if best.left <= _MUCH_LEFT:
         return best
-    fine = yield from within(_completed(alone, request, control, USUAL_EFFORT, arrival=1.0), 0.2, 0.6)
+    fine = yield from within(_completed(alone, request, control, _FINE, arrival=1.0), 0.2, 0.6)
     if fine.left <= min(_WELL_WARPED * alone.left, best.left):
         return fine
     if alone.left <= _MOST_LEFT:

@@ -11,7 +11,6 @@ from scipy.sparse.linalg import ArpackNoConvergence
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
-from convwass_addon.applications.motions.warp_motion import USUAL_EFFORT
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
@@ -52,7 +51,7 @@ def motions(monkeypatch):
             monkeypatch.setattr(choosing, name, work_of(outcome))
 
         def completed(*arguments):
-            is_coarse = arguments[5] != USUAL_EFFORT and arguments[6] == 0.0
+            is_coarse = arguments[5].cells < 32 and arguments[6] == 0.0
             return work_of(FADED if is_coarse and combined is COMBINED else combined)()
 
         monkeypatch.setattr(choosing, "combined_motion", completed)
