@@ -151,7 +151,8 @@ class BakePlan:
         if choice.motion is None:
             return problem.with_detail_of(self.shapes)
         still = with_connectivity(problem, min(self._fitting(problem), len(self.shapes)), control)
-        return self._fitted(MovingProblem.of(still, choice.motion, self.blends, self.names, self.matching, control))
+        blends, names, matching = self.blends, self.names, self.matching
+        return self._fitted(MovingProblem.of(still, choice.motion, blends, names, matching, control, self.pairs))
 
     def _following(self, problem: MorphProblem, choice: MotionChoice, control: Control) -> FollowingProblem:
         """Return the problem shared by all blends of animated inputs."""

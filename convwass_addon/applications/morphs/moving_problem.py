@@ -82,6 +82,7 @@ class MovingProblem:
         names: Sequence[str],
         matching: Matching,
         control: Control,
+        pairs: Sequence[tuple[int, int]] | None = None,
     ) -> MovingProblem:
         """Lay out a grid that holds the moved inputs.
 
@@ -99,11 +100,13 @@ class MovingProblem:
             As for the attributes.
         control : Control
             Stops the work.
+        pairs : sequence of (int, int), optional
+            Pairs of inputs that the motion suits, as for :func:`.morph.morph`; they determine the floor.
         """
         if still.settings.growth == "volume":
             motion = GrowingMotion(motion, still.transport.volumes, still.lattice.centers)
         if still.settings.on_floor:
-            motion = standing_motion(motion, len(names), pairs_of(blends))
+            motion = standing_motion(motion, len(names), pairs_of(blends) if pairs is None else pairs)
 
         def bounds(weights: Sequence[float]) -> Iterator[NDArray[np.float64]]:
             return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)

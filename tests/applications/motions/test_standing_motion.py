@@ -10,8 +10,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.applications.morphs import moving_problem
+from convwass_addon.applications.morphs.between_frames import between_frames
 from convwass_addon.applications.morphs.computation import Computation
-from convwass_addon.applications.morphs.layouts import Blend
+from convwass_addon.applications.morphs.frame_cache import FrameCache
+from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -212,6 +215,22 @@ def test_frames_of_a_morph_stand_on_the_floor(leaning_rods):
     assert lowest[False] < -0.05
     # A third of a cell.
     assert lowest[True] == pytest.approx(0.0, abs=0.02)
+
+
+def test_blends_between_frames_have_the_floor_of_the_whole_path(leaning_rods, tmp_path, monkeypatch):
+    """Alone, the first two shapes might get another one."""
+    asked = []
+
+    def standing(motion, count, pairs):
+        asked.append(pairs)
+        return motion
+
+    monkeypatch.setattr(moving_problem, "standing_motion", standing)
+    shapes, names, path = [*leaning_rods, leaning_rods[0]], ("A", "B", "C"), path_blends(3, 2)
+    settings = MorphSettings(resolution=32, motion="guided", detail=0.0, carry=False)
+    with coarse_maps():
+        drained(between_frames(shapes, names, path, [1.0], settings, Computation(1, cache=FrameCache(tmp_path))))
+    assert asked == [[(0, 1), (1, 2)]]
 
 
 def test_shape_keys_stay_on_the_floor(leaning_rods):
