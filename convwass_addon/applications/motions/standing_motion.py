@@ -10,13 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .motion import Motion, MovedShape
 
-# Shapes stand on one floor if their lowest points differ by at most this, in mean diagonals of their bounds. Up to
+# Two shapes stand on one floor if their lowest points differ by at most this, in mean diagonals of their bounds. Up to
 # twice the difference, blends follow the floor less and less.
 _LEVEL = 0.03
 # Height in diagonals over which a point ceases to touch the floor.
@@ -82,15 +83,16 @@ class StandingMotion:
         The low points of every shape.
     touching : float
         Height over which a point ceases to touch the floor, scene units.
-    share : float
-        How far blends follow the floor, from 0 to 1.
+    shares : mapping of (int, int) to float
+        How far blends of two shapes follow the floor, from 0 to 1, smaller index first. Blends of more shapes have the
+        mean over their pairs, with weights w_i w_j.
     """
 
     motion: Motion
     floors: Mapping[int, float]
     feet: Mapping[int, Feet]
     touching: float
-    share: float
+    shares: Mapping[tuple[int, int], float]
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return the moved inputs; see :meth:`.motion.Motion.moved`."""
@@ -105,13 +107,18 @@ class StandingMotion:
             for index, weight in active.items()
         )
         shift[2] = floor - lowest
-        return [
-            None if shape is None else replace(shape, vertices=shape.vertices + self.share * shift) for shape in shapes
-        ]
+        shift *= self._share(active)
+        return [None if shape is None else replace(shape, vertices=shape.vertices + shift) for shape in shapes]
+
+    def _share(self, active: Mapping[int, float]) -> float:
+        """Return how far the blend with these weights follows the floor."""
+        pairs = list(combinations(active, 2))
+        weights = np.array([active[one] * active[other] for one, other in pairs])
+        return float(np.average([self.shares[pair] for pair in pairs], weights=weights))
 
 
 def standing_motion(motion: Motion, count: int, pairs: Sequence[tuple[int, int]]) -> Motion:
-    """Return a motion in which shapes that stand on one floor stay on it; the motion itself if they do not stand so.
+    """Return a motion in which shapes that stand on one floor stay on it; the motion itself if no two of them do.
 
     Parameters
     ----------
@@ -128,15 +135,18 @@ def standing_motion(motion: Motion, count: int, pairs: Sequence[tuple[int, int]]
     rests = {index: motion.moved(weights[index])[index] for index in np.unique(pairs).tolist()}
     floors = {index: _lowest(rest) for index, rest in rests.items()}
     diagonal = float(np.mean([rest.mesh.diagonal for rest in rests.values()]))
-    share = min(2.0 - np.ptp(list(floors.values())) / (_LEVEL * diagonal), 1.0)
-    if not share > 0:
+    shares = {
+        (one, other): float(np.clip(2.0 - abs(floors[one] - floors[other]) / (_LEVEL * diagonal), 0.0, 1.0))
+        for one, other in pairs
+    }
+    if not any(shares.values()):
         return motion
     places = {index: {index: rest.vertices} for index, rest in rests.items()}
     for one, other in [*pairs, *(pair[::-1] for pair in pairs)]:
         arriving = _LEFT * weights[one] + (1.0 - _LEFT) * weights[other]
         places[one][other] = motion.moved(arriving)[one].vertices
     feet = {index: _feet(rest, places[index], floors, _LOW * diagonal) for index, rest in rests.items()}
-    return StandingMotion(motion, floors, feet, _TOUCHING * diagonal, share)
+    return StandingMotion(motion, floors, feet, _TOUCHING * diagonal, shares)
 
 
 def _feet(rest: MovedShape, places: Mapping[int, NDArray[np.float64]], floors: Mapping[int, float], low: float) -> Feet:

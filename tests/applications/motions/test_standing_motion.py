@@ -72,6 +72,16 @@ class Leaning:
         ]
 
 
+@dataclass(frozen=True)
+class Flying(Leaning):
+    """The last shape is high above the others."""
+
+    def moved(self, weights):
+        up = np.array([0.0, 0.0, 3.0 * weights[-1]])
+        found = Leaning.moved(self, np.asarray(weights))
+        return [None if own is None else replace(own, vertices=own.vertices + up) for own in found]
+
+
 @pytest.mark.parametrize("t", TIMES)
 def test_a_body_that_leans_turns_about_its_tip(t):
     leaning = Leaning(pencil(), (0.0, LEAN))
@@ -169,12 +179,24 @@ def test_shapes_at_different_heights_have_no_floor():
     shares = []
     for height in (0.0, 0.029, 0.045, 0.061):
         motion = standing_motion(Raised(height * diagonal), 2, [(0, 1)])
-        shares.append(motion.share if isinstance(motion, StandingMotion) else 0.0)
+        shares.append(motion.shares[0, 1] if isinstance(motion, StandingMotion) else 0.0)
     np.testing.assert_allclose(shares, [1.0, 1.0, 0.5, 0.0], atol=0.02)
 
 
-def test_the_way_around_a_triangle_is_continuous():
-    leaning = Leaning(pencil(), (0.0, LEAN, -LEAN))
+def test_shapes_stand_on_their_way_to_others_that_do_before_one_flies():
+    flying = Flying(pencil(), (0.0, LEAN, -LEAN))
+    standing = standing_motion(flying, 3, [(0, 1), (1, 2)])
+    floors = [shape.bounds[0, 2] for shape in flying.shapes[:2]]
+    own = standing.moved((0.5, 0.5, 0.0))[0].mesh
+    assert flying.moved((0.5, 0.5, 0.0))[0].mesh.bounds[0, 2] < -0.05
+    assert own.bounds[0, 2] == pytest.approx(np.mean(floors), abs=1e-9)
+    weights = (0.0, 0.5, 0.5)
+    np.testing.assert_array_equal(standing.moved(weights)[2].vertices, flying.moved(weights)[2].vertices)
+
+
+@pytest.mark.parametrize("kind", [Leaning, Flying])
+def test_the_way_around_a_triangle_is_continuous(kind):
+    leaning = kind(pencil(), (0.0, LEAN, -LEAN))
     standing = standing_motion(leaning, 3, [(0, 1), (0, 2), (1, 2)])
     for one, other in ((0, 1), (0, 2), (1, 2)):
         on_edge = np.zeros(3)
