@@ -128,7 +128,7 @@ class _Rings:
         heights = np.maximum.reduceat(
             np.abs(np.einsum("rd,rd->r", moves.take(self.owners, axis=0), normals)), self.starts
         )
-        moves *= np.minimum(1.0, most / np.maximum(heights, np.finfo(float).tiny))[:, None]
+        moves *= (most / np.maximum(heights, most))[:, None]
         before = np.minimum.reduceat(smallest_angles(corners), self.starts)
         gains, shares = np.zeros(len(before)), np.zeros(len(before))
         for share in _SHARES:

@@ -43,3 +43,11 @@ def test_the_distance_from_a_round_surface_is_limited():
     assert np.abs(np.linalg.norm(moved.vertices, axis=1) - 1.0).max() < 2e-3
     angles = [smallest_angles(mesh.corners).min() for mesh in (round_one, moved)]
     assert angles[1] >= angles[0]
+
+
+def test_the_scale_of_a_mesh_does_not_matter():
+    cube, _ = shaken_box()
+    # A power of two, so that everything scales exactly.
+    scale = 2.0**14
+    large = with_wider_angles(TriangleMesh(scale * cube.vertices, cube.faces), 0.01 * scale)
+    np.testing.assert_array_equal(large.vertices, scale * with_wider_angles(cube, 0.01).vertices)
