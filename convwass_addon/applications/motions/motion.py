@@ -16,6 +16,9 @@ from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...one_line import one_line
 
+# Weight that a shape keeps when it is moved onto another; shapes of weight zero are not moved.
+_LEFT = 1e-3
+
 
 @dataclass(frozen=True)
 class MovedShape:
@@ -61,6 +64,13 @@ class Motion(Protocol):
         returns to the same weights returns to the same shapes.
         """
         ...
+
+
+def arriving(motion: Motion, count: int, one: int, other: int) -> MovedShape:
+    """Return one of `count` shapes moved onto another, as far as a motion brings it there."""
+    weights = [0.0] * count
+    weights[one], weights[other] = _LEFT, 1.0 - _LEFT
+    return motion.moved(weights)[one]
 
 
 def motion_figures(about: Mapping[str, object]) -> dict[str, object]:

@@ -25,11 +25,8 @@ from .combined_motion import CombinedMotion
 from .guided_motion import GuidedMotion
 from .guided_settings import GuidedSettings
 from .laid_meshes import Laid
-from .motion import Motion, MovedShape
+from .motion import Motion, MovedShape, arriving
 from .shape_deformations import posed_deformation, split_deformation
-
-# Weight of a shape when its position on another shape is computed; shapes of weight zero are not moved.
-_LEFT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -188,9 +185,7 @@ def _guided_along(
 
 def _laid(motion: Motion, carrier: Carrier, one: int, other: int, count: int) -> Laid:
     """Return the positions of a carrier's vertices on another shape, as a motion moves them."""
-    weights = [0.0] * count
-    weights[one], weights[other] = _LEFT, 1.0 - _LEFT
-    moved = motion.moved(weights)[one]
+    moved = arriving(motion, count, one, other)
     places = ClosestPointFinder(moved.rest.corners).find(carrier.mesh.vertices)
     return Laid(places.interpolated(moved.mesh.corners), np.ones(len(carrier.mesh.vertices)))
 

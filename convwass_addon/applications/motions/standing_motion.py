@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from .motion import Motion, MovedShape
+from .motion import Motion, MovedShape, arriving
 
 # Two shapes stand on one floor if their lowest points differ by at most this, in mean diagonals of their bounds. Up to
 # twice the difference, blends follow the floor less and less.
@@ -28,8 +28,6 @@ _LOW = 0.2
 _HOLDING = 1e-4
 # Weight at which a shape that lifts a foot half prevents it from keeping a body in its place.
 _PRESENT = 0.02
-# Weight of a shape when its places on another shape are computed; shapes without weight are not moved.
-_LEFT = 1e-3
 
 
 @dataclass(frozen=True)
@@ -143,8 +141,7 @@ def standing_motion(motion: Motion, count: int, pairs: Sequence[tuple[int, int]]
         return motion
     places = {index: {index: rest.vertices} for index, rest in rests.items()}
     for one, other in [*pairs, *(pair[::-1] for pair in pairs)]:
-        arriving = _LEFT * weights[one] + (1.0 - _LEFT) * weights[other]
-        places[one][other] = motion.moved(arriving)[one].vertices
+        places[one][other] = arriving(motion, count, one, other).vertices
     feet = {index: _feet(rest, places[index], floors, _LOW * diagonal) for index, rest in rests.items()}
     return StandingMotion(motion, floors, feet, _TOUCHING * diagonal, shares)
 
