@@ -36,7 +36,7 @@ from .coherence_pairs import Ends, pairs_named
 from .coherence_turned import turned
 from .end_frames import EndLoss
 from .processes import run_case
-from .recorded_problems import recorded_problems
+from .recorded_motions import recorded_motions
 from .rival_measures import Connectivity
 
 TRANSPORT = "transport"
@@ -112,17 +112,16 @@ def passage(
     (chosen,) = pairs_named([pair], None if meshes is None else Path(meshes))
     ends = chosen.ends()
     try:
-        with recorded_problems() as recorded:
+        with recorded_motions() as recorded:
             bake = Bake.of(ends, settings_for(motion, cells), frames)
     except ConvwassError as error:
         return {"error": str(error)}
     if keep is not None:
         write_frames(Path(keep), bake.meshes)
-    problem = recorded[-1] if recorded else None
-    placed = None if problem is None else problem.motion
-    figures = {**held(bake, ends), **clean(bake, placed), "records": [_brief(record) for record in bake.records]}
-    if placed is not None:
-        figures["residual"] = remaining_share(placed, [ends.first, ends.second])
+    motion = recorded[-1] if recorded else None
+    figures = {**held(bake, ends), **clean(bake, motion), "records": [_brief(record) for record in bake.records]}
+    if motion is not None:
+        figures["residual"] = remaining_share(motion, [ends.first, ends.second])
         figures["motion"] = bake.records[0]["motion"]
     return figures
 
