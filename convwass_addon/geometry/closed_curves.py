@@ -1,0 +1,148 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Closed polygons in the plane, parametrized by arc length."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .planar_fill import Boundary
+
+# Pairs of a point and an edge processed together.
+_AT_ONCE = 4_000_000
+
+
+@dataclass(frozen=True)
+class ClosedCurve:
+    """A closed polygon. Places on it are arc lengths from its first point, modulo its length.
+
+    Attributes
+    ----------
+    points : (n, 2) float64
+        Its corners in order, the area on their left.
+    """
+
+    points: NDArray[np.float64]
+
+    @cached_property
+    def starts(self) -> NDArray[np.float64]:
+        """Places of the points, and the length of the curve, (n + 1,)."""
+        return np.concatenate([[0.0], np.cumsum(np.linalg.norm(self._sides, axis=1))])
+
+    @cached_property
+    def _sides(self) -> NDArray[np.float64]:
+        return np.roll(self.points, -1, axis=0) - self.points
+
+    @property
+    def length(self) -> float:
+        """Length of the curve."""
+        return float(self.starts[-1])
+
+    def at(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the points at any places, (k, 2)."""
+        along = np.mod(places, self.length)
+        edge = np.clip(np.searchsorted(self.starts, along, side="right") - 1, 0, len(self.points) - 1)
+        lengths = np.maximum(np.diff(self.starts), np.finfo(np.float64).tiny)
+        share = (along - self.starts[edge]) / lengths[edge]
+        return self.points[edge] + share[:, None] * self._sides[edge]
+
+    def sharp_places(self, angle: float) -> NDArray[np.float64]:
+        """Return the places of all points at which the curve turns by more than an angle in radians."""
+        before, after = np.roll(self._sides, 1, axis=0), self._sides
+        crosses = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
+        turns = np.arctan2(crosses, (before * after).sum(axis=1))
+        return self.starts[:-1][np.abs(turns) > angle]
+
+    def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Return the places nearest to points, (k, 2), and their distances, (k,)."""
+        places, distances = np.empty(len(points)), np.empty(len(points))
+        squares = np.maximum(np.square(self._sides).sum(axis=1), np.finfo(np.float64).tiny)
+        for part in np.array_split(np.arange(len(points)), max(1, len(points) * len(squares) // _AT_ONCE)):
+            beyond = points[part, None] - self.points
+            shares = np.clip((beyond * self._sides).sum(axis=2) / squares, 0.0, 1.0)
+            away = np.square(beyond - shares[:, :, None] * self._sides).sum(axis=2)
+            edge = away.argmin(axis=1)
+            rows = np.arange(len(part))
+            places[part] = self.starts[edge] + shares[rows, edge] * np.sqrt(squares[edge])
+            distances[part] = np.sqrt(away[rows, edge])
+        return places, distances
+
+    def spread(self, begin: float, end: float, knots: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
+        """Return places from `begin` to `end`, both included, evenly spaced between knots.
+
+        Parameters
+        ----------
+        begin, end : float
+            Places, the second one larger and by at most a round.
+        knots : (k,)
+            Places of points that are included if they lie between these two.
+        spacing : float
+            Approximate distance along the curve.
+        """
+        near = 1e-6 * self.length
+        inner = np.sort(begin + np.mod(knots - begin, self.length))
+        inner = inner[(inner > begin + near) & (inner < end - near)]
+        inner = inner[np.diff(inner, prepend=-np.inf) > near]
+        ends = np.concatenate([[begin], inner, [end]])
+        counts = np.maximum(np.rint(np.diff(ends) / spacing).astype(int), 1)
+        pieces = [
+            low + (high - low) * np.arange(count) / count
+            for low, high, count in zip(ends[:-1], ends[1:], counts, strict=True)
+        ]
+        return np.concatenate([*pieces, [end]])
+
+    def resampled(self, knots: NDArray[np.float64], spacing: float) -> ClosedCurve:
+        """Return the polygon through points that are evenly spaced between knots, as for :meth:`spread`."""
+        begin = float(knots[0]) if len(knots) else 0.0
+        return ClosedCurve(self.at(self.spread(begin, begin + self.length, knots, spacing)[:-1]))
+
+    def differences(self, places: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far along the curve other places, (k,), are from places, (...,), at most half of it: (..., k)."""
+        return np.mod(others - places[..., None] + 0.5 * self.length, self.length) - 0.5 * self.length
+
+    def with_places(self, places: NDArray[np.float64]) -> ClosedCurve:
+        """Return the same curve with more points on it."""
+        knots = np.concatenate([self.starts[:-1], places])
+        return ClosedCurve(self.at(self.spread(0.0, self.length, knots, np.inf)[:-1]))
+
+
+def boundary_curves(boundary: Boundary) -> list[ClosedCurve]:
+    """Return the closed curves of a boundary: counterclockwise around regions, clockwise around holes."""
+    corners, ends = np.unique(np.concatenate([boundary.starts, boundary.ends]), axis=0, return_inverse=True)
+    first, last = ends.ravel()[: len(boundary.starts)], ends.ravel()[len(boundary.starts) :]
+    leaving: dict[int, list[int]] = {}
+    for edge, corner in enumerate(first.tolist()):
+        leaving.setdefault(corner, []).append(edge)
+    directions = corners[last] - corners[first]
+    curves = []
+    for start in range(len(first)):
+        if start not in leaving.get(int(first[start]), ()):
+            continue
+        edges, edge = [], start
+        while True:
+            leaving[int(first[edge])].remove(edge)
+            edges.append(edge)
+            beyond = leaving[int(last[edge])]
+            if not beyond:
+                break
+            # Where regions touch at a corner, each has its own curve.
+            turns = [_turn(directions[edge], directions[other]) for other in beyond]
+            edge = beyond[int(np.argmax(turns))]
+        curves.append(ClosedCurve(corners[first[edges]]))
+    return curves
+
+
+def boundary_of(curves: Sequence[ClosedCurve]) -> Boundary:
+    """Return the boundary that consists of closed curves."""
+    starts = np.concatenate([curve.points for curve in curves])
+    return Boundary(starts, np.concatenate([np.roll(curve.points, -1, axis=0) for curve in curves]))
+
+
+def _turn(before: NDArray[np.float64], after: NDArray[np.float64]) -> float:
+    """Return the angle by which a path turns to the left."""
+    return float(np.arctan2(before[0] * after[1] - before[1] * after[0], before @ after))

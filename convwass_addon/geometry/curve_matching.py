@@ -1,0 +1,185 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Match two sampled curves monotonically, by dynamic programming.
+
+T. Sederberg and E. Greenwood, "A Physically Based Approach to 2-D Shape Blending", SIGGRAPH 1992, match the vertices
+of two polygons so that the work of stretching and bending one into the other is least. Here pieces of one curve are
+matched to pieces of the other of up to six times their number of samples, so that nothing collapses to a point, and
+the work is that of bending a piece, and, per length, of turning, moving and stretching it and of changing the shape
+around it.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+# Numbers of samples of both curves that a piece spans.
+_STEPS = ((1, 1), (1, 2), (2, 1), (2, 3), (3, 2), (1, 3), (3, 1), (1, 4), (4, 1), (1, 6), (6, 1))
+
+
+@dataclass(frozen=True)
+class MatchWeights:
+    """Weights of the parts of the work.
+
+    Attributes
+    ----------
+    turning : float
+        Of 1 - cos a, where a is the angle between two pieces.
+    moving : float
+        Of the squared distance of their middles.
+    stretching : float
+        Of the squared logarithm of the ratio of their lengths.
+    changing : float
+        Of the squared difference of the features of the shape nearby.
+    bending : float
+        Of the squared difference of the angles, in radians, by which two pieces turn, whatever their lengths.
+    """
+
+    turning: float
+    moving: float
+    stretching: float
+    changing: float
+    bending: float
+
+
+@dataclass(frozen=True)
+class CurveSamples:
+    """Samples of a curve in order.
+
+    Attributes
+    ----------
+    places : (n,) float64
+        Arc lengths in lengths of the curve, increasing.
+    points : (n, 2) float64
+        Positions; differences of about one are large.
+    turns : (n,) float64
+        Angles in radians by which the curve turns to the left at each sample.
+    shape : (n, k) float64
+        Features of the shape nearby that do not change if it is turned.
+    """
+
+    places: NDArray[np.float64]
+    points: NDArray[np.float64]
+    turns: NDArray[np.float64]
+    shape: NDArray[np.float64]
+
+    def turned(self, angle: float) -> CurveSamples:
+        """Return the samples after a rotation about the origin, by an angle in radians."""
+        cosine, sine = np.cos(angle), np.sin(angle)
+        return replace(self, points=self.points @ np.array([[cosine, sine], [-sine, cosine]]))
+
+    def twice_around(self) -> CurveSamples:
+        """Return the samples of a closed curve, whose last sample is its first, for two rounds."""
+        return CurveSamples(
+            np.concatenate([self.places, self.places[1:] + 1.0]),
+            np.concatenate([self.points, self.points[1:]]),
+            np.concatenate([self.turns, self.turns[1:]]),
+            np.concatenate([self.shape, self.shape[1:]]),
+        )
+
+
+@dataclass(frozen=True)
+class MatchedCurves:
+    """Samples of two curves that match.
+
+    Attributes
+    ----------
+    first, second : (k,) int64
+        Indices of matched samples, increasing.
+    cost : float
+        The work per length.
+    """
+
+    first: NDArray[np.int64]
+    second: NDArray[np.int64]
+    cost: float
+
+
+def matched_curves(
+    one: CurveSamples, other: CurveSamples, starts: range, count: int, weights: MatchWeights
+) -> MatchedCurves:
+    """Match all samples of a curve to a sequence of samples of another one.
+
+    Parameters
+    ----------
+    one : CurveSamples
+        The first curve, (n + 1,) samples.
+    other : CurveSamples
+        The second curve; for a closed curve, its samples for two rounds.
+    starts : range
+        Samples of the second curve that may match the first sample of the first curve.
+    count : int
+        Number of samples after that one until the sample that matches the last one.
+    weights : MatchWeights
+        Weights of the work.
+
+    Returns
+    -------
+    MatchedCurves
+        The match of the least work.
+    """
+    works = [_works(one, other, step, weights) for step in _STEPS]
+    size = len(one.places)
+    least = np.full((size, len(starts), count + 1), np.inf)
+    least[0, :, 0] = 0.0
+    steps = np.zeros((size, len(starts), count + 1), np.int8)
+    for row in range(1, size):
+        for number, (own, others) in enumerate(_STEPS):
+            if own > row or others > count:
+                continue
+            windows = sliding_window_view(works[number][row - own], count + 1 - others)
+            found = least[row - own, :, : count + 1 - others] + windows[starts.start : starts.stop]
+            known = least[row, :, others:]
+            better = found < known
+            known[better] = found[better]
+            steps[row, :, others:][better] = number
+    start = int(least[-1, :, count].argmin())
+    first, second = [size - 1], [count]
+    while first[-1] > 0:
+        own, others = _STEPS[steps[first[-1], start, second[-1]]]
+        first.append(first[-1] - own)
+        second.append(second[-1] - others)
+    return MatchedCurves(np.array(first[::-1]), np.array(second[::-1]) + starts[start], float(least[-1, start, count]))
+
+
+def match_work(one: CurveSamples, other: CurveSamples, match: MatchedCurves, weights: MatchWeights) -> float:
+    """Return the work of a match with other weights than those that it was found with."""
+    spans = np.stack([np.diff(match.first), np.diff(match.second)], axis=1)
+    total = 0.0
+    for step in _STEPS:
+        chosen = np.flatnonzero((spans == step).all(axis=1))
+        total += float(_works(one, other, step, weights)[match.first[chosen], match.second[chosen]].sum())
+    return total
+
+
+def _works(one: CurveSamples, other: CurveSamples, step: tuple[int, int], weights: MatchWeights) -> NDArray[np.float64]:
+    """Return the work of matching all pieces of given numbers of samples, (n - step[0], m - step[1])."""
+    (lengths, directions, middles), (theirs, toward, centers) = (
+        _pieces(curve, span) for curve, span in zip((one, other), step, strict=True)
+    )
+    turning = 1.0 - np.cos(directions[:, None] - toward)
+    moving = np.square(middles[:, None] - centers).sum(axis=2)
+    stretching = np.square(np.log(lengths[:, None] / theirs))
+    changes = np.square(one.shape[:, None] - other.shape).sum(axis=2)
+    changing = 0.5 * (changes[: -step[0], : -step[1]] + changes[step[0] :, step[1] :])
+    work = weights.turning * turning + weights.moving * moving
+    work += weights.stretching * stretching + weights.changing * changing
+    bent, other_bent = (_turns(curve, span) for curve, span in zip((one, other), step, strict=True))
+    return 0.5 * (lengths[:, None] + theirs) * work + weights.bending * np.square(bent[:, None] - other_bent)
+
+
+def _pieces(curve: CurveSamples, span: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Return the lengths, directions and middles of all pieces of a number of samples."""
+    along = curve.points[span:] - curve.points[:-span]
+    directions = np.arctan2(along[:, 1], along[:, 0])
+    return curve.places[span:] - curve.places[:-span], directions, 0.5 * (curve.points[span:] + curve.points[:-span])
+
+
+def _turns(curve: CurveSamples, span: int) -> NDArray[np.float64]:
+    """Return the angles by which all pieces of a number of samples turn, up to and including their last sample."""
+    total = np.cumsum(curve.turns)
+    return total[span:] - total[:-span]
