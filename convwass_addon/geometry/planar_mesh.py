@@ -8,8 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import Delaunay, cKDTree
 
+from .edges import edge_ends, edge_use
 from .mesh import TriangleMesh
 from .planar_fill import Boundary
+from .subdivision import with_edges_halved
 
 # Least distance of inner points from the boundary, in edge lengths, which avoids thin triangles between them.
 _CLEARANCE = 0.6
@@ -46,6 +48,18 @@ def planar_mesh(boundary: Boundary, edge: float) -> TriangleMesh:
     triangles = np.where((doubled < 0)[:, None], triangles[:, ::-1], triangles)
     kept = (np.abs(doubled) > _LEAST_AREA * edge**2) & boundary.contains(points[triangles].mean(axis=1))
     return TriangleMesh(np.column_stack([points, np.zeros(len(points))]), triangles[kept])
+
+
+def without_bridges(mesh: TriangleMesh) -> TriangleMesh:
+    """Halve all edges that connect points of the boundary through the inside.
+
+    Then the triangles at a corner of the boundary, too, can follow it when it turns from convex to reflex.
+    """
+    use = edge_use(mesh.faces)
+    ends = edge_ends(mesh.faces, use)
+    is_rim = np.zeros(len(mesh.vertices), bool)
+    is_rim[ends[use.count == 1]] = True
+    return with_edges_halved(mesh, use, (use.count > 1) & is_rim[ends].all(axis=1)).mesh
 
 
 def _lattice(bounds: NDArray[np.float64], edge: float) -> NDArray[np.float64]:

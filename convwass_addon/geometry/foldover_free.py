@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deform triangles in the plane with some vertices held, without turning any triangle over.
+
+V. Garanzha, I. Kaporin, L. Kudryavtseva, F. Protais, N. Ray and D. Sokolov, "Foldover-free maps in 50 lines of code",
+ACM Transactions on Graphics 40(4), 2021.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array
+
+from ..progress import UNINTERRUPTED, Control
+from .factorization import Factorization, factorize
+from .laplacian import laplacian
+from .mesh import TriangleMesh
+
+# Weight of the change of area beside that of angles.
+_AREA = 0.5
+# Rounds in which triangles are turned back, steps of the minimizer per round, and the relative decrease of the energy
+# per round below which the minimum is reached, and per step below which a round ends.
+_ROUNDS, _STEPS, _DECREASE, _LEAST_DECREASE = 20, 60, 0.01, 1e-4
+# Width e of the transition between triangles that are turned over and those that are not, relative to the determinant
+# of the worst one, and its least value.
+_WIDTH, _LEAST_WIDTH = 0.2, 1e-6
+# Steps that the quasi-Newton method remembers, and of the line search: the share of the expected decrease that is
+# enough, and the largest number of times that a step is halved.
+_REMEMBERED, _ENOUGH, _HALVINGS = 10, 1e-4, 30
+
+
+def foldover_free(
+    mesh: TriangleMesh, start: NDArray[np.float64], held: NDArray[np.bool_], control: Control = UNINTERRUPTED
+) -> NDArray[np.float64]:
+    """Return the positions of vertices in the plane that distort the triangles least, (n, 2).
+
+    With the Jacobian matrix J of a triangle, of determinant D, the energy per area is (|J|^2 + w (D^2 + 1)) / h(D),
+    where h(D) = (D + sqrt(e^2 + D^2)) / 2. For e = 0 it is infinite for triangles that are turned over; e becomes
+    smaller as these become fewer.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        At rest, in the plane z = 0, facing up.
+    start : (n, 2)
+        Positions of the vertices, possibly with triangles turned over.
+    held : (n,) bool
+        Vertices that keep their positions.
+    control : Control
+        Stops the work.
+    """
+    energy = _Energy.of(mesh, start, held)
+    free = np.flatnonzero(~held)
+    if not len(free):
+        return start
+    inner = factorize(csc_array(laplacian(mesh).matrix)[free][:, free])
+    points, least, worst = start.copy(), np.inf, energy.determinants(start).min(initial=1.0)
+    for _ in range(_ROUNDS):
+        control.check()
+        width = float(np.sqrt(_LEAST_WIDTH**2 + np.square(_WIDTH * np.clip(worst, -1.0, 0.0))))
+        points, reached = _minimized(energy, points, free, width, inner)
+        before, worst = worst, energy.determinants(points).min(initial=1.0)
+        # Triangles all of whose corners are held may remain turned over.
+        if reached > (1.0 - _DECREASE) * least and (worst > 0.0 or worst <= (1.0 - _DECREASE) * before):
+            break
+        least = reached
+    return points
+
+
+def _minimized(
+    energy: _Energy, points: NDArray[np.float64], free: NDArray[np.int64], width: float, inner: Factorization
+) -> tuple[NDArray[np.float64], float]:
+    """Minimize the energy by L-BFGS, preconditioned by the Laplacian of the free vertices; also return the energy."""
+    value, gradient = energy.at(points, width)
+    gradient = gradient[free]
+    steps: list[tuple[NDArray[np.float64], NDArray[np.float64], float]] = []
+    for _ in range(_STEPS):
+        direction = -_inverse_hessian(gradient, steps, inner)
+        slope = float((direction * gradient).sum())
+        share, moved = 1.0, points.copy()
+        for _ in range(_HALVINGS):
+            moved[free] = points[free] + share * direction
+            found, after = energy.at(moved, width)
+            if found <= value + _ENOUGH * share * slope:
+                break
+            share *= 0.5
+        else:
+            break
+        change, difference = share * direction, after[free] - gradient
+        curvature = float((change * difference).sum())
+        if curvature > 0.0:
+            steps = [*steps[1 - _REMEMBERED :], (change, difference, curvature)]
+        decrease = value - found
+        points, value, gradient = moved, found, after[free]
+        if decrease < _LEAST_DECREASE * value:
+            break
+    return points, value
+
+
+def _inverse_hessian(
+    gradient: NDArray[np.float64],
+    steps: list[tuple[NDArray[np.float64], NDArray[np.float64], float]],
+    inner: Factorization,
+) -> NDArray[np.float64]:
+    """Multiply a gradient by the approximate inverse Hessian: the two loops of L-BFGS."""
+    result, shares = gradient.copy(), []
+    for change, difference, curvature in reversed(steps):
+        shares.append(float((change * result).sum()) / curvature)
+        result -= shares[-1] * difference
+    result = inner.solve(np.ascontiguousarray(result.T)).T
+    if steps:
+        _, difference, curvature = steps[-1]
+        smooth = inner.solve(np.ascontiguousarray(difference.T)).T
+        result *= curvature / float((difference * smooth).sum())
+    for (change, difference, curvature), share in zip(steps, reversed(shares), strict=True):
+        result += (share - float((difference * result).sum()) / curvature) * change
+    return result
+
+
+@dataclass(frozen=True)
+class _Energy:
+    """Triangles at rest.
+
+    Attributes
+    ----------
+    faces : (m, 3) int64
+        Triangles, without those of no area.
+    gradients : (m, 3, 2) float64
+        Gradients of the barycentric coordinates of every triangle at rest, scaled to the area that it should have.
+    areas : (m,) float64
+        Shares of the area.
+    """
+
+    faces: NDArray[np.int64]
+    gradients: NDArray[np.float64]
+    areas: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, start: NDArray[np.float64], held: NDArray[np.bool_]) -> _Energy:
+        corners = mesh.vertices[mesh.faces][..., :2]
+        doubled = _doubled_areas(corners)
+        kept = doubled > 1e-12 * np.abs(doubled).sum()
+        faces, corners, doubled = mesh.faces[kept], corners[kept], doubled[kept]
+        # The area inside the held outline, by the signed areas of all triangles, does not depend on the other vertices.
+        after = max(float(_doubled_areas(start[faces]).sum()), 1e-3 * float(doubled.sum()))
+        opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
+        across = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2)
+        scale = np.sqrt(after / doubled.sum())
+        return cls(faces, across / (doubled[:, None, None] * scale), doubled / doubled.sum())
+
+    def _jacobians(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        return np.einsum("mcj,mci->mij", self.gradients, points[self.faces])
+
+    def determinants(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the determinants of the Jacobian matrices, (m,)."""
+        return np.linalg.det(self._jacobians(points))
+
+    def at(self, points: NDArray[np.float64], width: float) -> tuple[float, NDArray[np.float64]]:
+        """Return the energy of vertices and its gradient, (n, 2)."""
+        jacobians = self._jacobians(points)
+        (a, b), (c, d) = jacobians.transpose(1, 2, 0)
+        determinants = a * d - b * c
+        root = np.sqrt(width**2 + np.square(determinants))
+        bounded = 0.5 * (determinants + root)
+        # For large negative determinants, the sum above loses all digits.
+        low = determinants < 0.0
+        bounded[low] = 0.5 * width**2 / (root[low] - determinants[low])
+        slope = bounded / root
+        total = a * a + b * b + c * c + d * d + _AREA * (np.square(determinants) + 1.0)
+        energy = float(self.areas @ (total / bounded))
+        along = self.areas * (2.0 * _AREA * determinants - total * slope / bounded) / bounded
+        cofactors = np.stack([np.stack([d, -c], axis=-1), np.stack([-b, a], axis=-1)], axis=-2)
+        pulls = (2.0 * self.areas / bounded)[:, None, None] * jacobians + along[:, None, None] * cofactors
+        forces = np.einsum("mij,mcj->mci", pulls, self.gradients).reshape(-1, 2)
+        corners = self.faces.ravel()
+        gradient = np.stack([np.bincount(corners, column, len(points)) for column in forces.T], axis=1)
+        return energy, gradient
+
+
+def _doubled_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return twice the signed area of triangles, (m, 3, 2)."""
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

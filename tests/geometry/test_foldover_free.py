@@ -1,0 +1,75 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Deformed planar triangles: similarities are exact, and nothing folds where a harmonic map does."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.optimize import check_grad
+
+from convwass_addon.geometry import foldover_free as module
+from convwass_addon.geometry.edges import edge_ends, edge_use
+from convwass_addon.geometry.foldover_free import foldover_free
+from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.planar_mesh import planar_mesh, without_bridges
+from tests.flat_shapes import ellipse
+
+RANDOM = np.random.default_rng(3)
+
+
+def rim_of(mesh):
+    use = edge_use(mesh.faces)
+    held = np.zeros(len(mesh.vertices), bool)
+    held[edge_ends(mesh.faces, use)[use.count == 1]] = True
+    return held
+
+
+def signed_areas(points, faces):
+    first, second = points[faces[:, 1]] - points[faces[:, 0]], points[faces[:, 2]] - points[faces[:, 0]]
+    return 0.5 * (first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0])
+
+
+@pytest.fixture(scope="module")
+def disc():
+    return without_bridges(planar_mesh(filled_boundary([ellipse()], "non-zero"), 0.15))
+
+
+def test_the_inside_follows_a_similarity_of_the_outline_exactly(disc):
+    held, rest = rim_of(disc), disc.vertices[:, :2]
+    expected = 1.7 * rest @ np.array([[0.6, 0.8], [-0.8, 0.6]]) + (3.0, -1.0)
+    start = np.where(held[:, None], expected, expected + RANDOM.normal(0.0, 0.3, rest.shape))
+    assert (signed_areas(start, disc.faces) < 0).any()
+    found = foldover_free(disc, start, held)
+    assert found == pytest.approx(expected, abs=0.005)
+    assert (found[held] == expected[held]).all()
+
+
+def test_nothing_folds_in_a_bent_outline(disc):
+    """The inside of the horseshoe is not convex, so that the harmonic map leaves it."""
+    held, rest = rim_of(disc), disc.vertices[:, :2]
+    angle, radius = 2.4 * rest[:, 0], 1.0 + 0.35 * rest[:, 1]
+    target = np.stack([radius * np.sin(angle), radius * np.cos(angle)], axis=1)
+    start = np.where(held[:, None], target, target[held].mean(axis=0))
+    found = foldover_free(disc, start, held)
+    assert (signed_areas(found, disc.faces) > 0).all()
+    assert (np.abs(np.linalg.norm(found, axis=1) - 1.0) < 0.36).all()
+
+
+@pytest.mark.parametrize("width", [1e-6, 0.3])
+def test_the_gradient_of_the_energy_is_that_of_finite_differences(disc, width):
+    held, rest = rim_of(disc), disc.vertices[:, :2]
+    energy = module._Energy.of(disc, rest, held)
+    scale = 0.02 if width < 0.1 else 0.3
+    points = rest + RANDOM.normal(0.0, scale, rest.shape)
+    error = check_grad(
+        lambda x: energy.at(x.reshape(-1, 2), width)[0],
+        lambda x: energy.at(x.reshape(-1, 2), width)[1].ravel(),
+        points.ravel(),
+    )
+    assert error < 1e-4 * np.linalg.norm(energy.at(points, width)[1])
+
+
+def test_held_vertices_may_be_all(disc):
+    rest = disc.vertices[:, :2]
+    assert (foldover_free(disc, 2.0 * rest, np.ones(len(rest), bool)) == 2.0 * rest).all()
