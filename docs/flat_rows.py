@@ -13,7 +13,7 @@ from collections.abc import Sequence
 
 import bpy
 import numpy as np
-from flat import frames_of, lettered, pixels, save
+from flat import centered, frames_of, heart, lettered, pixels, save
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
@@ -30,7 +30,7 @@ _WORDS = ("MILK", "TOAST")
 _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
 # Width and height of a tile, and pixels per unit: a word's length, or a letter's height.
 _WORD, _LETTER = (300, 110, 270.0), (120, 150, 75.0)
-_LETTERS = ("52", "69", "st", "GS", "HU")
+_PAIRS = (("5", "2"), ("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"))
 # Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 
@@ -54,10 +54,12 @@ def draw_words() -> None:
 
 
 def draw_motions() -> None:
-    """Draw letters: by transport alone, and with the automatic motion."""
+    """Draw letters and signs: by transport alone, and with the automatic motion."""
+    signs = {"heart": heart(), "star": _star(), "gear": _gear()}
     rows = []
-    for pair in _LETTERS:
-        letters = [_inked(lettered(letter), ink) for letter, ink in zip(pair, _INKS, strict=True)]
+    for pair in _PAIRS:
+        shapes = (signs[name] if name in signs else lettered(name) for name in pair)
+        letters = [_inked(shape, ink) for shape, ink in zip(shapes, _INKS, strict=True)]
         halves = []
         for motion in ("transport", "automatic"):
             frames = frames_of(letters, path_blends(2, 6), FlatSettings(resolution=512, motion=motion))
@@ -65,6 +67,22 @@ def draw_motions() -> None:
         gap = np.ones((_LETTER[1], _LETTER[0] // 2, 3)) * _PAPER
         rows.append(np.concatenate([halves[0], gap, halves[1]], axis=1))
     save(np.concatenate(rows, axis=0), "flat_motions.png")
+
+
+def _star() -> FlatShape:
+    """Draw a star of five points."""
+    angles = 0.5 * np.pi + np.arange(10) * (np.pi / 5)
+    radii = np.where(np.arange(10) % 2, 0.2, 0.5)
+    return centered([radii[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)], "even-odd")
+
+
+def _gear() -> FlatShape:
+    """Draw a gear of eight teeth with a hole."""
+    angles = np.arange(8)[:, None] * (np.pi / 4) + np.array([-0.22, -0.15, 0.15, 0.22])
+    radii = np.tile([0.35, 0.5, 0.5, 0.35], 8)
+    teeth = radii[:, None] * np.stack([np.cos(angles.ravel()), np.sin(angles.ravel())], axis=1)
+    around = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
+    return centered([teeth, 0.18 * np.stack([np.cos(around), np.sin(around)], axis=1)], "even-odd")
 
 
 def _inked(shape: FlatShape, ink: Sequence[float]) -> FlatShape:

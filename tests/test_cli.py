@@ -571,7 +571,6 @@ def test_flat_shapes_are_morphed_without_guides(tmp_path, capfd):
     capfd.readouterr()
     assert cli.main(["morph", *words, "--guides", "groups"]) == 0
     printed, said = capfd.readouterr()
-    # Disks have no limbs that could move.
-    assert {frame["motion"]["reason"] for frame in json.loads(printed)["frames"]} == {"SOLID"}
+    assert {frame["motion"]["reason"] for frame in json.loads(printed)["frames"]} == {"OUTLINES"}
     assert "do not support guides" in said
     assert stored_settings(tmp_path / "morph.blend")["guides"] == []

@@ -5,25 +5,23 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import InputError
+from ...errors import Cancelled, InputError
 from ...geometry.planar_fill import Boundary
-from ...progress import Control, Work, within
+from ...progress import Control, Progress, Work, within
+from ...sentence import Sentence
 from ..morphs.layouts import Blend, pairs_of
-from ..motions.choosing import MotionChoice, chosen_motion
-from ..motions.limbs import is_nearly_convex
+from ..motions.choosing import FAILURES, MotionChoice, chosen_motion
 from ..motions.motion import MovedShape
 from ..motions.motion_request import MotionRequest
 from .flat_pieces import FilledPieces, FlatPieces
 from .flat_settings import FlatSettings
+from .outline_motion import MovedSheets, outline_motion
 from .sheets import AttachedPoints, Sheet
-
-# With more parts, a motion is used only if the user chose one.
-_MOST_PARTS = 6
 
 
 @dataclass(frozen=True)
@@ -114,14 +112,13 @@ def chosen_flat_motion(
     names: Sequence[str],
     blends: Sequence[Blend],
     settings: FlatSettings,
-    regions: int,
     centers: NDArray[np.float64],
     control: Control,
 ) -> Work[FlatChoice]:
-    """Choose the motion of flat shapes, as :func:`.motions.choosing.chosen_motion` does for solids.
+    """Choose the motion of flat shapes.
 
-    Images and densities are transported. So are shapes of several regions and words of many letters, unless the user
-    chose a motion: words cannot be mapped as a whole, and each letter takes seconds.
+    Outlines determine shapes, so that parts whose outlines match move as these do. Images, densities and parts of
+    different numbers of regions are transported.
 
     Parameters
     ----------
@@ -133,8 +130,6 @@ def chosen_flat_motion(
         All blends.
     settings : FlatSettings
         Settings of the morph.
-    regions : int
-        The largest number of regions of a shape.
     centers : (k, 2) float64
         Centers of mass of the shapes, scene units.
     control : Control
@@ -151,21 +146,44 @@ def chosen_flat_motion(
         raise InputError("Images and densities have no outline that could move. Set Motion to Automatic or Transport.")
     if still or settings.motion == "transport" or settings.coherence == 0.0:
         return FlatChoice(None, MotionChoice("transport", "ASKED").record())
-    if settings.motion == "automatic" and all(
-        is_nearly_convex(part.starts, part.area) for own in filled for part in own.parts
-    ):
-        return FlatChoice(None, MotionChoice("transport", "SOLID").record())
-    count = len(filled[0].parts)
-    if settings.motion == "automatic" and (count > _MOST_PARTS or (count == 1 and regions > 1)):
-        return FlatChoice(None, MotionChoice("transport", "MANY").record())
-    sheets, choices = [], []
+    count, moved = len(filled[0].parts), []
     for index in range(count):
-        own = tuple(Sheet.of(each.parts[index]) for each in filled)
-        meshes = [sheet.mesh for sheet in own]
-        request = MotionRequest(meshes, names, pairs_of(blends), settings.motion, settings.coherence)
-        choices.append((yield from within(chosen_motion(request, control), index / count, (index + 1) / count)))
-        sheets.append(own)
-    record = min(choices, key=lambda choice: (choice.motion is not None, choice.score or 0.0)).record()
+        work = _moved_part([each.parts[index] for each in filled], names, pairs_of(blends), settings, control)
+        moved.append((yield from within(work, index / count, (index + 1) / count)))
+    choices = tuple(own.choice for own in moved)
+    record = min(choices, key=lambda choice: choice.motion is not None).record()
     if all(choice.motion is None for choice in choices):
+        if settings.motion == "guided":
+            raise InputError(
+                "Shapes of different numbers of separate areas cannot be guided. Set Motion to Automatic, Warp or "
+                "Transport."
+            )
         return FlatChoice(None, record)
-    return FlatChoice(FlatMotion(tuple(sheets), tuple(choices), centers), record)
+    return FlatChoice(FlatMotion(tuple(own.sheets for own in moved), choices, centers), record)
+
+
+def _moved_part(
+    parts: Sequence[Boundary],
+    names: Sequence[str],
+    pairs: Sequence[tuple[int, int]],
+    settings: FlatSettings,
+    control: Control,
+) -> Work[MovedSheets]:
+    """Return one part of every shape with the motion that the settings ask for, or without one."""
+    yield Progress(0.0, Sentence("Moving the shapes"))
+    if settings.motion == "warp":
+        sheets = tuple(map(Sheet.of, parts))
+        request = MotionRequest([sheet.mesh for sheet in sheets], names, pairs, "warp", settings.coherence)
+        return MovedSheets(sheets, (yield from chosen_motion(request, control)))
+    unmoved = MotionChoice("transport", "REGIONS")
+    try:
+        found = outline_motion(parts, names, pairs, settings.coherence, control)
+    except Cancelled:
+        raise
+    except FAILURES as error:
+        if settings.motion == "guided":
+            raise
+        found, unmoved = None, MotionChoice("transport", "FAILED", failure=str(error))
+    if found is None:
+        return MovedSheets(tuple(map(Sheet.of, parts)), unmoved)
+    return replace(found, choice=replace(found.choice, reason="ASKED")) if settings.motion == "guided" else found

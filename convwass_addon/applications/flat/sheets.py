@@ -43,8 +43,12 @@ class Sheet:
     def of(cls, boundary: Boundary) -> Sheet:
         """Triangulate the interior of a boundary, which must have an area."""
         size = np.sqrt(boundary.area)
-        mesh = planar_mesh(boundary, _TRIANGLES * size)
-        fine = boundary.divided(_BOUNDARY * size)
+        return cls.attached(boundary, planar_mesh(boundary, _TRIANGLES * size))
+
+    @classmethod
+    def attached(cls, boundary: Boundary, mesh: TriangleMesh) -> Sheet:
+        """Attach a boundary to triangles that approximately fill it."""
+        fine = boundary.divided(_BOUNDARY * np.sqrt(boundary.area))
         finder = ClosestPointFinder(mesh.corners)
         attached = (AttachedPoints.of(points, mesh.vertices, mesh.faces, finder) for points in (fine.starts, fine.ends))
         return cls(mesh, fine, *attached)

@@ -39,11 +39,11 @@ TEXTS: dict[str, str] = {
     "GUIDES": "{count} of the guides were left out, because the shapes map better without them: check their points",
     "APART": "Transport was chosen: there is no good map between the shapes (agreement {score:.0%}, "
     "detour {detour:.1f}); guides may help",
-    "FOLDS_WARP": "Warp was chosen: by the map between the shapes, they would fold on the way",
-    "FOLDS_TRANSPORT": "Transport was chosen: by the map between the shapes, they would fold on the way",
+    "OUTLINES": "Guided was chosen: the outlines of the shapes match",
+    "OUTLINES_TURNED": "Guided was chosen: the outlines of the shapes match if they turn by up to {angle:.0f} degrees",
     "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
     "SOLID": "Transport was chosen: at least one of the shapes has no limbs",
-    "MANY": "Transport was chosen: the shapes have many pieces, which move as bodies if Motion is Guided or Warp",
+    "REGIONS": "Transport was chosen: the shapes have different numbers of separate areas",
     "TOPOLOGY": "Transport was chosen: triangles of a shape change from frame to frame, which no motion can follow",
     "NO_MOTION": "Transport was chosen: no motion between the shapes could be computed ({failure})",
     "LOOK_PROCEDURAL": "Procedural colors of {materials} ({names}) became one color: bake them to an image or to "
@@ -77,7 +77,7 @@ SEVERITIES: dict[str, Severity] = {
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART"), "INFO"),
-    **dict.fromkeys(("FOLDS_WARP", "FOLDS_TRANSPORT", "MERGED", "SOLID", "MANY", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "REGIONS", "TOPOLOGY"), "INFO"),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -316,10 +316,11 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     reason, kind = str(chosen["motion_reason"]), str(chosen.get("motion_kind"))
     if reason == "SOLID" and kind == "warp":
         return [Diagnostic("MERGED", {})]
-    if reason in ("SOLID", "MANY", "TOPOLOGY"):
+    if reason in ("SOLID", "REGIONS", "TOPOLOGY"):
         return [Diagnostic(reason, {})]
-    if reason == "FOLDS":
-        return [Diagnostic("FOLDS_WARP" if kind == "warp" else "FOLDS_TRANSPORT", {})]
+    if reason == "OUTLINES":
+        turned = _number(chosen, "motion_turned")
+        return [Diagnostic("OUTLINES_TURNED", {"angle": turned}) if turned > 0.0 else Diagnostic("OUTLINES", {})]
     score = {"score": _number(chosen, "motion_score")}
     if reason == "APART" and kind == "transport":
         return [Diagnostic("APART", {**score, "detour": _number(chosen, "motion_detour")})]
@@ -337,7 +338,9 @@ def _guides(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
 
 
 def _turned(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
-    angle = max((_number(figure, "motion_turned") for figure in figures), default=0.0)
+    # Flat shapes have no guides, and their note on the motion tells the angle.
+    solid = [figure for figure in figures if figure.get("motion_reason") != "OUTLINES"]
+    angle = max((_number(figure, "motion_turned") for figure in solid), default=0.0)
     return [Diagnostic("TURNED", {"angle": angle})] if angle > 0.0 else []
 
 

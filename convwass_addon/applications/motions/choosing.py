@@ -11,7 +11,7 @@ import numpy as np
 
 from ...errors import Cancelled, ConvwassError
 from ...geometry.edges import vertex_components
-from ...geometry.mesh import TriangleMesh, is_level
+from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from .coherence import FULL_COHERENCE
@@ -19,7 +19,7 @@ from .combined_motion import CombinedMotion, combined_motion
 from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .limbs import is_compact
-from .mapped_pairs import DOUBTED, FOLDING, TRUSTED
+from .mapped_pairs import DOUBTED, TRUSTED
 from .motion import Motion
 from .motion_request import MotionRequest
 from .promising_maps import may_map
@@ -61,11 +61,12 @@ _DETOUR = 1.4
 _BODY = 0.1
 # Cells of the grid on which distances are compared; with 32, shares differ by less than 0.006 on the benchmark.
 _CELLS = 24
-# Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it.
-# SciPy's eigensolvers raise RuntimeError if they do not converge.
-_FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)
 # Fractions of the work for a rough map, and for the guided motion, if a warp follows.
 _ROUGH_SHARE, _GUIDED_SHARE = 0.05, 0.4
+
+# SciPy's eigensolvers raise RuntimeError if they do not converge.
+FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)
+"""Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +80,8 @@ class MotionChoice:
     reason : str
         "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
         place), "UNLIKE" (they do in part, and are warped towards each other), "SOLID" (they do not, and one of them has
-        no limbs), "APART" (they do not), "FOLDS" (flat shapes fold on their way), or "FAILED" (an error occurred).
+        no limbs), "APART" (they do not), "OUTLINES" (the outlines of flat shapes match), "REGIONS" (they have different
+        numbers of regions), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -149,7 +151,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         guided = yield from within(_guided(request, control), begin, _GUIDED_SHARE)
     except Cancelled:
         raise
-    except _FAILURES as error:
+    except FAILURES as error:
         if request.guides:
             raise
         yield Progress(1.0, Sentence("Transporting without a motion"))
@@ -161,16 +163,13 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     far = detour > _DETOUR
     # Where bodies divide or join far from each other, a map tears something.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
-    is_flat = all(is_level(shape.vertices) for shape in request.shapes)
-    folds = is_flat and detour > FOLDING and not request.guides
-    if merges or folds or score < DOUBTED or (far and divides and not request.guides):
-        reason = "SOLID" if merges else "FOLDS" if folds and score >= DOUBTED else "APART"
-        unmoved = MotionChoice("transport", reason, None, score, detour=detour)
+    if merges or score < DOUBTED or (far and divides and not request.guides):
+        unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
     alone = replace(_mapped("PARTLY", guided), detour=detour)
     if score < _UNSURE and not request.guides:
         better = _warped_instead
-    elif far or is_flat:
+    elif far:
         return alone
     else:
         better = _perhaps_warped
@@ -193,7 +192,7 @@ def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:
                 return False
         except Cancelled:
             raise
-        except _FAILURES:
+        except FAILURES:
             # The complete map fails, too, and says why, or it is better off with more vertices.
             continue
     return True
@@ -205,7 +204,7 @@ def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -
         warped = yield from _warped(unmoved, request, control)
     except Cancelled:
         raise
-    except _FAILURES as error:
+    except FAILURES as error:
         return replace(unmoved, reason="FAILED", failure=str(error))
     if _joins(warped, request):
         return warped
@@ -226,7 +225,7 @@ def _unless_failing(
         return (yield from better(alone, request, control))
     except Cancelled:
         raise
-    except _FAILURES as error:
+    except FAILURES as error:
         return replace(alone, failure=str(error))
 
 

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import ConvexHull, QhullError
 
 from ...geometry.mesh import TriangleMesh
@@ -14,29 +13,13 @@ from ...geometry.mesh import TriangleMesh
 _NEARLY_CONVEX = 0.85
 
 
-def is_nearly_convex(points: NDArray[np.float64], content: float) -> bool:
-    """Return whether a shape fills most of its convex hull.
+def is_compact(mesh: TriangleMesh) -> bool:
+    """Return whether a shape fills most of its convex hull, so that it has no limbs; loose vertices do not count.
 
-    Parameters
-    ----------
-    points : (n, 2) or (n, 3) float64
-        Points on its boundary.
-    content : float
-        Its area or volume.
-
-    Returns
-    -------
-    bool
-        False if there is no hull, because all points lie on a line, or in space in a plane.
+    A shape that lies in a plane has no hull, and is not compact.
     """
     try:
-        hull = ConvexHull(points)
+        hull = ConvexHull(mesh.vertices[np.unique(mesh.faces)])
     except QhullError:
         return False
-    # For hulls in the plane, Qhull's `volume` is the area.
-    return abs(content) >= _NEARLY_CONVEX * hull.volume
-
-
-def is_compact(mesh: TriangleMesh) -> bool:
-    """Return whether a shape has no limbs; its loose vertices do not count."""
-    return is_nearly_convex(mesh.vertices[np.unique(mesh.faces)], mesh.volume)
+    return abs(mesh.volume) >= _NEARLY_CONVEX * hull.volume

@@ -56,14 +56,13 @@ _CLEARLY = 0.75
 _UPSIDE_DOWN, _SIDEWAYS = 0.8, 0.5
 # The same share if they map beyond doubt then; it is 0.83 to 0.85 from an e to an a, an n to a u, and a 6 to a 9.
 _TURNED = 0.95
+# Flat shapes fold on their way if they move matter farther than this number of times the Wasserstein distance: an H to
+# a U and an M to a W that fold move it 2.8 to 3.3 times as far, an F to a y and an L to a V that swing 1.5 to 1.7.
+_FOLDING = 1.8
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 TRUSTED = 0.88
 """With this score, shapes map onto each other beyond doubt; chosen by eye on pairs of the benchmark."""
-
-FOLDING = 1.8
-"""Flat shapes fold on their way if they move matter farther than this number of times the Wasserstein distance: an H to
-a U and an M to a W that fold move it 2.8 to 3.3 times as far, an F to a y and an L to a V that swing 1.5 to 1.7."""
 
 
 @dataclass(frozen=True)
@@ -155,7 +154,7 @@ def mapped_pair(
         return best
     turns = [] if is_flat else _facing_turns(one.mesh, other.mesh, best) if turn is None else [turn]
     # A letter may fold on its way to another, which is worse than a slightly lower score.
-    folds = is_flat and best.detour > FOLDING
+    folds = is_flat and best.detour > _FOLDING
     is_poor = folds or best.is_turned_over or best.score < (DOUBTED if best.symmetry is None else _FAIR)
     has_limbs = not (is_compact(one.mesh) or is_compact(other.mesh))
     if not (is_poor and has_limbs) and (turn is not None or not turns):
@@ -168,7 +167,7 @@ def mapped_pair(
         return best
     # The merit of shapes without a common mirror plane is lowered already.
     needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
-    if folds and surveyed.detour < FOLDING:
+    if folds and surveyed.detour < _FOLDING:
         needed = _CLEARLY * best.merit
     return surveyed if surveyed.merit > needed else best
 

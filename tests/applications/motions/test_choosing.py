@@ -14,7 +14,6 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.grids import sheet
 from tests.shapes import ball, box, joined, square
 
 BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
@@ -94,15 +93,6 @@ def test_the_record_says_how_many_guides_were_left_out(motions, kind, score):
 def test_maps_that_make_detours_are_not_completed_by_a_warp(motions):
     motions(guided_with(0.6, detour=1.8), combined=AssertionError("must not be asked for"))
     assert choice().record() == {"kind": "guided", "reason": "PARTLY", "score": 0.6, "detour": 1.8}
-
-
-def test_maps_of_flat_shapes_are_not_completed_by_a_warp(motions):
-    """It would make their outlines bumpy."""
-    strips = sheet(9, 2, (4.0, 0.2)), sheet(9, 2, (3.0, 0.2))
-    motions(guided_with(0.6), combined=AssertionError("must not be asked for"))
-    assert choice(shapes=strips).record() == {"kind": "guided", "reason": "PARTLY", "score": 0.6, "detour": 1.0}
-    motions(guided_with(0.3), left=0.8, by_warp_alone=0.5)
-    assert choice(shapes=strips).kind == "warp"
 
 
 def test_shapes_that_divide_far_away_are_transported(motions):

@@ -1,0 +1,246 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Match two outlines point by point, as they stand or turned, and symmetrically where both are symmetric.
+
+Outlines determine flat shapes completely, so that a map between them leaves nothing to transport, keeps corners sharp,
+and takes a fraction of a second.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.curve_maps import CurveMap, smooth_map
+from ...geometry.curve_matching import CurveSamples, MatchedCurves, MatchWeights, match_work, matched_curves
+from ...geometry.curve_symmetry import MirrorAxes
+from .outline_curves import OutlineCurve
+
+# Samples of an outline for a rough match, by which turns are compared, and for the final one.
+_ROUGH, _FINE = 64, 160
+# A final match begins within this share of the curve from where a rough one does.
+_NEAR = 0.05
+# Turns that are tried, as fractions of a full one; the largest turn, in radians, after which curves still stand; and
+# the work, and its share of that as they stand, below which they are turned.
+_TURNS, _STANDING, _SIMILAR, _CLEARLY = 12, np.radians(10.0), 0.5, 0.45
+# Weights of the work for curves as they are placed, and for limbs that swing, chosen by eye; and the share of the
+# strain of the former below which limbs swing: 0.414 from an F to a y, whose strokes swing, and 0.425 from an S to a Z,
+# whose strokes pinch if they do.
+_AS_PLACED, _BENT = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02), MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
+_LESS_STRAIN = 0.415
+# Smaller turns are not reported.
+_TURNED = np.radians(20.0)
+# A curve with more axes is round, and has one in every direction.
+_MOST_AXES = 16
+# Difference of angles, in radians, below which axes are equally good.
+_ALIKE = 0.02
+
+
+@dataclass(frozen=True)
+class MatchedOutlines:
+    """Two closed curves that are mapped onto each other.
+
+    Attributes
+    ----------
+    map : CurveMap
+        The map.
+    cost : float
+        The work per length; see :mod:`.curve_matching`.
+    turn : float
+        Angle in radians by which most of the first curve turns; zero if it is small.
+    swings : bool
+        Whether limbs swing, so that the places of pieces were disregarded.
+    """
+
+    map: CurveMap
+    cost: float
+    turn: float
+    swings: bool
+
+
+@dataclass(frozen=True)
+class _Pose:
+    """A way to match two curves: after a turn of the first one, and about an axis of each, if they are symmetric.
+
+    Attributes
+    ----------
+    turn : float
+        Angle in radians, from -pi to pi.
+    ends : (2, 2) float64 or None
+        Places at which the axis crosses each curve.
+    axis : float
+        Direction of the axis in radians.
+    """
+
+    turn: float
+    ends: NDArray[np.float64] | None = None
+    axis: float = 0.0
+
+
+@dataclass(frozen=True)
+class _Match:
+    """Places on two curves that match, increasing, from a place to the same place, or to the other end of an axis.
+
+    Attributes
+    ----------
+    places, images : (k,) float64
+        Places on both curves.
+    cost : float
+        The work per length.
+    strain : float
+        The part of the work that does not change if pieces are moved and turned.
+    """
+
+    places: NDArray[np.float64]
+    images: NDArray[np.float64]
+    cost: float
+    strain: float
+
+    @classmethod
+    def of(
+        cls,
+        curves: tuple[OutlineCurve, OutlineCurve],
+        samples: tuple[CurveSamples, CurveSamples],
+        found: MatchedCurves,
+        share: float,
+    ) -> _Match:
+        """Return the match of samples of a share of both curves."""
+        chosen = zip(curves, samples, (found.first, found.second), strict=True)
+        places, images = (curve.curve.length * own.places[rows] for curve, own, rows in chosen)
+        strain = match_work(*samples, found, replace(_AS_PLACED, turning=0.0, moving=0.0))
+        return cls(places, images, found.cost / share, strain / share)
+
+    def mirrored(self, lengths: Sequence[float]) -> _Match:
+        """Complete the match of halves of two curves by their mirror images."""
+        both = []
+        for half, length in zip((self.places, self.images), lengths, strict=True):
+            rest = length / (half[-1] - half[0]) - 1.0
+            both.append(np.concatenate([half, half[-1] + (half[-1] - half[-2::-1]) * rest]))
+        return _Match(*both, self.cost, self.strain)
+
+
+@dataclass(frozen=True)
+class _Candidate:
+    """A pose, the weights of the work, and the rough match of the least work in it."""
+
+    pose: _Pose
+    weights: MatchWeights
+    match: _Match
+
+
+def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
+    """Match two closed curves.
+
+    If both have a common axis as they stand, half of a curve is matched, and the other half is its mirror image. The
+    first curve is turned by a multiple of 30 degrees, or so that both have a common axis, only if they match much
+    better then; curves with a common axis are only turned upside down. Where limbs swing, pieces keep their shape much
+    better if their places are disregarded, which then does not count.
+    """
+    symmetric = list(_symmetric_poses(one.axes, other.axes))
+    upright = [pose for pose in symmetric if abs(pose.turn) < _STANDING]
+    turned = [pose for pose in symmetric if abs(pose.turn) > (np.pi - _STANDING if upright else _STANDING)]
+    if not upright:
+        turned += [_Pose(_wrapped(turn)) for turn in np.arange(1, _TURNS) * (2.0 * np.pi / _TURNS)]
+    stands = _straightest(upright) or [_Pose(0.0)]
+    chosen, bent = _best(one, other, stands, _AS_PLACED), _best(one, other, stands, _BENT)
+    lying = _best(one, other, turned, _AS_PLACED)
+    is_alike = lying is not None and lying.match.cost < min(_SIMILAR, _CLEARLY * chosen.match.cost)
+    swings = bent.match.strain < _LESS_STRAIN * chosen.match.strain
+    if is_alike and not (swings and bent.match.strain < lying.match.strain):
+        turn = _best_turn(one, other, lying.match) if lying.pose.ends is None else lying.pose.turn
+        chosen = replace(lying, pose=replace(lying.pose, turn=turn))
+    elif swings:
+        chosen = bent
+    pose, curves = chosen.pose, (one.curve, other.curve)
+    if pose.ends is None:
+        fine = _around(one, other, pose.turn, chosen.weights, chosen.match)
+    else:
+        fine = _along_axis(one, other, pose, chosen.weights, _FINE).mirrored([curve.length for curve in curves])
+    found = smooth_map(curves, (one.corners, other.corners), fine.places, fine.images)
+    turn = _best_turn(one, other, fine) if pose.ends is None else pose.turn
+    return MatchedOutlines(found, fine.cost, turn if abs(turn) > _TURNED else 0.0, chosen is bent)
+
+
+def _straightest(poses: Sequence[_Pose]) -> list[_Pose]:
+    """Return the poses that turn a curve least, and of these the ones with the most vertical axis."""
+    chosen = list(poses)
+    for measure in (lambda pose: abs(pose.turn), lambda pose: abs(np.cos(pose.axis))):
+        least = min(map(measure, chosen), default=0.0)
+        chosen = [pose for pose in chosen if measure(pose) < least + _ALIKE]
+    return chosen
+
+
+def _best(one: OutlineCurve, other: OutlineCurve, poses: Sequence[_Pose], weights: MatchWeights) -> _Candidate | None:
+    """Return the pose in which two curves roughly match best; None if there are no poses."""
+    found = []
+    for pose in poses:
+        if pose.ends is None:
+            match = _around(one, other, pose.turn, weights)
+        else:
+            match = _along_axis(one, other, pose, weights, _ROUGH)
+        found.append(_Candidate(pose, weights, match))
+    return min(found, key=lambda own: own.match.cost, default=None)
+
+
+def _best_turn(one: OutlineCurve, other: OutlineCurve, match: _Match) -> float:
+    """Return the turn of the first curve, in radians, that brings matched points closest to each other."""
+    ours, theirs = one.curve.at(match.places) - one.center, other.curve.at(match.images) - other.center
+    sine = (ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]).sum()
+    return float(np.arctan2(sine, (ours * theirs).sum()))
+
+
+def _symmetric_poses(one: MirrorAxes, other: MirrorAxes) -> Iterator[_Pose]:
+    """Yield the turns after which two curves have a common axis."""
+    ours, theirs = (np.flatnonzero(axes.is_best) for axes in (one, other))
+    if not len(ours) or not len(theirs):
+        return
+    if len(ours) > _MOST_AXES:
+        theirs = theirs if len(theirs) <= _MOST_AXES else [_nearest(other.angles, 0.5 * np.pi)]
+        pairs = [(_nearest(one.angles, other.angles[place]), place) for place in theirs]
+    elif len(theirs) > _MOST_AXES:
+        pairs = [(place, _nearest(other.angles, one.angles[place])) for place in ours]
+    else:
+        pairs = [(own, place) for own in ours for place in theirs]
+    for own, place in pairs:
+        for flipped in (False, True):
+            turn = other.angles[place] + np.pi * flipped - one.angles[own]
+            ends = other.places[place][::-1] if flipped else other.places[place]
+            both = np.stack([one.places[own], ends])
+            yield _Pose(_wrapped(turn), both, float(other.angles[place]))
+
+
+def _wrapped(angle: float) -> float:
+    """Return the same angle between -pi and pi."""
+    return float(np.angle(np.exp(1j * angle)))
+
+
+def _nearest(angles: NDArray[np.float64], angle: float) -> int:
+    """Return the index of the line of the nearest direction."""
+    return int(np.abs(np.sin(angles - angle)).argmin())
+
+
+def _around(
+    one: OutlineCurve, other: OutlineCurve, turn: float, weights: MatchWeights, near: _Match | None = None
+) -> _Match:
+    """Match two closed curves after a turn: roughly, from every start, or finely, next to a rough match."""
+    count = _ROUGH if near is None else _FINE
+    begin = one.corners[0] if len(one.corners) else 0.0
+    start = 0.0 if near is None else near.images[0] - _NEAR * other.curve.length
+    own = one.samples(begin, begin + one.curve.length, count).turned(turn)
+    theirs = other.samples(start, start + other.curve.length, count)
+    size, around = len(theirs.places) - 1, theirs.twice_around()
+    starts = size if near is None else int(np.searchsorted(around.places, around.places[0] + 2.0 * _NEAR))
+    return _Match.of((one, other), (own, around), matched_curves(own, around, range(starts), size, weights), 1.0)
+
+
+def _along_axis(one: OutlineCurve, other: OutlineCurve, pose: _Pose, weights: MatchWeights, count: int) -> _Match:
+    """Match the halves of two closed curves on one side of their common axis."""
+    halves = []
+    for curve, (begin, end) in zip((one, other), pose.ends, strict=True):
+        halves.append(curve.samples(begin, end if end > begin else end + curve.curve.length, count))
+    own, theirs = halves[0].turned(pose.turn), halves[1]
+    found = matched_curves(own, theirs, range(1), len(theirs.places) - 1, weights)
+    return _Match.of((one, other), (own, theirs), found, 0.5)

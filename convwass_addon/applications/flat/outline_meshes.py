@@ -1,0 +1,114 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Triangulated flat shapes whose insides follow a map between their outlines."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csc_array, diags_array
+
+from ...geometry.closed_curves import boundary_of
+from ...geometry.edges import edge_ends, edge_use
+from ...geometry.factorization import factorize
+from ...geometry.foldover_free import foldover_free
+from ...geometry.mesh import TriangleMesh
+from ...geometry.planar_mesh import planar_mesh, without_bridges
+from ...geometry.unit_shape import UnitShape
+from ...progress import Control
+from .outline_curves import sharp_corners
+from .outline_pairs import OutlinedShape, ShapePair
+
+# Least number of vertices along a curve.
+_FEWEST = 12
+# Stiffness of the springs that hold the outline; an edge between two equilateral triangles has 0.58.
+_HELD = 1e8
+
+
+def outline_knots(
+    shapes: Sequence[OutlinedShape], matches: Mapping[tuple[int, int], ShapePair]
+) -> list[list[NDArray[np.float64]]]:
+    """Return the places of corners on every curve of every shape, and of the images of corners of the others."""
+    corners = [[sharp_corners(curve) for curve in shape.curves] for shape in shapes]
+    found = [[[own] for own in shape] for shape in corners]
+    for (one, other), match in matches.items():
+        for pair in match.pairs:
+            found[one][pair.first].append(pair.map.inverse()(corners[other][pair.second]))
+            found[other][pair.second].append(pair.map(corners[one][pair.first]))
+    return [[np.concatenate(own) for own in shape] for shape in found]
+
+
+def outline_mesh(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]], edge: float) -> TriangleMesh:
+    """Triangulate a shape, with vertices at the knots of every curve, and edges of a length relative to its size."""
+    length = edge * shape.size
+    rim = [
+        curve.resampled(own, min(length, curve.length / _FEWEST))
+        for curve, own in zip(shape.curves, knots, strict=True)
+    ]
+    return without_bridges(planar_mesh(boundary_of(rim), length))
+
+
+@dataclass(frozen=True)
+class Rim:
+    """The vertices of a mesh that lie on the closed curves around it.
+
+    Attributes
+    ----------
+    vertices : (k,) int64
+        Their indices.
+    curves : (k,) int64
+        The nearest of the curves.
+    places : (k,) float64
+        Their places on it.
+    """
+
+    vertices: NDArray[np.int64]
+    curves: NDArray[np.int64]
+    places: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, shape: OutlinedShape) -> Rim:
+        """Find the places of the vertices on the boundary of a mesh of a shape."""
+        use = edge_use(mesh.faces)
+        vertices = np.unique(edge_ends(mesh.faces, use)[use.count == 1])
+        found = [curve.nearest(mesh.vertices[vertices, :2]) for curve in shape.curves]
+        nearest = np.argmin([away for _, away in found], axis=0)
+        places = np.stack([own for own, _ in found])[nearest, np.arange(len(vertices))]
+        return cls(vertices, nearest, places)
+
+    def on(self, curve: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+        """Return the vertices on a curve and their places, in order."""
+        own = np.flatnonzero(self.curves == curve)
+        order = own[np.argsort(self.places[own], kind="stable")]
+        return self.vertices[order], self.places[order]
+
+
+def filled_outline(unit: UnitShape, mesh: TriangleMesh, match: ShapePair, control: Control) -> NDArray[np.float64]:
+    """Return positions, (n, 2), of the first shape's mesh with its outline on the second shape's, without folds.
+
+    Parameters
+    ----------
+    unit : UnitShape
+        The mesh, rescaled.
+    mesh : TriangleMesh
+        The mesh of the first shape.
+    match : ShapePair
+        The match of the shapes.
+    control : Control
+        Stops the work.
+    """
+    rim, size = Rim.of(mesh, match.first), float(np.sqrt(mesh.area))
+    target, held = mesh.vertices[:, :2].copy(), np.zeros(len(mesh.vertices), bool)
+    for pair in match.pairs:
+        own, places = rim.on(pair.first)
+        target[own] = match.second.curves[pair.second].at(pair.map(places))
+        held[own] = True
+    center = target[held].mean(axis=0)
+    wanted = np.where(held[:, None], (target - center) / size, 0.0)
+    # The harmonic map to start with.
+    stiffness = csc_array(unit.laplacian.matrix + diags_array(np.where(held, _HELD, 0.0)))
+    start = factorize(stiffness).solve(np.ascontiguousarray((_HELD * wanted).T)).T
+    return size * foldover_free(unit.mesh, np.where(held[:, None], wanted, start), held, control) + center

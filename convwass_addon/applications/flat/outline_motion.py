@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The guided motion of flat shapes whose outlines are mapped onto each other completely."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closed_curves import boundary_of
+from ...geometry.planar_fill import Boundary
+from ...progress import Control
+from ..motions.carriers import Carrier, carrier_of
+from ..motions.choosing import MotionChoice
+from ..motions.guided_motion import GuidedMotion, GuidedPair
+from ..motions.guided_settings import GuidedSettings
+from ..motions.laid_meshes import Laid
+from ..motions.shape_deformations import ShapeDeformation, split_deformation
+from .outline_meshes import filled_outline, outline_knots, outline_mesh
+from .outline_pairs import OutlinedShape, ShapePair, matched_shapes
+from .sheets import Sheet
+from .sliding_outlines import with_slid_outlines
+
+# Edge length of the triangles, relative to the size of the shape.
+_TRIANGLES = 0.028
+
+
+@dataclass(frozen=True)
+class MovedSheets:
+    """Flat shapes that move as a body.
+
+    Attributes
+    ----------
+    sheets : tuple of Sheet
+        The shapes.
+    choice : MotionChoice
+        Their motion.
+    """
+
+    sheets: tuple[Sheet, ...]
+    choice: MotionChoice
+
+
+def outline_motion(
+    parts: Sequence[Boundary],
+    names: Sequence[str],
+    pairs: Sequence[tuple[int, int]],
+    coherence: float,
+    control: Control,
+) -> MovedSheets | None:
+    """Return the guided motion of flat shapes, or None if their outlines do not match.
+
+    Parameters
+    ----------
+    parts : sequence of Boundary
+        The shapes.
+    names : sequence of str
+        Names of the shapes, for messages.
+    pairs : sequence of (int, int)
+        Shapes that occur together in a blend.
+    coherence : float
+        As for :class:`.GuidedSettings`.
+    control : Control
+        Stops the work.
+    """
+    shapes = [OutlinedShape.of(part) for part in parts]
+    matches: dict[tuple[int, int], ShapePair] = {}
+    for one, other in pairs:
+        control.check()
+        found = matched_shapes(shapes[one], shapes[other])
+        if found is None:
+            return None
+        matches[one, other] = with_slid_outlines(found, control)
+        shapes[one], shapes[other] = found.first, found.second
+    # Later pairs have added points to the shapes.
+    matches = {
+        (one, other): replace(match, first=shapes[one], second=shapes[other]) for (one, other), match in matches.items()
+    }
+    knots = outline_knots(shapes, matches)
+    sheets = tuple(_sheet(shape, own) for shape, own in zip(shapes, knots, strict=True))
+    settings = GuidedSettings(coherence=coherence)
+    none = np.empty(0, np.int64)
+    carriers = tuple(
+        carrier_of(sheet.mesh, name, none, settings.carrier_vertices, control)
+        for sheet, name in zip(sheets, names, strict=True)
+    )
+    deformations: dict[tuple[int, int], ShapeDeformation] = {}
+    for (one, other), match in matches.items():
+        ends = carriers[one], carriers[other]
+        there, home = _laid(ends[0], match, control), _laid(ends[1], match.swapped(), control)
+        deformations[one, other] = split_deformation(*ends, there, None, control)
+        deformations[other, one] = split_deformation(*ends[::-1], home, deformations[one, other], control)
+    known = {pair: _figures(match) for pair, match in matches.items()}
+    motion = GuidedMotion(carriers, deformations, known, settings)
+    turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
+    return MovedSheets(sheets, MotionChoice("guided", "OUTLINES", motion, turned=turned))
+
+
+def _figures(match: ShapePair) -> GuidedPair:
+    """Return the figures of a match; of several regions, those of the worst and of the one that turned most."""
+    work = max(own.cost for own in match.outer)
+    turn = max((own.turn for own in match.outer), key=abs)
+    return GuidedPair(float(np.exp(-work)), 0, 1.0, float(np.degrees(turn)))
+
+
+def _sheet(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]]) -> Sheet:
+    """Triangulate a shape, with vertices at the knots of every curve."""
+    exact = [curve.with_places(own) for curve, own in zip(shape.curves, knots, strict=True)]
+    return Sheet.attached(boundary_of(exact), outline_mesh(shape, knots, _TRIANGLES))
+
+
+def _laid(carrier: Carrier, match: ShapePair, control: Control) -> Laid:
+    """Move the mesh of the first shape so that its outline lies on that of the second one."""
+    points = filled_outline(carrier.unit, carrier.mesh, match, control)
+    return Laid(np.column_stack([points, np.zeros(len(points))]), np.ones(len(points)))

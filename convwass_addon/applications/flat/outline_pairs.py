@@ -1,0 +1,209 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Which closed curves of two flat shapes belong together; holes of only one shape shrink to a point of the other."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial import cKDTree
+
+from ...geometry.closed_curves import ClosedCurve, boundary_curves, boundary_of
+from ...geometry.curve_maps import CurveMap, even_map
+from ...geometry.outlines import ring_area
+from ...geometry.planar_fill import Boundary
+from .matched_outlines import MatchedOutlines, matched_outlines
+from .outline_curves import OutlineCurve
+
+# Shapes of more regions are not matched by their outlines.
+_MOST_REGIONS = 32
+# Extent of a hole that opens from a point, and its least distance from the outline, relative to the square root of the
+# area; cells along both sides of the grid on which its place is sought; and samples of the outline.
+_POINT, _INSIDE, _CELLS, _SAMPLES = 0.004, 0.03, 64, 256
+# Largest angle, in radians, at which a point sees an edge of the outline; at pi it is on the edge.
+_STRAIGHT = 3.1
+
+
+@dataclass(frozen=True)
+class OutlinedShape:
+    """A flat shape as closed curves.
+
+    Attributes
+    ----------
+    filled : Boundary
+        The shape.
+    curves : tuple of ClosedCurve
+        Curves around its regions and holes; last, points that are holes of other shapes.
+    outer : tuple of int
+        Indices of the curves around its regions.
+    holes : tuple of tuple of int
+        Indices of the curves around the holes of every region.
+    """
+
+    filled: Boundary
+    curves: tuple[ClosedCurve, ...]
+    outer: tuple[int, ...]
+    holes: tuple[tuple[int, ...], ...]
+
+    @classmethod
+    def of(cls, filled: Boundary) -> OutlinedShape:
+        """Divide a boundary into curves."""
+        curves = boundary_curves(filled)
+        areas = np.array([ring_area(curve.points) for curve in curves])
+        outer = np.flatnonzero(areas > 0)
+        regions = [boundary_of([curves[index]]) for index in outer]
+        holes: list[list[int]] = [[] for _ in outer]
+        for hole in np.flatnonzero(areas < 0):
+            around = [place for place, region in enumerate(regions) if region.contains(curves[hole].points[:1]).all()]
+            if around:
+                holes[min(around, key=lambda place: areas[outer[place]])].append(int(hole))
+        return cls(filled, tuple(curves), tuple(map(int, outer)), tuple(map(tuple, holes)))
+
+    @property
+    def size(self) -> float:
+        """Square root of the area."""
+        return float(np.sqrt(self.filled.area))
+
+    def center(self, index: int) -> NDArray[np.float64]:
+        """Center of what a curve encloses, (2,)."""
+        return boundary_of([self.curves[index]]).center
+
+    def curve(self, index: int) -> OutlineCurve:
+        """Return a curve to be matched."""
+        return OutlineCurve(self.curves[index], self.filled, self.center(index))
+
+    def with_point(self, hole: ClosedCurve, place: NDArray[np.float64]) -> OutlinedShape | None:
+        """Return the shape with a tiny copy of another shape's hole near a place; None if it has no room."""
+        steps = (np.arange(_CELLS) + 0.5) / _CELLS
+        x, y = np.meshgrid(*(low + (high - low) * steps for low, high in self.filled.bounds.T), indexing="ij")
+        cells = np.concatenate([place[None], np.stack([x.ravel(), y.ravel()], axis=1)])
+        spacing = _INSIDE * self.size / 3.0
+        rim = np.concatenate([curve.resampled(curve.starts[:-1], spacing).points for curve in self.curves])
+        free = self.filled.contains(cells) & (cKDTree(rim).query(cells)[0] > _INSIDE * self.size)
+        if not free.any():
+            return None
+        spot = cells[free][np.square(cells[free] - place).sum(axis=1).argmin()]
+        scale = _POINT * self.size / np.ptp(hole.points, axis=0).max()
+        point = ClosedCurve(spot + (hole.points - boundary_of([hole]).center) * scale)
+        return replace(self, curves=(*self.curves, point))
+
+
+@dataclass(frozen=True)
+class CurvePair:
+    """Curves of two shapes that belong together.
+
+    Attributes
+    ----------
+    first, second : int
+        Indices of the curves.
+    map : CurveMap
+        The map from the first to the second one.
+    slides : bool
+        Whether the map may be changed so that the inside is strained less; see :mod:`.sliding_outlines`.
+    """
+
+    first: int
+    second: int
+    map: CurveMap
+    slides: bool
+
+    def swapped(self) -> CurvePair:
+        """Return the pair with the shapes swapped."""
+        return CurvePair(self.second, self.first, self.map.inverse(), self.slides)
+
+
+@dataclass(frozen=True)
+class ShapePair:
+    """Two shapes whose outlines are mapped onto each other.
+
+    Attributes
+    ----------
+    first, second : OutlinedShape
+        The shapes, with points that are holes of the other one.
+    pairs : tuple of CurvePair
+        Curves that belong together.
+    outer : tuple of MatchedOutlines
+        The matches of the curves around regions.
+    """
+
+    first: OutlinedShape
+    second: OutlinedShape
+    pairs: tuple[CurvePair, ...] = ()
+    outer: tuple[MatchedOutlines, ...] = ()
+
+    def swapped(self) -> ShapePair:
+        """Return the pair with the shapes swapped."""
+        return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs), self.outer)
+
+    def with_pair(self, first: int, second: int, found: CurveMap, slides: bool = False) -> ShapePair:
+        """Return the pair with two more curves that belong together."""
+        return replace(self, pairs=(*self.pairs, CurvePair(first, second, found, slides)))
+
+
+def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> ShapePair | None:
+    """Match the closed curves of two shapes; None if they have different numbers of regions, or too many."""
+    if len(one.outer) != len(other.outer) or not 1 <= len(one.outer) <= _MOST_REGIONS:
+        return None
+    places = []
+    for shape in (one, other):
+        places.append(np.array([shape.center(index) for index in shape.outer]) - shape.filled.center)
+    away = np.square(places[0][:, None] - places[1]).sum(axis=2)
+    found = ShapePair(one, other)
+    for region, there in zip(*linear_sum_assignment(away), strict=True):
+        found = _with_regions(found, int(region), int(there))
+    return found
+
+
+def _with_regions(pair: ShapePair, region: int, there: int) -> ShapePair:
+    """Add the match of two regions and their holes."""
+    one, other = pair.first, pair.second
+    outer = one.outer[region], other.outer[there]
+    match = matched_outlines(one.curve(outer[0]), other.curve(outer[1]))
+    pair = replace(pair.with_pair(*outer, match.map, match.swings), outer=(*pair.outer, match))
+    holes = one.holes[region], other.holes[there]
+    centers = [
+        np.array([shape.center(hole) for hole in own]).reshape(-1, 2)
+        for shape, own in zip((one, other), holes, strict=True)
+    ]
+    curves = one.curves[outer[0]], other.curves[outer[1]]
+    images = _inside_of(*curves, match.map, centers[0])
+    rows, columns = linear_sum_assignment(np.square(images[:, None] - centers[1]).sum(axis=2))
+    for row, column in zip(rows, columns, strict=True):
+        found = matched_outlines(one.curve(holes[0][row]), other.curve(holes[1][column]))
+        pair = pair.with_pair(holes[0][row], holes[1][column], found.map, match.swings)
+    for row in np.setdiff1d(np.arange(len(holes[0])), rows):
+        pair = _with_lone_hole(pair, holes[0][row], images[row])
+    back = _inside_of(*curves[::-1], match.map.inverse(), centers[1])
+    for column in np.setdiff1d(np.arange(len(holes[1])), columns):
+        pair = _with_lone_hole(pair.swapped(), holes[1][column], back[column]).swapped()
+    return pair
+
+
+def _with_lone_hole(pair: ShapePair, hole: int, image: NDArray[np.float64]) -> ShapePair:
+    """Let a hole of the first shape shrink to a point of the second one near a place, if there is room."""
+    curve = pair.first.curves[hole]
+    grown = pair.second.with_point(curve, image)
+    if grown is None:
+        return pair
+    return replace(pair, second=grown).with_pair(hole, len(grown.curves) - 1, even_map(curve, grown.curves[-1]))
+
+
+def _inside_of(
+    curve: ClosedCurve, other: ClosedCurve, around: CurveMap, points: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the images, (k, 2), of points inside a curve that is mapped to another one, by mean value coordinates.
+
+    M. Floater, "Mean value coordinates", Computer Aided Geometric Design 20(1), 2003.
+    """
+    places = np.linspace(0.0, curve.length, _SAMPLES, endpoint=False)
+    toward = curve.at(places) - points[:, None]
+    away = np.maximum(np.linalg.norm(toward, axis=2), np.finfo(np.float64).eps * curve.length)
+    after = np.roll(toward, -1, axis=1)
+    crosses = toward[..., 0] * after[..., 1] - toward[..., 1] * after[..., 0]
+    angles = np.arctan2(crosses, (toward * after).sum(axis=2))
+    tangents = np.tan(0.5 * np.clip(angles, -_STRAIGHT, _STRAIGHT))
+    weights = (tangents + np.roll(tangents, 1, axis=1)) / away
+    return weights @ other.at(around(places)) / weights.sum(axis=1, keepdims=True)

@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat shapes whose outlines are mapped onto each other: corners, symmetry, holes and lengths are kept."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.flat.flat_morph import flat_morph
+from convwass_addon.applications.flat.flat_settings import FlatSettings
+from convwass_addon.applications.flat.flat_shapes import FlatShape
+from convwass_addon.applications.flat.matched_outlines import matched_outlines
+from convwass_addon.applications.flat.outline_motion import outline_motion
+from convwass_addon.applications.flat.outline_pairs import OutlinedShape, matched_shapes
+from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.geometry.closed_curves import boundary_curves, boundary_of
+from convwass_addon.geometry.coverage import coverage
+from convwass_addon.geometry.outlines import ring_area
+from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.progress import UNINTERRUPTED
+from tests.flat_shapes import ellipse, rectangle
+
+TIMES = (0.2, 0.5, 0.8)
+AROUND = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
+HEART = np.stack([np.sin(AROUND) ** 3, (13 * np.cos(AROUND) - 5 * np.cos(2 * AROUND) - 2 * np.cos(3 * AROUND)) / 16], 1)
+
+
+def star(count=5, inner=0.45):
+    angles = np.pi / 2 + np.arange(2 * count) * np.pi / count
+    radii = np.where(np.arange(2 * count) % 2, inner, 1.0)
+    return np.stack([radii * np.cos(angles), radii * np.sin(angles)], axis=1)
+
+
+def filled(*rings):
+    return filled_boundary(list(rings), "even-odd")
+
+
+def moved(first, second, time, pairs=((0, 1),)):
+    """Both shapes at a moment of their motion."""
+    motion = outline_motion([first, second], ["one", "other"], pairs, 0.5, UNINTERRUPTED)
+    shapes = motion.choice.motion.moved([1.0 - time, time])
+    return [sheet.moved(shape) for sheet, shape in zip(motion.sheets, shapes, strict=True)]
+
+
+def overlap(one, other):
+    """Intersection over union of two areas, on fine cells."""
+    low = np.minimum(one.bounds[0], other.bounds[0]) - 0.05
+    factor = 400 / float((np.maximum(one.bounds[1], other.bounds[1]) + 0.05 - low).max())
+    cells = [coverage(own.moved(-low * factor, factor), (400, 400)) for own in (one, other)]
+    return np.minimum(*cells).sum() / np.maximum(*cells).sum()
+
+
+def mirrored(boundary, center=0.0):
+    """A boundary reflected about a vertical line."""
+    return filled_boundary(
+        [(curve.points * (-1.0, 1.0) + (2.0 * center, 0.0))[::-1] for curve in boundary_curves(boundary)], "non-zero"
+    )
+
+
+@pytest.mark.parametrize("time", TIMES)
+@pytest.mark.parametrize(
+    ("first", "second"),
+    [(filled(star()), filled(ellipse())), (filled(HEART), filled(star())), (filled(star(8)), filled(star()))],
+)
+def test_both_shapes_coincide_and_stay_symmetric_all_along_the_way(first, second, time):
+    one, other = moved(first, second, time)
+    assert overlap(one, other) > 0.95
+    for own in (one, other):
+        assert overlap(own, mirrored(own, own.center[0])) > 0.985
+
+
+@pytest.mark.parametrize("time", TIMES)
+def test_a_square_that_grows_keeps_its_corners(time):
+    for own in moved(filled(rectangle((-1, -1), (1, 1))), filled(rectangle((-3, -2), (3, 2))), time):
+        sides = 2.0 + time * np.array([4.0, 2.0])
+        assert np.ptp(own.bounds, axis=0) == pytest.approx(sides, rel=0.01)
+        assert own.area == pytest.approx(np.prod(sides), rel=0.015)
+
+
+@pytest.mark.parametrize("time", TIMES)
+def test_a_hole_of_one_shape_shrinks_to_a_point(time):
+    ring, disc = filled(ellipse(), ellipse(radii=(0.6, 0.6))[::-1]), filled(ellipse())
+    for own in moved(ring, disc, time):
+        holes = [-ring_area(curve.points) for curve in boundary_curves(own) if ring_area(curve.points) < 0]
+        assert len(holes) == 1
+        assert np.sqrt(holes[0] / np.pi) == pytest.approx((1.0 - time) * 0.6, abs=0.02)
+
+
+def bent(angle):
+    """A rod of two arms of the length 4, the second of which is turned by an angle about their joint."""
+    middle = np.linspace(0.0, angle, 24)
+    outer = np.stack([4.0 + 0.8 * np.sin(middle), 0.4 - 0.8 * np.cos(middle) + 0.4], axis=1)
+    along, across = np.array([np.cos(angle), np.sin(angle)]), np.array([-np.sin(angle), np.cos(angle)])
+    tip = outer[-1] + 4.0 * along
+    inner = np.array([4.0, 0.8])
+    return np.concatenate([[(0.0, 0.0)], outer, [tip, tip + 0.8 * across, inner], [(0.0, 0.8)]])
+
+
+@pytest.mark.parametrize("time", TIMES)
+def test_a_limb_swings_without_losing_its_length(time):
+    angles = 0.15, 1.9
+    motion = outline_motion([filled(bent(own)) for own in angles], ["down", "up"], [(0, 1)], 0.5, UNINTERRUPTED)
+    guided = motion.choice.motion
+    for carrier, shape, angle in zip(guided.carriers, guided.moved([1.0 - time, time]), angles, strict=True):
+        # The joint and both ends of the inner side, which is not stretched.
+        places = bent(angle)[[-2, -3, -1]]
+        nearest = [int(np.square(carrier.rest.vertices[:, :2] - place).sum(axis=1).argmin()) for place in places]
+        joint, tip, root = shape.vertices[nearest, :2]
+        assert np.linalg.norm([tip - joint, root - joint], axis=1) == pytest.approx([4.0, 4.0], rel=0.05)
+        turn = np.arctan2(*(tip - joint)[::-1]) - np.arctan2(*(joint - root)[::-1])
+        assert turn == pytest.approx(angles[0] + time * (angles[1] - angles[0]), abs=0.12)
+
+
+def test_swapped_shapes_move_the_same_way_back():
+    first, second = filled(HEART), filled(ellipse((0.5, 0.0), (1.5, 0.5), angle=0.6))
+    there, back = moved(first, second, 0.3), moved(second, first, 0.7)
+    assert overlap(there[0], back[1]) > 0.97
+    assert overlap(there[1], back[0]) > 0.97
+
+
+def test_around_a_triangle_the_way_closes():
+    shapes = [filled(HEART), filled(star()), filled(rectangle((-1, -1), (1, 1)))]
+    motion = outline_motion(shapes, ["a", "b", "c"], [(0, 1), (0, 2), (1, 2)], 0.5, UNINTERRUPTED)
+    for weights in ((0.3, 0.3, 0.4), (0.0, 0.5, 0.5), (1.0, 0.0, 0.0)):
+        found = [
+            sheet.moved(shape)
+            for sheet, shape in zip(motion.sheets, motion.choice.motion.moved(weights), strict=True)
+            if shape is not None
+        ]
+        for own in found[1:]:
+            assert overlap(found[0], own) > 0.85
+    assert overlap(found[0], shapes[0]) > 0.999
+
+
+def test_holes_belong_to_the_region_around_them():
+    boxes = [rectangle((0, 0), (4, 4)), rectangle((6, 0), (8, 2)), rectangle((0.5, 0.5), (3.5, 3.5))]
+    shape = OutlinedShape.of(filled(*boxes, rectangle((1, 1), (3, 3)), rectangle((1.5, 1.5), (2, 2))))
+    areas = np.round([ring_area(curve.points) for curve in shape.curves], 6)
+    found = [(areas[outer], areas[list(holes)].tolist()) for outer, holes in zip(shape.outer, shape.holes, strict=True)]
+    assert sorted(found) == [(4.0, []), (4.0, [-0.25]), (16.0, [-9.0])]
+
+
+@pytest.mark.parametrize(("first", "second", "turn"), [(0.0, 0.0, 0.0), (0.0, 2.0, 2.0), (1.0, -0.8, -1.8)])
+def test_unsymmetric_shapes_are_turned_where_only_that_matches(first, second, turn):
+    hook = np.array([[0, 0], [2, 0], [2, 0.5], [0.4, 0.5], [0.4, 3], [0, 3]])
+    turned = []
+    for angle in (first, second):
+        cosine, sine = np.cos(angle), np.sin(angle)
+        turned.append(hook @ np.array([[cosine, sine], [-sine, cosine]]))
+    one, other = (OutlinedShape.of(filled(own)).curve(0) for own in turned)
+    found = matched_outlines(one, other)
+    assert found.turn == pytest.approx(turn, abs=0.02)
+    assert other.curve.at(found.map(one.curve.nearest(turned[0])[0])) == pytest.approx(turned[1], abs=0.02)
+
+
+def test_shapes_of_different_numbers_of_regions_do_not_match():
+    one, two = OutlinedShape.of(filled(ellipse())), OutlinedShape.of(filled(ellipse(), ellipse((3, 0))))
+    assert matched_shapes(one, two) is None
+    assert matched_shapes(two, two) is not None
+
+
+def test_frames_have_the_area_between_and_nothing_left_to_transport():
+    shapes = [FlatShape((star(),)), FlatShape((rectangle((-1, -1), (1, 1)),))]
+    made = [step.payload for step in flat_morph(shapes, ["a", "b"], path_blends(2, 4), FlatSettings(resolution=128))]
+    frames = [frame for frame in made if frame is not None and frame.outline is not None]
+    for frame in frames:
+        assert frame.record["motion"] == {"kind": "guided", "reason": "OUTLINES"}
+        assert "iterations" not in frame.record
+        assert frame.outline.area == pytest.approx(frame.record["area_wanted"], rel=1e-3)
+        assert (len(frame.outline.regions), frame.outline.holes) == (1, 0)
+
+
+def test_traced_outlines_with_many_corners_are_matched():
+    rough = ellipse(corners=900) * (1.0 + 0.01 * np.random.default_rng(0).random((900, 1)))
+    one, other = moved(filled(rough), filled(star()), 0.5)
+    assert overlap(one, other) > 0.97
+    assert boundary_of(boundary_curves(one)).area == pytest.approx(one.area)
