@@ -38,6 +38,8 @@ _FAR = 0.95
 _SERIES = (1.0, np.pi / 12, 7 * np.pi**2 / 480, 127 * np.pi**3 / 40320, 4369 * np.pi**4 / 5806080)
 # Diagonals of a quad with at least this ratio of lengths count as equally long; the first one is then chosen.
 _EQUAL = 0.98
+# Layers of cells that are processed together, to save memory.
+_SLAB = 32
 
 
 def even_surface(surface: LevelSurface, density: NDArray[np.floating]) -> LevelSurface:
@@ -70,15 +72,19 @@ def straightened(density: NDArray[np.floating], level: float) -> NDArray[np.floa
     distance d. For sigma = 0.7, interpolating the density itself has errors of up to 0.03 cells, and interpolating d of
     0.004 (on a sphere with a radius of 20 cells).
     """
-    excess = np.subtract(density, np.float32(level), dtype=np.float32)
-    excess /= np.float32(level)
-    np.clip(excess, -_FAR, _FAR, out=excess)
-    square = excess * excess
-    result = np.full_like(excess, _SERIES[-1])
-    for coefficient in _SERIES[-2::-1]:
-        result *= square
-        result += np.float32(coefficient)
-    result *= excess
+    result = np.empty(density.shape, np.float32)
+    for start in range(0, len(density), _SLAB):
+        own = slice(start, start + _SLAB)
+        excess = np.subtract(density[own], np.float32(level), dtype=np.float32)
+        excess /= np.float32(level)
+        np.clip(excess, -_FAR, _FAR, out=excess)
+        square = excess * excess
+        slab = result[own]
+        slab[...] = _SERIES[-1]
+        for coefficient in _SERIES[-2::-1]:
+            slab *= square
+            slab += np.float32(coefficient)
+        slab *= excess
     return result
 
 

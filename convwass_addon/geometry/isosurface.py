@@ -215,12 +215,20 @@ def _excess(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
     """
     # The excess outside is at least -1, so inside no more than this is needed.
     most = 1.0 / _CLEARANCE
-    excess = ((np.minimum(density, level * most) - level) / level).astype(np.float32)
+    excess = np.minimum(density, level * most)
+    excess -= level
+    excess /= level
+    excess = excess.astype(np.float32, copy=False)
     is_inside = excess > 0.0
-    inside = np.where(is_inside, np.maximum(excess, _CLEARANCE) * (1.0 + _ASYMMETRY), 0.0)
+    inside = np.maximum(excess, np.float32(_CLEARANCE))
+    inside *= np.float32(1.0 + _ASYMMETRY)
+    inside[~is_inside] = 0.0
     highest = np.ones_like(inside)
     for axis in range(3):
         lower, upper = ((slice(None),) * axis + (part,) for part in (slice(None, -1), slice(1, None)))
         np.maximum(highest[lower], inside[upper], out=highest[lower])
         np.maximum(highest[upper], inside[lower], out=highest[upper])
-    return np.where(is_inside, inside, np.minimum(excess, -_CLEARANCE * highest))
+    highest *= np.float32(-_CLEARANCE)
+    np.minimum(excess, highest, out=highest)
+    np.copyto(highest, inside, where=is_inside)
+    return highest

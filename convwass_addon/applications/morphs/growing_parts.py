@@ -44,9 +44,14 @@ def growing_in_place(filled: Sequence[NDArray[np.floating]]) -> NDArray[np.float
     """
     grid = CoarserGrid(filled[0].shape, _MOST_CELLS)
     sigma = _AROUND / grid.cell
-    differing, *smooth = (
-        gaussian_filter(grid.means(own), sigma, truncate=_REACH) for own in (np.ptp(filled, axis=0), *filled)
-    )
+    # Not `np.ptp`, which copies all solids: on fine grids, they are large.
+    differing, lowest = filled[0].copy(), filled[0].copy()
+    for own in filled[1:]:
+        np.maximum(differing, own, out=differing)
+        np.minimum(lowest, own, out=lowest)
+    differing -= lowest
+    del lowest
+    differing, *smooth = (gaussian_filter(grid.means(own), sigma, truncate=_REACH) for own in (differing, *filled))
     share = np.ptp(smooth, axis=0) / np.maximum(differing, 1e-4)
     rising = np.clip((share - _MOVED) / (_GROWN - _MOVED), 0.0, 1.0)
     return grid.interpolated(rising**2 * (3.0 - 2.0 * rising))

@@ -78,6 +78,8 @@ def mean_solid(
         return smallest
     result = whole.at(shift)
     result.ravel()[near] = found
+    # On fine grids, these are large.
+    del whole, smallest
     return _offset(result, volume)
 
 
@@ -254,10 +256,11 @@ def _offset(depth: NDArray[np.float32], volume: float) -> NDArray[np.float32]:
         missing = volume - _volume(moved)
         if abs(missing) <= _MISSING * volume:
             break
-        area = np.count_nonzero(np.abs(moved) < 0.5)
+        area = np.count_nonzero((moved < 0.5) & (moved > -0.5))
         offset += float(np.clip(missing / max(area, 1), -1.0, 1.0))
     return depth + np.float32(offset) if offset else depth
 
 
 def _volume(depth: NDArray[np.floating]) -> float:
-    return float(np.clip(depth + np.float32(0.5), 0.0, 1.0).sum(dtype=np.float64))
+    filled = depth + np.float32(0.5)
+    return float(np.clip(filled, 0.0, 1.0, out=filled).sum(dtype=np.float64))
