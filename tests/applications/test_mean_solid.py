@@ -86,6 +86,17 @@ def test_a_rod_grows_evenly(share):
     assert section == pytest.approx(np.pi * 2.5**2, rel=0.25)
 
 
+@pytest.mark.parametrize("share", [0.02, 0.05, 0.1])
+def test_a_short_part_is_not_cut_off_below_the_tip_of_a_long_one(share):
+    """The tip of a part that has hardly begun to grow does not hold back parts that need no front."""
+    stub = np.maximum(SLAB, rod((22, 22, 5), (22, 22, 10.5), radius=2.0))
+    hook = np.maximum(SLAB, rod((36, 22, 5), (36, 22, 15), (22, 22, 15), radius=1.5))
+    alone, found = mean(stub, SLAB, share) > 0.0, mean(stub, hook, share) > 0.0
+    assert alone[20:24, 20:24, 10:].sum() > 10
+    assert found[20:24, 20:24, 10:13][alone[20:24, 20:24, 10:13]].all()
+    assert not found[20:24, 20:24, 13:].any()
+
+
 @pytest.mark.parametrize("share", [0.2, 0.5, 0.8])
 def test_an_arch_opens_in_its_middle_and_retracts_to_both_sides(share):
     arch = np.maximum(SLAB, rod((9, 22, 8), (9, 22, 28), (35, 22, 28), (35, 22, 8)))

@@ -127,8 +127,11 @@ class _Growth:
         least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
         thins = np.zeros(lowest.shape, np.float32)
         del lowest
+        # What solids share, and parts that need no front, are not held back by the fronts of other parts nearby.
+        unbounded = core.copy()
         for depth, solid, weight in zip(depths, solids, weights, strict=True):
             parts = separate_parts(solid, core, components, grid.means(depth) / grid.cell, beyond, farthest)
+            unbounded |= _without(solid, parts)
             fronts = _Fronts.of(parts, solid, core, float(weight), float(weight / weights.max()), grid.cell)
             near = np.isfinite(fronts.reached)
             within = grid.within(near)
@@ -139,7 +142,7 @@ class _Growth:
             least[within] = np.maximum(least[within], _rounded(depth[within], reached, _ROUNDING * grid.cell))
             most[within] = np.maximum(most[within], ending)
             thins[within] = np.maximum(thins[within], thinning)
-        most[grid.interpolated(core.astype(np.float32)) > 0.5] = np.inf
+        most[grid.interpolated(unbounded.astype(np.float32)) > 0.5] = np.inf
         cells = np.flatnonzero(np.isfinite(least))
         return cls(cells, least.ravel()[cells], most.ravel()[cells], thins.ravel()[cells])
 
@@ -154,6 +157,14 @@ class _Growth:
         flat = depth.reshape(-1)
         least = self.least - np.float32(thinned) * self.thins
         flat[self.cells] = np.maximum(np.minimum(flat[self.cells], self.most), least)
+
+
+def _without(solid: NDArray[np.bool_], parts: Sequence[SeparatePart]) -> NDArray[np.bool_]:
+    """Return what is left of a solid without some of its parts."""
+    rest = solid.copy()
+    for part in parts:
+        rest[part.box] &= ~part.cells
+    return rest
 
 
 @dataclass(frozen=True)
