@@ -119,20 +119,15 @@ def boundary_curves(boundary: Boundary) -> list[ClosedCurve]:
     for edge, corner in enumerate(first.tolist()):
         leaving.setdefault(corner, []).append(edge)
     directions = corners[last] - corners[first]
-    curves = []
-    for start in range(len(first)):
-        if start not in leaving.get(int(first[start]), ()):
-            continue
-        edges, edge = [], start
-        while True:
-            leaving[int(first[edge])].remove(edge)
+    curves, left = [], dict.fromkeys(range(len(first)))
+    while left:
+        edges, edge = [], next(iter(left))
+        while edge in left:
+            del left[edge]
             edges.append(edge)
             beyond = leaving[int(last[edge])]
-            if not beyond:
-                break
             # Where regions touch at a corner, each has its own curve.
-            turns = [_turn(directions[edge], directions[other]) for other in beyond]
-            edge = beyond[int(np.argmax(turns))]
+            edge = max(beyond, key=lambda other, before=edge: _turn(directions[before], directions[other]))
         curves.append(ClosedCurve(corners[first[edges]]))
     return curves
 

@@ -61,6 +61,12 @@ def test_a_boundary_consists_of_closed_curves():
     assert boundary_of(curves).area == pytest.approx(16.0)
 
 
-def test_regions_that_touch_at_a_corner_have_their_own_curves():
-    curves = boundary_curves(filled_boundary([rectangle((0, 0), (1, 1)), rectangle((1, 1), (3, 3))], "non-zero"))
-    assert sorted(ring_area(curve.points) for curve in curves) == pytest.approx([1.0, 4.0])
+@pytest.mark.parametrize("angle", np.radians([0.0, 90.0, 180.0, 270.0]))
+def test_regions_that_touch_at_a_corner_have_their_own_curves(angle):
+    """Also if a curve begins there."""
+    c, s = np.cos(angle), np.sin(angle)
+    rings = (
+        np.array(ring) @ np.array([[c, s], [-s, c]]) for ring in ([(0, 0), (2, -2), (2, -1)], [(0, 0), (2, 1), (3, 3)])
+    )
+    curves = boundary_curves(filled_boundary(list(rings), "non-zero"))
+    assert sorted(ring_area(curve.points) for curve in curves) == pytest.approx([1.0, 1.5])
