@@ -141,6 +141,14 @@ def test_holes_belong_to_the_region_around_them():
     assert sorted(found) == [(4.0, []), (4.0, [-0.25]), (16.0, [-9.0])]
 
 
+def test_a_hole_belongs_to_the_region_around_it_if_another_one_touches_it_inside():
+    rings = rectangle((-5, -5), (5, 5)), [(-3, 0), (0, -3), (3, 0), (-1, 3)], [(-3, 0), (-1, -0.5), (-1, 0.5)]
+    shape = OutlinedShape.of(filled(*map(np.array, rings)))
+    areas = np.round([ring_area(curve.points) for curve in shape.curves], 6)
+    found = [(areas[outer], areas[list(holes)].tolist()) for outer, holes in zip(shape.outer, shape.holes, strict=True)]
+    assert sorted(found) == [(1.0, []), (100.0, [-18.0])]
+
+
 @pytest.mark.parametrize(("first", "second", "turn"), [(0.0, 0.0, 0.0), (0.0, 2.0, 2.0), (1.0, -0.8, -1.8)])
 def test_unsymmetric_shapes_are_turned_where_only_that_matches(first, second, turn):
     hook = np.array([[0, 0], [2, 0], [2, 0.5], [0.4, 0.5], [0.4, 3], [0, 3]])

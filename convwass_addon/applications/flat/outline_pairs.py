@@ -57,7 +57,9 @@ class OutlinedShape:
         regions = [boundary_of([curves[index]]) for index in outer]
         holes: list[list[int]] = [[] for _ in outer]
         for hole in np.flatnonzero(areas < 0):
-            around = [place for place, region in enumerate(regions) if region.contains(curves[hole].points[:1]).all()]
+            # A smaller region may touch the hole at this point from the inside.
+            larger = np.flatnonzero(areas[outer] > -areas[hole])
+            around = [place for place in larger if regions[place].contains(curves[hole].points[:1]).all()]
             if around:
                 holes[min(around, key=lambda place: areas[outer[place]])].append(int(hole))
         return cls(filled, tuple(curves), tuple(map(int, outer)), tuple(map(tuple, holes)))
