@@ -87,6 +87,18 @@ def test_a_hole_of_one_shape_shrinks_to_a_point(time):
         assert np.sqrt(holes[0] / np.pi) == pytest.approx((1.0 - time) * 0.6, abs=0.02)
 
 
+@pytest.mark.parametrize("angle", [1.0, 2.0])
+def test_a_round_hole_turns_with_its_shape(angle):
+    """As it stands, it would match the other one without a turn, and shrink by a third or more on the way."""
+    hook = np.array([(0, 0), (3, 0), (3, 0.6), (1.4, 0.6), (1.4, 1.4), (0.4, 1.4), (0.4, 3), (0, 3)])
+    rings = hook, ellipse((0.9, 0.75), (0.35, 0.35))
+    cosine, sine = np.cos(angle), np.sin(angle)
+    turned = (ring @ np.array([[cosine, sine], [-sine, cosine]]) for ring in rings)
+    for own in moved(filled(*rings), filled(*turned), 0.5):
+        hole = min(ring_area(curve.points) for curve in boundary_curves(own))
+        assert hole == pytest.approx(-ring_area(rings[1]), rel=0.02)
+
+
 def bent(angle):
     """A rod of two arms of the length 4, the second of which is turned by an angle about their joint."""
     middle = np.linspace(0.0, angle, 24)

@@ -77,6 +77,18 @@ class OutlineCurve:
         filled = coverage(self.filled.moved(-corner / spacing, 1.0 / spacing), cells)
         return corner, spacing, [gaussian_filter(filled, width * self.radius / spacing) for width in _WIDTHS]
 
+    def turned(self, angle: float) -> OutlineCurve:
+        """Return the curve of the whole shape turned about the center, by an angle in radians; places stay the same."""
+        if angle == 0.0:
+            return self
+        cosine, sine = np.cos(angle), np.sin(angle)
+        rotation = np.array([[cosine, sine], [-sine, cosine]])
+        curve, *ends = (
+            (points - self.center) @ rotation + self.center
+            for points in (self.curve.points, self.filled.starts, self.filled.ends)
+        )
+        return OutlineCurve(ClosedCurve(curve), Boundary(*ends), self.center)
+
     def samples(self, begin: float, end: float, count: int) -> CurveSamples:
         """Sample the curve between two places, at about `count` samples per round, and at corners unless too many."""
         is_closed = end - begin > self.curve.length * (1.0 - 1e-6)

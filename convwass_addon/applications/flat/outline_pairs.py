@@ -165,6 +165,8 @@ def _with_regions(pair: ShapePair, region: int, there: int) -> ShapePair:
     outer = one.outer[region], other.outer[there]
     match = matched_outlines(one.curve(outer[0]), other.curve(outer[1]))
     pair = replace(pair.with_pair(*outer, match.map, match.swings), outer=(*pair.outer, match))
+    # As they stand, round holes of a shape that turns would be twisted against it.
+    turn = 0.0 if match.swings else match.turn
     holes = one.holes[region], other.holes[there]
     centers = [
         np.array([shape.center(hole) for hole in own]).reshape(-1, 2)
@@ -174,7 +176,7 @@ def _with_regions(pair: ShapePair, region: int, there: int) -> ShapePair:
     images = _inside_of(*curves, match.map, centers[0])
     rows, columns = linear_sum_assignment(np.square(images[:, None] - centers[1]).sum(axis=2))
     for row, column in zip(rows, columns, strict=True):
-        found = matched_outlines(one.curve(holes[0][row]), other.curve(holes[1][column]))
+        found = matched_outlines(one.curve(holes[0][row]).turned(turn), other.curve(holes[1][column]))
         pair = pair.with_pair(holes[0][row], holes[1][column], found.map, match.swings)
     for row in np.setdiff1d(np.arange(len(holes[0])), rows):
         pair = _with_lone_hole(pair, holes[0][row], images[row])
