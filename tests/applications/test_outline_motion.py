@@ -87,16 +87,34 @@ def test_a_hole_of_one_shape_shrinks_to_a_point(time):
         assert np.sqrt(holes[0] / np.pi) == pytest.approx((1.0 - time) * 0.6, abs=0.02)
 
 
+# A hook whose corner has room for a hole.
+BRACKET = np.array([(0, 0), (3, 0), (3, 0.6), (1.4, 0.6), (1.4, 1.4), (0.4, 1.4), (0.4, 3), (0, 3)])
+ROUND = ellipse((0.9, 0.75), (0.35, 0.35))
+
+
+def hole_of(boundary):
+    """The area of its only hole."""
+    (hole,) = (-area for area in (ring_area(curve.points) for curve in boundary_curves(boundary)) if area < 0)
+    return hole
+
+
+def rotated(points, angle):
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cosine, sine], [-sine, cosine]])
+
+
 @pytest.mark.parametrize("angle", [1.0, 2.0])
 def test_a_round_hole_turns_with_its_shape(angle):
     """As it stands, it would match the other one without a turn, and shrink by a third or more on the way."""
-    hook = np.array([(0, 0), (3, 0), (3, 0.6), (1.4, 0.6), (1.4, 1.4), (0.4, 1.4), (0.4, 3), (0, 3)])
-    rings = hook, ellipse((0.9, 0.75), (0.35, 0.35))
-    cosine, sine = np.cos(angle), np.sin(angle)
-    turned = (ring @ np.array([[cosine, sine], [-sine, cosine]]) for ring in rings)
-    for own in moved(filled(*rings), filled(*turned), 0.5):
-        hole = min(ring_area(curve.points) for curve in boundary_curves(own))
-        assert hole == pytest.approx(-ring_area(rings[1]), rel=0.02)
+    turned = filled(rotated(BRACKET, angle), rotated(ROUND, angle))
+    for own in moved(filled(BRACKET, ROUND), turned, 0.5):
+        assert hole_of(own) == pytest.approx(ring_area(ROUND), rel=0.02)
+
+
+def test_a_hole_that_shrinks_to_a_point_turns_with_its_shape():
+    ring, bracket = filled(BRACKET, ROUND), filled(rotated(BRACKET, 3.0))
+    for own in (*moved(ring, bracket, 0.5), *moved(bracket, ring, 0.5)):
+        assert hole_of(own) == pytest.approx(0.25 * ring_area(ROUND), rel=0.22)
 
 
 def bent(angle):
@@ -164,10 +182,7 @@ def test_a_hole_belongs_to_the_region_around_it_if_another_one_touches_it_inside
 @pytest.mark.parametrize(("first", "second", "turn"), [(0.0, 0.0, 0.0), (0.0, 2.0, 2.0), (1.0, -0.8, -1.8)])
 def test_unsymmetric_shapes_are_turned_where_only_that_matches(first, second, turn):
     hook = np.array([[0, 0], [2, 0], [2, 0.5], [0.4, 0.5], [0.4, 3], [0, 3]])
-    turned = []
-    for angle in (first, second):
-        cosine, sine = np.cos(angle), np.sin(angle)
-        turned.append(hook @ np.array([[cosine, sine], [-sine, cosine]]))
+    turned = [rotated(hook, angle) for angle in (first, second)]
     one, other = (OutlinedShape.of(filled(own)).curve(0) for own in turned)
     found = matched_outlines(one, other)
     assert found.turn == pytest.approx(turn, abs=0.02)

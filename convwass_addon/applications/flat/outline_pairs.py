@@ -179,16 +179,19 @@ def _with_regions(pair: ShapePair, region: int, there: int) -> ShapePair:
         found = matched_outlines(one.curve(holes[0][row]).turned(turn), other.curve(holes[1][column]))
         pair = pair.with_pair(holes[0][row], holes[1][column], found.map, match.swings)
     for row in np.setdiff1d(np.arange(len(holes[0])), rows):
-        pair = _with_lone_hole(pair, holes[0][row], images[row])
+        pair = _with_lone_hole(pair, holes[0][row], images[row], turn)
     back = _inside_of(*curves[::-1], match.map.inverse(), centers[1])
     for column in np.setdiff1d(np.arange(len(holes[1])), columns):
-        pair = _with_lone_hole(pair.swapped(), holes[1][column], back[column]).swapped()
+        pair = _with_lone_hole(pair.swapped(), holes[1][column], back[column], -turn).swapped()
     return pair
 
 
-def _with_lone_hole(pair: ShapePair, hole: int, image: NDArray[np.float64]) -> ShapePair:
-    """Let a hole of the first shape shrink to a point of the second one near a place, if there is room."""
-    curve = pair.first.curves[hole]
+def _with_lone_hole(pair: ShapePair, hole: int, image: NDArray[np.float64], turn: float) -> ShapePair:
+    """Let a hole of the first shape shrink to a point of the second one near a place, if there is room.
+
+    The first shape turns by `turn`, in radians.
+    """
+    curve = pair.first.curve(hole).turned(turn).curve
     grown = pair.second.with_point(curve, image)
     if grown is None:
         return pair
