@@ -173,6 +173,12 @@ def test_letters_of_words_move_one_by_one(words):
             assert [direction(curve) for curve in curves] == pytest.approx([rest + 0.5 * TILT] * len(curves), abs=2.0)
 
 
+def test_the_letter_that_turns_most_is_on_record():
+    shift = np.array([4.0, 0.0])
+    pair = [FlatShape((HOOK, HOOK + shift)), FlatShape((HOOK, turned(HOOK, np.radians(TILT)) + shift))]
+    assert chosen(pair, words="letters").record == {"kind": "guided", "reason": "OUTLINES", "turned": TILT}
+
+
 def test_shapes_of_different_numbers_of_regions_are_transported():
     pair = [FlatShape((ellipse(),)), FlatShape((ellipse(), rectangle((3, 0), (4, 2))))]
     assert chosen(pair).record == {"kind": "transport", "reason": "REGIONS"}

@@ -100,7 +100,8 @@ class FlatChoice:
     motion : FlatMotion or None
         None for transport alone.
     record : dict
-        Figures for the record of every frame; of several parts, those of the worst.
+        Figures for the record of every frame; of several parts, those of the first one without a motion, or else of the
+        one that turns most.
     """
 
     motion: FlatMotion | None
@@ -151,7 +152,7 @@ def chosen_flat_motion(
         work = _moved_part([each.parts[index] for each in filled], names, pairs_of(blends), settings, control)
         moved.append((yield from within(work, index / count, (index + 1) / count)))
     choices = tuple(own.choice for own in moved)
-    record = min(choices, key=lambda choice: choice.motion is not None).record()
+    record = min(choices, key=lambda choice: (choice.motion is not None, -choice.turned)).record()
     if all(choice.motion is None for choice in choices):
         if settings.motion == "guided":
             raise InputError(
