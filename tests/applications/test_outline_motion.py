@@ -189,6 +189,14 @@ def test_unsymmetric_shapes_are_turned_where_only_that_matches(first, second, tu
     assert other.curve.at(found.map(one.curve.nearest(turned[0])[0])) == pytest.approx(turned[1], abs=0.02)
 
 
+def test_equal_regions_do_not_turn_because_of_their_neighbors():
+    """A square looks the same from four sides, and the other square is near only one of them."""
+    one = filled(rectangle((0, 0), (1, 1)), rectangle((1.05, 1.05), (2.05, 2.05)))
+    other = filled(rectangle((-1, -1), (0, 0)), rectangle((2, 2), (3, 3)))
+    match = matched_shapes(OutlinedShape.of(one), OutlinedShape.of(other))
+    assert [own.turn for own in match.outer] == [0.0, 0.0]
+
+
 def test_shapes_of_different_numbers_of_regions_do_not_match():
     one, two = OutlinedShape.of(filled(ellipse())), OutlinedShape.of(filled(ellipse(), ellipse((3, 0))))
     assert matched_shapes(one, two) is None

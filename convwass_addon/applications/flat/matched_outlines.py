@@ -26,6 +26,9 @@ _NEAR = 0.05
 # Turns that are tried, as fractions of a full one; the largest turn, in radians, after which curves still stand; and
 # the work, and its share of that as they stand, below which they are turned.
 _TURNS, _STANDING, _SIMILAR, _CLEARLY = 12, np.radians(10.0), 0.5, 0.45
+# Curves that match with less work as they stand are alike without a turn, which rounding or neighbors would decide. Of
+# all pairs of 30 letters and digits, those that turn have at least 0.27 as they stand.
+_ALIKE_STANDING = 0.05
 # Weights of the work for curves as they are placed, and for limbs that swing, chosen by eye; and the share of the
 # strain of the former below which limbs swing: 0.414 from an F to a y, whose strokes swing, and 0.425 from an S to a Z,
 # whose strokes pinch if they do.
@@ -147,7 +150,8 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
     stands = _straightest(upright) or [_Pose(0.0)]
     chosen, bent = _best(one, other, stands, _AS_PLACED), _best(one, other, stands, _BENT)
     lying = _best(one, other, turned, _AS_PLACED)
-    is_alike = lying is not None and lying.match.cost < min(_SIMILAR, _CLEARLY * chosen.match.cost)
+    may_turn = lying is not None and chosen.match.cost > _ALIKE_STANDING
+    is_alike = may_turn and lying.match.cost < min(_SIMILAR, _CLEARLY * chosen.match.cost)
     swings = bent.match.strain < _LESS_STRAIN * chosen.match.strain
     if is_alike and not (swings and bent.match.strain < lying.match.strain):
         turn = _best_turn(one, other, lying.match) if lying.pose.ends is None else lying.pose.turn
