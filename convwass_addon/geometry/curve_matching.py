@@ -180,6 +180,6 @@ def _pieces(curve: CurveSamples, span: int) -> tuple[NDArray[np.float64], NDArra
 
 
 def _turns(curve: CurveSamples, span: int) -> NDArray[np.float64]:
-    """Return the angles by which all pieces of a number of samples turn, up to and including their last sample."""
-    total = np.cumsum(curve.turns)
+    """Return the angles by which all pieces of a number of samples turn, with half of those at their ends."""
+    total = np.cumsum(curve.turns) - 0.5 * curve.turns
     return total[span:] - total[:-span]

@@ -34,6 +34,8 @@ _ALIKE_STANDING = 0.05
 # whose strokes pinch if they do.
 _AS_PLACED, _BENT = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02), MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
 _LESS_STRAIN = 0.415
+# A mirrored corner is a corner if there is one this close to it, relative to the length of the curve.
+_AT_CORNER = 0.004
 # Smaller turns are not reported.
 _TURNED = np.radians(20.0)
 # A curve with more axes is round, and has one in every direction.
@@ -116,12 +118,13 @@ class _Match:
         strain = match_work(*samples, found, replace(_AS_PLACED, turning=0.0, moving=0.0))
         return cls(places, images, found.cost / share, strain / share)
 
-    def mirrored(self, lengths: Sequence[float]) -> _Match:
+    def mirrored(self, curves: tuple[OutlineCurve, OutlineCurve]) -> _Match:
         """Complete the match of halves of two curves by their mirror images."""
         both = []
-        for half, length in zip((self.places, self.images), lengths, strict=True):
-            rest = length / (half[-1] - half[0]) - 1.0
-            both.append(np.concatenate([half, half[-1] + (half[-1] - half[-2::-1]) * rest]))
+        for half, curve in zip((self.places, self.images), curves, strict=True):
+            rest = curve.curve.length / (half[-1] - half[0]) - 1.0
+            whole = np.concatenate([half, half[-1] + (half[-1] - half[-2::-1]) * rest])
+            both.append(_at_corners(whole, len(half), curve))
         return _Match(*both, self.cost, self.strain)
 
 
@@ -162,10 +165,24 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
     if pose.ends is None:
         fine = _around(one, other, pose.turn, chosen.weights, chosen.match)
     else:
-        fine = _along_axis(one, other, pose, chosen.weights, _FINE).mirrored([curve.length for curve in curves])
+        fine = _along_axis(one, other, pose, chosen.weights, _FINE).mirrored((one, other))
     found = smooth_map(curves, (one.corners, other.corners), fine.places, fine.images)
     turn = _best_turn(one, other, fine) if pose.ends is None else pose.turn
     return MatchedOutlines(found, fine.cost, turn if abs(turn) > _TURNED else 0.0, chosen is bent)
+
+
+def _at_corners(places: NDArray[np.float64], first: int, curve: OutlineCurve) -> NDArray[np.float64]:
+    """Return increasing places on a curve, with those from `first` on moved to corners that they are closest to."""
+    found = places.copy()
+    for corner in curve.corners:
+        away = curve.curve.differences(found[first:-1], np.array([corner]))[:, 0]
+        if not len(away) or np.abs(away).min() > _AT_CORNER * curve.curve.length:
+            continue
+        nearest = int(np.abs(away).argmin())
+        moved = found[first + nearest] + away[nearest]
+        if found[first + nearest - 1] < moved < found[first + nearest + 1]:
+            found[first + nearest] = moved
+    return found
 
 
 def _straightest(poses: Sequence[_Pose]) -> list[_Pose]:
