@@ -32,10 +32,26 @@ _WIDTH, _LEAST_WIDTH = 0.2, 1e-6
 _REMEMBERED, _ENOUGH, _HALVINGS = 10, 1e-4, 30
 
 
+@dataclass(frozen=True)
+class DeformedTriangles:
+    """Triangles deformed in the plane.
+
+    Attributes
+    ----------
+    points : (n, 2) float64
+        Positions of the vertices.
+    distortion : float
+        Mean energy; at least 3 for the default weight of the area, which similarities have.
+    """
+
+    points: NDArray[np.float64]
+    distortion: float
+
+
 def foldover_free(
     mesh: TriangleMesh, start: NDArray[np.float64], held: NDArray[np.bool_], control: Control = UNINTERRUPTED
-) -> NDArray[np.float64]:
-    """Return the positions of vertices in the plane that distort the triangles least, (n, 2).
+) -> DeformedTriangles:
+    """Move vertices in the plane so that the triangles are distorted least.
 
     With the Jacobian matrix J of a triangle, of determinant D, the energy per area is (|J|^2 + w (D^2 + 1)) / h(D),
     where h(D) = (D + sqrt(e^2 + D^2)) / 2. For e = 0 it is infinite for triangles that are turned over; e becomes
@@ -55,7 +71,7 @@ def foldover_free(
     energy = _Energy.of(mesh, start, held)
     free = np.flatnonzero(~held)
     if not len(free):
-        return start
+        return DeformedTriangles(start, energy.at(start, _LEAST_WIDTH)[0])
     inner = factorize(csc_array(laplacian(mesh).matrix)[free][:, free])
     points, least, worst = start.copy(), np.inf, energy.determinants(start).min(initial=1.0)
     for _ in range(_ROUNDS):
@@ -67,7 +83,7 @@ def foldover_free(
         if reached > (1.0 - _DECREASE) * least and (worst > 0.0 or worst <= (1.0 - _DECREASE) * before):
             break
         least = reached
-    return points
+    return DeformedTriangles(points, reached)
 
 
 def _minimized(

@@ -42,7 +42,8 @@ def planar_mesh(boundary: Boundary, edge: float) -> TriangleMesh:
     inner = inner[boundary.contains(inner)]
     inner = inner[cKDTree(rim).query(inner)[0] > _CLEARANCE * edge] if len(inner) else inner
     points = np.concatenate([rim, inner])
-    triangles = Delaunay(points).simplices.astype(np.int64)
+    # Far from the origin, Qhull takes small triangles for flat.
+    triangles = Delaunay(points - points.mean(axis=0)).simplices.astype(np.int64)
     one, other = (points[triangles[:, corner]] - points[triangles[:, 0]] for corner in (1, 2))
     doubled = one[:, 0] * other[:, 1] - one[:, 1] * other[:, 0]
     triangles = np.where((doubled < 0)[:, None], triangles[:, ::-1], triangles)

@@ -165,6 +165,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "guided", "reason": "OUTLINES"}, ["GOOD", "OUTLINES"]),
         ({"kind": "guided", "reason": "OUTLINES", "turned": 180}, ["GOOD", "OUTLINES_TURNED"]),
         ({"kind": "transport", "reason": "REGIONS"}, ["GOOD", "REGIONS"]),
+        ({"kind": "transport", "reason": "DISTORTED"}, ["GOOD", "DISTORTED"]),
         ({"kind": "warp", "reason": "SOLID", "left": 0.3}, ["GOOD", "MERGED"]),
         ({"kind": "transport", "reason": "APART", "score": 0.2, "detour": 1.7}, ["GOOD", "APART"]),
         ({"kind": "transport", "reason": "FAILED", "failure": "no map"}, ["GOOD", "NO_MOTION"]),

@@ -23,6 +23,10 @@ from .flat_settings import FlatSettings
 from .outline_motion import MovedSheets, outline_motion
 from .sheets import AttachedPoints, Sheet
 
+# Shapes whose insides would be distorted by more are transported, if the user chose no motion: a spiral that becomes a
+# wave has 100 000, a C that becomes a D 44.
+_MOST_DISTORTED = 200.0
+
 
 @dataclass(frozen=True)
 class MovedPart:
@@ -185,6 +189,8 @@ def _moved_part(
         if settings.motion == "guided":
             raise
         found, unmoved = None, MotionChoice("transport", "FAILED", failure=str(error))
+    if found is not None and found.distortion > _MOST_DISTORTED and settings.motion == "automatic":
+        found, unmoved = None, MotionChoice("transport", "DISTORTED")
     if found is None:
         return MovedSheets(tuple(map(Sheet.of, parts)), unmoved)
     return replace(found, choice=replace(found.choice, reason="ASKED")) if settings.motion == "guided" else found

@@ -30,10 +30,9 @@ _TURNS, _STANDING, _SIMILAR, _CLEARLY = 12, np.radians(10.0), 0.5, 0.45
 # all pairs of 30 letters and digits, those that turn have at least 0.27 as they stand.
 _ALIKE_STANDING = 0.05
 # Weights of the work for curves as they are placed, and for limbs that swing, chosen by eye; and the share of the
-# strain of the former below which limbs swing: 0.414 from an F to a y, whose strokes swing, and 0.425 from an S to a Z,
-# whose strokes pinch if they do.
+# strain of the former below which limbs may swing.
 _AS_PLACED, _BENT = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02), MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
-_LESS_STRAIN = 0.415
+_LESS_STRAIN = 0.97
 # A mirrored corner is a corner if there is one this close to it, relative to the length of the curve.
 _AT_CORNER = 0.004
 # Smaller turns are not reported.
@@ -55,7 +54,7 @@ class MatchedOutlines:
     cost : float
         The work per length; see :mod:`.curve_matching`.
     turn : float
-        Angle in radians by which most of the first curve turns; zero if it is small.
+        Angle in radians by which the first curve turns as a whole; zero if it is small, or if limbs swing.
     swings : bool
         Whether limbs swing, so that the places of pieces were disregarded.
     """
@@ -137,13 +136,13 @@ class _Candidate:
     match: _Match
 
 
-def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
-    """Match two closed curves.
+def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:
+    """Match two closed curves: as they are placed, and perhaps also as if limbs swung.
 
     If both have a common axis as they stand, half of a curve is matched, and the other half is its mirror image. The
     first curve is turned by a multiple of 30 degrees, or so that both have a common axis, only if they match much
-    better then; curves with a common axis are only turned upside down. Where limbs swing, pieces keep their shape much
-    better if their places are disregarded, which then does not count.
+    better then; curves with a common axis are only turned upside down. If pieces keep their shape better where their
+    places are disregarded, the second match is that one.
     """
     symmetric = list(_symmetric_poses(one.axes, other.axes))
     upright = [pose for pose in symmetric if abs(pose.turn) < _STANDING]
@@ -151,24 +150,34 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
     if not upright:
         turned += [_Pose(_wrapped(turn)) for turn in np.arange(1, _TURNS) * (2.0 * np.pi / _TURNS)]
     stands = _straightest(upright) or [_Pose(0.0)]
-    chosen, bent = _best(one, other, stands, _AS_PLACED), _best(one, other, stands, _BENT)
-    lying = _best(one, other, turned, _AS_PLACED)
-    may_turn = lying is not None and chosen.match.cost > _ALIKE_STANDING
-    is_alike = may_turn and lying.match.cost < min(_SIMILAR, _CLEARLY * chosen.match.cost)
-    swings = bent.match.strain < _LESS_STRAIN * chosen.match.strain
-    if is_alike and not (swings and bent.match.strain < lying.match.strain):
+    placed, bent = _best(one, other, stands, _AS_PLACED), _best(one, other, stands, _BENT)
+    swings = bent.match.strain < _LESS_STRAIN * placed.match.strain
+    lying = _best(one, other, turned, _AS_PLACED) if placed.match.cost > _ALIKE_STANDING else None
+    if lying is not None and lying.match.cost < min(_SIMILAR, _CLEARLY * placed.match.cost):
+        swings &= bent.match.strain < lying.match.strain
         turn = _best_turn(one, other, lying.match) if lying.pose.ends is None else lying.pose.turn
-        chosen = replace(lying, pose=replace(lying.pose, turn=turn))
-    elif swings:
-        chosen = bent
-    pose, curves = chosen.pose, (one.curve, other.curve)
+        placed = replace(lying, pose=replace(lying.pose, turn=turn))
+    return [_finished(one, other, own, own is bent) for own in ([placed, bent] if swings else [placed])]
+
+
+def placed_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
+    """Match two closed curves as they are placed, about a common axis if they have one."""
+    upright = [pose for pose in _symmetric_poses(one.axes, other.axes) if abs(pose.turn) < _STANDING]
+    return _finished(one, other, _best(one, other, _straightest(upright) or [_Pose(0.0)], _AS_PLACED), swings=False)
+
+
+def _finished(one: OutlineCurve, other: OutlineCurve, rough: _Candidate, swings: bool) -> MatchedOutlines:
+    """Match two curves finely, next to a rough match."""
+    pose = rough.pose
     if pose.ends is None:
-        fine = _around(one, other, pose.turn, chosen.weights, chosen.match)
+        fine = _around(one, other, pose.turn, rough.weights, rough.match)
+        turn = _best_turn(one, other, fine)
     else:
-        fine = _along_axis(one, other, pose, chosen.weights, _FINE).mirrored((one, other))
-    found = smooth_map(curves, (one.corners, other.corners), fine.places, fine.images)
-    turn = _best_turn(one, other, fine) if pose.ends is None else pose.turn
-    return MatchedOutlines(found, fine.cost, turn if abs(turn) > _TURNED else 0.0, chosen is bent)
+        fine = _along_axis(one, other, pose, rough.weights, _FINE).mirrored((one, other))
+        turn = pose.turn
+    found = smooth_map((one.curve, other.curve), (one.corners, other.corners), fine.places, fine.images)
+    turns = not swings and abs(turn) > _TURNED
+    return MatchedOutlines(found, fine.cost, turn if turns else 0.0, swings)
 
 
 def _at_corners(places: NDArray[np.float64], first: int, curve: OutlineCurve) -> NDArray[np.float64]:

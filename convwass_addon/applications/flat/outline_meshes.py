@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 
 from ...geometry.closed_curves import boundary_of
-from ...geometry.edges import edge_ends, edge_use
+from ...geometry.edges import edge_ends, edge_use, proper_part
 from ...geometry.factorization import factorize
-from ...geometry.foldover_free import foldover_free
+from ...geometry.foldover_free import DeformedTriangles, foldover_free
 from ...geometry.mesh import TriangleMesh
 from ...geometry.planar_mesh import planar_mesh, without_bridges
 from ...geometry.unit_shape import UnitShape
@@ -48,7 +48,10 @@ def outline_mesh(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]], edg
         curve.resampled(own, min(length, curve.length / _FEWEST))
         for curve, own in zip(shape.curves, knots, strict=True)
     ]
-    return without_bridges(planar_mesh(boundary_of(rim), length))
+    mesh = without_bridges(planar_mesh(boundary_of(rim), length))
+    # Where an outline is finer than the triangles, some of its points belong to none.
+    used, faces = proper_part(mesh)
+    return TriangleMesh(mesh.vertices[used], faces)
 
 
 @dataclass(frozen=True)
@@ -86,8 +89,8 @@ class Rim:
         return self.vertices[order], self.places[order]
 
 
-def filled_outline(unit: UnitShape, mesh: TriangleMesh, match: ShapePair, control: Control) -> NDArray[np.float64]:
-    """Return positions, (n, 2), of the first shape's mesh with its outline on the second shape's, without folds.
+def filled_outline(unit: UnitShape, mesh: TriangleMesh, match: ShapePair, control: Control) -> DeformedTriangles:
+    """Return the first shape's mesh with its outline on the second shape's, without folds.
 
     Parameters
     ----------
@@ -111,4 +114,5 @@ def filled_outline(unit: UnitShape, mesh: TriangleMesh, match: ShapePair, contro
     # The harmonic map to start with.
     stiffness = csc_array(unit.laplacian.matrix + diags_array(np.where(held, _HELD, 0.0)))
     start = factorize(stiffness).solve(np.ascontiguousarray((_HELD * wanted).T)).T
-    return size * foldover_free(unit.mesh, np.where(held[:, None], wanted, start), held, control) + center
+    found = foldover_free(unit.mesh, np.where(held[:, None], wanted, start), held, control)
+    return DeformedTriangles(size * found.points + center, found.distortion)

@@ -11,10 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closed_curves import boundary_of
+from ...geometry.foldover_free import DeformedTriangles
 from ...geometry.planar_fill import Boundary
 from ...progress import Control
 from ..motions.carriers import Carrier, carrier_of
 from ..motions.choosing import MotionChoice
+from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
 from ..motions.laid_meshes import Laid
@@ -22,7 +24,7 @@ from ..motions.shape_deformations import ShapeDeformation, split_deformation
 from .outline_meshes import filled_outline, outline_knots, outline_mesh
 from .outline_pairs import OutlinedShape, ShapePair, matched_shapes
 from .sheets import Sheet
-from .sliding_outlines import with_slid_outlines
+from .sliding_outlines import least_distorted, with_slid_outlines
 
 # Edge length of the triangles, relative to the size of the shape.
 _TRIANGLES = 0.028
@@ -38,10 +40,13 @@ class MovedSheets:
         The shapes.
     choice : MotionChoice
         Their motion.
+    distortion : float
+        By how much it distorts their insides: 3 for similar shapes, 5 to 30 for letters.
     """
 
     sheets: tuple[Sheet, ...]
     choice: MotionChoice
+    distortion: float = 0.0
 
 
 def outline_motion(
@@ -70,33 +75,37 @@ def outline_motion(
     matches: dict[tuple[int, int], ShapePair] = {}
     for one, other in pairs:
         control.check()
-        found = matched_shapes(shapes[one], shapes[other])
-        if found is None:
+        found = [with_slid_outlines(own, control) for own in matched_shapes(shapes[one], shapes[other])]
+        if not found:
             return None
-        matches[one, other] = with_slid_outlines(found, control)
-        shapes[one], shapes[other] = found.first, found.second
+        matches[one, other] = least_distorted(found, control)
+        shapes[one], shapes[other] = matches[one, other].first, matches[one, other].second
     # Later pairs have added points to the shapes.
     matches = {
         (one, other): replace(match, first=shapes[one], second=shapes[other]) for (one, other), match in matches.items()
     }
     knots = outline_knots(shapes, matches)
     sheets = tuple(_sheet(shape, own) for shape, own in zip(shapes, knots, strict=True))
-    settings = GuidedSettings(coherence=coherence)
+    # Nothing is left for what resists stretching.
+    settings = GuidedSettings(coherence=min(coherence, FULL_COHERENCE))
     none = np.empty(0, np.int64)
     carriers = tuple(
         carrier_of(sheet.mesh, name, none, settings.carrier_vertices, control)
         for sheet, name in zip(sheets, names, strict=True)
     )
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
+    distortion = 0.0
     for (one, other), match in matches.items():
         ends = carriers[one], carriers[other]
-        there, home = _laid(ends[0], match, control), _laid(ends[1], match.swapped(), control)
-        deformations[one, other] = split_deformation(*ends, there, None, control)
-        deformations[other, one] = split_deformation(*ends[::-1], home, deformations[one, other], control)
+        there, home = _filled(ends[0], match, control), _filled(ends[1], match.swapped(), control)
+        # A triangle that remains turned over in one direction does not count.
+        distortion = max(distortion, min(there.distortion, home.distortion))
+        deformations[one, other] = split_deformation(*ends, _laid(there), None, control)
+        deformations[other, one] = split_deformation(*ends[::-1], _laid(home), deformations[one, other], control)
     known = {pair: _figures(match) for pair, match in matches.items()}
     motion = GuidedMotion(carriers, deformations, known, settings)
     turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
-    return MovedSheets(sheets, MotionChoice("guided", "OUTLINES", motion, turned=turned))
+    return MovedSheets(sheets, MotionChoice("guided", "OUTLINES", motion, turned=turned), distortion)
 
 
 def _figures(match: ShapePair) -> GuidedPair:
@@ -112,7 +121,12 @@ def _sheet(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]]) -> Sheet:
     return Sheet.attached(boundary_of(exact), outline_mesh(shape, knots, _TRIANGLES))
 
 
-def _laid(carrier: Carrier, match: ShapePair, control: Control) -> Laid:
+def _filled(carrier: Carrier, match: ShapePair, control: Control) -> DeformedTriangles:
     """Move the mesh of the first shape so that its outline lies on that of the second one."""
-    points = filled_outline(carrier.unit, carrier.mesh, match, control)
+    return filled_outline(carrier.unit, carrier.mesh, match, control)
+
+
+def _laid(filled: DeformedTriangles) -> Laid:
+    """Return positions in space."""
+    points = filled.points
     return Laid(np.column_stack([points, np.zeros(len(points))]), np.ones(len(points)))

@@ -15,9 +15,11 @@ from ...geometry.closed_curves import ClosedCurve, boundary_curves, boundary_of
 from ...geometry.curve_maps import CurveMap, even_map
 from ...geometry.outlines import ring_area
 from ...geometry.planar_fill import Boundary
-from .matched_outlines import MatchedOutlines, matched_outlines
+from .matched_outlines import MatchedOutlines, matched_outlines, placed_outlines
 from .outline_curves import OutlineCurve
 
+# Corners at which curves touch are cut by this, relative to the square root of the area.
+_GAP = 2e-3
 # Shapes of more regions are not matched by their outlines.
 _MOST_REGIONS = 32
 # Extent of a hole that opens from a point, and its least distance from the outline, relative to the square root of the
@@ -25,6 +27,8 @@ _MOST_REGIONS = 32
 _POINT, _INSIDE, _CELLS, _SAMPLES = 0.004, 0.03, 64, 256
 # Largest angle, in radians, at which a point sees an edge of the outline; at pi it is on the edge.
 _STRAIGHT = 3.1
+# Samples of a hole by which its turn is measured.
+_HOLE_SAMPLES = 48
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,7 @@ class OutlinedShape:
     @classmethod
     def of(cls, filled: Boundary) -> OutlinedShape:
         """Divide a boundary into curves."""
-        curves = boundary_curves(filled)
+        curves = _apart(boundary_curves(filled), _GAP * np.sqrt(filled.area))
         areas = np.array([ring_area(curve.points) for curve in curves])
         outer = np.flatnonzero(areas > 0)
         regions = [boundary_of([curves[index]]) for index in outer]
@@ -91,6 +95,21 @@ class OutlinedShape:
         scale = _POINT * self.size / np.ptp(hole.points, axis=0).max()
         point = ClosedCurve(spot + (hole.points - boundary_of([hole]).center) * scale)
         return replace(self, curves=(*self.curves, point))
+
+
+def _apart(curves: list[ClosedCurve], gap: float) -> list[ClosedCurve]:
+    """Cut the corners at which curves touch each other or themselves, so that they can move apart."""
+    points = np.concatenate([curve.points for curve in curves])
+    _, index, counts = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    touches = np.split(counts[index.ravel()] > 1, np.cumsum([len(curve.points) for curve in curves])[:-1])
+    found = []
+    for curve, own in zip(curves, touches, strict=True):
+        lengths = np.diff(curve.starts)
+        before, after = (np.minimum(gap, 0.5 * own_lengths) for own_lengths in (np.roll(lengths, 1), lengths))
+        kept, cut = curve.starts[:-1][~own], curve.starts[:-1][own]
+        places = np.sort(np.concatenate([kept, cut - before[own], cut + after[own]]))
+        found.append(ClosedCurve(curve.at(places)) if own.any() else curve)
+    return found
 
 
 @dataclass(frozen=True)
@@ -145,72 +164,100 @@ class ShapePair:
         return replace(self, pairs=(*self.pairs, CurvePair(first, second, found, slides)))
 
 
-def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> ShapePair | None:
-    """Match the closed curves of two shapes; None if they have different numbers of regions, or too many."""
+def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
+    """Match the closed curves of two shapes: as they are placed, and perhaps also as if limbs swung.
+
+    There is no match of shapes of different numbers of regions, or of too many. Regions belong together that are near
+    each other, relative to the centers of the shapes, and similar in size.
+    """
     if len(one.outer) != len(other.outer) or not 1 <= len(one.outer) <= _MOST_REGIONS:
-        return None
+        return []
     places = []
     for shape in (one, other):
-        places.append(np.array([shape.center(index) for index in shape.outer]) - shape.filled.center)
+        filled = [boundary_of([shape.curves[index]]) for index in shape.outer]
+        centers = np.array([own.center for own in filled]) - shape.filled.center
+        places.append(np.column_stack([centers, np.sqrt([own.area for own in filled])]))
     away = np.square(places[0][:, None] - places[1]).sum(axis=2)
-    found = ShapePair(one, other)
-    for region, there in zip(*linear_sum_assignment(away), strict=True):
-        found = _with_regions(found, int(region), int(there))
+    regions = [(int(region), int(there)) for region, there in zip(*linear_sum_assignment(away), strict=True)]
+    matches = [
+        matched_outlines(one.curve(one.outer[region]), other.curve(other.outer[there])) for region, there in regions
+    ]
+    found = []
+    for choice in range(max(map(len, matches))):
+        pair = ShapePair(one, other)
+        for (region, there), own in zip(regions, matches, strict=True):
+            pair = _with_regions(pair, region, there, own[min(choice, len(own) - 1)])
+        found.append(pair)
     return found
 
 
-def _with_regions(pair: ShapePair, region: int, there: int) -> ShapePair:
-    """Add the match of two regions and their holes."""
+def _with_regions(pair: ShapePair, region: int, there: int, match: MatchedOutlines) -> ShapePair:
+    """Add the match of the curves around two regions, and those of their holes."""
     one, other = pair.first, pair.second
     outer = one.outer[region], other.outer[there]
-    match = matched_outlines(one.curve(outer[0]), other.curve(outer[1]))
     pair = replace(pair.with_pair(*outer, match.map, match.swings), outer=(*pair.outer, match))
-    # As they stand, round holes of a shape that turns would be twisted against it.
-    turn = 0.0 if match.swings else match.turn
     holes = one.holes[region], other.holes[there]
-    centers = [
-        np.array([shape.center(hole) for hole in own]).reshape(-1, 2)
-        for shape, own in zip((one, other), holes, strict=True)
-    ]
-    curves = one.curves[outer[0]], other.curves[outer[1]]
-    images = _inside_of(*curves, match.map, centers[0])
-    rows, columns = linear_sum_assignment(np.square(images[:, None] - centers[1]).sum(axis=2))
+    there_map = _InsideMap(one.curves[outer[0]], other.curves[outer[1]], match.map)
+    back_map = _InsideMap(other.curves[outer[1]], one.curves[outer[0]], match.map.inverse())
+    images = np.array([there_map.at(one.center(hole)[None])[0] for hole in holes[0]]).reshape(-1, 2)
+    centers = np.array([other.center(hole) for hole in holes[1]]).reshape(-1, 2)
+    rows, columns = linear_sum_assignment(np.square(images[:, None] - centers).sum(axis=2))
     for row, column in zip(rows, columns, strict=True):
-        found = matched_outlines(one.curve(holes[0][row]).turned(turn), other.curve(holes[1][column]))
-        pair = pair.with_pair(holes[0][row], holes[1][column], found.map, match.swings)
+        first, second = holes[0][row], holes[1][column]
+        # As it stands, a round hole would be twisted against an outline that turns.
+        turned = one.curve(first).turned(there_map.turn(one.curves[first]))
+        pair = pair.with_pair(first, second, placed_outlines(turned, other.curve(second)).map, match.swings)
     for row in np.setdiff1d(np.arange(len(holes[0])), rows):
-        pair = _with_lone_hole(pair, holes[0][row], images[row], turn)
-    back = _inside_of(*curves[::-1], match.map.inverse(), centers[1])
+        pair = _with_lone_hole(pair, holes[0][row], there_map)
     for column in np.setdiff1d(np.arange(len(holes[1])), columns):
-        pair = _with_lone_hole(pair.swapped(), holes[1][column], back[column], -turn).swapped()
+        pair = _with_lone_hole(pair.swapped(), holes[1][column], back_map).swapped()
     return pair
 
 
-def _with_lone_hole(pair: ShapePair, hole: int, image: NDArray[np.float64], turn: float) -> ShapePair:
-    """Let a hole of the first shape shrink to a point of the second one near a place, if there is room.
-
-    The first shape turns by `turn`, in radians.
-    """
-    curve = pair.first.curve(hole).turned(turn).curve
-    grown = pair.second.with_point(curve, image)
+def _with_lone_hole(pair: ShapePair, hole: int, inside: _InsideMap) -> ShapePair:
+    """Let a hole of the first shape shrink to a point of the second one, if there is room."""
+    curve = pair.first.curve(hole)
+    turned = curve.turned(inside.turn(curve.curve)).curve
+    grown = pair.second.with_point(turned, inside.at(curve.center[None])[0])
     if grown is None:
         return pair
-    return replace(pair, second=grown).with_pair(hole, len(grown.curves) - 1, even_map(curve, grown.curves[-1]))
+    return replace(pair, second=grown).with_pair(hole, len(grown.curves) - 1, even_map(turned, grown.curves[-1]))
 
 
-def _inside_of(
-    curve: ClosedCurve, other: ClosedCurve, around: CurveMap, points: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Return the images, (k, 2), of points inside a curve that is mapped to another one, by mean value coordinates.
+@dataclass(frozen=True)
+class _InsideMap:
+    """Maps what is inside a curve to the inside of another one, as their outlines are mapped.
 
     M. Floater, "Mean value coordinates", Computer Aided Geometric Design 20(1), 2003.
+
+    Attributes
+    ----------
+    curve, other : ClosedCurve
+        The curves.
+    around : CurveMap
+        The map from the first to the second one.
     """
-    places = np.linspace(0.0, curve.length, _SAMPLES, endpoint=False)
-    toward = curve.at(places) - points[:, None]
-    away = np.maximum(np.linalg.norm(toward, axis=2), np.finfo(np.float64).eps * curve.length)
-    after = np.roll(toward, -1, axis=1)
-    crosses = toward[..., 0] * after[..., 1] - toward[..., 1] * after[..., 0]
-    angles = np.arctan2(crosses, (toward * after).sum(axis=2))
-    tangents = np.tan(0.5 * np.clip(angles, -_STRAIGHT, _STRAIGHT))
-    weights = (tangents + np.roll(tangents, 1, axis=1)) / away
-    return weights @ other.at(around(places)) / weights.sum(axis=1, keepdims=True)
+
+    curve: ClosedCurve
+    other: ClosedCurve
+    around: CurveMap
+
+    def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the images of points, (k, 2)."""
+        places = np.linspace(0.0, self.curve.length, _SAMPLES, endpoint=False)
+        toward = self.curve.at(places) - points[:, None]
+        away = np.maximum(np.linalg.norm(toward, axis=2), np.finfo(np.float64).eps * self.curve.length)
+        after = np.roll(toward, -1, axis=1)
+        crosses = toward[..., 0] * after[..., 1] - toward[..., 1] * after[..., 0]
+        angles = np.arctan2(crosses, (toward * after).sum(axis=2))
+        tangents = np.tan(0.5 * np.clip(angles, -_STRAIGHT, _STRAIGHT))
+        weights = (tangents + np.roll(tangents, 1, axis=1)) / away
+        return weights @ self.other.at(self.around(places)) / weights.sum(axis=1, keepdims=True)
+
+    def turn(self, hole: ClosedCurve) -> float:
+        """Return the angle in radians by which a curve inside turns."""
+        points = hole.at(np.linspace(0.0, hole.length, _HOLE_SAMPLES, endpoint=False))
+        images = self.at(points)
+        points, images = points - points.mean(axis=0), images - images.mean(axis=0)
+        sine = (points[:, 0] * images[:, 1] - points[:, 1] * images[:, 0]).sum()
+        return float(np.arctan2(sine, (points * images).sum()))

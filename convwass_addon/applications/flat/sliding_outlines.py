@@ -8,6 +8,7 @@ different places. Corners that match stay where they are.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -16,6 +17,7 @@ from numpy.typing import NDArray
 
 from ...geometry.closed_curves import ClosedCurve
 from ...geometry.curve_maps import CurveMap
+from ...geometry.mesh import TriangleMesh
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .outline_curves import sharp_corners
@@ -24,6 +26,8 @@ from .outline_pairs import CurvePair, OutlinedShape, ShapePair
 
 # Edge length of the triangles, relative to the size of the shape.
 _TRIANGLES = 0.045
+# A match distorts the inside clearly less with this share of the distortion of another one.
+_LESS = 0.93
 # Rounds, size of the neighborhoods that turn together, and strain at which the inside yields.
 _ROUNDS, _WIDTH, _GIVE = 20, 0.04, 0.2
 # Stiffness of the springs that hold a vertex on the outline, per area, and the share of it that resists sliding.
@@ -121,10 +125,9 @@ def with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
     # A canonical order, so that a pair has the same result whatever the order of the shapes.
     if _length(match.first) < _length(match.second):
         return with_slid_outlines(match.swapped(), control).swapped()
-    knots = outline_knots([match.first, match.second], {(0, 1): match})[0]
-    mesh = outline_mesh(match.first, knots, _TRIANGLES)
+    mesh = _coarse_mesh(match)
     unit, rim, size = UnitShape.of(mesh), Rim.of(mesh, match.first), float(np.sqrt(mesh.area))
-    start = filled_outline(unit, mesh, match, control)
+    start = filled_outline(unit, mesh, match, control).points
     center = start.mean(axis=0)
     slides = [_Slide.of(rim, match, pair) for pair in match.pairs]
     stiffness = _HELD * np.maximum(unit.areas, unit.areas[unit.areas > 0].min())
@@ -143,6 +146,32 @@ def with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
         points[:, 2] = 0.0
         slides = [_slid(slide, size * points[:, :2] + center, _STEP * size) for slide in slides]
     return replace(match, pairs=tuple(slide.mapped for slide in slides))
+
+
+def least_distorted(matches: Sequence[ShapePair], control: Control) -> ShapePair:
+    """Return the match of two shapes that distorts the inside of one clearly less than those before it."""
+    best = matches[0]
+    if len(matches) == 1:
+        return best
+    least = _distortion(best, control)
+    for match in matches[1:]:
+        found = _distortion(match, control)
+        if found < _LESS * least:
+            best, least = match, found
+    return best
+
+
+def _distortion(match: ShapePair, control: Control) -> float:
+    """Return by how much a match distorts the inside of the shape of the longer outline."""
+    if _length(match.first) < _length(match.second):
+        return _distortion(match.swapped(), control)
+    mesh = _coarse_mesh(match)
+    return filled_outline(UnitShape.of(mesh), mesh, match, control).distortion
+
+
+def _coarse_mesh(match: ShapePair) -> TriangleMesh:
+    """Triangulate the first of two shapes."""
+    return outline_mesh(match.first, outline_knots([match.first, match.second], {(0, 1): match})[0], _TRIANGLES)
 
 
 def _length(shape: OutlinedShape) -> float:

@@ -44,6 +44,7 @@ TEXTS: dict[str, str] = {
     "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
     "SOLID": "Transport was chosen: at least one of the shapes has no limbs",
     "REGIONS": "Transport was chosen: the shapes have different numbers of separate areas",
+    "DISTORTED": "Transport was chosen: the outlines of the shapes differ too much",
     "TOPOLOGY": "Transport was chosen: triangles of a shape change from frame to frame, which no motion can follow",
     "NO_MOTION": "Transport was chosen: no motion between the shapes could be computed ({failure})",
     "LOOK_PROCEDURAL": "Procedural colors of {materials} ({names}) became one color: bake them to an image or to "
@@ -77,7 +78,7 @@ SEVERITIES: dict[str, Severity] = {
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART"), "INFO"),
-    **dict.fromkeys(("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "REGIONS", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -316,7 +317,7 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     reason, kind = str(chosen["motion_reason"]), str(chosen.get("motion_kind"))
     if reason == "SOLID" and kind == "warp":
         return [Diagnostic("MERGED", {})]
-    if reason in ("SOLID", "REGIONS", "TOPOLOGY"):
+    if reason in ("SOLID", "REGIONS", "DISTORTED", "TOPOLOGY"):
         return [Diagnostic(reason, {})]
     if reason == "OUTLINES":
         turned = _number(chosen, "motion_turned")
