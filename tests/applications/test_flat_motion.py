@@ -186,6 +186,20 @@ def test_shapes_of_different_numbers_of_regions_are_transported():
         chosen(pair, motion="guided")
 
 
+def test_shapes_that_would_crumple_are_transported():
+    """Unless the user chose to guide them."""
+    angles = np.linspace(0.25 * np.pi, 0.75 * np.pi, 40)
+    around = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    waves = [
+        ellipse(radii=(0.35, 0.35)),
+        *(np.concatenate([(r + 0.2) * around, (r - 0.2) * around[::-1]]) for r in (1, 2, 3)),
+    ]
+    bars = [rectangle((place, 0.0), (place + 0.7, 0.8 * (place + 1))) for place in range(4)]
+    lines = [FlatShape(tuple(own)) for own in (waves, bars)]
+    assert chosen(lines).record == {"kind": "transport", "reason": "DISTORTED"}
+    assert chosen(lines, motion="guided").record["reason"] == "ASKED"
+
+
 def test_parts_that_cannot_move_do_not_keep_others_from_moving():
     second = HOOK + np.array([5.0, 0.0])
     word = FlatShape((HOOK, second), letters=(0, 1))

@@ -13,6 +13,7 @@ from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.flat.matched_outlines import matched_outlines
 from convwass_addon.applications.flat.outline_motion import outline_motion
 from convwass_addon.applications.flat.outline_pairs import OutlinedShape, matched_shapes
+from convwass_addon.applications.flat.sliding_outlines import least_distorted, with_slid_outlines
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.geometry.closed_curves import boundary_curves, boundary_of
 from convwass_addon.geometry.coverage import coverage
@@ -177,6 +178,41 @@ def test_a_hole_belongs_to_the_region_around_it_if_another_one_touches_it_inside
     areas = np.round([ring_area(curve.points) for curve in shape.curves], 2)
     found = [(areas[outer], areas[list(holes)].tolist()) for outer, holes in zip(shape.outer, shape.holes, strict=True)]
     assert sorted(found) == [(1.0, []), (100.0, [-18.0])]
+
+
+def test_regions_of_similar_size_belong_together():
+    """Rings and discs around one center are equally far from each other."""
+    circles = [ellipse(radii=(radius, radius)) for radius in (3.0, 2.2, 1.4)]
+    ovals = [ellipse(radii=(1.5 * radius, radius)) for radius in (1.2, 3.0, 2.4)]
+    match = matched_shapes(OutlinedShape.of(filled(*circles)), OutlinedShape.of(filled(*ovals)))[0]
+    for pair in match.pairs:
+        areas = [
+            ring_area(shape.curves[place].points)
+            for shape, place in zip((match.first, match.second), (pair.first, pair.second), strict=True)
+        ]
+        assert areas[1] == pytest.approx(1.5 * areas[0], rel=0.4)
+
+
+@pytest.mark.parametrize("time", TIMES)
+def test_a_round_hole_turns_with_what_is_around_it(time):
+    """It keeps its size, although its outline matches that of the other hole as it stands."""
+    hole, hook = ellipse((-0.3, 1.4), (0.15, 0.15)), np.array([[0, 0], [2, 0], [2, 0.5], [0.6, 0.5], [0.6, 3], [0, 3]])
+    rings = [hook - (0.6, 1.2), hole[::-1]]
+    cosine, sine = np.cos(2.0), np.sin(2.0)
+    turned = [ring @ np.array([[cosine, sine], [-sine, cosine]]) for ring in rings]
+    for own in moved(filled(*rings), filled(*turned), time):
+        holes = [-ring_area(curve.points) for curve in boundary_curves(own) if ring_area(curve.points) < 0]
+        assert holes == [pytest.approx(np.pi * 0.15**2, rel=0.05)]
+
+
+def test_the_match_that_distorts_the_inside_less_is_taken():
+    """The arms of a figure that are raised swing; a plus does not bend to become a star."""
+    swings = []
+    for first, second in ((bent(0.15), bent(1.9)), (star(4, 0.3), star(5))):
+        shapes = [OutlinedShape.of(filled(own)) for own in (first, second)]
+        found = [with_slid_outlines(own, UNINTERRUPTED) for own in matched_shapes(*shapes)]
+        swings.append(least_distorted(found, UNINTERRUPTED).outer[0].swings)
+    assert swings == [True, False]
 
 
 def checkered(pitch):

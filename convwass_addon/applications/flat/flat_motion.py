@@ -23,9 +23,10 @@ from .flat_settings import FlatSettings
 from .outline_motion import MovedSheets, outline_motion
 from .sheets import AttachedPoints, Sheet
 
-# Shapes whose insides would be distorted by more are transported, if the user chose no motion: a spiral that becomes a
-# wave has 100 000, a C that becomes a D 44.
-_MOST_DISTORTED = 200.0
+# Shapes whose insides would be distorted by more than the first number, or whose outlines match with a lower score than
+# the second one, are transported, if the user chose no motion: a spiral that becomes a wave has 100 000 and a C that
+# becomes a D 280; a spiral that becomes a snowflake has 0.08 and a heart that becomes a star 0.22.
+_MOST_DISTORTED, _LEAST_SCORE = 1000.0, 0.135
 
 
 @dataclass(frozen=True)
@@ -189,8 +190,14 @@ def _moved_part(
         if settings.motion == "guided":
             raise
         found, unmoved = None, MotionChoice("transport", "FAILED", failure=str(error))
-    if found is not None and found.distortion > _MOST_DISTORTED and settings.motion == "automatic":
+    if found is not None and settings.motion == "automatic" and _is_distorted(found):
         found, unmoved = None, MotionChoice("transport", "DISTORTED")
     if found is None:
         return MovedSheets(tuple(map(Sheet.of, parts)), unmoved)
     return replace(found, choice=replace(found.choice, reason="ASKED")) if settings.motion == "guided" else found
+
+
+def _is_distorted(moved: MovedSheets) -> bool:
+    """Return whether shapes would be distorted too much by their outlines."""
+    score = min((pair.score for pair in moved.choice.motion.pairs.values()), default=1.0)
+    return moved.distortion > _MOST_DISTORTED or score < _LEAST_SCORE

@@ -35,6 +35,8 @@ _AS_PLACED, _BENT = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02), MatchWeights(0.0, 0.
 _LESS_STRAIN = 0.97
 # A mirrored corner is a corner if there is one this close to it, relative to the length of the curve.
 _AT_CORNER = 0.004
+# Of two turns after which curves match equally well, the smaller one is taken: additional work per radian.
+_TURN_WORK = 0.01
 # Smaller turns are not reported.
 _TURNED = np.radians(20.0)
 # A curve with more axes is round, and has one in every direction.
@@ -212,7 +214,7 @@ def _best(one: OutlineCurve, other: OutlineCurve, poses: Sequence[_Pose], weight
         else:
             match = _along_axis(one, other, pose, weights, _ROUGH)
         found.append(_Candidate(pose, weights, match))
-    return min(found, key=lambda own: own.match.cost, default=None)
+    return min(found, key=lambda own: own.match.cost + _TURN_WORK * abs(own.pose.turn), default=None)
 
 
 def _best_turn(one: OutlineCurve, other: OutlineCurve, match: _Match) -> float:

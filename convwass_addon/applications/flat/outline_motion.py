@@ -41,7 +41,7 @@ class MovedSheets:
     choice : MotionChoice
         Their motion.
     distortion : float
-        By how much it distorts their insides: 3 for similar shapes, 5 to 30 for letters.
+        By how much it distorts their insides: 3 for similar shapes, 4 to 300 for letters.
     """
 
     sheets: tuple[Sheet, ...]
@@ -98,8 +98,7 @@ def outline_motion(
     for (one, other), match in matches.items():
         ends = carriers[one], carriers[other]
         there, home = _filled(ends[0], match, control), _filled(ends[1], match.swapped(), control)
-        # A triangle that remains turned over in one direction does not count.
-        distortion = max(distortion, min(there.distortion, home.distortion))
+        distortion = max(distortion, there.distortion, home.distortion)
         deformations[one, other] = split_deformation(*ends, _laid(there), None, control)
         deformations[other, one] = split_deformation(*ends[::-1], _laid(home), deformations[one, other], control)
     known = {pair: _figures(match) for pair, match in matches.items()}

@@ -124,16 +124,19 @@ class CurvePair:
         The map from the first to the second one.
     slides : bool
         Whether the map may be changed so that the inside is strained less; see :mod:`.sliding_outlines`.
+    vanishes : bool
+        Whether one of the curves is a hole of only one shape, and the other one a point.
     """
 
     first: int
     second: int
     map: CurveMap
-    slides: bool
+    slides: bool = False
+    vanishes: bool = False
 
     def swapped(self) -> CurvePair:
         """Return the pair with the shapes swapped."""
-        return CurvePair(self.second, self.first, self.map.inverse(), self.slides)
+        return replace(self, first=self.second, second=self.first, map=self.map.inverse())
 
 
 @dataclass(frozen=True)
@@ -159,9 +162,13 @@ class ShapePair:
         """Return the pair with the shapes swapped."""
         return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs), self.outer)
 
-    def with_pair(self, first: int, second: int, found: CurveMap, slides: bool = False) -> ShapePair:
-        """Return the pair with two more curves that belong together."""
-        return replace(self, pairs=(*self.pairs, CurvePair(first, second, found, slides)))
+    def with_pair(self, pair: CurvePair) -> ShapePair:
+        """Return the shapes with two more curves that belong together."""
+        return replace(self, pairs=(*self.pairs, pair))
+
+    def without_vanishing_holes(self) -> ShapePair:
+        """Return the shapes without the maps of holes that only one of them has."""
+        return replace(self, pairs=tuple(pair for pair in self.pairs if not pair.vanishes))
 
 
 def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
@@ -195,7 +202,7 @@ def _with_regions(pair: ShapePair, region: int, there: int, match: MatchedOutlin
     """Add the match of the curves around two regions, and those of their holes."""
     one, other = pair.first, pair.second
     outer = one.outer[region], other.outer[there]
-    pair = replace(pair.with_pair(*outer, match.map, match.swings), outer=(*pair.outer, match))
+    pair = replace(pair.with_pair(CurvePair(*outer, match.map, match.swings)), outer=(*pair.outer, match))
     holes = one.holes[region], other.holes[there]
     there_map = _InsideMap(one.curves[outer[0]], other.curves[outer[1]], match.map)
     back_map = _InsideMap(other.curves[outer[1]], one.curves[outer[0]], match.map.inverse())
@@ -206,7 +213,8 @@ def _with_regions(pair: ShapePair, region: int, there: int, match: MatchedOutlin
         first, second = holes[0][row], holes[1][column]
         # As it stands, a round hole would be twisted against an outline that turns.
         turned = one.curve(first).turned(there_map.turn(one.curves[first]))
-        pair = pair.with_pair(first, second, placed_outlines(turned, other.curve(second)).map, match.swings)
+        found = placed_outlines(turned, other.curve(second)).map
+        pair = pair.with_pair(CurvePair(first, second, found, match.swings))
     for row in np.setdiff1d(np.arange(len(holes[0])), rows):
         pair = _with_lone_hole(pair, holes[0][row], there_map)
     for column in np.setdiff1d(np.arange(len(holes[1])), columns):
@@ -221,7 +229,8 @@ def _with_lone_hole(pair: ShapePair, hole: int, inside: _InsideMap) -> ShapePair
     grown = pair.second.with_point(turned, inside.at(curve.center[None])[0])
     if grown is None:
         return pair
-    return replace(pair, second=grown).with_pair(hole, len(grown.curves) - 1, even_map(turned, grown.curves[-1]))
+    found = CurvePair(hole, len(grown.curves) - 1, even_map(turned, grown.curves[-1]), vanishes=True)
+    return replace(pair, second=grown).with_pair(found)
 
 
 @dataclass(frozen=True)

@@ -166,7 +166,8 @@ def _distortion(match: ShapePair, control: Control) -> float:
     if _length(match.first) < _length(match.second):
         return _distortion(match.swapped(), control)
     mesh = _coarse_mesh(match)
-    return filled_outline(UnitShape.of(mesh), mesh, match, control).distortion
+    # Holes that vanish are distorted most, whichever the match.
+    return filled_outline(UnitShape.of(mesh), mesh, match.without_vanishing_holes(), control).distortion
 
 
 def _coarse_mesh(match: ShapePair) -> TriangleMesh:
