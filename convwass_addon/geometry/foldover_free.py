@@ -21,6 +21,8 @@ from .mesh import TriangleMesh
 
 # Weight of the change of area beside that of angles.
 _AREA = 0.5
+# Largest energy of a triangle that counts in the distortion.
+_MOST = 100.0
 # Rounds in which triangles are turned back, steps of the minimizer per round, and the relative decrease of the energy
 # per round below which the minimum is reached, and per step below which a round ends.
 _ROUNDS, _STEPS, _DECREASE, _LEAST_DECREASE = 20, 60, 0.01, 1e-4
@@ -41,7 +43,8 @@ class DeformedTriangles:
     points : (n, 2) float64
         Positions of the vertices.
     distortion : float
-        Mean energy; at least 3 for the default weight of the area, which similarities have.
+        Mean energy, with that of every triangle limited to 100, which those have that are turned over. Similarities
+        have 3.
     """
 
     points: NDArray[np.float64]
@@ -71,7 +74,7 @@ def foldover_free(
     energy = _Energy.of(mesh, start, held)
     free = np.flatnonzero(~held)
     if not len(free):
-        return DeformedTriangles(start, energy.at(start, _LEAST_WIDTH)[0])
+        return DeformedTriangles(start, energy.limited(start))
     inner = factorize(csc_array(laplacian(mesh).matrix)[free][:, free])
     points, least, worst = start.copy(), np.inf, energy.determinants(start).min(initial=1.0)
     for _ in range(_ROUNDS):
@@ -83,7 +86,7 @@ def foldover_free(
         if reached > (1.0 - _DECREASE) * least and (worst > 0.0 or worst <= (1.0 - _DECREASE) * before):
             break
         least = reached
-    return DeformedTriangles(points, reached)
+    return DeformedTriangles(points, energy.limited(points))
 
 
 def _minimized(
@@ -173,6 +176,14 @@ class _Energy:
     def determinants(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the determinants of the Jacobian matrices, (m,)."""
         return np.linalg.det(self._jacobians(points))
+
+    def limited(self, points: NDArray[np.float64]) -> float:
+        """Return the energy of vertices, with that of triangles limited, and largest for those turned over."""
+        jacobians = self._jacobians(points)
+        determinants = np.linalg.det(jacobians)
+        total = np.square(jacobians).sum(axis=(1, 2)) + _AREA * (np.square(determinants) + 1.0)
+        is_bad = total >= _MOST * determinants
+        return float(self.areas @ np.where(is_bad, _MOST, total / np.where(is_bad, 1.0, determinants)))
 
     def at(self, points: NDArray[np.float64], width: float) -> tuple[float, NDArray[np.float64]]:
         """Return the energy of vertices and its gradient, (n, 2)."""

@@ -24,9 +24,9 @@ from .outline_motion import MovedSheets, outline_motion
 from .sheets import AttachedPoints, Sheet
 
 # Shapes whose insides would be distorted by more than the first number, or whose outlines match with a lower score than
-# the second one, are transported, if the user chose no motion: a spiral that becomes a wave has 100 000 and a C that
-# becomes a D 280; a spiral that becomes a snowflake has 0.08 and a heart that becomes a star 0.22.
-_MOST_DISTORTED, _LEAST_SCORE = 1000.0, 0.135
+# the second one, are transported, if the user chose no motion: a spiral that becomes a wave has 68, a C that becomes
+# a D 32 and a B that becomes an E 23; the score of a spiral to a snowflake is 0.08, that of a heart to a star 0.22.
+_MOST_DISTORTED, _LEAST_SCORE = 30.0, 0.135
 
 
 @dataclass(frozen=True)

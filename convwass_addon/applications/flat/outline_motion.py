@@ -41,7 +41,7 @@ class MovedSheets:
     choice : MotionChoice
         Their motion.
     distortion : float
-        By how much it distorts their insides: 3 for similar shapes, 4 to 300 for letters.
+        By how much it distorts their insides: 3 for similar shapes, 4 to 25 for letters.
     """
 
     sheets: tuple[Sheet, ...]

@@ -124,15 +124,12 @@ class CurvePair:
         The map from the first to the second one.
     slides : bool
         Whether the map may be changed so that the inside is strained less; see :mod:`.sliding_outlines`.
-    vanishes : bool
-        Whether one of the curves is a hole of only one shape, and the other one a point.
     """
 
     first: int
     second: int
     map: CurveMap
     slides: bool = False
-    vanishes: bool = False
 
     def swapped(self) -> CurvePair:
         """Return the pair with the shapes swapped."""
@@ -165,10 +162,6 @@ class ShapePair:
     def with_pair(self, pair: CurvePair) -> ShapePair:
         """Return the shapes with two more curves that belong together."""
         return replace(self, pairs=(*self.pairs, pair))
-
-    def without_vanishing_holes(self) -> ShapePair:
-        """Return the shapes without the maps of holes that only one of them has."""
-        return replace(self, pairs=tuple(pair for pair in self.pairs if not pair.vanishes))
 
 
 def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
@@ -229,7 +222,7 @@ def _with_lone_hole(pair: ShapePair, hole: int, inside: _InsideMap) -> ShapePair
     grown = pair.second.with_point(turned, inside.at(curve.center[None])[0])
     if grown is None:
         return pair
-    found = CurvePair(hole, len(grown.curves) - 1, even_map(turned, grown.curves[-1]), vanishes=True)
+    found = CurvePair(hole, len(grown.curves) - 1, even_map(turned, grown.curves[-1]))
     return replace(pair, second=grown).with_pair(found)
 
 

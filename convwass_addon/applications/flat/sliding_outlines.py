@@ -166,8 +166,7 @@ def _distortion(match: ShapePair, control: Control) -> float:
     if _length(match.first) < _length(match.second):
         return _distortion(match.swapped(), control)
     mesh = _coarse_mesh(match)
-    # Holes that vanish are distorted most, whichever the match.
-    return filled_outline(UnitShape.of(mesh), mesh, match.without_vanishing_holes(), control).distortion
+    return filled_outline(UnitShape.of(mesh), mesh, match, control).distortion
 
 
 def _coarse_mesh(match: ShapePair) -> TriangleMesh:
