@@ -199,5 +199,5 @@ def _moved_part(
 
 def _is_distorted(moved: MovedSheets) -> bool:
     """Return whether shapes would be distorted too much by their outlines."""
-    score = min((pair.score for pair in moved.choice.motion.pairs.values()), default=1.0)
+    score = min((pair.score for pair in moved.choice.motion.guided.pairs.values()), default=1.0)
     return moved.distortion > _MOST_DISTORTED or score < _LEAST_SCORE

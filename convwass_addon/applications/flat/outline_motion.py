@@ -21,6 +21,7 @@ from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
 from ..motions.laid_meshes import Laid
 from ..motions.shape_deformations import ShapeDeformation, split_deformation
+from .agreeing_motion import AgreeingMotion
 from .outline_meshes import filled_outline, outline_knots, outline_mesh
 from .outline_pairs import OutlinedShape, ShapePair, matched_shapes
 from .sheets import Sheet
@@ -28,6 +29,8 @@ from .sliding_outlines import least_distorted, with_slid_outlines
 
 # Edge length of the triangles, relative to the size of the shape.
 _TRIANGLES = 0.028
+# Carriers have at least this number of vertices, and are never coarser than the shapes.
+_VERTICES = 6000
 
 
 @dataclass(frozen=True)
@@ -87,7 +90,8 @@ def outline_motion(
     knots = outline_knots(shapes, matches)
     sheets = tuple(_sheet(shape, own) for shape, own in zip(shapes, knots, strict=True))
     # Nothing is left for what resists stretching.
-    settings = GuidedSettings(coherence=min(coherence, FULL_COHERENCE))
+    most = max(len(sheet.mesh.vertices) for sheet in sheets)
+    settings = GuidedSettings(coherence=min(coherence, FULL_COHERENCE), carrier_vertices=max(2 * most, _VERTICES))
     none = np.empty(0, np.int64)
     carriers = tuple(
         carrier_of(sheet.mesh, name, none, settings.carrier_vertices, control)
@@ -102,7 +106,7 @@ def outline_motion(
         deformations[one, other] = split_deformation(*ends, _laid(there), None, control)
         deformations[other, one] = split_deformation(*ends[::-1], _laid(home), deformations[one, other], control)
     known = {pair: _figures(match) for pair, match in matches.items()}
-    motion = GuidedMotion(carriers, deformations, known, settings)
+    motion = AgreeingMotion(GuidedMotion(carriers, deformations, known, settings))
     turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
     return MovedSheets(sheets, MotionChoice("guided", "OUTLINES", motion, turned=turned), distortion)
 
