@@ -149,12 +149,12 @@ def with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
 
 
 def least_distorted(matches: Sequence[ShapePair], control: Control) -> ShapePair:
-    """Return the match of two shapes that distorts the inside of one clearly less than those before it."""
-    best = matches[0]
-    if len(matches) == 1:
+    """Slide matched outlines; return the match that distorts the inside of a shape clearly less than those before."""
+    best, *others = (with_slid_outlines(match, control) for match in matches)
+    if not others:
         return best
     least = _distortion(best, control)
-    for match in matches[1:]:
+    for match in others:
         found = _distortion(match, control)
         if found < _LESS * least:
             best, least = match, found
