@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .planar_fill import Boundary
+from .plane_angles import signed_angles
+from .ring_nesting import boundary_rings
 
 # Pairs of a point and an edge processed together.
 _AT_ONCE = 4_000_000
@@ -53,9 +55,7 @@ class ClosedCurve:
 
     def sharp_places(self, angle: float) -> NDArray[np.float64]:
         """Return the places of all points at which the curve turns by more than an angle in radians."""
-        before, after = np.roll(self._sides, 1, axis=0), self._sides
-        crosses = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-        turns = np.arctan2(crosses, (before * after).sum(axis=1))
+        turns = signed_angles(np.roll(self._sides, 1, axis=0), self._sides)
         return self.starts[:-1][np.abs(turns) > angle]
 
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
@@ -105,6 +105,13 @@ class ClosedCurve:
         """Return how far along the curve other places, (k,), are from places, (...,), at most half of it: (..., k)."""
         return np.mod(others - places[..., None] + 0.5 * self.length, self.length) - 0.5 * self.length
 
+    def to_nearest(self, places: NDArray[np.float64], others: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far the nearest of other places, (k,), is from places, (...,); infinite if there is none."""
+        if not len(others):
+            return np.full(places.shape, np.inf)
+        away = self.differences(places, others)
+        return np.take_along_axis(away, np.abs(away).argmin(axis=-1)[..., None], axis=-1)[..., 0]
+
     def with_places(self, places: NDArray[np.float64]) -> ClosedCurve:
         """Return the same curve with more points on it."""
         knots = np.concatenate([self.starts[:-1], places])
@@ -113,31 +120,10 @@ class ClosedCurve:
 
 def boundary_curves(boundary: Boundary) -> list[ClosedCurve]:
     """Return the closed curves of a boundary: counterclockwise around regions, clockwise around holes."""
-    corners, ends = np.unique(np.concatenate([boundary.starts, boundary.ends]), axis=0, return_inverse=True)
-    first, last = ends.ravel()[: len(boundary.starts)], ends.ravel()[len(boundary.starts) :]
-    leaving: dict[int, list[int]] = {}
-    for edge, corner in enumerate(first.tolist()):
-        leaving.setdefault(corner, []).append(edge)
-    directions = corners[last] - corners[first]
-    curves, left = [], dict.fromkeys(range(len(first)))
-    while left:
-        edges, edge = [], next(iter(left))
-        while edge in left:
-            del left[edge]
-            edges.append(edge)
-            beyond = leaving[int(last[edge])]
-            # Where regions touch at a corner, each has its own curve.
-            edge = max(beyond, key=lambda other, before=edge: _turn(directions[before], directions[other]))
-        curves.append(ClosedCurve(corners[first[edges]]))
-    return curves
+    return [ClosedCurve(ring) for ring in boundary_rings(boundary)]
 
 
 def boundary_of(curves: Sequence[ClosedCurve]) -> Boundary:
     """Return the boundary that consists of closed curves."""
     starts = np.concatenate([curve.points for curve in curves])
     return Boundary(starts, np.concatenate([np.roll(curve.points, -1, axis=0) for curve in curves]))
-
-
-def _turn(before: NDArray[np.float64], after: NDArray[np.float64]) -> float:
-    """Return the angle by which a path turns to the left."""
-    return float(np.arctan2(before[0] * after[1] - before[1] * after[0], before @ after))

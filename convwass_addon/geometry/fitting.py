@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from .bezier_pieces import BezierPieces, basis, fitted_pieces
 from .outlines import Outline
+from .plane_angles import signed_angles
 
 # A corner turns by more than this within a few points; noise of marching squares does not.
 _CORNER = np.radians(50.0)
@@ -147,7 +148,7 @@ def _corners(ring: NDArray[np.float64], arc: float) -> NDArray[np.int64]:
     gap = max(1, reach // 3)
     before = np.roll(ring, gap, axis=0) - np.roll(ring, reach, axis=0)
     after = np.roll(ring, -reach, axis=0) - np.roll(ring, -gap, axis=0)
-    turn = np.abs(np.arctan2(before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0], (before * after).sum(axis=1)))
+    turn = np.abs(signed_angles(before, after))
     found = []
     free = turn > _CORNER
     for place in np.argsort(-turn, kind="stable"):

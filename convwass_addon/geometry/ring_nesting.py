@@ -10,6 +10,7 @@ from scipy.spatial import cKDTree
 
 from .outlines import FlatRegion, Outline, ring_area
 from .planar_fill import Boundary
+from .plane_angles import signed_angles
 
 
 def outline_of(boundary: Boundary) -> Outline:
@@ -25,8 +26,7 @@ def outline_of(boundary: Boundary) -> Outline:
     Outline
         The largest region first.
     """
-    corners, numbers = np.unique(np.concatenate([boundary.starts, boundary.ends]), axis=0, return_inverse=True)
-    rings = [corners[chain] for chain in closed_chains(*numbers.ravel().reshape(2, -1))]
+    rings = [ring for ring in boundary_rings(boundary) if len(ring) >= 3]
     outers = sorted((ring for ring in rings if ring_area(ring) > 0), key=ring_area, reverse=True)
     holes: list[list[NDArray[np.float64]]] = [[] for _ in outers]
     for hole in (ring for ring in rings if ring_area(ring) < 0):
@@ -34,6 +34,31 @@ def outline_of(boundary: Boundary) -> Outline:
         if around:
             holes[around[-1]].append(hole)
     return Outline(tuple(FlatRegion(outer, tuple(own)) for outer, own in zip(outers, holes, strict=True)))
+
+
+def boundary_rings(boundary: Boundary) -> list[NDArray[np.float64]]:
+    """Chain the edges of a boundary to polygons, (n, 2): counterclockwise around regions, clockwise around holes.
+
+    Where regions touch at a corner, each has its own ring.
+    """
+    corners, numbers = np.unique(np.concatenate([boundary.starts, boundary.ends]), axis=0, return_inverse=True)
+    first, last = numbers.ravel().reshape(2, -1)
+    leaving: dict[int, list[int]] = {}
+    for edge, corner in enumerate(first.tolist()):
+        leaving.setdefault(corner, []).append(edge)
+    directions = corners[last] - corners[first]
+    rings, left = [], dict.fromkeys(range(len(first)))
+    while left:
+        edges, edge = [], next(iter(left))
+        while edge in left:
+            del left[edge]
+            edges.append(edge)
+            beyond = leaving[int(last[edge])]
+            # The sharpest turn to the left goes on around the same region.
+            turns = signed_angles(directions[edge], directions[beyond])
+            edge = beyond[int(turns.argmax())]
+        rings.append(corners[first[edges]])
+    return rings
 
 
 def keyholed(region: FlatRegion) -> NDArray[np.float64]:

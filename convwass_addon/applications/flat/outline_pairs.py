@@ -5,16 +5,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 
-from ...geometry.closed_curves import ClosedCurve, boundary_curves, boundary_of
+from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.curve_maps import CurveMap, even_map
-from ...geometry.outlines import ring_area
 from ...geometry.planar_fill import Boundary
+from ...geometry.plane_angles import best_turn, signed_angles
+from ...geometry.ring_nesting import outline_of
 from .matched_outlines import MatchedOutlines, matched_outlines, placed_outlines
 from .outline_curves import OutlineCurve
 
@@ -55,18 +57,12 @@ class OutlinedShape:
     @classmethod
     def of(cls, filled: Boundary) -> OutlinedShape:
         """Divide a boundary into curves."""
-        curves = _apart(boundary_curves(filled), _GAP * np.sqrt(filled.area))
-        areas = np.array([ring_area(curve.points) for curve in curves])
-        outer = np.flatnonzero(areas > 0)
-        regions = [boundary_of([curves[index]]) for index in outer]
-        holes: list[list[int]] = [[] for _ in outer]
-        for hole in np.flatnonzero(areas < 0):
-            # A smaller region may touch the hole at this point from the inside.
-            larger = np.flatnonzero(areas[outer] > -areas[hole])
-            around = [place for place in larger if regions[place].contains(curves[hole].points[:1]).all()]
-            if around:
-                holes[min(around, key=lambda place: areas[outer[place]])].append(int(hole))
-        return cls(filled, tuple(curves), tuple(map(int, outer)), tuple(map(tuple, holes)))
+        outline = outline_of(filled)
+        curves = _apart([ClosedCurve(ring) for ring in outline.rings], _GAP * np.sqrt(filled.area))
+        sizes = [1 + len(region.holes) for region in outline.regions]
+        outer = [end - size for end, size in zip(accumulate(sizes), sizes, strict=True)]
+        holes = tuple(tuple(range(first + 1, first + size)) for first, size in zip(outer, sizes, strict=True))
+        return cls(filled, tuple(curves), tuple(outer), holes)
 
     @property
     def size(self) -> float:
@@ -249,9 +245,7 @@ class _InsideMap:
         places = np.linspace(0.0, self.curve.length, _SAMPLES, endpoint=False)
         toward = self.curve.at(places) - points[:, None]
         away = np.maximum(np.linalg.norm(toward, axis=2), np.finfo(np.float64).eps * self.curve.length)
-        after = np.roll(toward, -1, axis=1)
-        crosses = toward[..., 0] * after[..., 1] - toward[..., 1] * after[..., 0]
-        angles = np.arctan2(crosses, (toward * after).sum(axis=2))
+        angles = signed_angles(toward, np.roll(toward, -1, axis=1))
         tangents = np.tan(0.5 * np.clip(angles, -_STRAIGHT, _STRAIGHT))
         weights = (tangents + np.roll(tangents, 1, axis=1)) / away
         return weights @ self.other.at(self.around(places)) / weights.sum(axis=1, keepdims=True)
@@ -260,6 +254,4 @@ class _InsideMap:
         """Return the angle in radians by which a curve inside turns."""
         points = hole.at(np.linspace(0.0, hole.length, _HOLE_SAMPLES, endpoint=False))
         images = self.at(points)
-        points, images = points - points.mean(axis=0), images - images.mean(axis=0)
-        sine = (points[:, 0] * images[:, 1] - points[:, 1] * images[:, 0]).sum()
-        return float(np.arctan2(sine, (points * images).sum()))
+        return best_turn(points - points.mean(axis=0), images - images.mean(axis=0))
