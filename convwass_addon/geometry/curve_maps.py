@@ -72,8 +72,7 @@ def smooth_map(
     kept = np.zeros(len(places), bool)
     kept[[0, -1]] = True
     for curve, own, sharp in zip(curves, (places, images), corners, strict=True):
-        if len(sharp):
-            kept |= np.abs(curve.differences(own, sharp)).min(axis=1) < _SAME * curve.length
+        kept |= np.abs(curve.to_nearest(own, sharp)) < _SAME * curve.length
     rounds = 0.5 * (places / lengths[0] + images / lengths[1])
     knots = np.flatnonzero(kept)
     chosen = [knots]

@@ -17,6 +17,8 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from .plane_angles import rotated
+
 # Numbers of samples of both curves that a piece spans.
 _STEPS = ((1, 1), (1, 2), (2, 1), (2, 3), (3, 2), (1, 3), (3, 1), (1, 4), (4, 1), (1, 6), (6, 1))
 
@@ -69,8 +71,7 @@ class CurveSamples:
 
     def turned(self, angle: float) -> CurveSamples:
         """Return the samples after a rotation about the origin, by an angle in radians."""
-        cosine, sine = np.cos(angle), np.sin(angle)
-        return replace(self, points=self.points @ np.array([[cosine, sine], [-sine, cosine]]))
+        return replace(self, points=rotated(self.points, angle))
 
     def twice_around(self) -> CurveSamples:
         """Return the samples of a closed curve, whose last sample is its first, for two rounds."""
@@ -150,33 +151,64 @@ def match_work(one: CurveSamples, other: CurveSamples, match: MatchedCurves, wei
     """Return the work of a match with other weights than those that it was found with."""
     spans = np.stack([np.diff(match.first), np.diff(match.second)], axis=1)
     total = 0.0
-    for step in _STEPS:
-        chosen = np.flatnonzero((spans == step).all(axis=1))
-        total += float(_works(one, other, step, weights)[match.first[chosen], match.second[chosen]].sum())
+    for own, others in _STEPS:
+        chosen = np.flatnonzero((spans == (own, others)).all(axis=1))
+        ours = _Pieces.of(one, own).at(match.first[chosen])
+        total += float(_work(ours, _Pieces.of(other, others).at(match.second[chosen]), weights).sum())
     return total
 
 
 def _works(one: CurveSamples, other: CurveSamples, step: tuple[int, int], weights: MatchWeights) -> NDArray[np.float64]:
     """Return the work of matching all pieces of given numbers of samples, (n - step[0], m - step[1])."""
-    (lengths, directions, middles), (theirs, toward, centers) = (
-        _pieces(curve, span) for curve, span in zip((one, other), step, strict=True)
-    )
-    turning = 1.0 - np.cos(directions[:, None] - toward)
-    moving = np.square(middles[:, None] - centers).sum(axis=2)
-    stretching = np.square(np.log(lengths[:, None] / theirs))
-    changes = np.square(one.shape[:, None] - other.shape).sum(axis=2)
-    changing = 0.5 * (changes[: -step[0], : -step[1]] + changes[step[0] :, step[1] :])
-    work = weights.turning * turning + weights.moving * moving
-    work += weights.stretching * stretching + weights.changing * changing
-    bent, other_bent = (_turns(curve, span) for curve, span in zip((one, other), step, strict=True))
-    return 0.5 * (lengths[:, None] + theirs) * work + weights.bending * np.square(bent[:, None] - other_bent)
+    return _work(_Pieces.of(one, step[0]).at((slice(None), None)), _Pieces.of(other, step[1]), weights)
 
 
-def _pieces(curve: CurveSamples, span: int) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the lengths, directions and middles of all pieces of a number of samples."""
-    along = curve.points[span:] - curve.points[:-span]
-    directions = np.arctan2(along[:, 1], along[:, 0])
-    return curve.places[span:] - curve.places[:-span], directions, 0.5 * (curve.points[span:] + curve.points[:-span])
+def _work(ours: _Pieces, theirs: _Pieces, weights: MatchWeights) -> NDArray[np.float64]:
+    """Return the work of matching pieces, whose arrays are broadcast."""
+    work = weights.turning * (1.0 - np.cos(ours.directions - theirs.directions))
+    work = work + weights.moving * np.square(ours.middles - theirs.middles).sum(axis=-1)
+    work += weights.stretching * np.square(np.log(ours.lengths / theirs.lengths))
+    ends = (np.square(ours.shapes[end] - theirs.shapes[end]).sum(axis=-1) for end in (0, 1))
+    work += weights.changing * (0.5 * sum(ends))
+    return 0.5 * (ours.lengths + theirs.lengths) * work + weights.bending * np.square(ours.turns - theirs.turns)
+
+
+@dataclass(frozen=True)
+class _Pieces:
+    """Pieces of a curve.
+
+    Attributes
+    ----------
+    lengths, directions, turns : (n,) float64
+        Lengths, angles of the lines between their ends, and angles by which they turn.
+    middles : (n, 2) float64
+        Middles of these lines.
+    shapes : pair of (n, k) float64
+        Features of the shape near both ends.
+    """
+
+    lengths: NDArray[np.float64]
+    directions: NDArray[np.float64]
+    turns: NDArray[np.float64]
+    middles: NDArray[np.float64]
+    shapes: tuple[NDArray[np.float64], NDArray[np.float64]]
+
+    @classmethod
+    def of(cls, curve: CurveSamples, span: int) -> _Pieces:
+        """Return all pieces of a number of samples."""
+        along = curve.points[span:] - curve.points[:-span]
+        return cls(
+            curve.places[span:] - curve.places[:-span],
+            np.arctan2(along[:, 1], along[:, 0]),
+            _turns(curve, span),
+            0.5 * (curve.points[span:] + curve.points[:-span]),
+            (curve.shape[:-span], curve.shape[span:]),
+        )
+
+    def at(self, rows: NDArray[np.int64] | tuple[slice, None]) -> _Pieces:
+        """Return some of the pieces, or all of them along another axis."""
+        shapes = self.shapes[0][rows], self.shapes[1][rows]
+        return _Pieces(self.lengths[rows], self.directions[rows], self.turns[rows], self.middles[rows], shapes)
 
 
 def _turns(curve: CurveSamples, span: int) -> NDArray[np.float64]:

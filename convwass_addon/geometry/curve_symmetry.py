@@ -63,10 +63,8 @@ class MirrorAxes:
         least = np.minimum(np.roll(deviations, 1), np.roll(deviations, -1))
         spacing = curve.length / _SAMPLES
         ends = np.stack([0.5 * chosen, 0.5 * (chosen + _SAMPLES)], axis=1) * spacing
-        if len(corners):
-            away = curve.differences(ends, corners)
-            nearest = np.take_along_axis(away, np.abs(away).argmin(axis=-1)[..., None], axis=-1)[..., 0]
-            ends = np.where(np.abs(nearest) <= _AT_END * curve.length, ends + nearest, ends)
+        nearest = curve.to_nearest(ends, corners)
+        ends = np.where(np.abs(nearest) <= _AT_END * curve.length, ends + nearest, ends)
         crossings = curve.at(ends.ravel()).reshape(-1, 2, 2)
         along = crossings[:, 0] - crossings[:, 1]
         return cls(ends, np.arctan2(along[:, 1], along[:, 0]), deviations[chosen] <= least[chosen])

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ...geometry.curve_maps import CurveMap, smooth_map
 from ...geometry.curve_matching import CurveSamples, MatchedCurves, MatchWeights, match_work, matched_curves
 from ...geometry.curve_symmetry import MirrorAxes
+from ...geometry.plane_angles import best_turn
 from .outline_curves import OutlineCurve
 
 # Samples of an outline for a rough match, by which turns are compared, and for the final one.
@@ -220,8 +221,7 @@ def _best(one: OutlineCurve, other: OutlineCurve, poses: Sequence[_Pose], weight
 def _best_turn(one: OutlineCurve, other: OutlineCurve, match: _Match) -> float:
     """Return the turn of the first curve, in radians, that brings matched points closest to each other."""
     ours, theirs = one.curve.at(match.places) - one.center, other.curve.at(match.images) - other.center
-    sine = (ours[:, 0] * theirs[:, 1] - ours[:, 1] * theirs[:, 0]).sum()
-    return float(np.arctan2(sine, (ours * theirs).sum()))
+    return best_turn(ours, theirs)
 
 
 def _symmetric_poses(one: MirrorAxes, other: MirrorAxes) -> Iterator[_Pose]:

@@ -16,6 +16,7 @@ from ...geometry.coverage import coverage
 from ...geometry.curve_matching import CurveSamples
 from ...geometry.curve_symmetry import MirrorAxes
 from ...geometry.planar_fill import Boundary
+from ...geometry.plane_angles import rotated, signed_angles
 
 # A corner turns by more than this angle. A curve of more corners than the second number, such as a traced one, is
 # treated as smooth.
@@ -81,10 +82,8 @@ class OutlineCurve:
         """Return the curve of the whole shape turned about the center, by an angle in radians; places stay the same."""
         if angle == 0.0:
             return self
-        cosine, sine = np.cos(angle), np.sin(angle)
-        rotation = np.array([[cosine, sine], [-sine, cosine]])
         curve, *ends = (
-            (points - self.center) @ rotation + self.center
+            rotated(points - self.center, angle) + self.center
             for points in (self.curve.points, self.filled.starts, self.filled.ends)
         )
         return OutlineCurve(ClosedCurve(curve), Boundary(*ends), self.center)
@@ -106,8 +105,6 @@ class OutlineCurve:
 def _turns(points: NDArray[np.float64], is_closed: bool) -> NDArray[np.float64]:
     """Return the angles by which a polygon turns to the left at its points; at the ends of an open one, zero."""
     along = np.diff(points, axis=0)
-    before, after = along, np.roll(along, -1, axis=0)
-    crosses = before[:, 0] * after[:, 1] - before[:, 1] * after[:, 0]
-    turns = np.arctan2(crosses, (before * after).sum(axis=1))
+    turns = signed_angles(along, np.roll(along, -1, axis=0))
     last = turns[-1:] if is_closed else np.zeros(1)
     return np.concatenate([last, turns[:-1], last])

@@ -187,7 +187,4 @@ def _slid(slide: _Slide, points: NDArray[np.float64], most: float) -> _Slide:
 
 def _are_corners(curve: ClosedCurve, places: NDArray[np.float64]) -> NDArray[np.bool_]:
     """Return whether places are corners of a curve."""
-    corners = sharp_corners(curve)
-    if not len(corners):
-        return np.zeros(len(places), bool)
-    return np.abs(curve.differences(places, corners)).min(axis=1) < _SAME * curve.length
+    return np.abs(curve.to_nearest(places, sharp_corners(curve))) < _SAME * curve.length
