@@ -1,0 +1,71 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cut filled areas of the plane along straight lines."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import brentq
+
+from .planar_fill import Boundary
+
+# Corners this close to a line lie on it, relative to the square root of the area.
+_ON_LINE = 1e-6
+
+
+def cut_at_share(boundary: Boundary, normal: NDArray[np.float64], share: float) -> tuple[Boundary, Boundary]:
+    """Cut a filled area by the line across a direction that leaves a share of the area behind it.
+
+    Parameters
+    ----------
+    boundary : Boundary
+        The filled area.
+    normal : (2,)
+        The direction, of any length.
+    share : float
+        Share of the area behind the line, between 0 and 1.
+
+    Returns
+    -------
+    tuple of Boundary
+        What is behind the line, and what is beyond it.
+    """
+    along = normal / np.linalg.norm(normal)
+    heights = boundary.starts @ along
+    low, high = float(heights.min()), float(heights.max())
+    wanted = share * boundary.area
+
+    def missing(offset: float) -> float:
+        return _beyond(boundary, -along, -offset).area - wanted
+
+    offset = float(brentq(missing, low, high, xtol=1e-3 * _ON_LINE * (high - low)))
+    return _beyond(boundary, -along, -offset).united(()), _beyond(boundary, along, offset).united(())
+
+
+def _beyond(boundary: Boundary, along: NDArray[np.float64], offset: float) -> Boundary:
+    """Return what lies beyond a line, where the product with a unit vector exceeds an offset."""
+    starts, ends = (
+        _snapped(points @ along - offset, np.sqrt(boundary.area)) for points in (boundary.starts, boundary.ends)
+    )
+    is_first, is_last = starts >= 0.0, ends >= 0.0
+    crosses = is_first != is_last
+    share = np.where(crosses, starts / np.where(crosses, starts - ends, 1.0), 0.0)
+    points = boundary.starts + share[:, None] * (boundary.ends - boundary.starts)
+    clipped = Boundary(
+        np.where((is_first | ~crosses)[:, None], boundary.starts, points),
+        np.where((is_last | ~crosses)[:, None], boundary.ends, points),
+    )
+    kept = is_first | is_last
+    # Along the line, with what is beyond on the left, the area is entered and left in turn.
+    across = np.array([along[1], -along[0]])
+    on_line = points[crosses]
+    on_line = on_line[np.argsort(on_line @ across, kind="stable")]
+    return Boundary(
+        np.concatenate([clipped.starts[kept], on_line[0::2]]), np.concatenate([clipped.ends[kept], on_line[1::2]])
+    )
+
+
+def _snapped(distances: NDArray[np.float64], size: float) -> NDArray[np.float64]:
+    """Return distances from a line, with those of corners that lie on it set to zero."""
+    return np.where(np.abs(distances) < _ON_LINE * size, 0.0, distances)
