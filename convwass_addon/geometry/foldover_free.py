@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array
 
 from ..progress import UNINTERRUPTED, Control
+from .edges import vertex_components
 from .factorization import Factorization, factorize
 from .laplacian import laplacian
 from .mesh import TriangleMesh
@@ -29,6 +30,8 @@ _ROUNDS, _STEPS, _DECREASE, _LEAST_DECREASE = 20, 60, 0.01, 1e-4
 # Width e of the transition between triangles that are turned over and those that are not, relative to the determinant
 # of the worst one, and its least value.
 _WIDTH, _LEAST_WIDTH = 0.2, 1e-6
+# Least area of a connected component after the deformation, relative to that before: a hundredth of that of a point.
+_LEAST_AFTER = 1e-7
 # Steps that the quasi-Newton method remembers, and of the line search: the share of the expected decrease that is
 # enough, and the largest number of times that a step is halved.
 _REMEMBERED, _ENOUGH, _HALVINGS = 10, 1e-4, 30
@@ -148,7 +151,8 @@ class _Energy:
     faces : (m, 3) int64
         Triangles, without those of no area.
     gradients : (m, 3, 2) float64
-        Gradients of the barycentric coordinates of every triangle at rest, scaled to the area that it should have.
+        Gradients of the barycentric coordinates of every triangle at rest, with every connected component scaled to
+        the area that it should have.
     areas : (m,) float64
         Shares of the area.
     """
@@ -163,12 +167,13 @@ class _Energy:
         doubled = _doubled_areas(corners)
         kept = doubled > 1e-12 * np.abs(doubled).sum()
         faces, corners, doubled = mesh.faces[kept], corners[kept], doubled[kept]
-        # The area inside the held outline, by the signed areas of all triangles, does not depend on the other vertices.
-        after = max(float(_doubled_areas(start[faces]).sum()), 1e-3 * float(doubled.sum()))
+        # The area inside a held outline, by the signed areas of its triangles, does not depend on the other vertices.
+        component = vertex_components(mesh)[faces[:, 0]]
+        rest, after = (np.bincount(component, own) for own in (doubled, _doubled_areas(start[faces])))
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
         across = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2)
-        scale = np.sqrt(after / doubled.sum())
-        return cls(faces, across / (doubled[:, None, None] * scale), doubled / doubled.sum())
+        scale = np.sqrt(np.maximum(after, _LEAST_AFTER * rest) / rest)[component]
+        return cls(faces, across / (doubled * scale)[:, None, None], doubled / doubled.sum())
 
     def _jacobians(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.einsum("mcj,mci->mij", self.gradients, points[self.faces])
