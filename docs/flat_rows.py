@@ -30,7 +30,9 @@ _WORDS = ("MILK", "TOAST")
 _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
 # Width and height of a tile, and pixels per unit: a word's length, or a letter's height.
 _WORD, _LETTER = (300, 110, 270.0), (120, 150, 75.0)
-_PAIRS = (("5", "2"), ("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"))
+# Of the last ones, one has more separate areas than the other.
+_DIVIDED = (("?", "7"), ("=", "H"), ("heart", "hearts"), ("sun", "moon"))
+_PAIRS = (("5", "2"), ("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"), *_DIVIDED)
 # Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 
@@ -55,7 +57,7 @@ def draw_words() -> None:
 
 def draw_motions() -> None:
     """Draw letters and signs: by transport alone, and with the automatic motion."""
-    signs = {"heart": heart(), "star": _star(), "gear": _gear()}
+    signs = {"heart": heart(), "star": _star(), "gear": _gear(), "hearts": _hearts(), "sun": _sun(), "moon": _moon()}
     rows = []
     for pair in _PAIRS:
         shapes = (signs[name] if name in signs else lettered(name) for name in pair)
@@ -83,6 +85,36 @@ def _gear() -> FlatShape:
     teeth = radii[:, None] * np.stack([np.cos(angles.ravel()), np.sin(angles.ravel())], axis=1)
     around = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
     return centered([teeth, 0.18 * np.stack([np.cos(around), np.sin(around)], axis=1)], "even-odd")
+
+
+def _hearts() -> FlatShape:
+    """Draw two hearts side by side."""
+    (ring,) = heart().rings
+    return centered([0.5 * ring - np.array([0.3, 0.0]), 0.5 * ring + np.array([0.3, 0.0])], "even-odd")
+
+
+def _sun() -> FlatShape:
+    """Draw a disc with eight rays."""
+    ray = np.array([(0.31, -0.035), (0.5, -0.035), (0.5, 0.035), (0.31, 0.035)])
+    turns = [np.array([(np.cos(a), np.sin(a)), (-np.sin(a), np.cos(a))]) for a in np.arange(8) * (np.pi / 4)]
+    return centered([_arc(0.22, 0.0, 2.0 * np.pi)[:-1], *(ray @ turn for turn in turns)], "even-odd")
+
+
+def _moon() -> FlatShape:
+    """Draw a crescent."""
+    tip = np.radians(60.0)
+    outer = _arc(0.5, tip, 2.0 * np.pi - tip)
+    # Through the same tips, around a center at the right.
+    right = 0.25
+    radius = float(np.hypot(outer[0, 0] - right, outer[0, 1]))
+    begin = float(np.arctan2(outer[0, 1], outer[0, 0] - right))
+    inner = _arc(radius, begin, 2.0 * np.pi - begin)[::-1] + np.array([right, 0.0])
+    return centered([np.concatenate([outer, inner[1:-1]])], "even-odd")
+
+
+def _arc(radius: float, begin: float, end: float) -> NDArray[np.float64]:
+    angles = np.linspace(begin, end, 97)
+    return radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
 def _inked(shape: FlatShape, ink: Sequence[float]) -> FlatShape:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -132,6 +133,13 @@ class TriangleMesh:
     def flipped(self) -> TriangleMesh:
         """Return the mesh with the orientation of every face reversed."""
         return TriangleMesh(self.vertices, np.ascontiguousarray(self.faces[:, ::-1]))
+
+
+def joined_meshes(meshes: Sequence[TriangleMesh]) -> TriangleMesh:
+    """Return several meshes as one; vertices and triangles keep their order."""
+    counts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
+    faces = [mesh.faces + first for mesh, first in zip(meshes, counts[:-1], strict=True)]
+    return TriangleMesh(np.concatenate([mesh.vertices for mesh in meshes]), np.concatenate(faces))
 
 
 def is_level(points: NDArray[np.float64]) -> bool:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
 
 from ...geometry.closed_curves import boundary_of
-from ...geometry.edges import edge_ends, edge_use, proper_part
+from ...geometry.edges import edge_ends, edge_use, proper_part, vertex_components
 from ...geometry.factorization import factorize
 from ...geometry.foldover_free import DeformedTriangles, foldover_free
 from ...geometry.mesh import TriangleMesh
@@ -20,10 +20,11 @@ from ...geometry.planar_mesh import planar_mesh, without_bridges
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .outline_curves import sharp_corners
-from .outline_pairs import OutlinedShape, ShapePair
+from .outline_pairs import ShapePair
+from .outlined_shape import OutlinedShape
 
 # Least number of vertices along a curve.
-_FEWEST = 12
+_FEWEST = 24
 # Stiffness of the springs that hold the outline; an edge between two equilateral triangles has 0.58.
 _HELD = 1e8
 
@@ -41,17 +42,51 @@ def outline_knots(
     return [[np.concatenate(own) for own in shape] for shape in found]
 
 
-def outline_mesh(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]], edge: float) -> TriangleMesh:
-    """Triangulate a shape, with vertices at the knots of every curve, and edges of a length relative to its size."""
+def region_meshes(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]], edge: float) -> list[TriangleMesh]:
+    """Triangulate the regions of a shape, with vertices at the knots of every curve.
+
+    Parameters
+    ----------
+    shape : OutlinedShape
+        The shape, whose regions may nearly touch, or overlap while they are points.
+    knots : sequence of (k,)
+        Places on every curve.
+    edge : float
+        Length of the edges, relative to the size of the shape.
+    """
     length = edge * shape.size
     rim = [
         curve.resampled(own, min(length, curve.length / _FEWEST))
         for curve, own in zip(shape.curves, knots, strict=True)
     ]
-    mesh = without_bridges(planar_mesh(boundary_of(rim), length))
-    # Where an outline is finer than the triangles, some of its points belong to none.
-    used, faces = proper_part(mesh)
-    return TriangleMesh(mesh.vertices[used], faces)
+    found = []
+    for region in shape.regions:
+        mesh = without_bridges(planar_mesh(boundary_of([rim[index] for index in region.curves]), length))
+        # Where an outline is finer than the triangles, some of its points belong to none.
+        used, faces = proper_part(mesh)
+        found.append(TriangleMesh(mesh.vertices[used], faces))
+    return found
+
+
+def region_labels(mesh: TriangleMesh, shape: OutlinedShape) -> NDArray[np.int64]:
+    """Return the region of a shape that every vertex of a mesh of it belongs to, (n,).
+
+    Every connected component of the mesh fills the region to whose curves its boundary is closest.
+    """
+    components = vertex_components(mesh)
+    vertices = _rim_vertices(mesh)
+    away = [
+        np.min([shape.curves[index].nearest(mesh.vertices[vertices, :2])[1] for index in region.curves], axis=0)
+        for region in shape.regions
+    ]
+    total = np.stack([np.bincount(components[vertices], own) for own in away])
+    return total.argmin(axis=0)[components]
+
+
+def _rim_vertices(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Return the vertices on the boundary of a mesh."""
+    use = edge_use(mesh.faces)
+    return np.unique(edge_ends(mesh.faces, use)[use.count == 1])
 
 
 @dataclass(frozen=True)
@@ -75,12 +110,16 @@ class Rim:
     @classmethod
     def of(cls, mesh: TriangleMesh, shape: OutlinedShape) -> Rim:
         """Find the places of the vertices on the boundary of a mesh of a shape."""
-        use = edge_use(mesh.faces)
-        vertices = np.unique(edge_ends(mesh.faces, use)[use.count == 1])
-        found = [curve.nearest(mesh.vertices[vertices, :2]) for curve in shape.curves]
-        nearest = np.argmin([away for _, away in found], axis=0)
-        places = np.stack([own for own, _ in found])[nearest, np.arange(len(vertices))]
-        return cls(vertices, nearest, places)
+        vertices = _rim_vertices(mesh)
+        labels = region_labels(mesh, shape)[vertices]
+        curves, places = np.empty(len(vertices), np.int64), np.empty(len(vertices))
+        for region, own in enumerate(shape.regions):
+            rows = np.flatnonzero(labels == region)
+            found = [shape.curves[index].nearest(mesh.vertices[vertices[rows], :2]) for index in own.curves]
+            nearest = np.argmin([away for _, away in found], axis=0)
+            curves[rows] = np.array(own.curves)[nearest]
+            places[rows] = np.stack([place for place, _ in found])[nearest, np.arange(len(rows))]
+        return cls(vertices, curves, places)
 
     def on(self, curve: int) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Return the vertices on a curve and their places, in order."""

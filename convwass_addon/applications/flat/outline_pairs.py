@@ -5,107 +5,25 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from itertools import accumulate
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
-from scipy.spatial import cKDTree
 
 from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.curve_maps import CurveMap, even_map
-from ...geometry.planar_fill import Boundary
 from ...geometry.plane_angles import best_turn, signed_angles
-from ...geometry.ring_nesting import outline_of
 from .matched_outlines import MatchedOutlines, matched_outlines, placed_outlines
-from .outline_curves import OutlineCurve
+from .outlined_shape import OutlinedShape
 
-# Corners at which curves touch are cut by this, relative to the square root of the area.
-_GAP = 2e-3
-# Shapes of more regions are not matched by their outlines.
-_MOST_REGIONS = 32
-# Extent of a hole that opens from a point, and its least distance from the outline, relative to the square root of the
-# area; cells along both sides of the grid on which its place is sought; and samples of the outline.
-_POINT, _INSIDE, _CELLS, _SAMPLES = 0.004, 0.03, 64, 256
+# Samples of an outline by which the inside is mapped.
+_SAMPLES = 256
 # Largest angle, in radians, at which a point sees an edge of the outline; at pi it is on the edge.
 _STRAIGHT = 3.1
+# Largest difference of points of similar curves, relative to their length.
+_SIMILAR = 1e-9
 # Samples of a hole by which its turn is measured.
 _HOLE_SAMPLES = 48
-
-
-@dataclass(frozen=True)
-class OutlinedShape:
-    """A flat shape as closed curves.
-
-    Attributes
-    ----------
-    filled : Boundary
-        The shape.
-    curves : tuple of ClosedCurve
-        Curves around its regions and holes; last, points that are holes of other shapes.
-    outer : tuple of int
-        Indices of the curves around its regions.
-    holes : tuple of tuple of int
-        Indices of the curves around the holes of every region.
-    """
-
-    filled: Boundary
-    curves: tuple[ClosedCurve, ...]
-    outer: tuple[int, ...]
-    holes: tuple[tuple[int, ...], ...]
-
-    @classmethod
-    def of(cls, filled: Boundary) -> OutlinedShape:
-        """Divide a boundary into curves."""
-        outline = outline_of(filled)
-        curves = _apart([ClosedCurve(ring) for ring in outline.rings], _GAP * np.sqrt(filled.area))
-        sizes = [1 + len(region.holes) for region in outline.regions]
-        outer = [end - size for end, size in zip(accumulate(sizes), sizes, strict=True)]
-        holes = tuple(tuple(range(first + 1, first + size)) for first, size in zip(outer, sizes, strict=True))
-        return cls(filled, tuple(curves), tuple(outer), holes)
-
-    @property
-    def size(self) -> float:
-        """Square root of the area."""
-        return float(np.sqrt(self.filled.area))
-
-    def center(self, index: int) -> NDArray[np.float64]:
-        """Center of what a curve encloses, (2,)."""
-        return boundary_of([self.curves[index]]).center
-
-    def curve(self, index: int) -> OutlineCurve:
-        """Return a curve to be matched."""
-        return OutlineCurve(self.curves[index], self.filled, self.center(index))
-
-    def with_point(self, hole: ClosedCurve, place: NDArray[np.float64]) -> OutlinedShape | None:
-        """Return the shape with a tiny copy of another shape's hole near a place; None if it has no room."""
-        steps = (np.arange(_CELLS) + 0.5) / _CELLS
-        x, y = np.meshgrid(*(low + (high - low) * steps for low, high in self.filled.bounds.T), indexing="ij")
-        cells = np.concatenate([place[None], np.stack([x.ravel(), y.ravel()], axis=1)])
-        spacing = _INSIDE * self.size / 3.0
-        rim = np.concatenate([curve.resampled(curve.starts[:-1], spacing).points for curve in self.curves])
-        free = self.filled.contains(cells) & (cKDTree(rim).query(cells)[0] > _INSIDE * self.size)
-        if not free.any():
-            return None
-        spot = cells[free][np.square(cells[free] - place).sum(axis=1).argmin()]
-        scale = _POINT * self.size / np.ptp(hole.points, axis=0).max()
-        point = ClosedCurve(spot + (hole.points - boundary_of([hole]).center) * scale)
-        return replace(self, curves=(*self.curves, point))
-
-
-def _apart(curves: list[ClosedCurve], gap: float) -> list[ClosedCurve]:
-    """Cut the corners at which curves touch each other or themselves, so that they can move apart."""
-    points = np.concatenate([curve.points for curve in curves])
-    _, index, counts = np.unique(points, axis=0, return_inverse=True, return_counts=True)
-    touches = np.split(counts[index.ravel()] > 1, np.cumsum([len(curve.points) for curve in curves])[:-1])
-    found = []
-    for curve, own in zip(curves, touches, strict=True):
-        lengths = np.diff(curve.starts)
-        before, after = (np.minimum(gap, 0.5 * own_lengths) for own_lengths in (np.roll(lengths, 1), lengths))
-        kept, cut = curve.starts[:-1][~own], curve.starts[:-1][own]
-        places = np.sort(np.concatenate([kept, cut - before[own], cut + after[own]]))
-        found.append(ClosedCurve(curve.at(places)) if own.any() else curve)
-    return found
 
 
 @dataclass(frozen=True)
@@ -151,6 +69,23 @@ class ShapePair:
     pairs: tuple[CurvePair, ...] = ()
     outer: tuple[MatchedOutlines, ...] = ()
 
+    @property
+    def regions(self) -> list[tuple[int, int]]:
+        """Indices of the regions of both shapes that belong together."""
+        ours, theirs = (
+            {region.outer: index for index, region in enumerate(shape.regions)} for shape in (self.first, self.second)
+        )
+        return [(ours[pair.first], theirs[pair.second]) for pair in self.pairs if pair.first in ours]
+
+    @property
+    def vanishing(self) -> float:
+        """Share of the area of a shape that grows from points of the other one, or shrinks to them; the larger one."""
+        shares = np.zeros(2)
+        for own, there in self.regions:
+            ours, theirs = self.first.regions[own], self.second.regions[there]
+            shares += self.first.share(ours) * theirs.is_point, self.second.share(theirs) * ours.is_point
+        return float(shares.max())
+
     def swapped(self) -> ShapePair:
         """Return the pair with the shapes swapped."""
         return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs), self.outer)
@@ -163,21 +98,17 @@ class ShapePair:
 def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
     """Match the closed curves of two shapes: as they are placed, and perhaps also as if limbs swung.
 
-    There is no match of shapes of different numbers of regions, or of too many. Regions belong together that are near
-    each other, relative to the centers of the shapes, and similar in size.
+    Both have equal numbers of regions. These belong together if they are near each other, relative to the centers of
+    the shapes, and similar in size.
     """
-    if len(one.outer) != len(other.outer) or not 1 <= len(one.outer) <= _MOST_REGIONS:
-        return []
     places = []
     for shape in (one, other):
-        filled = [boundary_of([shape.curves[index]]) for index in shape.outer]
+        filled = [boundary_of([shape.curves[region.outer]]) for region in shape.regions]
         centers = np.array([own.center for own in filled]) - shape.filled.center
         places.append(np.column_stack([centers, np.sqrt([own.area for own in filled])]))
     away = np.square(places[0][:, None] - places[1]).sum(axis=2)
     regions = [(int(region), int(there)) for region, there in zip(*linear_sum_assignment(away), strict=True)]
-    matches = [
-        matched_outlines(one.curve(one.outer[region]), other.curve(other.outer[there])) for region, there in regions
-    ]
+    matches = [_matched(one, one.regions[region].outer, other, other.regions[there].outer) for region, there in regions]
     found = []
     for choice in range(max(map(len, matches))):
         pair = ShapePair(one, other)
@@ -187,12 +118,28 @@ def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
     return found
 
 
+def _matched(one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
+    """Match two curves around regions; curves that differ in size only, as those of points do, match at once."""
+    first, second = one.curves[index], other.curves[there]
+    if _are_similar(first, second):
+        return [MatchedOutlines(even_map(first, second), 0.0, 0.0, swings=False)]
+    return matched_outlines(one.curve(index), other.curve(there))
+
+
+def _are_similar(one: ClosedCurve, other: ClosedCurve) -> bool:
+    """Return whether curves have the same points but for a translation and their size."""
+    if len(one.points) != len(other.points):
+        return False
+    ours, theirs = ((curve.points - curve.points.mean(axis=0)) / curve.length for curve in (one, other))
+    return bool(np.abs(ours - theirs).max() < _SIMILAR)
+
+
 def _with_regions(pair: ShapePair, region: int, there: int, match: MatchedOutlines) -> ShapePair:
     """Add the match of the curves around two regions, and those of their holes."""
     one, other = pair.first, pair.second
-    outer = one.outer[region], other.outer[there]
+    outer = one.regions[region].outer, other.regions[there].outer
     pair = replace(pair.with_pair(CurvePair(*outer, match.map, match.swings)), outer=(*pair.outer, match))
-    holes = one.holes[region], other.holes[there]
+    holes = one.regions[region].holes, other.regions[there].holes
     there_map = _InsideMap(one.curves[outer[0]], other.curves[outer[1]], match.map)
     back_map = _InsideMap(other.curves[outer[1]], one.curves[outer[0]], match.map.inverse())
     images = np.array([there_map.at(one.center(hole)[None])[0] for hole in holes[0]]).reshape(-1, 2)
@@ -205,17 +152,17 @@ def _with_regions(pair: ShapePair, region: int, there: int, match: MatchedOutlin
         found = placed_outlines(turned, other.curve(second)).map
         pair = pair.with_pair(CurvePair(first, second, found, match.swings))
     for row in np.setdiff1d(np.arange(len(holes[0])), rows):
-        pair = _with_lone_hole(pair, holes[0][row], there_map)
+        pair = _with_lone_hole(pair, holes[0][row], there, there_map)
     for column in np.setdiff1d(np.arange(len(holes[1])), columns):
-        pair = _with_lone_hole(pair.swapped(), holes[1][column], back_map).swapped()
+        pair = _with_lone_hole(pair.swapped(), holes[1][column], region, back_map).swapped()
     return pair
 
 
-def _with_lone_hole(pair: ShapePair, hole: int, inside: _InsideMap) -> ShapePair:
-    """Let a hole of the first shape shrink to a point of the second one, if there is room."""
+def _with_lone_hole(pair: ShapePair, hole: int, region: int, inside: _InsideMap) -> ShapePair:
+    """Let a hole of the first shape shrink to a point in a region of the second one, if there is room."""
     curve = pair.first.curve(hole)
     turned = curve.turned(inside.turn(curve.curve)).curve
-    grown = pair.second.with_point(turned, inside.at(curve.center[None])[0])
+    grown = pair.second.with_point(turned, inside.at(curve.center[None])[0], region)
     if grown is None:
         return pair
     found = CurvePair(hole, len(grown.curves) - 1, even_map(turned, grown.curves[-1]))

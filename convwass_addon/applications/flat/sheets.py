@@ -4,13 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.mesh import TriangleMesh
+from ...geometry.mesh import TriangleMesh, joined_meshes
 from ...geometry.planar_fill import Boundary
 from ...geometry.planar_mesh import planar_mesh
 from ..motions.motion import MovedShape
@@ -52,6 +53,21 @@ class Sheet:
         finder = ClosestPointFinder(mesh.corners)
         attached = (AttachedPoints.of(points, mesh.vertices, mesh.faces, finder) for points in (fine.starts, fine.ends))
         return cls(mesh, fine, *attached)
+
+    @classmethod
+    def joined(cls, sheets: Sequence[Sheet]) -> Sheet:
+        """Return several sheets, which may overlap, as one."""
+        firsts = np.cumsum([0, *(len(own.mesh.faces) for own in sheets)])
+        rims = [own.boundary for own in sheets]
+        boundary = Boundary(np.concatenate([rim.starts for rim in rims]), np.concatenate([rim.ends for rim in rims]))
+        starts, ends = (
+            AttachedPoints(
+                np.concatenate([points.triangles + first for points, first in zip(each, firsts, strict=False)]),
+                np.concatenate([points.shares for points in each]),
+            )
+            for each in ([own.starts for own in sheets], [own.ends for own in sheets])
+        )
+        return cls(joined_meshes([own.mesh for own in sheets]), boundary, starts, ends)
 
     def moved(self, shape: MovedShape) -> Boundary:
         """Return the boundary of the moved sheet."""

@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from ...geometry.closed_curves import ClosedCurve
 from ...geometry.curve_maps import CurveMap
-from ...geometry.mesh import TriangleMesh
+from ...geometry.mesh import TriangleMesh, joined_meshes
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .outline_curves import sharp_corners
-from .outline_meshes import Rim, filled_outline, outline_knots, outline_mesh
-from .outline_pairs import CurvePair, OutlinedShape, ShapePair
+from .outline_meshes import Rim, filled_outline, outline_knots, region_meshes
+from .outline_pairs import CurvePair, ShapePair
+from .outlined_shape import OutlinedShape
 
 # Edge length of the triangles, relative to the size of the shape.
 _TRIANGLES = 0.045
@@ -171,7 +172,8 @@ def _distortion(match: ShapePair, control: Control) -> float:
 
 def _coarse_mesh(match: ShapePair) -> TriangleMesh:
     """Triangulate the first of two shapes."""
-    return outline_mesh(match.first, outline_knots([match.first, match.second], {(0, 1): match})[0], _TRIANGLES)
+    knots = outline_knots([match.first, match.second], {(0, 1): match})[0]
+    return joined_meshes(region_meshes(match.first, knots, _TRIANGLES))
 
 
 def _length(shape: OutlinedShape) -> float:

@@ -43,7 +43,7 @@ TEXTS: dict[str, str] = {
     "OUTLINES_TURNED": "Guided was chosen: the outlines of the shapes match if they turn by up to {angle:.0f} degrees",
     "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
     "SOLID": "Transport was chosen: at least one of the shapes has no limbs",
-    "REGIONS": "Transport was chosen: the shapes have different numbers of separate areas",
+    "REGIONS": "Transport was chosen: a shape has too many separate areas",
     "DISTORTED": "Transport was chosen: the outlines of the shapes differ too much",
     "TOPOLOGY": "Transport was chosen: triangles of a shape change from frame to frame, which no motion can follow",
     "NO_MOTION": "Transport was chosen: no motion between the shapes could be computed ({failure})",

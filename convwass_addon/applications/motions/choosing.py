@@ -80,8 +80,8 @@ class MotionChoice:
     reason : str
         "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
         place), "UNLIKE" (they do in part, and are warped towards each other), "SOLID" (they do not, and one of them has
-        no limbs), "APART" (they do not), "OUTLINES" (the outlines of flat shapes match), "REGIONS" (they have different
-        numbers of regions), "DISTORTED" (their outlines would distort them too much), or "FAILED" (an error occurred).
+        no limbs), "APART" (they do not), "OUTLINES" (the outlines of flat shapes match), "REGIONS" (one has too
+        many regions), "DISTORTED" (their outlines would distort them too much), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None

@@ -83,6 +83,7 @@ def split_deformation(
     laid: Laid,
     back: ShapeDeformation | None,
     control: Control,
+    images: ClosestPoints | None = None,
 ) -> ShapeDeformation:
     """Divide a deformation into rotations and stretches.
 
@@ -97,10 +98,13 @@ def split_deformation(
         rotate consistently.
     control : Control
         Stops the work.
+    images : ClosestPoints, optional
+        The points of the target's mesh on which the deformed vertices lie. Otherwise, close ones that face the same
+        way are found.
     """
     control.check()
-    normals = vertex_normals(laid.points, source.mesh.faces)
-    images = target.finder.find(laid.points, normals, control=control)
+    if images is None:
+        images = target.finder.find(laid.points, vertex_normals(laid.points, source.mesh.faces), control=control)
     rotations = _smooth_rotations(source, laid.points)
     if back is None:
         whole = _whole_turn(source, rotations)

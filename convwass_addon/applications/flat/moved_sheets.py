@@ -1,0 +1,204 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat shapes that move as their matched outlines do, and what that does to their insides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closed_curves import boundary_of
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.coverage import coverage
+from ...geometry.foldover_free import DeformedTriangles
+from ...progress import Control
+from ..motions.carriers import Carrier, carrier_of
+from ..motions.choosing import MotionChoice
+from ..motions.coherence import FULL_COHERENCE
+from ..motions.guided_motion import GuidedMotion, GuidedPair
+from ..motions.guided_settings import GuidedSettings
+from ..motions.laid_meshes import Laid
+from ..motions.shape_deformations import ShapeDeformation, split_deformation
+from .agreeing_motion import AgreeingMotion
+from .outline_meshes import filled_outline, outline_knots, region_labels, region_meshes
+from .outline_pairs import ShapePair, matched_shapes
+from .outlined_shape import OutlinedShape
+from .sheets import Sheet
+
+# Edge length of the triangles, relative to the size of the shape.
+_TRIANGLES = 0.028
+# Carriers have at least this number of vertices, and are never coarser than the shapes.
+_VERTICES = 6000
+# Moments at which shapes are checked for overlaps, and cells along the longest side of the grid for that.
+_MOMENTS, _CELLS = (0.75, 0.5, 0.25), 128
+# Costs of shares of the area that grow from points or overlap themselves, in units of the distortion.
+_VANISHING, _OVERLAPPING = 10.0, 50.0
+
+
+@dataclass(frozen=True)
+class MovedSheets:
+    """Flat shapes that move as a body.
+
+    Attributes
+    ----------
+    sheets : tuple of Sheet
+        The shapes.
+    choice : MotionChoice
+        Their motion.
+    distortion : float
+        By how much it distorts their insides: 3 for similar shapes, 4 to 25 for letters.
+    overlap : float
+        Largest share of their area that overlaps itself on the way.
+    vanishing : float
+        Largest share of their area that grows from points, or shrinks to them.
+    regions : int
+        Number of regions of each.
+    """
+
+    sheets: tuple[Sheet, ...]
+    choice: MotionChoice
+    distortion: float = 0.0
+    overlap: float = 0.0
+    vanishing: float = 0.0
+    regions: int = 1
+
+    @property
+    def cost(self) -> float:
+        """What is to be small, in units of the distortion."""
+        return self.distortion + _VANISHING * self.vanishing + _OVERLAPPING * self.overlap
+
+
+@dataclass(frozen=True)
+class MatchedShapes:
+    """Flat shapes, with points that are holes of other ones, and the matches of those that occur together."""
+
+    shapes: list[OutlinedShape]
+    matches: dict[tuple[int, int], ShapePair]
+
+    @classmethod
+    def of(
+        cls,
+        shapes: Sequence[OutlinedShape],
+        pairs: Sequence[tuple[int, int]],
+        choose: Callable[[Sequence[ShapePair], Control], ShapePair],
+        control: Control,
+    ) -> MatchedShapes:
+        """Match shapes of equal numbers of regions. Of several matches, one is chosen."""
+        grown, matches = list(shapes), {}
+        for one, other in pairs:
+            control.check()
+            match = choose(matched_shapes(grown[one], grown[other]), control)
+            matches[one, other], grown[one], grown[other] = match, match.first, match.second
+        # Later pairs have added points to the shapes.
+        whole = {
+            (one, other): replace(match, first=grown[one], second=grown[other])
+            for (one, other), match in matches.items()
+        }
+        return cls(grown, whole)
+
+    @property
+    def swings(self) -> bool:
+        """Whether limbs swing in a match."""
+        return any(own.swings for match in self.matches.values() for own in match.outer)
+
+
+def moved_sheets(matched: MatchedShapes, names: Sequence[str], coherence: float, control: Control) -> MovedSheets:
+    """Return the motion of matched shapes."""
+    shapes, matches = matched.shapes, matched.matches
+    knots = outline_knots(shapes, matches)
+    sheets = tuple(_sheet(shape, own) for shape, own in zip(shapes, knots, strict=True))
+    # Nothing is left for what resists stretching.
+    most = max(len(sheet.mesh.vertices) for sheet in sheets)
+    settings = GuidedSettings(coherence=min(coherence, FULL_COHERENCE), carrier_vertices=max(2 * most, _VERTICES))
+    none = np.empty(0, np.int64)
+    carriers = tuple(
+        carrier_of(sheet.mesh, name, none, settings.carrier_vertices, control)
+        for sheet, name in zip(sheets, names, strict=True)
+    )
+    deformations: dict[tuple[int, int], ShapeDeformation] = {}
+    distortion = 0.0
+    for (one, other), match in matches.items():
+        ends = carriers[one], carriers[other]
+        there, home = _filled(ends[0], match, control), _filled(ends[1], match.swapped(), control)
+        distortion = max(distortion, there.distortion, home.distortion)
+        images = _images(ends, there, match, control), _images(ends[::-1], home, match.swapped(), control)
+        deformations[one, other] = split_deformation(*ends, _laid(there), None, control, images[0])
+        deformations[other, one] = split_deformation(
+            *ends[::-1], _laid(home), deformations[one, other], control, images[1]
+        )
+    known = {pair: _figures(match) for pair, match in matches.items()}
+    motion = AgreeingMotion(GuidedMotion(carriers, deformations, known, settings))
+    turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
+    choice = MotionChoice("guided", "OUTLINES", motion, turned=turned)
+    overlap = max((_overlap(sheets, motion, pair) for pair in matches), default=0.0)
+    vanishing = max((match.vanishing for match in matches.values()), default=0.0)
+    return MovedSheets(sheets, choice, distortion, overlap, vanishing, max(len(shape.regions) for shape in shapes))
+
+
+def _overlap(sheets: Sequence[Sheet], motion: AgreeingMotion, pair: tuple[int, int]) -> float:
+    """Return the largest share of the area of two moved shapes that overlaps itself, at some moments of their way."""
+    found = []
+    for share in _MOMENTS:
+        weights = np.zeros(len(sheets))
+        weights[list(pair)] = share, 1.0 - share
+        moved = sheets[pair[0]].moved(motion.moved(weights)[pair[0]])
+        low, high = moved.bounds
+        spacing = float((high - low).max()) / _CELLS
+        cells = tuple(np.ceil((high - low) / spacing).astype(int))
+        covered = coverage(moved.moved(-low / spacing, 1.0 / spacing), cells).sum() * spacing**2
+        found.append(1.0 - float(covered) / moved.area)
+    return max(found)
+
+
+def _figures(match: ShapePair) -> GuidedPair:
+    """Return the figures of a match; of several regions, those of the worst and of the one that turned most."""
+    work = max(own.cost for own in match.outer)
+    turn = max((own.turn for own in match.outer), key=abs)
+    return GuidedPair(float(np.exp(-work)), 0, 1.0, float(np.degrees(turn)))
+
+
+def _sheet(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]]) -> Sheet:
+    """Triangulate a shape, with vertices at the knots of every curve."""
+    exact = [curve.with_places(own) for curve, own in zip(shape.curves, knots, strict=True)]
+    meshes = region_meshes(shape, knots, _TRIANGLES)
+    return Sheet.joined(
+        [
+            Sheet.attached(boundary_of([exact[index] for index in region.curves]), mesh)
+            for region, mesh in zip(shape.regions, meshes, strict=True)
+        ]
+    )
+
+
+def _filled(carrier: Carrier, match: ShapePair, control: Control) -> DeformedTriangles:
+    """Move the mesh of the first shape so that its outline lies on that of the second one."""
+    return filled_outline(carrier.unit, carrier.mesh, match, control)
+
+
+def _laid(filled: DeformedTriangles) -> Laid:
+    """Return positions in space."""
+    return Laid(_in_space(filled.points), np.ones(len(filled.points)))
+
+
+def _images(
+    ends: tuple[Carrier, Carrier], filled: DeformedTriangles, match: ShapePair, control: Control
+) -> ClosestPoints:
+    """Return the points of the other shape that deformed vertices lie on, in the region that matches theirs."""
+    ours, theirs = (
+        region_labels(carrier.mesh, shape) for carrier, shape in zip(ends, (match.first, match.second), strict=True)
+    )
+    mesh, points = ends[1].mesh, _in_space(filled.points)
+    triangles, shares = np.empty(len(points), np.int64), np.empty((len(points), 3))
+    distances = np.empty(len(points))
+    for region, there in match.regions:
+        own, others = np.flatnonzero(ours == region), np.flatnonzero(theirs[mesh.faces[:, 0]] == there)
+        found = ClosestPointFinder(mesh.corners[others]).find(points[own], control)
+        triangles[own], shares[own], distances[own] = others[found.triangles], found.shares, found.distances
+    return ClosestPoints(triangles, shares, distances)
+
+
+def _in_space(points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points of the plane z = 0, (n, 3)."""
+    return np.column_stack([points, np.zeros(len(points))])

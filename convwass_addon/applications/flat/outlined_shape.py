@@ -1,0 +1,181 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flat shapes as closed curves around regions and holes, to which points are added where others have more of these."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ...geometry.closed_curves import ClosedCurve, boundary_of
+from ...geometry.planar_fill import Boundary
+from ...geometry.ring_nesting import outline_of
+from .outline_curves import OutlineCurve
+
+# Corners at which curves touch are cut by this, relative to the square root of the area.
+_GAP = 2e-3
+# Pieces of a region are smaller by this share than what is cut from it, so that they do not touch.
+_PIECE = 1e-3
+# Extent of a hole or a region that grows from a point, relative to the square root of the area.
+_POINT = 0.004
+# Least distance of such a hole from the outline, relative to the square root of the area; and cells along both sides
+# of the grid on which its place is sought.
+_INSIDE, _CELLS = 0.03, 64
+
+
+@dataclass(frozen=True)
+class OutlinedRegion:
+    """A connected area of a flat shape.
+
+    Attributes
+    ----------
+    outer : int
+        Index of the curve around it.
+    holes : tuple of int
+        Indices of the curves around its holes.
+    points : tuple of int
+        Indices of tiny curves that are holes of other shapes.
+    is_point : bool
+        Whether it is itself a tiny copy of a region of another shape.
+    """
+
+    outer: int
+    holes: tuple[int, ...]
+    points: tuple[int, ...] = ()
+    is_point: bool = False
+
+    @property
+    def rim(self) -> tuple[int, ...]:
+        """Indices of the curves that bound it."""
+        return (self.outer, *self.holes)
+
+    @property
+    def curves(self) -> tuple[int, ...]:
+        """Indices of all its curves."""
+        return (*self.rim, *self.points)
+
+    def moved(self, first: int) -> OutlinedRegion:
+        """Return the region with indices that are larger by a number."""
+        holes, points = (tuple(index + first for index in own) for own in (self.holes, self.points))
+        return replace(self, outer=self.outer + first, holes=holes, points=points)
+
+
+@dataclass(frozen=True)
+class OutlinedShape:
+    """A flat shape as closed curves.
+
+    Attributes
+    ----------
+    filled : Boundary
+        The shape.
+    curves : tuple of ClosedCurve
+        Curves around its regions and holes, and points that are those of other shapes.
+    regions : tuple of OutlinedRegion
+        Its regions, and points that are regions of other shapes.
+    """
+
+    filled: Boundary
+    curves: tuple[ClosedCurve, ...]
+    regions: tuple[OutlinedRegion, ...]
+
+    @classmethod
+    def of(cls, filled: Boundary) -> OutlinedShape:
+        """Divide a boundary into curves."""
+        outline = outline_of(filled)
+        curves = _apart([ClosedCurve(ring) for ring in outline.rings], _GAP * np.sqrt(filled.area))
+        regions, first = [], 0
+        for region in outline.regions:
+            end = first + 1 + len(region.holes)
+            regions.append(OutlinedRegion(first, tuple(range(first + 1, end))))
+            first = end
+        return cls(filled, tuple(curves), tuple(regions))
+
+    @property
+    def size(self) -> float:
+        """Square root of the area."""
+        return float(np.sqrt(self.filled.area))
+
+    def center(self, index: int) -> NDArray[np.float64]:
+        """Center of what a curve encloses, (2,)."""
+        return boundary_of([self.curves[index]]).center
+
+    def rim(self, region: OutlinedRegion) -> list[ClosedCurve]:
+        """Return the curves around a region and its holes."""
+        return [self.curves[index] for index in region.rim]
+
+    def share(self, region: OutlinedRegion) -> float:
+        """Return the share of the area that a region has."""
+        return boundary_of(self.rim(region)).area / self.filled.area
+
+    def curve(self, index: int) -> OutlineCurve:
+        """Return a curve to be matched."""
+        around = next(region for region in self.regions if index in region.rim)
+        return OutlineCurve(self.curves[index], boundary_of(self.rim(around)), self.center(index))
+
+    def divided(self, pieces: Sequence[Sequence[Boundary]]) -> OutlinedShape:
+        """Return the shape with each of its regions divided into pieces; a single piece is the region itself."""
+        curves: list[ClosedCurve] = []
+        regions: list[OutlinedRegion] = []
+        for region, own in zip(self.regions, pieces, strict=True):
+            if len(own) == 1:
+                parts = [self._only(region)]
+            else:
+                parts = [OutlinedShape.of(piece.moved(_PIECE * piece.center, 1.0 - _PIECE)) for piece in own]
+            for part in parts:
+                regions.extend(each.moved(len(curves)) for each in part.regions)
+                curves.extend(part.curves)
+        return OutlinedShape(self.filled, tuple(curves), tuple(regions))
+
+    def _only(self, region: OutlinedRegion) -> OutlinedShape:
+        """Return the shape without all other regions."""
+        curves = tuple(self.curves[index] for index in region.curves)
+        count = len(region.rim)
+        alone = replace(region, outer=0, holes=tuple(range(1, count)), points=tuple(range(count, len(curves))))
+        return OutlinedShape(self.filled, curves, (alone,))
+
+    def with_region(self, rim: Sequence[ClosedCurve], place: NDArray[np.float64]) -> OutlinedShape:
+        """Return the shape with a tiny copy of another shape's region at a place, (2,)."""
+        center = boundary_of(rim[:1]).center
+        scale = _POINT * self.size / np.ptp(rim[0].points, axis=0).max()
+        tiny = [ClosedCurve(place + scale * (curve.points - center)) for curve in rim]
+        region = OutlinedRegion(0, tuple(range(1, len(tiny))), is_point=True).moved(len(self.curves))
+        return replace(self, curves=(*self.curves, *tiny), regions=(*self.regions, region))
+
+    def with_point(self, hole: ClosedCurve, place: NDArray[np.float64], region: int) -> OutlinedShape | None:
+        """Return the shape with a tiny copy of another shape's hole in a region, near a place; None without room."""
+        own = self.regions[region]
+        filled = boundary_of(self.rim(own))
+        steps = (np.arange(_CELLS) + 0.5) / _CELLS
+        x, y = np.meshgrid(*(low + (high - low) * steps for low, high in filled.bounds.T), indexing="ij")
+        cells = np.concatenate([place[None], np.stack([x.ravel(), y.ravel()], axis=1)])
+        spacing = _INSIDE * self.size / 3.0
+        around = [self.curves[index] for index in own.curves]
+        rim = np.concatenate([curve.resampled(curve.starts[:-1], spacing).points for curve in around])
+        free = filled.contains(cells) & (cKDTree(rim).query(cells)[0] > _INSIDE * self.size)
+        if not free.any():
+            return None
+        spot = cells[free][np.square(cells[free] - place).sum(axis=1).argmin()]
+        scale = _POINT * self.size / np.ptp(hole.points, axis=0).max()
+        point = ClosedCurve(spot + (hole.points - boundary_of([hole]).center) * scale)
+        grown = replace(own, points=(*own.points, len(self.curves)))
+        regions = (*self.regions[:region], grown, *self.regions[region + 1 :])
+        return replace(self, curves=(*self.curves, point), regions=regions)
+
+
+def _apart(curves: list[ClosedCurve], gap: float) -> list[ClosedCurve]:
+    """Cut the corners at which curves touch each other or themselves, so that they can move apart."""
+    points = np.concatenate([curve.points for curve in curves])
+    _, index, counts = np.unique(points, axis=0, return_inverse=True, return_counts=True)
+    touches = np.split(counts[index.ravel()] > 1, np.cumsum([len(curve.points) for curve in curves])[:-1])
+    found = []
+    for curve, own in zip(curves, touches, strict=True):
+        lengths = np.diff(curve.starts)
+        before, after = (np.minimum(gap, 0.5 * own_lengths) for own_lengths in (np.roll(lengths, 1), lengths))
+        kept, cut = curve.starts[:-1][~own], curve.starts[:-1][own]
+        places = np.sort(np.concatenate([kept, cut - before[own], cut + after[own]]))
+        found.append(ClosedCurve(curve.at(places)) if own.any() else curve)
+    return found
