@@ -118,6 +118,25 @@ class ClosedCurve:
         return ClosedCurve(self.at(self.spread(0.0, self.length, knots, np.inf)[:-1]))
 
 
+def opened_curve(outer: ClosedCurve, hole: ClosedCurve, places: tuple[float, float], width: float) -> ClosedCurve:
+    """Return the curve around a region whose hole is connected to the outside by a slit.
+
+    Parameters
+    ----------
+    outer, hole : ClosedCurve
+        Around the region, and around its hole.
+    places : (float, float)
+        Places on both between which the straight slit is.
+    width : float
+        Width of the slit at both ends.
+    """
+    parts = []
+    for curve, place in zip((outer, hole), places, strict=True):
+        begin, end = place + 0.5 * width, place - 0.5 * width + curve.length
+        parts.append(curve.at(curve.spread(begin, end, curve.starts[:-1], np.inf)))
+    return ClosedCurve(np.concatenate(parts))
+
+
 def boundary_curves(boundary: Boundary) -> list[ClosedCurve]:
     """Return the closed curves of a boundary: counterclockwise around regions, clockwise around holes."""
     return [ClosedCurve(ring) for ring in boundary_rings(boundary)]

@@ -163,6 +163,12 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutl
     return [_finished(one, other, own, own is bent) for own in ([placed, bent] if swings else [placed])]
 
 
+def rough_work(one: OutlineCurve, other: OutlineCurve) -> float:
+    """Return the work per length of a rough match of two curves as they are placed."""
+    upright = [pose for pose in _symmetric_poses(one.axes, other.axes) if abs(pose.turn) < _STANDING]
+    return _best(one, other, _straightest(upright) or [_Pose(0.0)], _AS_PLACED).match.cost
+
+
 def placed_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
     """Match two closed curves as they are placed, about a common axis if they have one."""
     upright = [pose for pose in _symmetric_poses(one.axes, other.axes) if abs(pose.turn) < _STANDING]

@@ -10,8 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
+from scipy.spatial import cKDTree
 
-from ...geometry.closed_curves import boundary_of
+from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.edges import edge_ends, edge_use, proper_part, vertex_components
 from ...geometry.factorization import factorize
 from ...geometry.foldover_free import DeformedTriangles, foldover_free
@@ -23,6 +24,9 @@ from .outline_curves import sharp_corners
 from .outline_pairs import ShapePair
 from .outlined_shape import OutlinedShape
 
+# Spacing of vertices along narrow gaps, relative to the square root of the area; gaps of up to so many times that are
+# narrow; and how many times as far the sides are apart along the curve.
+_NARROW, _GAP, _AROUND = 0.003, 2.0, 6.0
 # Least number of vertices along a curve.
 _FEWEST = 24
 # Stiffness of the springs that hold the outline; an edge between two equilateral triangles has 0.58.
@@ -55,17 +59,37 @@ def region_meshes(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]], ed
         Length of the edges, relative to the size of the shape.
     """
     length = edge * shape.size
-    rim = [
-        curve.resampled(own, min(length, curve.length / _FEWEST))
-        for curve, own in zip(shape.curves, knots, strict=True)
-    ]
     found = []
     for region in shape.regions:
-        mesh = without_bridges(planar_mesh(boundary_of([rim[index] for index in region.curves]), length))
+        curves = [shape.curves[index] for index in region.curves]
+        narrow = _narrow_places(curves, shape.size)
+        rim = [
+            curve.resampled(np.concatenate([knots[index], own]), min(length, curve.length / _FEWEST))
+            for index, curve, own in zip(region.curves, curves, narrow, strict=True)
+        ]
+        mesh = without_bridges(planar_mesh(boundary_of(rim), length))
         # Where an outline is finer than the triangles, some of its points belong to none.
         used, faces = proper_part(mesh)
         found.append(TriangleMesh(mesh.vertices[used], faces))
     return found
+
+
+def _narrow_places(curves: Sequence[ClosedCurve], size: float) -> list[NDArray[np.float64]]:
+    """Return places on the curves around a region, close to each other, where gaps are narrower than triangles.
+
+    Triangles with corners farther apart than the gap is wide would reach across it.
+    """
+    spacing = _NARROW * size
+    places = [np.arange(0.0, curve.length, spacing) for curve in curves]
+    points = np.concatenate([curve.at(own) for curve, own in zip(curves, places, strict=True)])
+    owner = np.repeat(np.arange(len(curves)), [len(own) for own in places])
+    along, lengths = np.concatenate(places), np.array([curve.length for curve in curves])
+    one, other = cKDTree(points).query_pairs(_GAP * spacing, output_type="ndarray").T
+    apart = np.abs(along[one] - along[other])
+    apart = np.minimum(apart, lengths[owner[one]] - apart)
+    is_gap = (owner[one] != owner[other]) | (apart > _AROUND * _GAP * spacing)
+    chosen = np.unique(np.concatenate([one[is_gap], other[is_gap]]))
+    return [along[chosen[owner[chosen] == index]] for index in range(len(curves))]
 
 
 def region_labels(mesh: TriangleMesh, shape: OutlinedShape) -> NDArray[np.int64]:

@@ -98,16 +98,9 @@ class ShapePair:
 def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
     """Match the closed curves of two shapes: as they are placed, and perhaps also as if limbs swung.
 
-    Both have equal numbers of regions. These belong together if they are near each other, relative to the centers of
-    the shapes, and similar in size.
+    Both have equal numbers of regions.
     """
-    places = []
-    for shape in (one, other):
-        filled = [boundary_of([shape.curves[region.outer]]) for region in shape.regions]
-        centers = np.array([own.center for own in filled]) - shape.filled.center
-        places.append(np.column_stack([centers, np.sqrt([own.area for own in filled])]))
-    away = np.square(places[0][:, None] - places[1]).sum(axis=2)
-    regions = [(int(region), int(there)) for region, there in zip(*linear_sum_assignment(away), strict=True)]
+    regions = region_pairs(one, other)
     matches = [_matched(one, one.regions[region].outer, other, other.regions[there].outer) for region, there in regions]
     found = []
     for choice in range(max(map(len, matches))):
@@ -116,6 +109,20 @@ def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
             pair = _with_regions(pair, region, there, own[min(choice, len(own) - 1)])
         found.append(pair)
     return found
+
+
+def region_pairs(one: OutlinedShape, other: OutlinedShape) -> list[tuple[int, int]]:
+    """Return the indices of the regions of two shapes that belong together, equally many of both.
+
+    These are near each other, relative to the centers of the shapes, and similar in size.
+    """
+    places = []
+    for shape in (one, other):
+        filled = [boundary_of([shape.curves[region.outer]]) for region in shape.regions]
+        centers = np.array([own.center for own in filled]) - shape.filled.center
+        places.append(np.column_stack([centers, np.sqrt([own.area for own in filled])]))
+    away = np.square(places[0][:, None] - places[1]).sum(axis=2)
+    return [(int(region), int(there)) for region, there in zip(*linear_sum_assignment(away), strict=True)]
 
 
 def _matched(one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:

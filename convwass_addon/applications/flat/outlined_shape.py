@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.closed_curves import ClosedCurve, boundary_of
+from ...geometry.closed_curves import ClosedCurve, boundary_of, opened_curve
 from ...geometry.planar_fill import Boundary
 from ...geometry.ring_nesting import outline_of
 from .outline_curves import OutlineCurve
@@ -20,6 +20,8 @@ from .outline_curves import OutlineCurve
 _GAP = 2e-3
 # Pieces of a region are smaller by this share than what is cut from it, so that they do not touch.
 _PIECE = 1e-3
+# Width of a slit that connects a hole to the outside, relative to the square root of the area.
+_SLIT = 0.004
 # Extent of a hole or a region that grows from a point, relative to the square root of the area.
 _POINT = 0.004
 # Least distance of such a hole from the outline, relative to the square root of the area; and cells along both sides
@@ -117,11 +119,11 @@ class OutlinedShape:
         return OutlineCurve(self.curves[index], boundary_of(self.rim(around)), self.center(index))
 
     def divided(self, pieces: Sequence[Sequence[Boundary]]) -> OutlinedShape:
-        """Return the shape with each of its regions divided into pieces; a single piece is the region itself."""
+        """Return the shape with each of its regions divided into pieces; without, or with one, it stays as it is."""
         curves: list[ClosedCurve] = []
         regions: list[OutlinedRegion] = []
         for region, own in zip(self.regions, pieces, strict=True):
-            if len(own) == 1:
+            if len(own) <= 1:
                 parts = [self._only(region)]
             else:
                 parts = [OutlinedShape.of(piece.moved(_PIECE * piece.center, 1.0 - _PIECE)) for piece in own]
@@ -144,6 +146,26 @@ class OutlinedShape:
         tiny = [ClosedCurve(place + scale * (curve.points - center)) for curve in rim]
         region = OutlinedRegion(0, tuple(range(1, len(tiny))), is_point=True).moved(len(self.curves))
         return replace(self, curves=(*self.curves, *tiny), regions=(*self.regions, region))
+
+    def opened(self, index: int, hole: int, places: tuple[float, float]) -> OutlinedShape:
+        """Return the shape with a hole of a region connected to the outside by a slit.
+
+        Parameters
+        ----------
+        index : int
+            Index of the region.
+        hole : int
+            Index of the curve around the hole.
+        places : (float, float)
+            Ends of the slit, as places on the curve around the region and on that around the hole.
+        """
+        region = self.regions[index]
+        outer = opened_curve(self.curves[region.outer], self.curves[hole], places, _SLIT * self.size)
+        curves = (*self.curves, outer)
+        holes = tuple(own for own in region.holes if own != hole)
+        changed = replace(region, outer=len(self.curves), holes=holes)
+        whole = OutlinedShape(self.filled, curves, (*self.regions[:index], changed, *self.regions[index + 1 :]))
+        return whole.divided([()] * len(self.regions))
 
     def with_point(self, hole: ClosedCurve, place: NDArray[np.float64], region: int) -> OutlinedShape | None:
         """Return the shape with a tiny copy of another shape's hole in a region, near a place; None without room."""

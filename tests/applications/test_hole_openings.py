@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Holes of flat shapes that are opened to the outside, where the other shape has none."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.flat.hole_openings import surplus_holes, with_open_holes
+from convwass_addon.applications.flat.outline_motion import outline_motion
+from convwass_addon.applications.flat.outlined_shape import OutlinedShape
+from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of, opened_curve
+from convwass_addon.geometry.outlines import ring_area
+from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.ring_nesting import boundary_rings
+from convwass_addon.progress import UNINTERRUPTED
+from tests.flat_shapes import ellipse, rectangle
+
+RING = ellipse(), ellipse(radii=(0.7, 0.7))
+
+
+def shape(*rings):
+    return OutlinedShape.of(filled_boundary(list(rings), "even-odd"))
+
+
+def arc(begin, end):
+    """A part of the ring between two angles in degrees."""
+    angles = np.radians(np.linspace(begin, end, 121))
+    around = np.stack([np.cos(angles), np.sin(angles)], axis=1)
+    return np.concatenate([around, 0.7 * around[::-1]])
+
+
+def moved(first, second, time):
+    """Both shapes at a moment of their motion."""
+    motion = outline_motion([first.filled, second.filled], ["one", "other"], [(0, 1)], 0.5, UNINTERRUPTED)
+    shapes = motion.choice.motion.moved([1.0 - time, time])
+    return [sheet.moved(own) for sheet, own in zip(motion.sheets, shapes, strict=True)]
+
+
+def test_a_slit_takes_its_area_only():
+    outer, hole = ClosedCurve(rectangle((0, 0), (6, 6))), ClosedCurve(rectangle((2, 2), (4, 4))[::-1])
+    places = tuple(float(own.nearest(np.array([[place, 3.0]]))[0][0]) for own, place in ((outer, 6.0), (hole, 4.0)))
+    opened = opened_curve(outer, hole, places, 0.01)
+    assert ring_area(opened.points) == pytest.approx(32.0 - 2.0 * 0.01)
+    inside = boundary_of([opened]).contains(np.array([(5.0, 3.0), (5.0, 3.02), (5.0, 2.98), (3.0, 3.0), (1.0, 3.0)]))
+    assert inside.tolist() == [False, True, True, False, True]
+
+
+@pytest.mark.parametrize("angle", [0.0, 90.0, 135.0])
+def test_the_slit_is_where_the_other_shape_is_open(angle):
+    ring, gap = shape(*RING), shape(arc(angle + 30.0, angle + 330.0))
+    assert surplus_holes([ring, gap], [(0, 1)]) == 1
+    opened, same = with_open_holes([ring, gap], [(0, 1)])
+    assert surplus_holes([opened, same], [(0, 1)]) == 0
+    assert same is gap
+    (region,) = opened.regions
+    filled = boundary_of(opened.rim(region))
+    directions = np.radians(np.arange(0.0, 360.0, 45.0))
+    middle = 0.85 * np.stack([np.cos(directions), np.sin(directions)], axis=1)
+    assert np.degrees(directions[~filled.contains(middle)]).tolist() == pytest.approx([angle])
+
+
+@pytest.mark.parametrize("time", [0.2, 0.5, 0.8])
+def test_a_ring_opens_to_an_arc(time):
+    """Its width stays the same, and the gap opens evenly."""
+    for own in moved(shape(*RING), shape(arc(30.0, 330.0)), time):
+        rings = boundary_rings(own)
+        assert [ring_area(ring) > 0 for ring in rings] == [True]
+        radii = np.linalg.norm(own.starts - own.center, axis=1)
+        tips = own.starts[(own.starts[:, 0] > 0.5) & (np.abs(own.starts[:, 1]) > 0.0)]
+        gap = np.degrees(np.abs(np.arctan2(tips[:, 1], tips[:, 0])).min())
+        assert gap == pytest.approx(30.0 * time, abs=5.0)
+        assert own.area == pytest.approx(np.pi * 0.51 * (1.0 - time / 6.0), rel=0.03)
+        assert radii.max() < 1.2
+
+
+@pytest.mark.parametrize("time", [0.2, 0.5, 0.8])
+def test_a_hole_in_the_middle_of_a_disc_is_not_opened(time):
+    for own in moved(shape(*RING), shape(ellipse()), time):
+        assert sorted(ring_area(ring) > 0 for ring in boundary_rings(own)) == [False, True]
+
+
+def test_all_shapes_of_a_path_are_opened():
+    ring, gap = shape(*RING), shape(arc(30.0, 330.0))
+    opened = with_open_holes([ring, ring, gap], [(0, 1), (1, 2)])
+    assert [len(own.regions[0].holes) for own in opened] == [0, 0, 0]
+
+
+def test_a_hole_behind_others_is_opened_through_the_outline_only():
+    """A slit never ends at another hole."""
+    disc = shape(ellipse(radii=(3, 3)), *(ellipse((x, 0), (0.5, 0.5)) for x in (-1.4, 0.0, 1.4)))
+    opened, _ = with_open_holes([disc, shape(ellipse(radii=(3, 3)))], [(0, 1)])
+    (region,) = opened.regions
+    assert not region.holes
+    areas = [ring_area(ring) for ring in boundary_rings(boundary_of(opened.rim(region)))]
+    assert areas == [pytest.approx(disc.filled.area, rel=0.02)]
