@@ -68,3 +68,20 @@ def test_values_within_cells_depend_on_no_others():
     one, other = (grid.interpolated(np.where(known, 1.0, outside)) for outside in (0.0, 1e3))
     np.testing.assert_array_equal(one[within], 1.0)
     np.testing.assert_array_equal(other[within], 1.0)
+
+
+@pytest.mark.parametrize("shape", [(150, 90, 100), (37, 22, 19), (40, 16)])
+def test_parts_of_a_grid_are_the_same_as_the_whole(shape):
+    """Means are taken slab by slab, and values are interpolated in boxes, also at odd sides."""
+    grid, field = CoarserGrid(shape, 10), RANDOM.uniform(size=shape).astype(np.float32)
+    means = field
+    while max(means.shape) > 10:
+        means = halved(means, len(shape))
+    np.testing.assert_array_equal(grid.means(field), means)
+    whole = grid.interpolated(means)
+    for box in ((slice(5, 31), slice(0, 13), slice(3, 4)), (slice(1, shape[0]), slice(9, shape[1]), slice(18, None))):
+        np.testing.assert_array_equal(grid.interpolated(means, box[: len(shape)]), whole[box[: len(shape)]])
+
+
+def test_a_box_of_coarser_cells_ends_with_the_grid():
+    assert CoarserGrid((37, 22), 10).finer_box((slice(2, 10), slice(0, 3))) == (slice(8, 37), slice(0, 12))

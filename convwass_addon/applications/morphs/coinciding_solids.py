@@ -21,10 +21,10 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.special import ndtr
 
-from ...geometry.boxes import box_around
+from ...geometry.boxes import box_around, slabs
 from ...geometry.plane_depths import plane_depths
 from ...geometry.thin_parts import normalized_solid
-from .growing_parts import extended, growing_in_place
+from .growing_parts import extend, growing_in_place
 from .mean_solid import mean_solid
 
 # Blur in cells from which distances are computed, and the largest known distance in units of the blur.
@@ -84,16 +84,19 @@ class CoincidingSolids:
         for own, occupancy in zip(depths, occupancies, strict=True):
             own[...] = _depth(occupancy)
         agreement = _agreement(depths, weights)
-        if (agreement < 1.0).any():
-            np.maximum(agreement, growing_in_place([_blurred(own) for own in depths]), out=agreement)
+        _raise_beside_parts(agreement, depths)
         for own in depths:
-            own[...] = extended(own, 0.99 * _KNOWN * _BLUR)
+            extend(own, 0.99 * _KNOWN * _BLUR)
         density = _blurred(mean_solid(depths, weights, _SURE, volume))
         solids = cls(density, agreement, depths)
         spared = np.clip((_LARGE_REST - solids.disagreement) / (_LARGE_REST - _SMALL_REST), 0.0, 1.0)
         if spared == 0.0:
             return solids
-        return cls(density, np.maximum(agreement, np.float32(spared**2 * (3.0 - 2.0 * spared))), depths)
+        if spared == 1.0:
+            # One number stands for all cells.
+            return cls(density, np.broadcast_to(np.float32(1.0), density.shape), depths)
+        np.maximum(agreement, np.float32(spared**2 * (3.0 - 2.0 * spared)), out=agreement)
+        return cls(density, agreement, depths)
 
     @cached_property
     def disagreement(self) -> float:
@@ -122,37 +125,53 @@ class CoincidingSolids:
 
 def _agreement(depths: NDArray[np.float32], weights: Sequence[float]) -> NDArray[np.float32]:
     """Return where distances next to the mean surface differ little, 1, or much, falling to 0."""
-    agreement = np.ones(depths.shape[1:], np.float32)
-    # Far from all surfaces, all solids agree.
-    near = np.abs(np.tensordot(np.asarray(weights, np.float32), depths, 1)) < _KNOWN * _BLUR
-    spread = np.where(near, np.ptp(depths, axis=0), np.float32(0))
+    weights = np.asarray(weights, np.float32)
+    spread, near = np.empty(depths.shape[1:], np.float32), np.empty(depths.shape[1:], bool)
+    for slab in slabs(near.shape):
+        own = depths[:, *slab]
+        # Far from all surfaces, all solids agree.
+        near[slab] = np.abs(np.tensordot(weights, own, 1)) < _KNOWN * _BLUR
+        spread[slab] = np.where(near[slab], np.ptp(own, axis=0), np.float32(0))
     apart = spread > _APART
     if not apart.any():
-        return agreement
+        return np.ones(apart.shape, np.float32)
     # Means of the spread exceed it only as far from these cells as the smoothing reaches.
     outer = box_around(apart, 2 * int(_TRUNCATE * _SMOOTH + 0.5))
     smooth, about = (
         gaussian_filter(values[outer].astype(np.float32), _SMOOTH, truncate=_TRUNCATE) for values in (spread, near)
     )
-    typical = np.maximum(spread[outer], smooth / np.maximum(about, np.float32(1e-3)))
-    differing = typical > _APART
+    smooth /= np.maximum(about, np.float32(1e-3), out=about)
+    typical = np.maximum(spread[outer], smooth, out=smooth)
+    # On fine grids, it is large.
+    del spread
+    agreement, differing = np.ones(apart.shape, np.float32), typical > _APART
     agreement[outer][differing] = np.exp(-np.square((typical[differing] - _APART) / _FALL))
     return agreement
 
 
+def _raise_beside_parts(agreement: NDArray[np.float32], depths: NDArray[np.float32]) -> None:
+    """Raise the agreement, in place, around parts that only some solids have."""
+    differing = agreement < 1.0
+    if differing.any():
+        box = box_around(differing, 0)
+        np.maximum(agreement[box], growing_in_place(depths, _blurred, box), out=agreement[box])
+
+
 def _blurred(depth: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the density of a blurred solid at signed distances in cells; beyond the known ones it is 0 or 1."""
-    density = (depth > 0.0).astype(np.float32)
-    near = np.flatnonzero(np.abs(depth) < 0.99 * _KNOWN * _BLUR)
-    density.ravel()[near] = ndtr(depth.ravel()[near] / np.float32(_BLUR))
+    density = np.empty(depth.shape, np.float32)
+    for slab in slabs(depth.shape):
+        own, found = depth[slab].ravel(), (depth[slab] > 0.0).astype(np.float32).ravel()
+        near = np.flatnonzero(np.abs(own) < 0.99 * _KNOWN * _BLUR)
+        found[near] = ndtr(own[near] / np.float32(_BLUR))
+        density[slab] = found.reshape(density[slab].shape)
     return density
 
 
 def _depth(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:
     """Signed distance to the surface of a solid in cells, positive inside, clipped where it is unknown."""
-    blurred = gaussian_filter(occupancy.astype(np.float32), _BLUR)
     # Thin parts, whose density never reaches one half, count as surfaces, too.
-    density = normalized_solid(blurred, _BLUR)
+    density = normalized_solid(gaussian_filter(occupancy.astype(np.float32, copy=False), _BLUR), _BLUR)
     least = float(ndtr(-_KNOWN))
     # Distances far from the surface are unknown, which concerns most cells.
     depth = np.where(density > 0.5, np.float32(_KNOWN * _BLUR), np.float32(-_KNOWN * _BLUR))

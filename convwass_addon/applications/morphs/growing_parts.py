@@ -7,12 +7,13 @@ Both concern many cells around a surface and need little accuracy, so they are c
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
+from ...geometry.boxes import Box, slabs
 from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.near import capped_distances
 
@@ -27,38 +28,46 @@ _AROUND, _REACH = 5.0, 2.0
 _MOVED, _GROWN = 0.15, 0.4
 
 
-def growing_in_place(filled: Sequence[NDArray[np.floating]]) -> NDArray[np.float32]:
+def growing_in_place(
+    depths: NDArray[np.float32], filled: Callable[[NDArray[np.float32]], NDArray[np.float32]], box: Box
+) -> NDArray[np.float32]:
     """Return where solids differ by parts that only some of them have.
 
     Near a part that has moved, all solids fill the same amount of space, but in different places.
 
     Parameters
     ----------
-    filled : sequence of (nx, ny, nz)
-        Fraction of every cell that each solid fills; also (nx, ny).
+    depths : (k, nx, ny, nz) float32
+        Signed distance to the surface of every solid, positive inside; also (k, nx, ny).
+    filled : callable
+        Returns the fractions of cells that a solid fills at such distances.
+    box : Box
+        Cells of the grid.
 
     Returns
     -------
-    (nx, ny, nz) float32
-        1 around such parts, falling to 0 where parts have moved.
+    (mx, my, mz) float32
+        For every cell in the box, 1 around such parts, falling to 0 where parts have moved.
     """
-    grid = CoarserGrid(filled[0].shape, _MOST_CELLS)
+    grid = CoarserGrid(depths.shape[1:], _MOST_CELLS)
     sigma = _AROUND / grid.cell
-    # Not `np.ptp`, which copies all solids: on fine grids, they are large.
-    differing, lowest = filled[0].copy(), filled[0].copy()
-    for own in filled[1:]:
-        np.maximum(differing, own, out=differing)
-        np.minimum(lowest, own, out=lowest)
-    differing -= lowest
-    del lowest
-    differing, *smooth = (gaussian_filter(grid.means(own), sigma, truncate=_REACH) for own in (differing, *filled))
+    means = []
+    for slab in slabs(depths.shape[1:], grid.cell):
+        solids = [filled(own[slab]) for own in depths]
+        differing = np.maximum.reduce(solids) - np.minimum.reduce(solids)
+        means.append([grid.means_in_slab(own) for own in (differing, *solids)])
+    differing, *smooth = (
+        gaussian_filter(np.concatenate(own), sigma, truncate=_REACH) for own in zip(*means, strict=True)
+    )
     share = np.ptp(smooth, axis=0) / np.maximum(differing, 1e-4)
     rising = np.clip((share - _MOVED) / (_GROWN - _MOVED), 0.0, 1.0)
-    return grid.interpolated(rising**2 * (3.0 - 2.0 * rising))
+    return grid.interpolated(rising**2 * (3.0 - 2.0 * rising), box)
 
 
-def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
-    """Extend signed distances from a surface, positive inside.
+def extend(depth: NDArray[np.float32], known: float) -> None:
+    """Extend signed distances from a surface, positive inside, in place.
+
+    New distances are clipped at a quarter of the longest side, and up to a cell of the coarser grid too short.
 
     Parameters
     ----------
@@ -66,11 +75,6 @@ def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
         In cells, clipped at some distance; also (nx, ny).
     known : float
         Distances up to this one are kept.
-
-    Returns
-    -------
-    (nx, ny, nz) float32
-        Clipped at a quarter of the longest side. New distances are up to a cell of the coarser grid too short.
     """
     # With cells of more than two, means of distances have errors larger than the band in which they are made exact, and
     # their surface crumbles. A flat grid may have as many cells in all as one in space.
@@ -79,6 +83,8 @@ def extended(depth: NDArray[np.float32], known: float) -> NDArray[np.float32]:
     inside = depth > 0.0
     reach = FARTHEST * max(depth.shape) / grid.cell
     outward, inward = (capped_distances(grid.holding(part), reach) for part in (inside, ~inside))
-    far = grid.interpolated(grid.cell * (inward - outward))
-    near = np.abs(depth) < known
-    return np.where(near, depth, np.where(inside, np.maximum(far, depth), np.minimum(far, depth)))
+    distances = grid.cell * (inward - outward)
+    for slab in slabs(depth.shape):
+        own, far = depth[slab], grid.interpolated(distances, slab)
+        longer = np.where(inside[slab], np.maximum(far, own), np.minimum(far, own))
+        np.copyto(own, longer, where=np.abs(own) >= known)

@@ -15,12 +15,13 @@ some of the solids have were a little earlier or later.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.boxes import Box, box_around, slabs
 from ...geometry.coarser_grid import CoarserGrid
 from ...geometry.exact_depths import exact_depths
 from ...geometry.part_fronts import SHORT, PartFronts, SeparatePart, linked_components, separate_parts, shared_core
@@ -60,12 +61,10 @@ def mean_solid(
         Volume of the mean in cells, reached as far as the solids differ.
     """
     weights = np.asarray(weights, np.float32)
-    whole = _Mean.of(depths, weights, _Growth.of(depths, weights))
-    smallest = whole.at(whole.most)
+    growth = _Growth.of(depths, weights)
     # All other cells are far from the surface, at every shift.
-    near = np.flatnonzero((smallest < _BAND) & (whole.at(-whole.most) > -_BAND))
-    full = np.count_nonzero(smallest >= _BAND)
-    mean = whole.cells(near)
+    result, near, mean = _smallest(depths, weights, growth)
+    full = np.count_nonzero(result >= _BAND)
     shift = mean.shift(volume, full)
     rough = np.flatnonzero((np.abs(mean.at(shift)) < _BAND) & (mean.spread > _APART))
     if len(rough):
@@ -74,13 +73,37 @@ def mean_solid(
         shift = mean.shift(volume, full)
     found = mean.at(shift)
     if volume is None or abs(volume - full - _volume(found)) <= _MISSING * volume:
-        smallest.ravel()[near] = found
-        return smallest
-    result = whole.at(shift)
+        result.ravel()[near] = found
+        return result
+    for slab, whole in _by_slabs(depths, weights, growth):
+        result[slab] = whole.at(shift)
     result.ravel()[near] = found
-    # On fine grids, these are large.
-    del whole, smallest
-    return _offset(result, volume)
+    _offset(result, volume)
+    return result
+
+
+def _by_slabs(
+    depths: NDArray[np.float32], weights: NDArray[np.float32], growth: _Growth | None
+) -> Iterator[tuple[Box, _Mean]]:
+    """Yield the slabs of the grid, and the mean in each; its arrays would be large for the whole grid."""
+    layer = int(np.prod(depths.shape[2:]))
+    for slab in slabs(depths.shape[1:]):
+        own = None if growth is None else growth.between(slab[0].start * layer, slab[0].stop * layer)
+        yield slab, _Mean.of(depths[:, *slab], weights, own)
+
+
+def _smallest(
+    depths: NDArray[np.float32], weights: NDArray[np.float32], growth: _Growth | None
+) -> tuple[NDArray[np.float32], NDArray[np.int64], _Mean]:
+    """Return the mean at the largest shift; the cells near its surface at some shift, rising; and the mean in these."""
+    result, found = np.empty(depths.shape[1:], np.float32), []
+    layer = int(np.prod(result.shape[1:]))
+    for slab, mean in _by_slabs(depths, weights, growth):
+        result[slab] = mean.at(mean.most)
+        near = np.flatnonzero((result[slab] < _BAND) & (mean.at(-mean.most) > -_BAND))
+        found.append((near + slab[0].start * layer, mean.mean.ravel()[near], mean.spread.ravel()[near]))
+    cells, means, spreads = (np.concatenate(own) for own in zip(*found, strict=True))
+    return result, cells, _Mean(means, spreads, None if growth is None else growth.among(cells), mean.most)
 
 
 def _exact(depth: NDArray[np.float32], cells: NDArray[np.int64], known: float) -> NDArray[np.float32]:
@@ -113,38 +136,63 @@ class _Growth:
     @classmethod
     def of(cls, depths: NDArray[np.float32], weights: NDArray[np.float32]) -> _Growth | None:
         """Return the bounds; None if the solids share nothing, or if no part is long."""
-        lowest = depths.min(axis=0)
-        grid = CoarserGrid(lowest.shape, _MOST_CELLS)
-        if not ((depths.max(axis=0) > 0.0) & (lowest < -SHORT * grid.cell)).any():
-            return None
+        shape = depths.shape[1:]
+        grid = CoarserGrid(shape, _MOST_CELLS)
         solids = [grid.holding(depth > 0.0) for depth in depths]
-        core = shared_core(solids)
+        beyond, is_long = [], False
+        for slab in slabs(shape, grid.cell):
+            lowest = depths[:, *slab].min(axis=0)
+            is_long |= bool(((depths[:, *slab].max(axis=0) > 0.0) & (lowest < -SHORT * grid.cell)).any())
+            beyond.append(-grid.means_in_slab(lowest) / grid.cell)
+        core = shared_core(solids) if is_long else None
         if core is None:
             return None
         components = linked_components(core)
-        beyond = -grid.means(lowest) / grid.cell
-        farthest = FARTHEST * max(lowest.shape) / grid.cell
-        least, most = (np.full(lowest.shape, -np.inf, np.float32) for _ in range(2))
-        thins = np.zeros(lowest.shape, np.float32)
-        del lowest
+        beyond, farthest = np.concatenate(beyond), FARTHEST * max(shape) / grid.cell
         # What solids share, and parts that need no front, are not held back by the fronts of other parts nearby.
         unbounded = core.copy()
+        bounds: list[_Growth] = []
         for depth, solid, weight in zip(depths, solids, weights, strict=True):
             parts = separate_parts(solid, core, components, grid.means(depth) / grid.cell, beyond, farthest)
             unbounded |= _without(solid, parts)
             fronts = _Fronts.of(parts, solid, core, float(weight), float(weight / weights.max()), grid.cell)
-            near = np.isfinite(fronts.reached)
-            within = grid.within(near)
-            reached, ending, thinning = (
-                grid.interpolated(np.where(near, own, np.float32(0)))[within]
-                for own in (fronts.reached, fronts.ends, fronts.thins)
-            )
-            least[within] = np.maximum(least[within], _rounded(depth[within], reached, _ROUNDING * grid.cell))
-            most[within] = np.maximum(most[within], ending)
-            thins[within] = np.maximum(thins[within], thinning)
-        most[grid.interpolated(unbounded.astype(np.float32)) > 0.5] = np.inf
-        cells = np.flatnonzero(np.isfinite(least))
-        return cls(cells, least.ravel()[cells], most.ravel()[cells], thins.ravel()[cells])
+            bounds.append(cls._of_solid(depth, fronts, grid))
+        cells = np.unique(np.concatenate([own.cells for own in bounds]))
+        least, most = (np.full(cells.shape, -np.inf, np.float32) for _ in range(2))
+        thins = np.zeros(cells.shape, np.float32)
+        for own in bounds:
+            places = np.searchsorted(cells, own.cells)
+            for values, others in ((least, own.least), (most, own.most), (thins, own.thins)):
+                values[places] = np.maximum(values[places], others)
+        if len(cells):
+            at = np.unravel_index(cells, shape)
+            box = tuple(slice(int(own.min()), int(own.max()) + 1) for own in at)
+            free = grid.interpolated(unbounded.astype(np.float32), box) > 0.5
+            most[free[tuple(own - span.start for own, span in zip(at, box, strict=True))]] = np.inf
+        return cls(cells, least, most, thins)
+
+    @classmethod
+    def _of_solid(cls, depth: NDArray[np.float32], fronts: _Fronts, grid: CoarserGrid) -> _Growth:
+        """Return the bounds from the fronts of one solid."""
+        near = np.isfinite(fronts.reached)
+        if not near.any():
+            nothing = np.empty(0, np.float32)
+            return cls(np.empty(0, np.int64), nothing, nothing, nothing)
+        box = grid.finer_box(box_around(near, 0))
+        within = grid.within(near, box)
+        reached, ends, thins = (
+            grid.interpolated(np.where(near, own, np.float32(0)), box)[within]
+            for own in (fronts.reached, fronts.ends, fronts.thins)
+        )
+        places = [own + span.start for own, span in zip(np.nonzero(within), box, strict=True)]
+        cells = np.ravel_multi_index(places, depth.shape)
+        return cls(cells, _rounded(depth[box][within], reached, _ROUNDING * grid.cell), ends, thins)
+
+    def between(self, start: int, stop: int) -> _Growth:
+        """Return the bounds of cells in a range of indices, with their indices there."""
+        first, end = np.searchsorted(self.cells, (start, stop))
+        own = slice(first, end)
+        return _Growth(self.cells[own] - start, self.least[own], self.most[own], self.thins[own])
 
     def among(self, cells: NDArray[np.int64]) -> _Growth:
         """Return the bounds of those cells that are among some, (m,), rising, with their indices there."""
@@ -225,13 +273,8 @@ class _Mean:
     def corrected(self, cells: NDArray[np.int64], depths: NDArray[np.float32], weights: NDArray[np.float32]) -> _Mean:
         """Return the mean with other distances of the solids at some cells, (k, n)."""
         mean, spread = self.mean.copy(), self.spread.copy()
-        mean.ravel()[cells], spread.ravel()[cells] = weights @ depths, np.ptp(depths, axis=0)
+        mean[cells], spread[cells] = weights @ depths, np.ptp(depths, axis=0)
         return replace(self, mean=mean, spread=spread)
-
-    def cells(self, cells: NDArray[np.int64]) -> _Mean:
-        """Return the mean at some cells."""
-        growth = None if self.growth is None else self.growth.among(cells)
-        return replace(self, mean=self.mean.ravel()[cells], spread=self.spread.ravel()[cells], growth=growth)
 
     def at(self, shift: float) -> NDArray[np.float32]:
         """Subtract a shift from the weight of what only some solids have."""
@@ -259,17 +302,26 @@ def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating], radius: f
     return np.where(nearest > radius, nearest, np.minimum(radius - np.hypot(below, behind), nearest)).astype(np.float32)
 
 
-def _offset(depth: NDArray[np.float32], volume: float) -> NDArray[np.float32]:
-    """Offset the whole surface where the solids do not differ enough for their mean to have the volume."""
+def _offset(depth: NDArray[np.float32], volume: float) -> None:
+    """Offset the whole surface, in place, where the solids do not differ enough for their mean to have the volume."""
     offset = 0.0
     for _ in range(_OFFSETS):
-        moved = depth + np.float32(offset)
-        missing = volume - _volume(moved)
+        enclosed, area = _enclosed(depth, offset)
+        missing = volume - enclosed
         if abs(missing) <= _MISSING * volume:
             break
-        area = np.count_nonzero((moved < 0.5) & (moved > -0.5))
         offset += float(np.clip(missing / max(area, 1), -1.0, 1.0))
-    return depth + np.float32(offset) if offset else depth
+    depth += np.float32(offset)
+
+
+def _enclosed(depth: NDArray[np.float32], offset: float) -> tuple[float, int]:
+    """Return the volume of a solid whose surface is offset, and the number of cells at the surface."""
+    volume, area = 0.0, 0
+    for slab in slabs(depth.shape):
+        moved = depth[slab] + np.float32(offset)
+        area += np.count_nonzero((moved < 0.5) & (moved > -0.5))
+        volume += _volume(moved)
+    return volume, area
 
 
 def _volume(depth: NDArray[np.floating]) -> float:
