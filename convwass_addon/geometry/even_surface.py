@@ -60,7 +60,10 @@ def even_surface(surface: LevelSurface, density: NDArray[np.floating]) -> LevelS
     """
     box, low = padded_box(density, density > surface.level, _MARGIN, 0.0)
     dual = without_short_edges(dual_surface(surface.mesh.moved(-low - 0.5), box > surface.level))
-    points, normals = _evened(dual, straightened(box, surface.level))
+    field = straightened(box, surface.level)
+    # On fine grids, it is large.
+    del box
+    points, normals = _evened(dual, field)
     mesh = TriangleMesh(points + (low + 0.5), _triangles(points, dual))
     return LevelSurface(_enclosing(mesh, normals, surface.mesh.volume), surface.level)
 

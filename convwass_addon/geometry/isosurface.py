@@ -210,12 +210,14 @@ def _beyond_centers(cells: NDArray[np.floating], inside: NDArray[np.bool_], stri
 def _excess(density: NDArray[np.floating], level: float) -> NDArray[np.float32]:
     """Excess of the density over `level`, relative to `level`, adjusted so that no two vertices coincide.
 
+    The memory of the density is used for other values.
+
     A sample exactly at the level would pull the vertices of all its grid edges onto itself. Values are therefore kept
     away from zero, by `_CLEARANCE` times the largest value on the other side of the surface next to them.
     """
     # The excess outside is at least -1, so inside no more than this is needed.
     most = 1.0 / _CLEARANCE
-    excess = np.minimum(density, level * most)
+    excess = np.minimum(density, level * most, out=density)
     excess -= level
     excess /= level
     excess = excess.astype(np.float32, copy=False)

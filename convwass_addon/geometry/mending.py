@@ -107,8 +107,7 @@ def mended_surface(
     density = as_floats(density)
     # Parts thinner than the deepest gap are irrelevant.
     box = _box_of_interest(density, volume)
-    given = np.array(density[box], order="C")
-    work = _Work(given.copy(), volume, most, _SPONGE, effort, control)
+    work = _Work(np.array(density[box], order="C"), volume, most, _SPONGE, effort, control)
     level = work.level
     best = _repair_until_stable(work, most)
     # Where there is no sponge, more smoothing removes no more handles than a little.
@@ -117,13 +116,16 @@ def mended_surface(
         if best.mending.found.beyond(most).handles == 0:
             break
         too_many = None if sigma == _SMOOTHINGS[-1] else _SPONGE
-        smoothed = smoothed_at_saddles(given, level, sigma)
+        smoothed = smoothed_at_saddles(np.array(density[box], order="C"), level, sigma)
         found = _repair_until_stable(_Work(smoothed, volume, most, too_many, effort, control), most)
         if found.mending.found.beyond(most) < best.mending.found.beyond(most):
             best = _Settled(replace(found.mending, smoothed=sigma), found.density)
     surface = even_surface(best.mending.surface, best.density)
-    repaired = density.copy()
-    repaired[box] = best.density
+    repaired = density
+    # On fine grids, copies are large.
+    if not np.array_equal(best.density, density[box]):
+        repaired = density.copy()
+        repaired[box] = best.density
     placed = LevelSurface(surface.mesh.moved([span.start for span in box]), surface.level)
     return replace(best.mending, surface=placed, density=repaired)
 
@@ -144,9 +146,11 @@ def _repair_until_stable(work: _Work, most: Connectivity) -> _Settled:
         if best is None or changed:
             drawn = work.drawn()
             if best is None or drawn.found.beyond(most) < best.mending.found.beyond(most):
-                best = _Settled(drawn, work.density.copy())
+                best = _Settled(drawn, work.density)
         if not changed or best.mending.found.beyond(most) == _NOTHING:
             break
+        if best.density is work.density:
+            work.density = work.density.copy()
     return best
 
 
@@ -156,7 +160,7 @@ class _Work:
     Attributes
     ----------
     density : (nx, ny, nz)
-        Its current state.
+        Its current state, which repairs change in place.
     level : float
         Level of the surface.
 

@@ -234,16 +234,19 @@ def _raised(
 
     `thick` returns the least typical density of thick parts for some densities, at most `_FLAT`.
     """
-    result = np.zeros(solid.shape, np.float32)
     box = box_around(solid > _NEGLIGIBLE, 0)
     values = np.where(solid[box] > _NEGLIGIBLE, solid[box], np.float32(0.0))
     around = gaussian_filter(values, _AROUND, truncate=_TRUNCATE, mode="constant")
-    typical = gaussian_filter(values * values, _AROUND, truncate=_TRUNCATE, mode="constant")
+    typical = np.square(values)
+    gaussian_filter(typical, _AROUND, truncate=_TRUNCATE, mode="constant", output=typical)
     np.divide(typical, around, out=typical, where=values > 0.0)
+    # On fine grids, it is large.
+    del around
     # Most cells are empty or belong to thick parts.
     thin = np.flatnonzero((values > 0.0) & (typical < _FLAT))
     gain = thick(values.ravel()[thin]) / np.maximum(typical.ravel()[thin], _SCATTERED)
     values.ravel()[thin] *= np.maximum(gain, 1.0).astype(np.float32) ** np.float32(_POWER)
+    result = np.zeros(solid.shape, np.float32)
     result[box] = values
     return result
 
