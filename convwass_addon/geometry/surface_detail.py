@@ -63,6 +63,9 @@ _FLAT, _SMOOTH = 0.03, 0.01
 # normals, in this many rounds: a chair halfway to a man needs a fifth of a cell.
 _VOLUME_TOLERANCE, _MOST_CORRECTION, _ROUNDS_OF_VOLUME = 5e-4, 0.6, 4
 
+# Triangles that are processed together, to save memory.
+_AT_ONCE = 1 << 15
+
 
 @dataclass(frozen=True)
 class DetailSource:
@@ -243,6 +246,13 @@ class _Carried:
 
     def triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the shape's triangle under each face, (m, 3): at the corner whose plane is closest to the others."""
+        found = np.empty(len(faces), np.int64)
+        for start in range(0, len(faces), _AT_ONCE):
+            part = slice(start, start + _AT_ONCE)
+            found[part] = self._triangles_under(faces[part])
+        return found
+
+    def _triangles_under(self, faces: NDArray[np.int64]) -> NDArray[np.int64]:
         points, normals = (np.moveaxis(values.take(faces, axis=0), 1, 0) for values in (self.points, self.normals))
         sides = [points[(corner + 1) % 3] - points[corner] for corner in range(3)]
         heights = np.empty((3, len(faces)))

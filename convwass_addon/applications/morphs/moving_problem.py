@@ -25,7 +25,7 @@ from .blend_store import BlendStore
 from .blending import HandOver, solve_blends, surfaced_frame
 from .coinciding_solids import CoincidingSolids
 from .demands import Demand
-from .detail import detailed_blend, reliability_of, starts_on_readings
+from .detail import Starts, detailed_blend, reliability_of, starts_on_readings
 from .extraction import extract_coinciding
 from .interpolated_volumes import interpolated_volumes
 from .layouts import Blend, pairs_of
@@ -137,17 +137,20 @@ class MovingProblem:
         if blend.source is not None:
             return solve_blends(self.still, [blend], control)[0]
         moved = self.moved_blend(blend, control)
-        problem, alone, solids = moved.problem, moved.blend, moved.solids
-        shapes, active, occupancies = moved.shapes, moved.active, moved.occupancies
+        problem, shapes, active = moved.problem, moved.shapes, moved.active
         if moved.coincides:
             solved = self._coinciding(moved, control)
         else:
             solver = BlendSolver(problem.transport, control, ALONE)
-            transported = solver.solve(alone, problem.transport.blend_volumes(alone))
-            solved = surfaced_frame(problem, transported, solids, control)
-        surface = self._placed(problem, solved, shapes, occupancies, solids, control)
+            transported = solver.solve(moved.blend, problem.transport.blend_volumes(moved.blend))
+            solved = surfaced_frame(problem, transported, moved.solids, control)
+        disagreement, occupancies = moved.solids.disagreement, moved.occupancies
+        starts = starts_on_readings(problem, solved, moved.solids) if problem.settings.carried_detail > 0 else None
+        # On fine grids, the others take most of the memory.
+        del moved
+        surface = self._placed(problem, solved, shapes, occupancies, starts, control)
         mesh, places = surface.mesh, surface.places
-        about = {"weights": blend.weights, "rest": solids.disagreement, "motion": dict(self.still.motion)}
+        about = {"weights": blend.weights, "rest": disagreement, "motion": dict(self.still.motion)}
         record = {**solved.record, **about, "volume": mesh.volume}
         if not self.still.settings.carry:
             return MorphFrame(blend, mesh, record)
@@ -225,13 +228,12 @@ class MovingProblem:
         solved: MorphFrame,
         shapes: Sequence[MovedShape],
         occupancies: Sequence[NDArray[np.float32]],
-        solids: CoincidingSolids,
+        starts: Starts | None,
         control: Control,
     ) -> _PlacedSurface:
         """Return the surface of a frame with the detail that the settings demand, and its points on the shapes."""
         mesh, searched = solved.mesh, [FacingShape(shape.mesh) for shape in shapes]
-        if problem.settings.carried_detail > 0:
-            starts = starts_on_readings(problem, solved, solids)
+        if starts is not None:
             sound = [reliability_of(shape) for shape in shapes]
             detailed = detailed_blend(problem, solved, searched, occupancies, starts, control, sound)
             return _PlacedSurface(detailed.mesh, detailed.places, detailed.triangles)
