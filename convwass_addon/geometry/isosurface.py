@@ -83,7 +83,7 @@ def surface_enclosing(density: NDArray[np.floating], volume: float, shortfall: f
     volume : float
         In cells.
     shortfall : float, optional
-        The :func:`estimate_shortfall` of a similar density, which saves one surface extraction.
+        The shortfall of the :class:`EstimatedSurface` of a similar density, which saves one surface extraction.
 
     Raises
     ------
@@ -123,16 +123,27 @@ def level_enclosing(density: NDArray[np.floating], volume: float, shortfall: flo
     return _estimated(density, volume + shortfall, _Ranks.of(density, volume))
 
 
-def estimate_shortfall(density: NDArray[np.floating], volume: float) -> float:
-    """Volume missing from the surface at the estimated level, since triangles cut corners; zero if negligible.
+@dataclass(frozen=True)
+class EstimatedSurface:
+    """The surface at the level that :func:`level_enclosing` estimates without a shortfall.
 
-    Raises
-    ------
-    InputError
-        As for :func:`surface_enclosing`.
+    Attributes
+    ----------
+    surface : LevelSurface
+    shortfall : float
+        Volume missing from it, since triangles cut corners; zero if negligible. Then it is the surface of
+        :func:`surface_enclosing`.
     """
-    shortfall = volume - surface_at_level(density, level_enclosing(density, volume)).mesh.volume
-    return shortfall if abs(shortfall) > _VOLUME_TOLERANCE * volume else 0.0
+
+    surface: LevelSurface
+    shortfall: float
+
+    @classmethod
+    def of(cls, density: NDArray[np.floating], volume: float) -> EstimatedSurface:
+        """Extract the surface; raises the same errors as :func:`surface_enclosing`."""
+        surface = surface_at_level(density, level_enclosing(density, volume))
+        shortfall = volume - surface.mesh.volume
+        return cls(surface, shortfall if abs(shortfall) > _VOLUME_TOLERANCE * volume else 0.0)
 
 
 def as_floats(density: NDArray[np.floating]) -> NDArray[np.floating]:

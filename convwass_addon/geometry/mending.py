@@ -21,7 +21,7 @@ from .dilation import dilated
 from .even_surface import even_surface
 from .handle_places import RAISED, TriedPlaces
 from .handle_removal import GENTLE, Effort, remove_handles
-from .isosurface import LevelSurface, as_floats, estimate_shortfall, level_enclosing, surface_enclosing
+from .isosurface import EstimatedSurface, LevelSurface, as_floats, level_enclosing, surface_enclosing
 from .level_topology import euler_number, hollows_below, pieces_above
 from .piece_joining import DEEPEST_GAP, join_pieces
 from .saddle_smoothing import smoothed_at_saddles
@@ -183,14 +183,17 @@ class _Work:
     ) -> None:
         self.density, self._volume, self._most, self._too_many = density, volume, most, too_many
         self._effort, self._control = effort, control
-        self._shortfall = estimate_shortfall(density, volume)
-        self.level = level_enclosing(density, volume, self._shortfall)
+        estimated = EstimatedSurface.of(density, volume)
+        self._shortfall = estimated.shortfall
+        # The surface of the density as long as that is not changed, if it is known.
+        self._surface = None if estimated.shortfall else estimated.surface
+        self.level = level_enclosing(density, volume, self._shortfall) if self._shortfall else estimated.surface.level
         self._crumbs = self._filled = self._bridged = self._clipped = self._unhandled = 0
         self._tried = TriedPlaces()
 
     def drawn(self) -> Mending:
         """Extract the current surface; the next repairs use its level."""
-        surface = surface_enclosing(self.density, self._volume, self._shortfall)
+        surface = self._surface or surface_enclosing(self.density, self._volume, self._shortfall)
         self.level = surface.level
         return Mending(surface, Connectivity.of(surface), self._most, *self._counts(), self.density)
 
@@ -204,6 +207,7 @@ class _Work:
         handles = pieces + bubbles - euler_number(self.density, self.level) // 2
         excess = handles - self._most.handles
         if excess > 0 and (self._too_many is None or excess <= self._too_many):
+            self._surface = None
             self._unhandled += remove_handles(
                 self.density, self.level, excess, self._effort, self._tried, self._control
             )
@@ -219,6 +223,7 @@ class _Work:
             pieces = pieces_above(self.density, self.level)
             if pieces.count <= self._most.pieces:
                 break
+            self._surface = None
             done = join_pieces(self.density, self.level, pieces, self._most.pieces, self._volume)
             self._bridged += done.bridged
             self._clipped += done.clipped
@@ -240,6 +245,7 @@ class _Work:
             smallest[1 + np.argsort(sizes[1:], kind="stable")[:excess]] = True
             # Include adjacent cells, so that a slightly higher level does not reopen the hollows.
             filled = dilated(smallest[hollows.labels])
+            self._surface = None
             self.density[filled] = np.maximum(self.density[filled], RAISED * self.level)
             self._filled += excess
         return hollows.count
