@@ -114,10 +114,12 @@ def _axis_coverage(
     found = _changes(chunks, rows)
     control.check()
     layer = np.floor(found.height).astype(np.int64)
-    column, row = np.divmod(found.ray, rows)
+    # Faster than np.divmod.
+    column = found.ray // rows
+    row = found.ray - column * rows
     # Rows are shifted by a fraction of the distance between rays, so that the rays through a voxel meet a face at as
     # many places as there are rays. A voxel is as long as a whole number of these shifts.
-    across = ((column + 0.5 - (row + 0.5) / _RAYS) // _RAYS).astype(np.int64)
+    across = np.floor((column + 0.5 - (row + 0.5) / _RAYS) / _RAYS).astype(np.int64)
     voxel = (layer * shape[a] + across) * shape[b] + row // _RAYS
     plane = shape[a] * shape[b]
     step, above = found.step, found.step * (found.height - layer)

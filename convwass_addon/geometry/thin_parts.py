@@ -239,7 +239,8 @@ def _raised(
     around = gaussian_filter(values, _AROUND, truncate=_TRUNCATE, mode="constant")
     typical = np.square(values)
     gaussian_filter(typical, _AROUND, truncate=_TRUNCATE, mode="constant", output=typical)
-    np.divide(typical, around, out=typical, where=values > 0.0)
+    # Around cells with mass, there is more than this.
+    typical /= np.maximum(around, np.finfo(np.float32).tiny, out=around)
     # On fine grids, it is large.
     del around
     # Most cells are empty or belong to thick parts.

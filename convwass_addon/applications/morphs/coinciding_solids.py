@@ -171,10 +171,21 @@ def _blurred(depth: NDArray[np.float32]) -> NDArray[np.float32]:
 def _depth(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:
     """Signed distance to the surface of a solid in cells, positive inside, clipped where it is unknown."""
     # Thin parts, whose density never reaches one half, count as surfaces, too.
-    density = normalized_solid(gaussian_filter(occupancy.astype(np.float32, copy=False), _BLUR), _BLUR)
+    density = normalized_solid(_fractions_blurred(occupancy), _BLUR)
     least = float(ndtr(-_KNOWN))
     # Distances far from the surface are unknown, which concerns most cells.
     depth = np.where(density > 0.5, np.float32(_KNOWN * _BLUR), np.float32(-_KNOWN * _BLUR))
     near = np.flatnonzero((density > least) & (density < 1.0 - least))
     depth.ravel()[near] = np.clip(plane_depths(density, near, _BLUR), -_KNOWN * _BLUR, _KNOWN * _BLUR)
     return depth
+
+
+def _fractions_blurred(occupancy: NDArray[np.floating]) -> NDArray[np.float32]:
+    """Blur the fraction that a solid fills of every cell."""
+    blurred = np.zeros(occupancy.shape, np.float32)
+    inside = occupancy > 0.0
+    if inside.any():
+        # A blur fills no other cells.
+        box = box_around(inside, int(_TRUNCATE * _BLUR + 0.5))
+        gaussian_filter(occupancy[box].astype(np.float32, copy=False), _BLUR, truncate=_TRUNCATE, output=blurred[box])
+    return blurred
