@@ -54,4 +54,5 @@ class MovedBlend:
     def bytes(self) -> int:
         """Memory that its grids take, about two thirds of all."""
         grids = (*self.occupancies, self.solids.density, self.solids.agreement, self.solids.depths)
-        return sum(grid.nbytes for grid in grids)
+        # One number may stand for all cells.
+        return sum(grid.nbytes for grid in grids if all(grid.strides))
