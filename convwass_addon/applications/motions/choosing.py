@@ -51,6 +51,11 @@ _MOST_GROWTH = 3.0
 # with its head in place (score 0.38), and a torus becomes a horse without being cut open (0.25). Between an octopus and
 # a horse, which map with 0.44, the warp leaves less, but tears arms.
 _UNSURE = 0.4
+# Such a map, however low its score, is kept if it leaves at most `_MUCH_LEFT`, and no shape has more than this many
+# times the area of the other one where it lies on it. A scorpion and a lobster, whose legs a warp would tear, have 1.33
+# times the area of a hand (score 0.15). Tori, which maps cut open, have 1.9 to 2.1 times the area of a horse, a dog or
+# a man, although only 0.11 to 0.28 of the distance is left.
+_CRUMPLED = 1.5
 # Clearly less is this share or less. From a duck to a bird, the warp leaves 0.83 of what the map does; from a rocket to
 # a boat 0.89, and crumples the hull, where the map turns the hull into the sail.
 _CLEARLY_LESS = 0.85
@@ -163,10 +168,16 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     far = detour > _DETOUR
     # Where bodies divide or join far from each other, a map tears something.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
-    if merges or score < DOUBTED or (far and divides and not request.guides):
+    unfit = merges or (far and divides and not request.guides)
+    alone = replace(_mapped("PARTLY", guided), detour=detour)
+    if not unfit and score < _UNSURE:
+        yield Progress(_GUIDED_SHARE, Sentence("Moving the shapes"))
+        smooth = _lying_smoothly(alone, request, control)
+        if smooth is not None:
+            return smooth
+    if unfit or score < DOUBTED:
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
-    alone = replace(_mapped("PARTLY", guided), detour=detour)
     if score < _UNSURE and not request.guides:
         better = _warped_instead
     elif far:
@@ -180,6 +191,19 @@ def _mapped(reason: str, guided: GuidedMotion) -> MotionChoice:
     """Return the choice of a guided motion."""
     left_out = sum(pair.guides_left_out for pair in guided.pairs.values())
     return MotionChoice("guided", reason, guided, _score(guided), turned=_turned(guided), guides_left_out=left_out)
+
+
+def _lying_smoothly(alone: MotionChoice, request: MotionRequest, control: Control) -> MotionChoice | None:
+    """Return a guided motion of an unsure map if shapes come close to each other without crumpling, otherwise None."""
+    if max(pair.crumpling for pair in alone.motion.pairs.values()) > _CRUMPLED:
+        return None
+    try:
+        left = _left(alone.motion, request, control)
+    except Cancelled:
+        raise
+    except FAILURES:
+        return None
+    return replace(alone, left=left) if left <= _MUCH_LEFT else None
 
 
 def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:

@@ -56,12 +56,15 @@ class GuidedPair:
         Length of the map over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
         Angle in degrees by which one shape was turned about the vertical axis before they were registered.
+    crumpling : float
+        How much the shapes crumple on each other; the larger figure of both, see :class:`.map_quality.MapQuality`.
     """
 
     score: float
     guides_left_out: int
     detour: float
     turn: float
+    crumpling: float = 1.0
 
 
 @dataclass(frozen=True)
@@ -237,7 +240,8 @@ def guided_motion(
         deformations[ordered], deformations[ordered[::-1]] = there, back
         quality = map_quality(one, other, there).or_worse(map_quality(other, one, back))
         score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
-        known[pair] = GuidedPair(score, len(marked) - len(best.map.pairs), best.detour, best.turn)
+        left_out = len(marked) - len(best.map.pairs)
+        known[pair] = GuidedPair(score, left_out, best.detour, best.turn, quality.crumpling)
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 

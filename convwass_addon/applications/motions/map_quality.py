@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.mesh import TriangleMesh
 from ...geometry.poisson_deformation import deformation_gradients
 from .carriers import Carrier
 from .shape_deformations import ShapeDeformation
@@ -31,11 +32,15 @@ class MapQuality:
         Fraction of the area stretched or compressed by more than a factor of four.
     folded : float
         Fraction of the area that is oriented opposite to the surface that it lies on.
+    crumpling : float
+        Area of the deformed shape over that of the shape that it lies on: about 1 where it lies smoothly, and more
+        where it lies in folds.
     """
 
     confidence: float
     torn: float
     folded: float
+    crumpling: float
 
     def or_worse(self, other: MapQuality) -> MapQuality:
         """Return the worse of two records, figure by figure."""
@@ -43,6 +48,7 @@ class MapQuality:
             confidence=min(self.confidence, other.confidence),
             torn=max(self.torn, other.torn),
             folded=max(self.folded, other.folded),
+            crumpling=max(self.crumpling, other.crumpling),
         )
 
     @property
@@ -59,6 +65,7 @@ def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation) -> Ma
         confidence=float(weights @ there.confidence),
         torn=float(areas[stretches(source, there) > _TORN].sum()),
         folded=float(areas[_folded(source, target, there)].sum()),
+        crumpling=TriangleMesh(there.points, source.mesh.faces).area / target.mesh.area,
     )
 
 

@@ -10,6 +10,7 @@ from scipy.sparse.linalg import ArpackNoConvergence
 
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.applications.motions.guided_motion import GuidedPair
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -23,8 +24,8 @@ FADED = SimpleNamespace(with_coherence=lambda coherence: ("faded", coherence))
 WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence), sizes=np.ones(2))
 
 
-def guided_with(score, turn=0.0, detour=1.0, left_out=0):
-    pair = SimpleNamespace(score=score, turn=turn, detour=detour, guides_left_out=left_out)
+def guided_with(score, turn=0.0, detour=1.0, left_out=0, crumpling=1.0):
+    pair = GuidedPair(score, left_out, detour, turn, crumpling)
     return SimpleNamespace(pairs={(0, 1): pair}, with_coherence=lambda coherence: ("guided", coherence))
 
 
@@ -165,7 +166,7 @@ def test_a_warp_replaces_what_leaves_most(motions, left, by_warps, by_warp_alone
     [(0.3, 1.0, 0.21, "warp"), (0.3, 1.8, 0.21, "warp"), (0.3, 1.0, 0.22, "guided"), (0.5, 1.0, 0.1, "guided")],
 )
 def test_a_doubtful_map_is_given_up_for_a_warp_that_leaves_clearly_less(motions, score, detour, by_warp_alone, kind):
-    motions(guided_with(score, detour=detour), left=0.25, by_warp_alone=by_warp_alone)
+    motions(guided_with(score, detour=detour, crumpling=1.6), left=0.25, by_warp_alone=by_warp_alone)
     found = choice()
     assert (found.kind, found.reason) == (kind, "UNLIKE" if kind == "warp" else "PARTLY")
     assert found.left == (by_warp_alone if kind == "warp" else 0.25)
@@ -207,6 +208,36 @@ def test_shapes_without_a_good_map_are_warped_if_that_joins_them(motions, left, 
     found = choice()
     assert found.record() == {"kind": kind, "reason": "APART", "score": 0.1, "detour": 1.0, "left": left}
     assert found.motion is (WARP if kind == "warp" else None)
+
+
+@pytest.mark.parametrize("score", [0.1, 0.3])
+@pytest.mark.parametrize(
+    ("left", "crumpling", "kind"), [(0.3, 1.5, "guided"), (0.3, 1.6, "warp"), (0.31, 1.5, "warp"), (0.1, 3.0, "warp")]
+)
+def test_an_unsure_map_is_kept_if_it_leaves_little_and_crumples_nothing(motions, score, left, crumpling, kind):
+    motions(guided_with(score, detour=1.8, crumpling=crumpling), left=left, by_warp_alone=0.05)
+    found = choice()
+    assert (found.kind, found.left) == (kind, left if kind == "guided" else 0.05)
+
+
+def test_shapes_that_divide_or_merge_are_not_mapped_for_crumpling_nothing(motions):
+    """A map without crumples may still tear bodies, and limbs that have no counterpart."""
+    pair = (BARBELL, joined(BARBELL, BARBELL.moved((0.0, 0.0, 8.0))))
+    motions(guided_with(0.3, detour=1.8), left=0.1, by_warp_alone=0.2)
+    assert choice(shapes=pair).record()["reason"] == "APART"
+    assert choice(shapes=(BARBELL, box())).record()["reason"] == "SOLID"
+
+
+def test_a_poor_map_is_given_up_if_what_it_leaves_cannot_be_measured(motions, monkeypatch):
+    motions(guided_with(0.1))
+
+    def measured(motion, *_arguments):
+        if motion == ("guided", 0.5):
+            raise ResourceError("no memory")
+        return 0.5
+
+    monkeypatch.setattr(choosing, "remaining_share", measured)
+    assert choice().record() == {"kind": "warp", "reason": "APART", "score": 0.1, "detour": 1.0, "left": 0.5}
 
 
 def test_shapes_without_limbs_are_warped(motions):
