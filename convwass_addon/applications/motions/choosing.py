@@ -20,7 +20,7 @@ from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .limbs import is_compact
 from .mapped_pairs import DOUBTED, TRUSTED
-from .motion import Motion
+from .motion import Motion, arriving
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
@@ -56,6 +56,11 @@ _UNSURE = 0.4
 # times the area of a hand (score 0.15). Tori, which maps cut open, have 1.9 to 2.1 times the area of a horse, a dog or
 # a man, although only 0.11 to 0.28 of the distance is left.
 _CRUMPLED = 1.5
+# With more than the first number of times the area, a warp is used instead if it joins the shapes and crumples them at
+# most this share as much, though it may leave more. It has 0.6 to 0.8 of the area of a map from a crocodile or a rocket
+# to a hand, from a dog to a bird, and from a torus to a horse or a dog, and looks better. It has 0.82 of it from a
+# scorpion to an octopus, 0.9 from a torus to a man, and 0.94 from a goat to a bird, where the map looks better.
+_MUCH_CRUMPLED, _SMOOTHER = 1.8, 0.8
 # Clearly less is this share or less. From a duck to a bird, the warp leaves 0.83 of what the map does; from a rocket to
 # a boat 0.89, and crumples the hull, where the map turns the hull into the sail.
 _CLEARLY_LESS = 0.85
@@ -178,8 +183,8 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     if unfit or score < DOUBTED:
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
-    if score < _UNSURE and not request.guides:
-        better = _warped_instead
+    if (score < _UNSURE or _crumpling(guided) > _MUCH_CRUMPLED) and not request.guides:
+        better = _perhaps_warped_instead
     elif far:
         return alone
     else:
@@ -195,7 +200,7 @@ def _mapped(reason: str, guided: GuidedMotion) -> MotionChoice:
 
 def _lying_smoothly(alone: MotionChoice, request: MotionRequest, control: Control) -> MotionChoice | None:
     """Return a guided motion of an unsure map if shapes come close to each other without crumpling, otherwise None."""
-    if max(pair.crumpling for pair in alone.motion.pairs.values()) > _CRUMPLED:
+    if _crumpling(alone.motion) > _CRUMPLED:
         return None
     try:
         left = _left(alone.motion, request, control)
@@ -253,6 +258,19 @@ def _unless_failing(
         return replace(alone, failure=str(error))
 
 
+def _perhaps_warped_instead(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return a warp instead of a motion that crumples or follows an unsure map, if it is better in one of these."""
+    warped = yield from within(_warped(replace(alone, reason="UNLIKE"), request, control), 0.0, 0.5)
+    crumpling = _crumpling(alone.motion)
+    smoother = crumpling > _MUCH_CRUMPLED and _warp_crumpling(warped.motion, request) <= _SMOOTHER * crumpling
+    nearer = alone.score < _UNSURE and warped.left <= _CLEARLY_LESS * alone.left
+    if (smoother or nearer) and _joins(warped, request):
+        return warped
+    if alone.score < _UNSURE or alone.detour > _DETOUR:
+        return alone
+    return (yield from within(_perhaps_warped(alone, request, control), 0.5, 1.0))
+
+
 def _perhaps_warped(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the guided motion, unless it leaves much that a warp removes, after it or instead of it."""
     if alone.left <= _MUCH_LEFT:
@@ -301,6 +319,18 @@ def _left(motion: GuidedMotion | CombinedMotion | WarpMotion, request: MotionReq
     """Return the largest share of the distance between two shapes that a motion leaves at full coherence."""
     full = motion.with_coherence(FULL_COHERENCE)
     return max(remaining_share(full, request.shapes, pair, _CELLS, control) for pair in request.pairs)
+
+
+def _crumpling(guided: GuidedMotion) -> float:
+    """Return how much the shapes of a guided motion crumple on each other at most."""
+    return max(pair.crumpling for pair in guided.pairs.values())
+
+
+def _warp_crumpling(warp: WarpMotion, request: MotionRequest) -> float:
+    """Return how much warped shapes crumple on each other at most, measured as in :class:`.map_quality.MapQuality`."""
+    full, shapes = warp.with_coherence(FULL_COHERENCE), request.shapes
+    ways = [way for pair in request.pairs for way in (pair, pair[::-1])]
+    return max(arriving(full, len(shapes), *way).mesh.area / shapes[way[1]].area for way in ways)
 
 
 def _bodies(shape: TriangleMesh) -> int:

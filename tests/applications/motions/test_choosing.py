@@ -212,7 +212,7 @@ def test_shapes_without_a_good_map_are_warped_if_that_joins_them(motions, left, 
 
 @pytest.mark.parametrize("score", [0.1, 0.3])
 @pytest.mark.parametrize(
-    ("left", "crumpling", "kind"), [(0.3, 1.5, "guided"), (0.3, 1.6, "warp"), (0.31, 1.5, "warp"), (0.1, 3.0, "warp")]
+    ("left", "crumpling", "kind"), [(0.3, 1.5, "guided"), (0.3, 1.6, "warp"), (0.31, 1.5, "warp"), (0.1, 1.8, "warp")]
 )
 def test_an_unsure_map_is_kept_if_it_leaves_little_and_crumples_nothing(motions, score, left, crumpling, kind):
     motions(guided_with(score, detour=1.8, crumpling=crumpling), left=left, by_warp_alone=0.05)
@@ -226,6 +226,27 @@ def test_shapes_that_divide_or_merge_are_not_mapped_for_crumpling_nothing(motion
     motions(guided_with(0.3, detour=1.8), left=0.1, by_warp_alone=0.2)
     assert choice(shapes=pair).record()["reason"] == "APART"
     assert choice(shapes=(BARBELL, box())).record()["reason"] == "SOLID"
+
+
+@pytest.mark.parametrize("score", [0.3, 0.6])
+@pytest.mark.parametrize(
+    ("crumpling", "by_warp", "left", "kind"),
+    [(2.0, 1.59, 0.4, "warp"), (2.0, 1.61, 0.4, "guided"), (1.8, 1.0, 0.4, "guided"), (2.0, 1.0, 0.7, "guided")],
+)
+def test_a_warp_that_crumples_less_replaces_a_map_that_leaves_less(
+    motions, monkeypatch, score, crumpling, by_warp, left, kind
+):
+    def arrived(motion, count, one, other):
+        assert (motion, count) == (("warp", 0.5), 2)
+        area = (by_warp if one == 0 else 1.0) * SHAPES[other].area
+        return SimpleNamespace(mesh=SimpleNamespace(area=area))
+
+    monkeypatch.setattr(choosing, "arriving", arrived)
+    motions(guided_with(score, detour=1.8, crumpling=crumpling), left=0.2, by_warp_alone=left)
+    assert choice().kind == kind
+    assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
+    motions(guided_with(score, crumpling=crumpling), left=0.35, by_coarse=0.1, by_warp_alone=left)
+    assert choice().kind == (kind if kind == "warp" or score == 0.3 else "combined")
 
 
 def test_a_poor_map_is_given_up_if_what_it_leaves_cannot_be_measured(motions, monkeypatch):
