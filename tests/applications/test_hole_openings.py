@@ -87,6 +87,16 @@ def test_all_shapes_of_a_path_are_opened():
     assert [len(own.regions[0].holes) for own in opened] == [0, 0, 0]
 
 
+def test_a_slit_that_fails_leaves_the_hole_closed(monkeypatch):
+    def failing(*_):
+        raise ValueError("no slit")
+
+    ring, gap = shape(*RING), shape(arc(30.0, 330.0))
+    monkeypatch.setattr("convwass_addon.applications.flat.outline_motion.with_open_holes", failing)
+    for own in moved(ring, gap, 0.5):
+        assert sorted(ring_area(each) > 0 for each in boundary_rings(own)) == [False, True]
+
+
 def test_a_hole_behind_others_is_opened_through_the_outline_only():
     """A slit never ends at another hole."""
     disc = shape(ellipse(radii=(3, 3)), *(ellipse((x, 0), (0.5, 0.5)) for x in (-1.4, 0.0, 1.4)))

@@ -8,8 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...errors import Cancelled
 from ...geometry.planar_fill import Boundary
 from ...progress import Control
+from ..motions.choosing import FAILURES
 from ..workers import one_blas_thread
 from .hole_openings import surplus_holes, with_open_holes
 from .moved_sheets import MatchedShapes, MovedSheets, moved_sheets
@@ -68,7 +70,12 @@ def outline_motion(
         closed, whole = found[least], list(completed.values())[least]
         if closed.cost < _OPENED_FROM or not 0 < surplus_holes(whole, pairs) <= _MOST_OPENED:
             return closed
-        opened = _best_moved(with_open_holes(whole, pairs), names, pairs, coherence, control)
+        try:
+            opened = _best_moved(with_open_holes(whole, pairs), names, pairs, coherence, control)
+        except Cancelled:
+            raise
+        except FAILURES:
+            return closed
     return opened if opened.cost < _CLEARLY_LESS * closed.cost else closed
 
 
