@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 Box = tuple[slice, ...]
 
 # Cells that are processed together: their arrays stay in the cache, and are so small that memory is used again instead
-# of being requested from the system, which clears it. That took a third of the time of a blend at 512 cells
-# (docs/performance.md, "Fine resolutions").
+# of being requested from the system, which clears it.
 _SLAB_CELLS = 1 << 20
 
 
