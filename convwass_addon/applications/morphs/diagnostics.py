@@ -34,6 +34,7 @@ TEXTS: dict[str, str] = {
     "COMBINED": "Guided, completed by Warp, was chosen: the map between the shapes is uncertain "
     "(agreement {score:.0%})",
     "WARPED": "Warp was chosen: there is no good map between the shapes (agreement {score:.0%})",
+    "CRUMPLED": "Warp was chosen: the map between the shapes (agreement {score:.0%}) would crumple them",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
     "GUIDES": "{count} of the guides were left out, because the shapes map better without them: check their points",
@@ -77,7 +78,7 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "TURNED", "APART"), "INFO"),
+    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CRUMPLED", "TURNED", "APART"), "INFO"),
     **dict.fromkeys(("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
@@ -325,8 +326,8 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     score = {"score": _number(chosen, "motion_score")}
     if reason == "APART" and kind == "transport":
         return [Diagnostic("APART", {**score, "detour": _number(chosen, "motion_detour")})]
-    if reason == "PARTLY":
-        return [Diagnostic("PARTLY", score)]
+    if reason in ("PARTLY", "CRUMPLED"):
+        return [Diagnostic(reason, score)]
     note = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(kind)
     if note is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})]

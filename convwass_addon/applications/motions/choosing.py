@@ -89,9 +89,10 @@ class MotionChoice:
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
         "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
-        place), "UNLIKE" (they do in part, and are warped towards each other), "SOLID" (they do not, and one of them has
-        no limbs), "APART" (they do not), "OUTLINES" (the outlines of flat shapes match), "REGIONS" (one has too
-        many regions), "DISTORTED" (their outlines would distort them too much), or "FAILED" (an error occurred).
+        place), "UNLIKE" (they do in part, and are warped towards each other), "CRUMPLED" (the map would crumple them
+        more than a warp does), "SOLID" (they do not, and one of them has no limbs), "APART" (they do not), "OUTLINES"
+        (the outlines of flat shapes match), "REGIONS" (one has too many regions), "DISTORTED" (their outlines would
+        distort them too much), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None
@@ -265,7 +266,7 @@ def _perhaps_warped_instead(alone: MotionChoice, request: MotionRequest, control
     smoother = crumpling > _MUCH_CRUMPLED and _warp_crumpling(warped.motion, request) <= _SMOOTHER * crumpling
     nearer = alone.score < _UNSURE and warped.left <= _CLEARLY_LESS * alone.left
     if (smoother or nearer) and _joins(warped, request):
-        return warped
+        return replace(warped, reason="CRUMPLED") if smoother else warped
     if alone.score < _UNSURE or alone.detour > _DETOUR:
         return alone
     return (yield from within(_perhaps_warped(alone, request, control), 0.5, 1.0))
