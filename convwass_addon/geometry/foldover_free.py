@@ -22,6 +22,10 @@ from .mesh import TriangleMesh
 
 # Weight of the change of area beside that of angles.
 _AREA = 0.5
+
+UNDISTORTED = 2.0 + 2.0 * _AREA
+"""Energy of triangles that keep their form, the least one."""
+
 # Largest energy of a triangle that counts in the distortion.
 _MOST = 100.0
 # Rounds in which triangles are turned back, steps of the minimizer per round, and the relative decrease of the energy
@@ -74,7 +78,25 @@ def foldover_free(
     control : Control
         Stops the work.
     """
-    energy = _Energy.of(mesh, start, held)
+    labels = vertex_components(mesh)
+    # Components do not depend on each other; one that is difficult would keep the others from ending.
+    points, distortion, total = start.copy(), 0.0, mesh.area
+    for component in range(labels.max(initial=-1) + 1):
+        own = np.flatnonzero(labels == component)
+        number = np.zeros(len(labels), np.int64)
+        number[own] = np.arange(len(own))
+        part = TriangleMesh(mesh.vertices[own], number[mesh.faces[labels[mesh.faces[:, 0]] == component]])
+        found = _connected(part, start[own], held[own], control)
+        points[own] = found.points
+        distortion += found.distortion * part.area / total
+    return DeformedTriangles(points, distortion)
+
+
+def _connected(
+    mesh: TriangleMesh, start: NDArray[np.float64], held: NDArray[np.bool_], control: Control
+) -> DeformedTriangles:
+    """Move the vertices of a connected mesh."""
+    energy = _Energy.of(mesh, start)
     free = np.flatnonzero(~held)
     if not len(free):
         return DeformedTriangles(start, energy.limited(start))
@@ -151,8 +173,7 @@ class _Energy:
     faces : (m, 3) int64
         Triangles, without those of no area.
     gradients : (m, 3, 2) float64
-        Gradients of the barycentric coordinates of every triangle at rest, with every connected component scaled to
-        the area that it should have.
+        Gradients of the barycentric coordinates of every triangle at rest, scaled to the area that it should have.
     areas : (m,) float64
         Shares of the area.
     """
@@ -162,18 +183,17 @@ class _Energy:
     areas: NDArray[np.float64]
 
     @classmethod
-    def of(cls, mesh: TriangleMesh, start: NDArray[np.float64], held: NDArray[np.bool_]) -> _Energy:
+    def of(cls, mesh: TriangleMesh, start: NDArray[np.float64]) -> _Energy:
         corners = mesh.vertices[mesh.faces][..., :2]
         doubled = _doubled_areas(corners)
         kept = doubled > 1e-12 * np.abs(doubled).sum()
         faces, corners, doubled = mesh.faces[kept], corners[kept], doubled[kept]
         # The area inside a held outline, by the signed areas of its triangles, does not depend on the other vertices.
-        component = vertex_components(mesh)[faces[:, 0]]
-        rest, after = (np.bincount(component, own) for own in (doubled, _doubled_areas(start[faces])))
+        rest, after = float(doubled.sum()), float(_doubled_areas(start[faces]).sum())
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
         across = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2)
-        scale = np.sqrt(np.maximum(after, _LEAST_AFTER * rest) / rest)[component]
-        return cls(faces, across / (doubled * scale)[:, None, None], doubled / doubled.sum())
+        scale = np.sqrt(max(after, _LEAST_AFTER * rest) / rest)
+        return cls(faces, across / (doubled[:, None, None] * scale), doubled / rest)
 
     def _jacobians(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         return np.einsum("mcj,mci->mij", self.gradients, points[self.faces])
