@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...geometry.closed_curves import boundary_of
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.coverage import coverage
-from ...geometry.foldover_free import DeformedTriangles
+from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
 from ...progress import Control
 from ..motions.carriers import Carrier, carrier_of
 from ..motions.choosing import MotionChoice
@@ -24,7 +24,7 @@ from ..motions.laid_meshes import Laid
 from ..motions.shape_deformations import ShapeDeformation, split_deformation
 from .agreeing_motion import AgreeingMotion
 from .outline_meshes import filled_outline, outline_knots, region_labels, region_meshes
-from .outline_pairs import ShapePair, matched_shapes
+from .outline_pairs import KnownMatches, ShapePair, matched_shapes, vanishing_share
 from .outlined_shape import OutlinedShape
 from .sheets import Sheet
 
@@ -84,13 +84,14 @@ class MatchedShapes:
         shapes: Sequence[OutlinedShape],
         pairs: Sequence[tuple[int, int]],
         choose: Callable[[Sequence[ShapePair], Control], ShapePair],
+        known: KnownMatches,
         control: Control,
     ) -> MatchedShapes:
         """Match shapes of equal numbers of regions. Of several matches, one is chosen."""
         grown, matches = list(shapes), {}
         for one, other in pairs:
             control.check()
-            match = choose(matched_shapes(grown[one], grown[other]), control)
+            match = choose(matched_shapes(grown[one], grown[other], known), control)
             matches[one, other], grown[one], grown[other] = match, match.first, match.second
         # Later pairs have added points to the shapes.
         whole = {
@@ -103,6 +104,12 @@ class MatchedShapes:
     def swings(self) -> bool:
         """Whether limbs swing in a match."""
         return any(own.swings for match in self.matches.values() for own in match.outer)
+
+
+def least_cost(shapes: Sequence[OutlinedShape], pairs: Sequence[tuple[int, int]]) -> float:
+    """Return a lower bound of the cost of moving shapes: that without any distortion or overlap."""
+    vanishing = (vanishing_share(shapes[one], shapes[other]) for one, other in pairs)
+    return UNDISTORTED + _VANISHING * max(vanishing, default=0.0)
 
 
 def moved_sheets(matched: MatchedShapes, names: Sequence[str], coherence: float, control: Control) -> MovedSheets:
@@ -134,7 +141,7 @@ def moved_sheets(matched: MatchedShapes, names: Sequence[str], coherence: float,
     turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
     choice = MotionChoice("guided", "OUTLINES", motion, turned=turned)
     overlap = max((_overlap(sheets, motion, pair) for pair in matches), default=0.0)
-    vanishing = max((match.vanishing for match in matches.values()), default=0.0)
+    vanishing = max((vanishing_share(match.first, match.second) for match in matches.values()), default=0.0)
     return MovedSheets(sheets, choice, distortion, overlap, vanishing, max(len(shape.regions) for shape in shapes))
 
 

@@ -6,16 +6,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from ...errors import Cancelled
 from ...geometry.planar_fill import Boundary
 from ...progress import Control
 from ..motions.choosing import FAILURES
 from ..workers import one_blas_thread
 from .hole_openings import surplus_holes, with_open_holes
-from .moved_sheets import MatchedShapes, MovedSheets, moved_sheets
-from .outline_pairs import ShapePair
+from .moved_sheets import MatchedShapes, MovedSheets, least_cost, moved_sheets
+from .outline_pairs import KnownMatches, ShapePair
 from .outlined_shape import OutlinedShape
 from .region_counts import with_equal_counts
 from .sliding_outlines import least_distorted
@@ -64,14 +62,17 @@ def outline_motion(
     if not all(1 <= len(shape.regions) <= MOST_REGIONS for shape in shapes):
         return None
     completed = {_points(own): own for own in (with_equal_counts(shapes, pairs, share) for share in _LEAST_SHARES)}
+    known = KnownMatches()
     with one_blas_thread():
-        found = [_best_moved(own, names, pairs, coherence, control) for own in completed.values()]
-        least = int(np.argmin([own.cost for own in found]))
-        closed, whole = found[least], list(completed.values())[least]
+        closed, whole = None, shapes
+        for own in completed.values():
+            if closed is None or least_cost(own, pairs) < closed.cost:
+                found = _best_moved(own, names, pairs, coherence, known, control)
+                closed, whole = (found, own) if closed is None or found.cost < closed.cost else (closed, whole)
         if closed.cost < _OPENED_FROM or not 0 < surplus_holes(whole, pairs) <= _MOST_OPENED:
             return closed
         try:
-            opened = _best_moved(with_open_holes(whole, pairs), names, pairs, coherence, control)
+            opened = _best_moved(with_open_holes(whole, pairs), names, pairs, coherence, known, control)
         except Cancelled:
             raise
         except FAILURES:
@@ -89,13 +90,15 @@ def _best_moved(
     names: Sequence[str],
     pairs: Sequence[tuple[int, int]],
     coherence: float,
+    known: KnownMatches,
     control: Control,
 ) -> MovedSheets:
     """Return the motion of shapes of equal numbers of regions; with limbs that swing, unless they cross each other."""
-    found = MatchedShapes.of(shapes, pairs, least_distorted, control)
+    found = MatchedShapes.of(shapes, pairs, least_distorted, known, control)
     moved = moved_sheets(found, names, coherence, control)
     if found.swings and moved.overlap > _MOST_OVERLAP:
-        placed = moved_sheets(MatchedShapes.of(shapes, pairs, _as_placed, control), names, coherence, control)
+        as_placed = MatchedShapes.of(shapes, pairs, _as_placed, known, control)
+        placed = moved_sheets(as_placed, names, coherence, control)
         moved = min(moved, placed, key=lambda own: own.overlap)
     return moved
 

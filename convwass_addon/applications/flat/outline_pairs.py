@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -77,15 +77,6 @@ class ShapePair:
         )
         return [(ours[pair.first], theirs[pair.second]) for pair in self.pairs if pair.first in ours]
 
-    @property
-    def vanishing(self) -> float:
-        """Share of the area of a shape that grows from points of the other one, or shrinks to them; the larger one."""
-        shares = np.zeros(2)
-        for own, there in self.regions:
-            ours, theirs = self.first.regions[own], self.second.regions[there]
-            shares += self.first.share(ours) * theirs.is_point, self.second.share(theirs) * ours.is_point
-        return float(shares.max())
-
     def swapped(self) -> ShapePair:
         """Return the pair with the shapes swapped."""
         return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs), self.outer)
@@ -95,13 +86,39 @@ class ShapePair:
         return replace(self, pairs=(*self.pairs, pair))
 
 
-def matched_shapes(one: OutlinedShape, other: OutlinedShape) -> list[ShapePair]:
+@dataclass(frozen=True)
+class KnownMatches:
+    """Matches of curves around regions, which are the same however other regions are completed."""
+
+    _found: dict[tuple[int, int], tuple[ClosedCurve, ClosedCurve, list[MatchedOutlines]]] = field(default_factory=dict)
+
+    def of(self, one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
+        """Match two curves around regions, unless they have been."""
+        first, second = one.curves[index], other.curves[there]
+        # The curves are kept, so that their numbers are not used again.
+        key = id(first), id(second)
+        if key not in self._found:
+            self._found[key] = first, second, _matched(one, index, other, there)
+        return self._found[key][2]
+
+
+def vanishing_share(one: OutlinedShape, other: OutlinedShape) -> float:
+    """Return the share of the area of a shape that grows from points of the other one; the larger one of both."""
+    shares = np.zeros(2)
+    for own, there in region_pairs(one, other):
+        ours, theirs = one.regions[own], other.regions[there]
+        shares += one.share(ours) * theirs.is_point, other.share(theirs) * ours.is_point
+    return float(shares.max())
+
+
+def matched_shapes(one: OutlinedShape, other: OutlinedShape, known: KnownMatches | None = None) -> list[ShapePair]:
     """Match the closed curves of two shapes: as they are placed, and perhaps also as if limbs swung.
 
     Both have equal numbers of regions.
     """
     regions = region_pairs(one, other)
-    matches = [_matched(one, one.regions[region].outer, other, other.regions[there].outer) for region, there in regions]
+    known = KnownMatches() if known is None else known
+    matches = [known.of(one, one.regions[region].outer, other, other.regions[there].outer) for region, there in regions]
     found = []
     for choice in range(max(map(len, matches))):
         pair = ShapePair(one, other)
