@@ -165,14 +165,18 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutl
 
 def rough_work(one: OutlineCurve, other: OutlineCurve) -> float:
     """Return the work per length of a rough match of two curves as they are placed."""
-    upright = [pose for pose in _symmetric_poses(one.axes, other.axes) if abs(pose.turn) < _STANDING]
-    return _best(one, other, _straightest(upright) or [_Pose(0.0)], _AS_PLACED).match.cost
+    return _best_placed(one, other).match.cost
 
 
 def placed_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
     """Match two closed curves as they are placed, about a common axis if they have one."""
+    return _finished(one, other, _best_placed(one, other), swings=False)
+
+
+def _best_placed(one: OutlineCurve, other: OutlineCurve) -> _Candidate:
+    """Return the rough match of two curves as they are placed."""
     upright = [pose for pose in _symmetric_poses(one.axes, other.axes) if abs(pose.turn) < _STANDING]
-    return _finished(one, other, _best(one, other, _straightest(upright) or [_Pose(0.0)], _AS_PLACED), swings=False)
+    return _best(one, other, _straightest(upright) or [_Pose(0.0)], _AS_PLACED)
 
 
 def _finished(one: OutlineCurve, other: OutlineCurve, rough: _Candidate, swings: bool) -> MatchedOutlines:

@@ -14,6 +14,7 @@ from ...geometry.closed_curves import boundary_of
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.coverage import coverage
 from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
+from ...geometry.mesh import TriangleMesh
 from ...progress import Control
 from ..motions.carriers import Carrier, carrier_of
 from ..motions.choosing import MotionChoice
@@ -125,17 +126,19 @@ def moved_sheets(matched: MatchedShapes, names: Sequence[str], coherence: float,
         carrier_of(sheet.mesh, name, none, settings.carrier_vertices, control)
         for sheet, name in zip(sheets, names, strict=True)
     )
+    labels = [region_labels(carrier.mesh, shape) for carrier, shape in zip(carriers, shapes, strict=True)]
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
     distortion = 0.0
     for (one, other), match in matches.items():
         ends = carriers[one], carriers[other]
         there, home = _filled(ends[0], match, control), _filled(ends[1], match.swapped(), control)
         distortion = max(distortion, there.distortion, home.distortion)
-        images = _images(ends, there, match, control), _images(ends[::-1], home, match.swapped(), control)
-        deformations[one, other] = split_deformation(*ends, _laid(there), None, control, images[0])
-        deformations[other, one] = split_deformation(
-            *ends[::-1], _laid(home), deformations[one, other], control, images[1]
-        )
+        ours, theirs = labels[one], _counterparts(match)[labels[other]]
+        images = _images(there, ours, ends[1].mesh, theirs, control)
+        deformations[one, other] = split_deformation(*ends, _laid(there), None, control, images)
+        images = _images(home, theirs, ends[0].mesh, ours, control)
+        back = split_deformation(*ends[::-1], _laid(home), deformations[one, other], control, images)
+        deformations[other, one] = back
     known = {pair: _figures(match) for pair, match in matches.items()}
     motion = AgreeingMotion(GuidedMotion(carriers, deformations, known, settings))
     turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
@@ -189,18 +192,27 @@ def _laid(filled: DeformedTriangles) -> Laid:
     return Laid(_in_space(filled.points), np.ones(len(filled.points)))
 
 
+def _counterparts(match: ShapePair) -> NDArray[np.int64]:
+    """Return the region of the first shape that each region of the second one belongs to."""
+    found = np.empty(len(match.second.regions), np.int64)
+    for region, there in match.regions:
+        found[there] = region
+    return found
+
+
 def _images(
-    ends: tuple[Carrier, Carrier], filled: DeformedTriangles, match: ShapePair, control: Control
+    filled: DeformedTriangles,
+    ours: NDArray[np.int64],
+    mesh: TriangleMesh,
+    theirs: NDArray[np.int64],
+    control: Control,
 ) -> ClosestPoints:
-    """Return the points of the other shape that deformed vertices lie on, in the region that matches theirs."""
-    ours, theirs = (
-        region_labels(carrier.mesh, shape) for carrier, shape in zip(ends, (match.first, match.second), strict=True)
-    )
-    mesh, points = ends[1].mesh, _in_space(filled.points)
+    """Return the points of another mesh, whose vertices have labels, that deformed vertices of equal labels lie on."""
+    points = _in_space(filled.points)
     triangles, shares = np.empty(len(points), np.int64), np.empty((len(points), 3))
     distances = np.empty(len(points))
-    for region, there in match.regions:
-        own, others = np.flatnonzero(ours == region), np.flatnonzero(theirs[mesh.faces[:, 0]] == there)
+    for label in np.unique(ours):
+        own, others = np.flatnonzero(ours == label), np.flatnonzero(theirs[mesh.faces[:, 0]] == label)
         found = ClosestPointFinder(mesh.corners[others]).find(points[own], control)
         triangles[own], shares[own], distances[own] = others[found.triangles], found.shares, found.distances
     return ClosestPoints(triangles, shares, distances)

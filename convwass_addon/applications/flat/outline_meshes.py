@@ -97,6 +97,8 @@ def region_labels(mesh: TriangleMesh, shape: OutlinedShape) -> NDArray[np.int64]
 
     Every connected component of the mesh fills the region to whose curves its boundary is closest.
     """
+    if len(shape.regions) == 1:
+        return np.zeros(len(mesh.vertices), np.int64)
     components = vertex_components(mesh)
     vertices = _rim_vertices(mesh)
     away = [

@@ -68,7 +68,8 @@ def outline_motion(
         for own in completed.values():
             if closed is None or least_cost(own, pairs) < closed.cost:
                 found = _best_moved(own, names, pairs, coherence, known, control)
-                closed, whole = (found, own) if closed is None or found.cost < closed.cost else (closed, whole)
+                if closed is None or found.cost < closed.cost:
+                    closed, whole = found, own
         if closed.cost < _OPENED_FROM or not 0 < surplus_holes(whole, pairs) <= _MOST_OPENED:
             return closed
         try:

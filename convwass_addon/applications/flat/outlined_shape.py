@@ -91,9 +91,8 @@ class OutlinedShape:
         curves = _apart([ClosedCurve(ring) for ring in outline.rings], _GAP * np.sqrt(filled.area))
         regions, first = [], 0
         for region in outline.regions:
-            end = first + 1 + len(region.holes)
-            regions.append(OutlinedRegion(first, tuple(range(first + 1, end))))
-            first = end
+            regions.append(OutlinedRegion(0, tuple(range(1, len(region.rings)))).moved(first))
+            first += len(region.rings)
         return cls(filled, tuple(curves), tuple(regions))
 
     @property
@@ -141,9 +140,7 @@ class OutlinedShape:
 
     def with_region(self, rim: Sequence[ClosedCurve], place: NDArray[np.float64]) -> OutlinedShape:
         """Return the shape with a tiny copy of another shape's region at a place, (2,)."""
-        center = boundary_of(rim[:1]).center
-        scale = _POINT * self.size / np.ptp(rim[0].points, axis=0).max()
-        tiny = [ClosedCurve(place + scale * (curve.points - center)) for curve in rim]
+        tiny = self._tiny(rim, place)
         region = OutlinedRegion(0, tuple(range(1, len(tiny))), is_point=True).moved(len(self.curves))
         return replace(self, curves=(*self.curves, *tiny), regions=(*self.regions, region))
 
@@ -181,11 +178,15 @@ class OutlinedShape:
         if not free.any():
             return None
         spot = cells[free][np.square(cells[free] - place).sum(axis=1).argmin()]
-        scale = _POINT * self.size / np.ptp(hole.points, axis=0).max()
-        point = ClosedCurve(spot + (hole.points - boundary_of([hole]).center) * scale)
         grown = replace(own, points=(*own.points, len(self.curves)))
         regions = (*self.regions[:region], grown, *self.regions[region + 1 :])
-        return replace(self, curves=(*self.curves, point), regions=regions)
+        return replace(self, curves=(*self.curves, *self._tiny([hole], spot)), regions=regions)
+
+    def _tiny(self, rim: Sequence[ClosedCurve], place: NDArray[np.float64]) -> list[ClosedCurve]:
+        """Return tiny copies of curves, of which the first is around the others, at a place."""
+        center = boundary_of(rim[:1]).center
+        scale = _POINT * self.size / np.ptp(rim[0].points, axis=0).max()
+        return [ClosedCurve(place + (curve.points - center) * scale) for curve in rim]
 
 
 def _apart(curves: list[ClosedCurve], gap: float) -> list[ClosedCurve]:

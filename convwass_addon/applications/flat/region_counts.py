@@ -176,7 +176,4 @@ def _connected(behind: Boundary, beyond: Boundary) -> tuple[Boundary, Boundary] 
 
 def _regions_of(filled: Boundary) -> list[Boundary]:
     """Return the regions of a filled area, the largest first."""
-    return [
-        boundary_of([ClosedCurve(ring) for ring in (region.outer, *region.holes)])
-        for region in outline_of(filled).regions
-    ]
+    return [boundary_of([ClosedCurve(ring) for ring in region.rings]) for region in outline_of(filled).regions]
