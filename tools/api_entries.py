@@ -15,13 +15,18 @@ APPLICATIONS = {
         "frame_cache": ("FrameCache",),
     },
     "motions": {
-        "choosing": ("chosen_motion", "MotionChoice"),
+        "choosing": ("chosen_motion",),
+        "motion_choice": ("MotionChoice",),
         "motion_request": ("MotionRequest",),
         "guided_motion": ("guided_motion", "GuidedMotion", "GuidedPair"),
         "guided_settings": ("GuidedSettings",),
         "warp_motion": ("warp_motion", "WarpMotion", "WarpEffort"),
         "combined_motion": ("combined_motion", "CombinedMotion"),
         "motion": ("Motion", "MovedShape"),
+    },
+    "outlines": {
+        "outline_motion": ("outline_motion",),
+        "moved_sheets": ("MovedSheets",),
     },
     "live": {
         "live_blends": ("LiveBlends",),

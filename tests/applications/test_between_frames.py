@@ -18,7 +18,7 @@ from convwass_addon.applications.morphs.layouts import path_blends, single_blend
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
-from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.centroid import centroid

@@ -17,7 +17,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.mesh import TriangleMesh

@@ -13,9 +13,9 @@ from convwass_addon.applications.flat.flat_motion import chosen_flat_motion
 from convwass_addon.applications.flat.flat_problem import pieces_of
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatImage, FlatShape
-from convwass_addon.applications.flat.sheets import Sheet
 from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.applications.outlines.sheets import Sheet
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_curves
 from convwass_addon.geometry.coverage import coverage

@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.flat.hole_openings import surplus_holes, with_open_holes
-from convwass_addon.applications.flat.outline_motion import outline_motion
-from convwass_addon.applications.flat.outlined_shape import OutlinedShape
+from convwass_addon.applications.outlines.hole_openings import surplus_holes, with_open_holes
+from convwass_addon.applications.outlines.outline_motion import outline_motion
+from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of, opened_curve
 from convwass_addon.geometry.outlines import ring_area
 from convwass_addon.geometry.planar_fill import filled_boundary
@@ -92,7 +92,7 @@ def test_a_slit_that_fails_leaves_the_hole_closed(monkeypatch):
         raise ValueError("no slit")
 
     ring, gap = shape(*RING), shape(arc(30.0, 330.0))
-    monkeypatch.setattr("convwass_addon.applications.flat.outline_motion.with_open_holes", failing)
+    monkeypatch.setattr("convwass_addon.applications.outlines.outline_motion.with_open_holes", failing)
     for own in moved(ring, gap, 0.5):
         assert sorted(ring_area(each) > 0 for each in boundary_rings(own)) == [False, True]
 

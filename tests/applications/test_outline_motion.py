@@ -10,12 +10,12 @@ import pytest
 from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
-from convwass_addon.applications.flat.matched_outlines import matched_outlines
-from convwass_addon.applications.flat.outline_motion import outline_motion
-from convwass_addon.applications.flat.outline_pairs import matched_shapes
-from convwass_addon.applications.flat.outlined_shape import OutlinedShape
-from convwass_addon.applications.flat.sliding_outlines import least_distorted
 from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.outlines.matched_outlines import matched_outlines
+from convwass_addon.applications.outlines.outline_motion import outline_motion
+from convwass_addon.applications.outlines.outline_pairs import matched_shapes
+from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
+from convwass_addon.applications.outlines.sliding_outlines import least_distorted
 from convwass_addon.geometry.closed_curves import boundary_curves, boundary_of
 from convwass_addon.geometry.coverage import coverage
 from convwass_addon.geometry.outlines import ring_area

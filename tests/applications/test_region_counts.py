@@ -7,9 +7,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.flat.outline_motion import outline_motion
-from convwass_addon.applications.flat.outlined_shape import OutlinedShape
-from convwass_addon.applications.flat.region_counts import with_equal_counts
+from convwass_addon.applications.outlines.outline_motion import outline_motion
+from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
+from convwass_addon.applications.outlines.region_counts import with_equal_counts
 from convwass_addon.geometry.closed_curves import boundary_of
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.ring_nesting import outline_of

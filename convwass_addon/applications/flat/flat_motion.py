@@ -15,22 +15,15 @@ from ...geometry.planar_fill import Boundary
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.layouts import Blend, pairs_of
-from ..motions.choosing import FAILURES, MotionChoice, chosen_motion
+from ..motions.choosing import chosen_motion
 from ..motions.motion import MovedShape
+from ..motions.motion_choice import FAILURES, MotionChoice
 from ..motions.motion_request import MotionRequest
+from ..outlines.moved_sheets import MovedSheets
+from ..outlines.outline_motion import MOST_REGIONS, outline_motion
+from ..outlines.sheets import AttachedPoints, Sheet
 from .flat_pieces import FilledPieces, FlatPieces
 from .flat_settings import FlatSettings
-from .moved_sheets import MovedSheets
-from .outline_motion import MOST_REGIONS, outline_motion
-from .sheets import AttachedPoints, Sheet
-
-# Shapes whose insides would be distorted by more than the first number, or whose outlines match with a lower score than
-# the second one, are transported, if the user chose no motion: a spiral that becomes a wave has 68, a C that becomes
-# a D 32 and a B that becomes an E 23; the score of a spiral to a snowflake is 0.08, that of a heart to a star 0.22.
-_MOST_DISTORTED, _LEAST_SCORE = 30.0, 0.135
-# So are shapes of several regions of which more than this share would overlap on the way: three dots that become four
-# arcs have 0.06, a percent sign that becomes an X 0.035, and all others that were tried at most 0.01.
-_MOST_OVERLAP = 0.03
 
 
 @dataclass(frozen=True)
@@ -195,15 +188,8 @@ def _moved_part(
         if settings.motion == "guided":
             raise
         found, unmoved = None, MotionChoice("transport", "FAILED", failure=str(error))
-    if found is not None and settings.motion == "automatic" and _is_distorted(found):
+    if found is not None and settings.motion == "automatic" and found.is_distorted:
         found, unmoved = None, MotionChoice("transport", "DISTORTED")
     if found is None:
         return MovedSheets(tuple(map(Sheet.of, parts)), unmoved)
     return replace(found, choice=replace(found.choice, reason="ASKED")) if settings.motion == "guided" else found
-
-
-def _is_distorted(moved: MovedSheets) -> bool:
-    """Return whether shapes would be distorted too much by their outlines."""
-    score = min((pair.score for pair in moved.choice.motion.guided.pairs.values()), default=1.0)
-    overlaps = moved.regions > 1 and moved.overlap > _MOST_OVERLAP
-    return moved.distortion > _MOST_DISTORTED or score < _LEAST_SCORE or overlaps

@@ -29,7 +29,7 @@ from ..morphs.morph_settings import MorphSettings
 from ..morphs.moving_problem import MovingProblem
 from ..morphs.preparing import sketchable_problem, with_connectivity
 from ..morphs.volumes import Lattice
-from ..motions.choosing import MotionChoice
+from ..motions.motion_choice import MotionChoice
 from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
 from .field_memory import FieldMemory

@@ -15,8 +15,8 @@ from ...geometry.orientation import orient_outward
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
-from ..motions.choosing import MotionChoice
 from ..motions.guides import Guide
+from ..motions.motion_choice import MotionChoice
 from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
 from ..motions.posed_motion import PosedMotion

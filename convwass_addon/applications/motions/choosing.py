@@ -5,11 +5,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
 import numpy as np
 
-from ...errors import Cancelled, ConvwassError
+from ...errors import Cancelled
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
@@ -20,7 +20,8 @@ from .guided_motion import GuidedMotion, guided_motion
 from .guided_settings import GuidedSettings
 from .limbs import is_compact
 from .mapped_pairs import DOUBTED, TRUSTED
-from .motion import Motion, arriving
+from .motion import arriving
+from .motion_choice import FAILURES, MotionChoice
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
@@ -73,57 +74,6 @@ _BODY = 0.1
 _CELLS = 24
 # Fractions of the work for a rough map, and for the guided motion, if a warp follows.
 _ROUGH_SHARE, _GUIDED_SHARE = 0.05, 0.4
-
-# SciPy's eigensolvers raise RuntimeError if they do not converge.
-FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)
-"""Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it."""
-
-
-@dataclass(frozen=True)
-class MotionChoice:
-    """The chosen motion and the reason.
-
-    Attributes
-    ----------
-    kind : str
-        "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
-    reason : str
-        "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
-        place), "UNLIKE" (they do in part, and are warped towards each other), "CRUMPLED" (the map would crumple them
-        more than a warp does), "SOLID" (they do not, and one of them has no limbs), "APART" (they do not), "OUTLINES"
-        (the outlines of flat shapes match), "REGIONS" (one has too many regions), "DISTORTED" (their outlines would
-        distort them too much), or "FAILED" (an error occurred).
-    motion : Motion or None
-        None for transport alone.
-    score : float or None
-        Score of the worst map between two shapes, 0 to 1, if there is one.
-    failure : str
-        Message of the error, if one occurred.
-    turned : float
-        Largest angle in degrees by which a shape was turned about the vertical axis to be mapped to another.
-    detour : float or None
-        Largest detour of an uncertain map, see :func:`.map_detour.map_detour`.
-    left : float or None
-        Largest share of the distance between two shapes that the motion leaves, if it was measured.
-    guides_left_out : int
-        Number of guides without which two shapes map better, so that they were left out.
-    """
-
-    kind: str
-    reason: str
-    motion: Motion | None = field(default=None, repr=False)
-    score: float | None = None
-    failure: str = ""
-    turned: float = 0.0
-    detour: float | None = None
-    left: float | None = None
-    guides_left_out: int = 0
-
-    def record(self) -> dict[str, object]:
-        """Return the description of the motion for the record of every frame, ready for JSON."""
-        known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
-        known |= {"detour": self.detour, "left": self.left, "guides_left_out": self.guides_left_out or None}
-        return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}
 
 
 def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice]:

@@ -9,7 +9,8 @@ from collections import OrderedDict
 from dataclasses import dataclass
 
 from ...progress import Control, Work
-from .choosing import MotionChoice, chosen_motion
+from .choosing import chosen_motion
+from .motion_choice import MotionChoice
 from .motion_request import MotionRequest
 
 # Motions are kept for shapes with at most this many vertices in all: about 150 MB. The motions of horse to cow (5400

@@ -19,7 +19,7 @@ from convwass_addon.applications.morphs.moving_problem import MovingProblem
 from convwass_addon.applications.morphs.part_labels import unparted
 from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.volumes import Lattice
-from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.centroid import centroid

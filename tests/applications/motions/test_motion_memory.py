@@ -9,7 +9,7 @@ from dataclasses import replace
 import pytest
 
 from convwass_addon.applications.motions import motion_memory
-from convwass_addon.applications.motions.choosing import MotionChoice
+from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import InputError

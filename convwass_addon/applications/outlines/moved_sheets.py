@@ -17,11 +17,11 @@ from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control
 from ..motions.carriers import Carrier, carrier_of
-from ..motions.choosing import MotionChoice
 from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
 from ..motions.laid_meshes import Laid
+from ..motions.motion_choice import MotionChoice
 from ..motions.shape_deformations import ShapeDeformation, split_deformation
 from .agreeing_motion import AgreeingMotion
 from .outline_meshes import filled_outline, outline_knots, region_labels, region_meshes
@@ -35,6 +35,13 @@ _TRIANGLES = 0.028
 _VERTICES = 6000
 # Moments at which shapes are checked for overlaps, and cells along the longest side of the grid for that.
 _MOMENTS, _CELLS = (0.75, 0.5, 0.25), 128
+# Shapes whose insides would be distorted by more than the first number, or whose outlines match with a lower score than
+# the second one, are transported, if the user chose no motion: a spiral that becomes a wave has 68, a C that becomes
+# a D 32 and a B that becomes an E 23; the score of a spiral to a snowflake is 0.08, that of a heart to a star 0.22.
+_MOST_DISTORTED, _LEAST_SCORE = 30.0, 0.135
+# So are shapes of several regions of which more than this share would overlap on the way: three dots that become four
+# arcs have 0.06, a percent sign that becomes an X 0.035, and all others that were tried at most 0.01.
+_MOST_OVERLAP = 0.03
 # Costs of shares of the area that grow from points or overlap themselves, in units of the distortion.
 _VANISHING, _OVERLAPPING = 10.0, 50.0
 
@@ -70,6 +77,13 @@ class MovedSheets:
     def cost(self) -> float:
         """What is to be small, in units of the distortion."""
         return self.distortion + _VANISHING * self.vanishing + _OVERLAPPING * self.overlap
+
+    @property
+    def is_distorted(self) -> bool:
+        """Whether shapes would be distorted, or overlap, too much."""
+        score = min((pair.score for pair in self.choice.motion.guided.pairs.values()), default=1.0)
+        overlaps = self.regions > 1 and self.overlap > _MOST_OVERLAP
+        return self.distortion > _MOST_DISTORTED or score < _LEAST_SCORE or overlaps
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from ...errors import Cancelled
 from ...geometry.planar_fill import Boundary
 from ...progress import Control
-from ..motions.choosing import FAILURES
+from ..motions.motion_choice import FAILURES
 from ..workers import one_blas_thread
 from .hole_openings import surplus_holes, with_open_holes
 from .moved_sheets import MatchedShapes, MovedSheets, least_cost, moved_sheets
