@@ -286,6 +286,15 @@ def test_unsymmetric_shapes_are_turned_where_only_that_matches(first, second, tu
     assert other.curve.at(found.map(one.curve.nearest(turned[0])[0])) == pytest.approx(turned[1], abs=0.02)
 
 
+@pytest.mark.parametrize("shape", [star(4, 0.5), star(6, 0.8), rectangle((-1, -1), (1, 1))])
+def test_symmetric_shapes_turn_if_they_are_alike_then(shape):
+    """They would match about a vertical axis as they stand, too, but distorted."""
+    period = 2.0 * np.pi / (len(shape) // 2 if len(shape) > 4 else 4)
+    for own in moved(filled(shape), filled(rotated(shape, 0.5 * period)), 0.5):
+        halfway = (filled(rotated(shape, sign * 0.25 * period)) for sign in (-1, 1))
+        assert max(overlap(own, each) for each in halfway) > 0.985
+
+
 def test_equal_regions_do_not_turn_because_of_their_neighbors():
     """A square looks the same from four sides, and the other square is near only one of them."""
     one = filled(rectangle((0, 0), (1, 1)), rectangle((1.05, 1.05), (2.05, 2.05)))

@@ -27,9 +27,9 @@ _NEAR = 0.05
 # Turns that are tried, as fractions of a full one; the largest turn, in radians, after which curves still stand; and
 # the work, and its share of that as they stand, below which they are turned.
 _TURNS, _STANDING, _SIMILAR, _CLEARLY = 12, np.radians(10.0), 0.5, 0.45
-# Curves that match with less work as they stand are alike without a turn, which rounding or neighbors would decide. Of
-# all pairs of 30 letters and digits, those that turn have at least 0.27 as they stand.
-_ALIKE_STANDING = 0.05
+# Curves that match with less work are alike. As they stand, they are not turned, which rounding or neighbors would
+# decide. Of all pairs of 30 letters and digits, those that turn have at least 0.27 as they stand.
+_ALIKE = 0.05
 # Weights of the work for curves as they are placed, and for limbs that swing, chosen by eye; and the share of the
 # strain of the former below which limbs may swing.
 _AS_PLACED, _BENT = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02), MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
@@ -43,7 +43,7 @@ _TURNED = np.radians(20.0)
 # A curve with more axes is round, and has one in every direction.
 _MOST_AXES = 16
 # Difference of angles, in radians, below which axes are equally good.
-_ALIKE = 0.02
+_EQUAL = 0.02
 
 
 @dataclass(frozen=True)
@@ -144,18 +144,20 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutl
 
     If both have a common axis as they stand, half of a curve is matched, and the other half is its mirror image. The
     first curve is turned by a multiple of 30 degrees, or so that both have a common axis, only if they match much
-    better then; curves with a common axis are only turned upside down. If pieces keep their shape better where their
-    places are disregarded, the second match is that one.
+    better then. Curves with a common axis are only turned upside down, or if they are alike then. If pieces keep their
+    shape better where their places are disregarded, the second match is that one.
     """
     symmetric = list(_symmetric_poses(one.axes, other.axes))
     upright = [pose for pose in symmetric if abs(pose.turn) < _STANDING]
-    turned = [pose for pose in symmetric if abs(pose.turn) > (np.pi - _STANDING if upright else _STANDING)]
+    turned = [pose for pose in symmetric if abs(pose.turn) > _STANDING]
     if not upright:
         turned += [_Pose(_wrapped(turn)) for turn in np.arange(1, _TURNS) * (2.0 * np.pi / _TURNS)]
     stands = _straightest(upright) or [_Pose(0.0)]
     placed, bent = _best(one, other, stands, _AS_PLACED), _best(one, other, stands, _BENT)
     swings = bent.match.strain < _LESS_STRAIN * placed.match.strain
-    lying = _best(one, other, turned, _AS_PLACED) if placed.match.cost > _ALIKE_STANDING else None
+    lying = _best(one, other, turned, _AS_PLACED) if placed.match.cost > _ALIKE else None
+    if upright and lying is not None and lying.match.cost > _ALIKE:
+        lying = _best(one, other, [pose for pose in turned if abs(pose.turn) > np.pi - _STANDING], _AS_PLACED)
     if lying is not None and lying.match.cost < min(_SIMILAR, _CLEARLY * placed.match.cost):
         swings &= bent.match.strain < lying.match.strain
         turn = _best_turn(one, other, lying.match) if lying.pose.ends is None else lying.pose.turn
@@ -212,7 +214,7 @@ def _straightest(poses: Sequence[_Pose]) -> list[_Pose]:
     chosen = list(poses)
     for measure in (lambda pose: abs(pose.turn), lambda pose: abs(np.cos(pose.axis))):
         least = min(map(measure, chosen), default=0.0)
-        chosen = [pose for pose in chosen if measure(pose) < least + _ALIKE]
+        chosen = [pose for pose in chosen if measure(pose) < least + _EQUAL]
     return chosen
 
 
