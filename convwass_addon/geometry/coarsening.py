@@ -238,8 +238,10 @@ class _Fine:
 
     def centered(self, clusters: _Clusters) -> NDArray[np.int64]:
         """Return for every cluster the vertex closest to its center of mass."""
-        mass = np.bincount(clusters.labels, self.areas)
-        centers = np.stack([np.bincount(clusters.labels, self.areas * x) / mass for x in self.points.T], axis=1)
+        # All vertices of a cluster may belong to triangles without area only.
+        weights = np.where(np.bincount(clusters.labels, self.areas)[clusters.labels] > 0.0, self.areas, 1.0)
+        mass = np.bincount(clusters.labels, weights)
+        centers = np.stack([np.bincount(clusters.labels, weights * x) / mass for x in self.points.T], axis=1)
         away = np.square(self.points - centers[clusters.labels]).sum(axis=1)
         least = np.full(len(mass), np.inf)
         np.minimum.at(least, clusters.labels, away)

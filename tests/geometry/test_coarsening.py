@@ -203,3 +203,12 @@ def test_vertices_can_be_kept():
     # Prolongation maps a kept vertex to itself.
     places = [int(np.flatnonzero(found.seeds == vertex)[0]) for vertex in kept]
     np.testing.assert_allclose(found.prolongation[kept][:, places].toarray(), np.eye(4), atol=1e-12)
+
+
+def test_clusters_without_area_have_a_center():
+    """Solid text may have collinear triangles that share no edge with others."""
+    mesh = ball(points=2000)
+    needle = TriangleMesh.from_arrays(3.0 + np.outer(np.arange(4.0), (1.0, 0.0, 0.0)), [(0, 1, 2), (1, 2, 3)])
+    whole = joined(mesh, needle)
+    found = coarsened(whole, whole.vertex_areas, 200)
+    assert found is None or np.isin(found.seeds, np.arange(len(whole.vertices))).all()
