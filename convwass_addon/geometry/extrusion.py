@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Recognize extrusions: solids that are nearly a flat area, moved along an axis."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import takewhile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .coverage import coverage
+from .mesh import TriangleMesh
+from .normals import triangle_normals
+from .planar_fill import Boundary
+
+# Fractions of the height at which sections are compared with the one halfway.
+_HEIGHTS = (0.2, 0.8)
+# An extrusion fills at least this fraction of the cylinder over its section, and its sections overlap by at least this
+# fraction of their union, on a grid with so many cells along the longest side. Extruded text with round bevels as deep
+# as a quarter of its thickness has 0.9 of both.
+_FILLED, _SAME, _CELLS = 0.85, 0.85, 96
+# Rounding may make the volume larger than that.
+_ROUNDING = 1e-3
+# Axes that differ by less than this angle are the same.
+_ALIKE = np.cos(np.radians(1.0))
+# Normals of so many parts of the surface are tried as axes, and the cosine of the angle within which normals belong to
+# one part.
+_NORMALS, _ONE_PART = 6, np.cos(np.radians(2.0))
+
+
+@dataclass(frozen=True)
+class Extrusion:
+    """A solid that is nearly a flat area, moved along an axis.
+
+    Attributes
+    ----------
+    section : Boundary
+        The area halfway along the axis, in coordinates of the first two directions.
+    low, high : float
+        Where the solid begins and ends along the axis.
+    """
+
+    section: Boundary
+    low: float
+    high: float
+
+
+def common_extrusions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float64], list[Extrusion]] | None:
+    """Return extrusions along a common axis, if all meshes are some.
+
+    Of several possible axes, as for boxes, the one along which the meshes are thinnest is chosen.
+
+    Parameters
+    ----------
+    meshes : sequence of TriangleMesh
+        Closed meshes, oriented outward.
+
+    Returns
+    -------
+    (3, 3) float64
+        Two directions of the plane and the axis, as rows, orthonormal and right-handed.
+    list of Extrusion
+        One for each mesh.
+    """
+    best, thinnest = None, np.inf
+    for axis in _axes(meshes):
+        frame = _frame(axis)
+        found = list(takewhile(lambda own: own is not None, (_extrusion(mesh, frame) for mesh in meshes)))
+        if len(found) == len(meshes):
+            thickness = sum((own.high - own.low) / np.sqrt(own.section.area) for own in found)
+            if thickness < (1.0 - _ROUNDING) * thinnest:
+                best, thinnest = (frame, found), thickness
+    return best
+
+
+def _axes(meshes: Sequence[TriangleMesh]) -> list[NDArray[np.float64]]:
+    """Return directions along which one of the meshes, and so all, may be extruded.
+
+    The axis is the normal of a large part of the surface, or an eigenvector of the sum of n n^T over the surface.
+    """
+    mesh = min(meshes, key=lambda own: len(own.faces))
+    normals, areas = triangle_normals(mesh.corners), mesh.face_areas
+    candidates, left = [], areas.copy()
+    for _ in range(_NORMALS):
+        largest = normals[int(left.argmax())]
+        left[np.abs(normals @ largest) > _ONE_PART] = 0.0
+        candidates.append(largest)
+    candidates.extend(np.linalg.eigh(np.einsum("m,mi,mj->ij", areas, normals, normals))[1].T)
+    found: list[NDArray[np.float64]] = []
+    for axis in candidates:
+        if axis.any() and not any(abs(axis @ other) > _ALIKE for other in found):
+            found.append(axis)
+    return found
+
+
+def _frame(axis: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return two directions of the plane and the axis, as rows; the second one points upward if it can."""
+    nearest = int(np.abs(axis).argmax())
+    if abs(axis[nearest]) > _ALIKE:
+        axis = np.eye(3)[nearest]
+    up = np.array([0.0, 1.0, 0.0]) if nearest == 2 else np.array([0.0, 0.0, 1.0])
+    second = up - (up @ axis) * axis
+    second /= np.linalg.norm(second)
+    return np.stack([np.cross(second, axis), second, axis])
+
+
+def _extrusion(mesh: TriangleMesh, frame: NDArray[np.float64]) -> Extrusion | None:
+    """Return a mesh as an extrusion along the last direction of a frame, or None if it is none."""
+    corners = mesh.corners @ frame.T
+    low, high = float(corners[..., 2].min()), float(corners[..., 2].max())
+    section = _section(corners, 0.5 * (low + high))
+    cylinder = section.area * (high - low)
+    if cylinder <= 0.0 or not _FILLED <= mesh.volume / cylinder <= 1.0 + _ROUNDING:
+        return None
+    bounds = section.bounds
+    spacing = float((bounds[1] - bounds[0]).max()) / _CELLS
+    cells = tuple(np.ceil((bounds[1] - bounds[0]) / spacing).astype(int) + 1)
+    halfway = _coverage(section, bounds[0], spacing, cells)
+    for height in _HEIGHTS:
+        other = _section(corners, low + height * (high - low))
+        covered = _coverage(other, bounds[0], spacing, cells)
+        union = np.maximum(covered, halfway).sum() + max(other.area / spacing**2 - covered.sum(), 0.0)
+        if np.minimum(covered, halfway).sum() < _SAME * union:
+            return None
+    return Extrusion(section.united(()), low, high)
+
+
+def _section(corners: NDArray[np.float64], height: float) -> Boundary:
+    """Return the edges in which triangles, (m, 3, 3), cross a plane of constant last coordinate."""
+    above = corners[..., 2] > height
+    crossing = above.any(axis=1) & ~above.all(axis=1)
+    corners, above = corners[crossing], above[crossing]
+    # The corner on its own side of the plane comes first.
+    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
+    rows = np.arange(len(corners))
+    first, second, third = (corners[rows, (alone + turn) % 3] for turn in range(3))
+    ends = [_crossing(first, other, height) for other in (second, third)]
+    # Above, the next corner is on the left of the edge from the second to the first crossing.
+    leaves = above[rows, alone]
+    starts = np.where(leaves[:, None], ends[0], ends[1])
+    return Boundary(starts, np.where(leaves[:, None], ends[1], ends[0]))
+
+
+def _crossing(one: NDArray[np.float64], other: NDArray[np.float64], height: float) -> NDArray[np.float64]:
+    """Return where edges cross the plane, (k, 2): equal for both triangles that share an edge."""
+    swapped = one[:, 2] > other[:, 2]
+    lower, upper = np.where(swapped[:, None], other, one), np.where(swapped[:, None], one, other)
+    share = (height - lower[:, 2]) / (upper[:, 2] - lower[:, 2])
+    return lower[:, :2] + share[:, None] * (upper[:, :2] - lower[:, :2])
+
+
+def _coverage(
+    section: Boundary, low: NDArray[np.float64], spacing: float, cells: tuple[int, int]
+) -> NDArray[np.float64]:
+    """Return the covered fractions of cells."""
+    return np.clip(coverage(section.moved(-low / spacing, 1.0 / spacing), cells), 0.0, 1.0)
