@@ -15,6 +15,7 @@ from .coverage import coverage
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .planar_fill import Boundary
+from .plane_section import plane_section
 
 # Fractions of the height at which sections are compared with the one halfway.
 _HEIGHTS = (0.2, 0.8)
@@ -111,7 +112,7 @@ def _extrusion(mesh: TriangleMesh, frame: NDArray[np.float64]) -> Extrusion | No
     """Return a mesh as an extrusion along the last direction of a frame, or None if it is none."""
     corners = mesh.corners @ frame.T
     low, high = float(corners[..., 2].min()), float(corners[..., 2].max())
-    section = _section(corners, 0.5 * (low + high))
+    section = plane_section(corners, 0.5 * (low + high))
     cylinder = section.area * (high - low)
     if cylinder <= 0.0 or not _FILLED <= mesh.volume / cylinder <= 1.0 + _ROUNDING:
         return None
@@ -120,36 +121,12 @@ def _extrusion(mesh: TriangleMesh, frame: NDArray[np.float64]) -> Extrusion | No
     cells = tuple(np.ceil((bounds[1] - bounds[0]) / spacing).astype(int) + 1)
     halfway = _coverage(section, bounds[0], spacing, cells)
     for height in _HEIGHTS:
-        other = _section(corners, low + height * (high - low))
+        other = plane_section(corners, low + height * (high - low))
         covered = _coverage(other, bounds[0], spacing, cells)
         union = np.maximum(covered, halfway).sum() + max(other.area / spacing**2 - covered.sum(), 0.0)
         if np.minimum(covered, halfway).sum() < _SAME * union:
             return None
     return Extrusion(section.united(()), low, high)
-
-
-def _section(corners: NDArray[np.float64], height: float) -> Boundary:
-    """Return the edges in which triangles, (m, 3, 3), cross a plane of constant last coordinate."""
-    above = corners[..., 2] > height
-    crossing = above.any(axis=1) & ~above.all(axis=1)
-    corners, above = corners[crossing], above[crossing]
-    # The corner on its own side of the plane comes first.
-    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
-    rows = np.arange(len(corners))
-    first, second, third = (corners[rows, (alone + turn) % 3] for turn in range(3))
-    ends = [_crossing(first, other, height) for other in (second, third)]
-    # Above, the next corner is on the left of the edge from the second to the first crossing.
-    leaves = above[rows, alone]
-    starts = np.where(leaves[:, None], ends[0], ends[1])
-    return Boundary(starts, np.where(leaves[:, None], ends[1], ends[0]))
-
-
-def _crossing(one: NDArray[np.float64], other: NDArray[np.float64], height: float) -> NDArray[np.float64]:
-    """Return where edges cross the plane, (k, 2): equal for both triangles that share an edge."""
-    swapped = one[:, 2] > other[:, 2]
-    lower, upper = np.where(swapped[:, None], other, one), np.where(swapped[:, None], one, other)
-    share = (height - lower[:, 2]) / (upper[:, 2] - lower[:, 2])
-    return lower[:, :2] + share[:, None] * (upper[:, :2] - lower[:, :2])
 
 
 def _coverage(

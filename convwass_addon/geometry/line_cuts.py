@@ -37,14 +37,24 @@ def cut_at_share(boundary: Boundary, normal: NDArray[np.float64], share: float) 
     wanted = share * boundary.area
 
     def missing(offset: float) -> float:
-        return _beyond(boundary, -along, -offset).area - wanted
+        return beyond_line(boundary, -along, -offset).area - wanted
 
     offset = float(brentq(missing, low, high, xtol=1e-3 * _ON_LINE * (high - low)))
-    return _beyond(boundary, -along, -offset).united(()), _beyond(boundary, along, offset).united(())
+    return beyond_line(boundary, -along, -offset).united(()), beyond_line(boundary, along, offset).united(())
 
 
-def _beyond(boundary: Boundary, along: NDArray[np.float64], offset: float) -> Boundary:
-    """Return what lies beyond a line, where the product with a unit vector exceeds an offset."""
+def beyond_line(boundary: Boundary, along: NDArray[np.float64], offset: float) -> Boundary:
+    """Return the part of a filled area beyond a line.
+
+    Parameters
+    ----------
+    boundary : Boundary
+        The filled area.
+    along : (2,)
+        Unit vector across the line.
+    offset : float
+        Product of that vector with the points of the line; beyond it is where the product is larger.
+    """
     starts, ends = (
         _snapped(points @ along - offset, np.sqrt(boundary.area)) for points in (boundary.starts, boundary.ends)
     )

@@ -15,6 +15,7 @@ from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..outlines.extruded_motion import extruded_motion
+from ..outlines.revolved_motion import revolved_motion
 from .coherence import FULL_COHERENCE
 from .combined_motion import CombinedMotion, combined_motion
 from .guided_motion import GuidedMotion, guided_motion
@@ -90,25 +91,29 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     if request.kind == "warp":
         return MotionChoice("warp", "ASKED", (yield from _warp(request, control)))
     yield Progress(0.0, Sentence("Reading the shapes"))
-    extruded = _perhaps_extruded(request, control)
-    if extruded is not None:
-        return extruded if request.kind == "automatic" else replace(extruded, reason="ASKED")
+    outlined = _by_outlines(request, control)
+    if outlined is not None:
+        return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
     if request.kind == "guided":
         guided = yield from _guided(request, control)
         return _mapped("ASKED", guided)
     return (yield from _automatic(request, control))
 
 
-def _perhaps_extruded(request: MotionRequest, control: Control) -> MotionChoice | None:
-    """Return the motion of extruded shapes by their outlines; None if they are not, or if there are guides."""
+def _by_outlines(request: MotionRequest, control: Control) -> MotionChoice | None:
+    """Return the motion of shapes that outlines determine; None if they do not, or if there are guides."""
     if request.guides:
         return None
-    try:
-        return extruded_motion(request, control)
-    except Cancelled:
-        raise
-    except FAILURES:
-        return None
+    for found_by in (extruded_motion, revolved_motion):
+        try:
+            found = found_by(request, control)
+        except Cancelled:
+            raise
+        except FAILURES:
+            continue
+        if found is not None:
+            return found
+    return None
 
 
 def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:

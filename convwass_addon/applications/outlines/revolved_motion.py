@@ -1,0 +1,149 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Guided motions of solids of revolution: they move as the outlines of their sections through the axis do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.mesh import TriangleMesh
+from ...geometry.revolution import Revolution, common_revolutions
+from ...geometry.ring_nesting import outline_of
+from ...geometry.subdivision import with_short_edges
+from ...progress import Control
+from ..motions.motion import MovedShape
+from ..motions.motion_choice import MotionChoice
+from ..motions.motion_request import MotionRequest
+from .agreeing_motion import AgreeingMotion
+from .outline_motion import outline_motion
+from .sheets import AttachedPoints
+
+# Edges that are longer than this share of the square root of the surface are divided, and up to so many vertices.
+_LONGEST_EDGE, _MOST_VERTICES = 0.03, 60_000
+# A section is symmetric all along the way if both sides differ at most by this share of the square root of its area.
+_SYMMETRIC = 0.05
+
+
+@dataclass(frozen=True)
+class RevolvedShape:
+    """A solid of revolution, whose vertices follow both sides of its section.
+
+    Attributes
+    ----------
+    rest : TriangleMesh
+        The shape in scene space, with long edges divided.
+    parents : (m,) int64 or None
+        The triangle of the input that contains each triangle; None if nothing was divided.
+    right, left : AttachedPoints
+        The places of its vertices in the section, and their mirror images.
+    directions : (n, 3) float64
+        Unit vectors from the axis to the vertices.
+    """
+
+    rest: TriangleMesh
+    parents: NDArray[np.int64] | None
+    right: AttachedPoints
+    left: AttachedPoints
+    directions: NDArray[np.float64]
+
+    @classmethod
+    def of(
+        cls, mesh: TriangleMesh, found: Revolution, frame: NDArray[np.float64], section: TriangleMesh
+    ) -> RevolvedShape:
+        """Attach an input to the triangles of its section."""
+        cut = with_short_edges(mesh, _LONGEST_EDGE * np.sqrt(mesh.area), max(len(mesh.vertices), _MOST_VERTICES))
+        points = (cut.mesh.vertices - found.center) @ frame.T
+        radii = np.hypot(points[:, 0], points[:, 2])
+        away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
+        finder = ClosestPointFinder(section.corners)
+        right, left = (
+            AttachedPoints.of(np.column_stack([side * radii, points[:, 1]]), section.vertices, section.faces, finder)
+            for side in (1.0, -1.0)
+        )
+        return cls(cut.mesh, cut.parents, right, left, (away * (1.0, 0.0, 1.0)) @ frame)
+
+    def profile(self, moved: TriangleMesh) -> NDArray[np.float64]:
+        """Return the distances from the axis and the places along it, (n, 2), for a moved section."""
+        right, left = (own.on(moved.vertices, moved.faces) for own in (self.right, self.left))
+        return 0.5 * (right + left * (-1.0, 1.0))
+
+    def asymmetry(self, moved: TriangleMesh) -> float:
+        """Return the largest distance between a point of a moved section and the mirror image of its counterpart."""
+        right, left = (own.on(moved.vertices, moved.faces) for own in (self.right, self.left))
+        return float(np.abs(right - left * (-1.0, 1.0)).max())
+
+
+@dataclass(frozen=True)
+class RevolvedMotion:
+    """Moves the sections of solids of revolution, and interpolates their axes; a :class:`.motion.Motion`.
+
+    Attributes
+    ----------
+    flat : AgreeingMotion
+        The motion of the sections.
+    axis : (3,) float64
+        Direction of the axes.
+    shapes : tuple of RevolvedShape
+        The shapes.
+    centers : (k, 3) float64
+        A point of every axis, the origin of its section.
+    """
+
+    flat: AgreeingMotion
+    axis: NDArray[np.float64]
+    shapes: tuple[RevolvedShape, ...]
+    centers: NDArray[np.float64]
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
+        way = self.flat.guided.settings.way
+        between = np.asarray(weights, np.float64) @ self.centers / sum(weights)
+        found: list[MovedShape | None] = []
+        for own, flat, center in zip(self.shapes, self.flat.moved(weights), self.centers, strict=True):
+            if flat is None:
+                found.append(None)
+                continue
+            away, along = own.profile(flat.mesh).T[..., None]
+            vertices = (1.0 - way) * center + way * between + away * own.directions + along * self.axis
+            found.append(MovedShape(own.rest, vertices, own.parents))
+        return found
+
+
+def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | None:
+    """Return the guided motion of solids of revolution about parallel axes.
+
+    Returns
+    -------
+    MotionChoice or None
+        None if a shape is not revolved, if sections have different numbers of regions or holes, would be distorted too
+        much, or are turned.
+    """
+    found = common_revolutions(request.shapes)
+    if found is None:
+        return None
+    frame, revolutions = found
+    sections = [own.section for own in revolutions]
+    if len({tuple(len(region.holes) for region in outline_of(own).regions) for own in sections}) > 1:
+        return None
+    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control)
+    if moved is None or moved.is_distorted or moved.choice.turned:
+        return None
+    flat = moved.choice.motion
+    shapes = tuple(
+        RevolvedShape.of(mesh, own, frame, carrier.rest)
+        for mesh, own, carrier in zip(request.shapes, revolutions, flat.guided.carriers, strict=True)
+    )
+    for pair in request.pairs:
+        weights = np.zeros(len(shapes))
+        weights[list(pair)] = 0.5
+        halfway = flat.moved(weights)
+        for index in pair:
+            if shapes[index].asymmetry(halfway[index].mesh) > _SYMMETRIC * np.sqrt(sections[index].area):
+                return None
+    centers = np.stack([own.center for own in revolutions])
+    return replace(moved.choice, motion=RevolvedMotion(flat, frame[1], shapes, centers))

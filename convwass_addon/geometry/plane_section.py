@@ -1,0 +1,47 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Sections of closed surfaces with planes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .planar_fill import Boundary
+
+
+def plane_section(corners: NDArray[np.float64], height: float) -> Boundary:
+    """Return the edges in which triangles cross a plane of constant last coordinate, in the first two coordinates.
+
+    Parameters
+    ----------
+    corners : (m, 3, 3)
+        Corners of the triangles of a closed surface, oriented outward.
+    height : float
+        Last coordinate of the plane.
+
+    Returns
+    -------
+    Boundary
+        Edges of the solid's section. Parts of solids that overlap are not resolved; see :meth:`.Boundary.united`.
+    """
+    above = corners[..., 2] > height
+    crossing = above.any(axis=1) & ~above.all(axis=1)
+    corners, above = corners[crossing], above[crossing]
+    # The corner on its own side of the plane comes first.
+    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
+    rows = np.arange(len(corners))
+    first, second, third = (corners[rows, (alone + turn) % 3] for turn in range(3))
+    ends = [_crossing(first, other, height) for other in (second, third)]
+    # Above, the next corner is on the left of the edge from the second to the first crossing.
+    leaves = above[rows, alone]
+    starts = np.where(leaves[:, None], ends[0], ends[1])
+    return Boundary(starts, np.where(leaves[:, None], ends[1], ends[0]))
+
+
+def _crossing(one: NDArray[np.float64], other: NDArray[np.float64], height: float) -> NDArray[np.float64]:
+    """Return where edges cross the plane, (k, 2): equal for both triangles that share an edge."""
+    swapped = one[:, 2] > other[:, 2]
+    lower, upper = np.where(swapped[:, None], other, one), np.where(swapped[:, None], one, other)
+    share = (height - lower[:, 2]) / (upper[:, 2] - lower[:, 2])
+    return lower[:, :2] + share[:, None] * (upper[:, :2] - lower[:, :2])

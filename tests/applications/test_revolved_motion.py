@@ -1,0 +1,91 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids of revolution stay some while they move, whatever the axis."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.applications.motions.motion_request import MotionRequest
+from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.shapes import revolved, rotated, torus
+
+TILT = np.array([0.5, 1.0, -0.25])
+CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
+LARGER = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])
+CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.85, 1.5), (0.65, 0.15), (0.0, 0.15)])
+BOWL = revolved([(0.0, 0.0), (0.6, 0.0), (1.6, 0.8), (1.45, 0.85), (0.5, 0.2), (0.0, 0.2)])
+TIMES = (0.25, 0.5, 0.75)
+
+
+def choice(*shapes, kind="automatic", coherence=0.5):
+    request = MotionRequest(shapes, ["one", "other"], [(0, 1)], kind, coherence)
+    return drained(chosen_motion(request, UNINTERRUPTED))
+
+
+def asideness(mesh, axis, center):
+    """Root mean square of how far normals lie beside the planes through an axis."""
+    corners = mesh.corners - center
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    around = np.cross(axis, corners.mean(axis=1))
+    around /= np.linalg.norm(around, axis=1)[:, None]
+    areas = np.linalg.norm(normals, axis=1)
+    return np.sqrt(np.square((normals * around).sum(axis=1) / areas) @ areas / areas.sum())
+
+
+def test_a_cone_that_grows_stays_a_cone():
+    found = choice(CONE, LARGER)
+    assert (found.kind, found.reason) == ("guided", "OUTLINES")
+    for time in TIMES:
+        for own in found.motion.moved([1.0 - time, time]):
+            radius, height = 1.0 + 2.0 * time, 2.0 + time
+            assert np.ptp(own.mesh.bounds, axis=0) == pytest.approx([2.0 * radius, 2.0 * radius, height], rel=0.02)
+            assert own.mesh.volume == pytest.approx(CONE.volume / 2.0 * radius**2 * height, rel=0.05)
+
+
+@pytest.mark.parametrize("time", TIMES)
+@pytest.mark.parametrize(("first", "second"), [(CUP, BOWL), (CONE, LARGER)])
+def test_moved_shapes_coincide_and_are_revolved(first, second, time):
+    moved = choice(first, second.moved((2.0, 0.0, 0.0))).motion.moved([1.0 - time, time])
+    center = (2.0 * time, 0.0, 0.0)
+    for own, other in (moved, moved[::-1]):
+        assert asideness(own.mesh, (0.0, 0.0, 1.0), center) < 0.05
+        assert other.finder.find(own.vertices).distances.max() < 0.05
+    assert moved[0].mesh.volume == pytest.approx(moved[1].mesh.volume, rel=0.03)
+
+
+def test_points_of_the_axis_stay_on_it():
+    motion = choice(CUP, BOWL).motion
+    on_axis = np.hypot(*CUP.vertices[:, :2].T) < 1e-9
+    assert on_axis.any()
+    moved = motion.moved([0.5, 0.5])[0].vertices[: len(CUP.vertices)]
+    assert np.hypot(*moved[on_axis, :2].T).max() < 1e-9
+
+
+def test_a_shape_alone_is_unchanged():
+    cup, none = choice(CUP, BOWL).motion.moved([1.0, 0.0])
+    assert none is None
+    assert cup.vertices == pytest.approx(cup.rest.vertices, abs=1e-6)
+
+
+def test_the_axis_does_not_matter():
+    one = choice(CUP, BOWL).motion.moved([0.5, 0.5])[0]
+    tilted = choice(rotated(CUP, TILT), rotated(BOWL, TILT)).motion.moved([0.5, 0.5])[0]
+    wanted = rotated(one.mesh, TILT)
+    assert tilted.finder.find(wanted.vertices).distances.max() < 0.02
+
+
+def test_less_coherence_moves_part_of_the_way():
+    cone = choice(CONE, LARGER.moved((1.0, 0.0, 0.0)), coherence=0.25).motion.moved([0.5, 0.5])[0]
+    assert cone.mesh.bounds[:, 0].mean() == pytest.approx(0.5 * 0.5 * 1.0, abs=0.01)
+
+
+def test_shapes_with_holes_of_one_only_are_warped():
+    assert choice(CONE, torus()).reason == "SOLID"
+
+
+def test_the_user_may_ask_for_it():
+    assert choice(CUP, BOWL, kind="guided").reason == "ASKED"
+    assert choice(CUP, BOWL, kind="warp").kind == "warp"

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids of revolution are recognized about any axis, and other solids are not."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.revolution import common_revolutions
+from tests.flat_shapes import ellipse
+from tests.shapes import ball, bent_tube, box, extruded, joined, revolved, rotated, torus, tube_with_caps
+
+CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
+CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.9, 1.5), (0.7, 0.1), (0.0, 0.1)])
+TILT = np.array([0.5, 1.0, -0.25])
+
+
+def test_sections_are_exact_and_symmetric():
+    frame, (cone, cup) = common_revolutions([CONE, CUP.moved((3.0, 1.0, 0.5))])
+    assert frame[1] == pytest.approx([0.0, 0.0, 1.0])
+    assert frame @ frame.T == pytest.approx(np.eye(3))
+    assert cone.section.area == pytest.approx(2.0)
+    assert np.abs(cone.section.bounds[:, 0]) == pytest.approx([1.0, 1.0])
+    assert cone.section.center[0] == pytest.approx(0.0, abs=1e-9)
+    assert cup.section.area == pytest.approx(2.0 * (0.9 * 1.5 - 0.8 * 1.4), rel=1e-6)
+    assert cup.center[:2] == pytest.approx([3.0, 1.0])
+
+
+def test_the_axis_may_have_any_direction():
+    frame, found = common_revolutions([rotated(CONE, TILT), rotated(CUP, TILT)])
+    assert abs(frame[1] @ Rotation.from_rotvec(TILT).apply([0.0, 0.0, 1.0])) == pytest.approx(1.0)
+    # The plane of the section may meet sides, not edges.
+    assert found[0].section.area == pytest.approx(2.0, rel=0.005)
+
+
+def test_a_ball_has_the_axis_of_the_other_shape():
+    frame, _ = common_revolutions([ball(), rotated(CUP, (0.5 * np.pi, 0.0, 0.0))])
+    assert np.abs(frame[1]) == pytest.approx([0.0, 1.0, 0.0], abs=1e-6)
+
+
+def test_rings_have_two_regions():
+    _, (ring,) = common_revolutions([torus()])
+    assert ring.section.area == pytest.approx(2.0 * np.pi * 0.35**2, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        box(),
+        bent_tube(1.5),
+        extruded(ellipse(radii=(1.0, 0.8))),
+        joined(CUP, box((0.4, 0.1, 0.4), (1.1, 0.0, 0.8))),
+        joined(tube_with_caps(), tube_with_caps().moved((3.0, 0.0, 0.0))),
+        rotated(CUP, (np.radians(15.0), 0.0, 0.0)),
+        TriangleMesh(CONE.vertices * (1.0, 1.0, 0.0), CONE.faces),
+    ],
+    ids=["box", "bent tube", "ellipse", "handle", "axes", "tilted", "flat"],
+)
+def test_other_solids_are_not(other):
+    assert common_revolutions([CUP, other]) is None
