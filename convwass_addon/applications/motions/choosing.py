@@ -27,6 +27,7 @@ from .motion_choice import FAILURES, MotionChoice
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
+from .skinned_motion import following, with_skins
 from .warp_motion import WarpEffort, WarpMotion, warp_motion
 
 # A guided motion that leaves more than this share of the distance between two shapes is completed by a warp. A coarse
@@ -94,6 +95,15 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
+    skinned = with_skins(request, control)
+    found = yield from _by_surfaces(skinned, control)
+    if found.motion is None:
+        return found
+    return replace(found, motion=following(found.motion, request.shapes, skinned.shapes))
+
+
+def _by_surfaces(request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the guided motion if it was asked for; otherwise the one that suits the shapes."""
     if request.kind == "guided":
         guided = yield from _guided(request, control)
         return _mapped("ASKED", guided)

@@ -1,0 +1,128 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Motions of shapes that consist of overlapping bodies: their outer surfaces move, and the shapes follow these.
+
+Surfaces are mapped, and those of overlapping bodies lead inside: the top of a chair's leg lies within the seat.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.mesh import TriangleMesh
+from ...geometry.outer_skin import outer_skin
+from ...geometry.subdivision import with_short_edges
+from ...geometry.surface_rotations import surface_rotations
+from ...progress import Control
+from .motion import Motion, MovedShape
+from .motion_request import MotionRequest
+
+# Edges that are longer than this share of the square root of the surface are divided, and up to so many vertices.
+_LONGEST_EDGE, _MOST_VERTICES = 0.03, 60_000
+
+
+@dataclass(frozen=True)
+class Follower:
+    """A shape that follows its outer surface.
+
+    Attributes
+    ----------
+    rest : TriangleMesh
+        The shape in scene space, with long edges divided.
+    parents : (m,) int64 or None
+        The triangle of the input that contains each triangle; None if nothing was divided.
+    places : ClosestPoints
+        The points of the outer surface that are closest to its vertices.
+    offsets : (n, 3) float64
+        The vertices relative to these points.
+    """
+
+    rest: TriangleMesh
+    parents: NDArray[np.int64] | None
+    places: ClosestPoints
+    offsets: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, shape: TriangleMesh, skin: TriangleMesh) -> Follower:
+        """Attach a shape to its outer surface."""
+        most = max(len(shape.vertices), _MOST_VERTICES)
+        cut = with_short_edges(shape, _LONGEST_EDGE * np.sqrt(shape.area), most)
+        places = ClosestPointFinder(skin.corners).find(cut.mesh.vertices)
+        return cls(cut.mesh, cut.parents, places, cut.mesh.vertices - places.interpolated(skin.corners))
+
+    def moved(self, skin: MovedShape) -> MovedShape:
+        """Return the shape for its moved outer surface."""
+        faces = skin.rest.faces
+        nearest = faces[self.places.triangles, self.places.shares.argmax(axis=1)]
+        turns = surface_rotations(skin.rest.vertices, skin.vertices, faces)[nearest]
+        vertices = self.places.interpolated(skin.mesh.corners) + np.einsum("nij,nj->ni", turns, self.offsets)
+        return MovedShape(self.rest, vertices, self.parents)
+
+
+@dataclass(frozen=True)
+class SkinnedMotion:
+    """A motion of outer surfaces that shapes follow; a :class:`.motion.Motion`.
+
+    Attributes
+    ----------
+    motion : Motion
+        The motion, in which some shapes are replaced by their outer surfaces.
+    followers : mapping of int to Follower
+        These shapes.
+    """
+
+    motion: Motion
+    followers: Mapping[int, Follower]
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
+        found = self.motion.moved(weights)
+        for index, follower in self.followers.items():
+            if found[index] is not None:
+                found[index] = follower.moved(found[index])
+        return found
+
+
+def with_skins(request: MotionRequest, control: Control) -> MotionRequest:
+    """Return the request with the outer surfaces of shapes whose bodies overlap; itself if there are none."""
+    found = {index: outer_skin(shape, control) for index, shape in enumerate(request.shapes)}
+    skins = {index: skin for index, skin in found.items() if skin is not None}
+    if not skins:
+        return request
+    trees = {index: cKDTree(skin.vertices) for index, skin in skins.items()}
+
+    def place(index: int, vertex: int) -> int:
+        """Return the vertex of the outer surface that is nearest to a vertex of a shape."""
+        if index not in trees:
+            return vertex
+        return int(trees[index].query(request.shapes[index].vertices[vertex])[1])
+
+    guides = [{index: place(index, vertex) for index, vertex in guide.items()} for guide in request.guides]
+    shapes = [skins.get(index, shape) for index, shape in enumerate(request.shapes)]
+    return replace(request, shapes=shapes, guides=guides)
+
+
+def following(motion: Motion, shapes: Sequence[TriangleMesh], skins: Sequence[TriangleMesh]) -> Motion:
+    """Return the motion of shapes whose outer surfaces move.
+
+    Parameters
+    ----------
+    motion : Motion
+        The motion of the outer surfaces.
+    shapes : sequence of TriangleMesh
+        The shapes.
+    skins : sequence of TriangleMesh
+        Their outer surfaces, or the same shapes.
+    """
+    followers = {}
+    for index, (shape, skin) in enumerate(zip(shapes, skins, strict=True)):
+        if skin is not shape:
+            alone = [float(other == index) for other in range(len(shapes))]
+            followers[index] = Follower.of(shape, motion.moved(alone)[index].rest)
+    return SkinnedMotion(motion, followers) if followers else motion
