@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from convwass_addon.geometry.mesh import TriangleMesh
 
-from . import bipeds, centaurs, creatures, hands, quadrupeds, things
+from . import bipeds, centaurs, creatures, hands, props, quadrupeds, things
 from .bipeds import CHILD, MAN, OGRE, Limb as Bones, Posture, biped, degrees, straight
 from .blends import ASSETS, read_meshes
 from .limb_paths import LimbPath, PosedLimb
@@ -244,6 +244,10 @@ def _cactus_to_ball() -> Ends:
     return Ends(cactus, TriangleMesh(np.cbrt(cactus.volume / ball.volume) * ball.vertices, ball.faces))
 
 
+def _props(first: Callable[[], TriangleMesh], second: Callable[[], TriangleMesh]) -> Callable[[], Ends]:
+    return lambda: Ends(first(), second())
+
+
 def _sample(*names: str) -> tuple[TriangleMesh, ...]:
     return _read([ASSETS / f"{name}.ply" for name in names])
 
@@ -293,6 +297,19 @@ SOLIDS = (
 )
 """Shapes of which one has no limbs; only computed if they are named."""
 
+PROPS = (
+    CoherencePair("star to heart", OTHER_BUILD, _props(props.star, props.heart)),
+    CoherencePair("arrow to tick", OTHER_BUILD, _props(props.arrow, props.tick)),
+    CoherencePair("ring to C", OTHER_BUILD, _props(props.ring, lambda: props.ring(0.8))),
+    CoherencePair("pawn to rook", OTHER_BUILD, _props(props.pawn, props.rook)),
+    CoherencePair("goblet to bottle", OTHER_BUILD, _props(props.goblet, props.bottle)),
+    CoherencePair("barrel to goblet", OTHER_BUILD, _props(props.barrel, props.goblet)),
+    CoherencePair("sofa to bed", OTHER_BUILD, _props(props.sofa, props.bed)),
+    CoherencePair("robot to chair", OTHER_BUILD, _props(props.robot, props.seat)),
+    CoherencePair("locomotive to car", OTHER_BUILD, _props(props.locomotive, props.car)),
+)
+"""Signs, solids of revolution, and things of overlapping parts; only computed if they are named."""
+
 _TWELVE = (
     *("man raises arm", "octopus moves", "horse to cow", "chair to man", "star to cross", "ball to knot"),
     *("giraffe grazes", "goat rears", "ogre to child", "cactus to child", "shark to airplane", "starfish to hand"),
@@ -320,7 +337,7 @@ def pairs_named(names: Sequence[str], folder: Path | None) -> list[CoherencePair
     ValueError
         A name is unknown; the message lists all names.
     """
-    known = {pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False), *SOLIDS)}
+    known = {pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False), *SOLIDS, *PROPS)}
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"no pair {unknown[0]}; there are: {', '.join(known)}")

@@ -3,7 +3,7 @@
 """Draw the motions of morphs into docs/pictures: ``python3 run.py python docs/motions.py``.
 
 Pairs of the coherence benchmark, seven frames each: transport alone above, a motion below. ``--only NAME`` draws one of
-the pictures: motions, pairs_one_build, pairs_other, pairs_held_back or pairs_solid.
+the pictures: motions, pairs_one_build, pairs_other, pairs_held_back, pairs_solid or pairs_props.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.blends import baked_frames
 from benchmarks.coherence import kept_frames
 from benchmarks.coherence_cases import read_frames
-from benchmarks.coherence_pairs import ONE_BUILD, SOLIDS, TUNED, pairs_named
+from benchmarks.coherence_pairs import ONE_BUILD, PROPS, SOLIDS, TUNED, pairs_named
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 7
@@ -82,6 +82,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
             )
         ],
         "pairs_solid": [Block.compared(name) for name in (*[pair.name for pair in SOLIDS], "ball to knot")],
+        "pairs_props": [Block.compared(pair.name) for pair in PROPS],
     }
 
 

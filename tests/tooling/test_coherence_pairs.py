@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks import bipeds, creatures, hands, quadrupeds
-from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, TUNED, further_pairs
+from benchmarks import bipeds, creatures, hands, props, quadrupeds
+from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, PROPS, TUNED, further_pairs
 from benchmarks.rival_measures import Connectivity
 from convwass_addon.geometry.edges import topology
 
@@ -73,3 +73,24 @@ def test_pairs_of_a_folder_are_added_if_both_files_exist(tmp_path):
         (tmp_path / name).touch()
     assert [pair.name for pair in further_pairs(tmp_path, tuned=True)] == ["spot to bob"]
     assert further_pairs(tmp_path, tuned=False) == ()
+
+
+def test_props_have_known_volumes():
+    assert props.ring().volume == pytest.approx(0.64 * np.pi * 0.5, rel=0.002)
+    corners = np.array([(0.0, 1.0, 2.0), (2.0, 2.0, 5.0)])
+    assert props.box(*corners).bounds == pytest.approx(corners)
+    for ends in [((0.0, 0.0, 0.0), tip) for tip in np.diag([2.0, 2.0, -2.0])]:
+        cylinder = props.cylinder(0.5, ends)
+        assert cylinder.volume == pytest.approx(0.5 * np.pi, rel=0.01)
+        extents = np.where(np.abs(ends[1]) > 0, 2.0, 1.0)
+        assert np.ptp(cylinder.bounds, axis=0) == pytest.approx(extents)
+    cone = props.revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)], smooth=False)
+    assert cone.volume == pytest.approx(2.0 / 3.0 * np.pi, rel=0.002)
+
+
+@pytest.mark.parametrize("pair", PROPS, ids=lambda pair: pair.name)
+def test_props_are_closed(pair):
+    ends = pair.ends()
+    for mesh in (ends.first, ends.second):
+        assert topology(mesh).closed
+        assert mesh.volume > 0
