@@ -40,7 +40,7 @@ def outer_skin(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> Triangle
         skin would lack parts that are thinner than a cell.
     """
     count = int(face_components(mesh.faces).max(initial=-1)) + 1
-    if count < 2:
+    if count < 2 or mesh.longest_side == 0.0:
         return None
     low, spacing = mesh.bounds[0], mesh.longest_side / _CELLS
     corners = (mesh.corners - low) / spacing + _MARGIN

@@ -55,6 +55,9 @@ _MOST_GROWTH = 3.0
 # with its head in place (score 0.38), and a torus becomes a horse without being cut open (0.25). Between an octopus and
 # a horse, which map with 0.44, the warp leaves less, but tears arms.
 _UNSURE = 0.4
+# If one of two shapes is compact, maps are good from this score on. A straight rod and a bent one have 0.99. A monkey's
+# head and a cube have 0.89, and an ear would become a corner; a warp is symmetric.
+_SURE = 0.95
 # Such a map, however low its score, is kept if it leaves at most `_MUCH_LEFT`, and no shape has more than this many
 # times the area of the other one where it lies on it. A scorpion and a lobster, whose legs a warp would tear, have 1.33
 # times the area of a hand (score 0.15). Tori, which maps cut open, have 1.9 to 2.1 times the area of a horse, a dog or
@@ -150,7 +153,7 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "FAILED", None, failure=str(error))
     score = _score(guided)
-    if score >= TRUSTED:
+    if score >= (_SURE if merges else TRUSTED):
         return _mapped("FITS", guided)
     detour = max(pair.detour for pair in guided.pairs.values())
     far = detour > _DETOUR

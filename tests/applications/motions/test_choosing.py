@@ -286,6 +286,10 @@ def test_limbs_merge_with_a_shape_that_has_none(motions):
     assert choice(shapes=pair).record() == {"kind": "transport", **solid, "reason": "FAILED", "failure": "no memory"}
     motions(guided_with(0.95))
     assert choice(shapes=pair).kind == "guided"
+    # A map that is good between two shapes with limbs is not good enough here.
+    motions(guided_with(0.9), by_warp_alone=0.1)
+    assert choice(shapes=pair).kind == "warp"
+    assert choice().kind == "guided"
 
 
 def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeless(motions):
