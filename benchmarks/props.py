@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.interpolate import PchipInterpolator
 
-from convwass_addon.geometry.edges import edge_ends, edge_use
 from convwass_addon.geometry.mesh import TriangleMesh, joined_meshes
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.planar_mesh import planar_mesh
+from convwass_addon.geometry.prism import prism
 from convwass_addon.geometry.welding import welded
 
 Points = Sequence[tuple[float, float]]
@@ -26,14 +26,9 @@ _DEPTH, _EDGE, _SIDES, _BETWEEN = 0.25, 0.1, 64, 12
 def extruded(rings: Sequence[ArrayLike], low: float = -_DEPTH, high: float = _DEPTH) -> TriangleMesh:
     """Extrude an area of the plane y = 0, given by its outline and those of its holes, (n, 2), along y."""
     area = planar_mesh(filled_boundary([np.asarray(ring, np.float64) for ring in rings], "even-odd"), _EDGE)
-    count, use = len(area.vertices), edge_use(area.faces)
-    first, second = edge_ends(area.faces, use)[use.count == 1].T
-    walls = [np.stack([first, second, second + count], 1), np.stack([first, second + count, first + count], 1)]
-    faces = np.concatenate([area.faces[:, ::-1], area.faces + count, *walls])
-    flat = np.tile(area.vertices[:, :2], (2, 1))
-    depths = np.repeat([low, high], count)
+    solid = prism(area, (low, high))
     # The y axis points away from who sees x to the right and z up, so that triangles are turned over.
-    return TriangleMesh(np.column_stack([flat[:, 0], depths, flat[:, 1]]), faces[:, ::-1])
+    return TriangleMesh(solid.vertices[:, [0, 2, 1]], solid.faces[:, ::-1])
 
 
 def revolved(profile: Points, smooth: bool = True) -> TriangleMesh:

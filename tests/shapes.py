@@ -9,10 +9,11 @@ from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
 from skimage.measure import marching_cubes
 
-from convwass_addon.geometry.edges import edge_ends, edge_use, face_components
+from convwass_addon.geometry.edges import face_components
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.planar_mesh import planar_mesh
+from convwass_addon.geometry.prism import prism
 from convwass_addon.geometry.welding import welded
 
 _CUBE = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2)]
@@ -161,12 +162,7 @@ def smallest_angles(mesh):
 
 def extruded(*rings, low=-0.2, high=0.2, edge=0.1):
     """Return the solid over a flat area, (n, 2) rings filled by the even-odd rule, from z = low to z = high."""
-    area = planar_mesh(filled_boundary(list(rings), "even-odd"), edge)
-    count, use = len(area.vertices), edge_use(area.faces)
-    first, second = edge_ends(area.faces, use)[use.count == 1].T
-    walls = [np.stack([first, second, second + count], 1), np.stack([first, second + count, first + count], 1)]
-    vertices = np.concatenate([np.add(area.vertices, (0.0, 0.0, height)) for height in (low, high)])
-    return TriangleMesh(vertices, np.concatenate([area.faces[:, ::-1], area.faces + count, *walls]))
+    return prism(planar_mesh(filled_boundary(list(rings), "even-odd"), edge), (low, high))
 
 
 def rotated(mesh, vector):

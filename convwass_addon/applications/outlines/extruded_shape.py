@@ -16,6 +16,7 @@ from ...geometry.extrusion import Extrusion
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals
+from ...geometry.prism import prism
 from ...geometry.subdivision import with_edges_halved
 
 # Triangles whose normals have at least this component along the axis belong to an end of the shape.
@@ -65,18 +66,13 @@ class ExtrudedShape:
         """
         ends = [_End.of(mesh, frame, side) for side in (-1.0, 1.0)]
         upward = section if _is_upward(section) else section.flipped()
-        fine, triangles, low_high = _followed(upward, ends, np.sqrt(extrusion.section.area))
-        count, heights = len(fine.vertices), low_high.T.ravel()
-        use = edge_use(fine.faces)
-        first, second = edge_ends(fine.faces, use)[use.count == 1].T
-        walls = [np.stack([first, second, second + count], 1), np.stack([first, second + count, first + count], 1)]
-        faces = np.concatenate([fine.faces[:, ::-1], fine.faces + count, *walls])
-        vertices = np.column_stack([np.tile(fine.vertices[:, :2], (2, 1)), heights]) @ frame
-        rest = TriangleMesh(vertices, faces)
+        fine, triangles, heights = _followed(upward, ends, np.sqrt(extrusion.section.area))
+        solid = prism(fine, heights)
+        rest = TriangleMesh(solid.vertices @ frame, solid.faces)
         parents = FacingPointFinder(mesh).find(rest.corners.mean(axis=1), triangle_normals(rest.corners)).triangles
         shares = barycentric_coordinates(section.corners[triangles], fine.vertices[:, None])[:, 0]
-        places = ClosestPoints(np.tile(triangles, 2), np.tile(shares, (2, 1)), np.zeros(2 * count))
-        relative = (heights - extrusion.low) / (extrusion.high - extrusion.low)
+        places = ClosestPoints(np.tile(triangles, 2), np.tile(shares, (2, 1)), np.zeros(len(rest.vertices)))
+        relative = (solid.vertices[:, 2] - extrusion.low) / (extrusion.high - extrusion.low)
         return cls(rest, parents, places, relative)
 
 

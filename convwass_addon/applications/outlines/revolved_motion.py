@@ -69,13 +69,17 @@ class RevolvedShape:
 
     def profile(self, moved: TriangleMesh) -> NDArray[np.float64]:
         """Return the distances from the axis and the places along it, (n, 2), for a moved section."""
-        right, left = (own.on(moved.vertices, moved.faces) for own in (self.right, self.left))
-        return 0.5 * (right + left * (-1.0, 1.0))
+        right, mirrored = self._sides(moved)
+        return 0.5 * (right + mirrored)
 
     def asymmetry(self, moved: TriangleMesh) -> float:
         """Return the largest distance between a point of a moved section and the mirror image of its counterpart."""
+        right, mirrored = self._sides(moved)
+        return float(np.linalg.norm(right - mirrored, axis=1).max())
+
+    def _sides(self, moved: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         right, left = (own.on(moved.vertices, moved.faces) for own in (self.right, self.left))
-        return float(np.abs(right - left * (-1.0, 1.0)).max())
+        return right, left * (-1.0, 1.0)
 
 
 @dataclass(frozen=True)
