@@ -14,6 +14,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
+from convwass_addon.applications.outlines.extruded_motion import extruded_motion
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
@@ -32,9 +33,9 @@ GAPPED = extruded(
 BARS = extruded(rectangle((-1.0, -1.0), (-0.4, 1.0)), rectangle((0.4, -1.0), (1.0, 1.0)))
 
 
-def choice(*shapes, kind="automatic", pairs=((0, 1),), guides=(), coherence=0.5):
+def choice(*shapes, kind="automatic", pairs=((0, 1),), coherence=0.5):
     names = [f"shape {index}" for index in range(len(shapes))]
-    return drained(chosen_motion(MotionRequest(shapes, names, pairs, kind, coherence, guides), UNINTERRUPTED))
+    return drained(chosen_motion(MotionRequest(shapes, names, pairs, kind, coherence), UNINTERRUPTED))
 
 
 def moved_halfway(first, second):
@@ -104,23 +105,21 @@ def test_chamfers_are_followed():
 
 
 def test_all_shapes_must_be_extruded_along_one_axis():
-    assert choice(PLATE, ball()).reason != "OUTLINES"
+    def is_extruded(*shapes):
+        request = MotionRequest(shapes, ["one", "other"], [(0, 1)], "automatic", 0.5)
+        return extruded_motion(request, UNINTERRUPTED) is not None
+
     upright = rotated(DISC, (0.5 * np.pi, 0.0, 0.0))
-    assert choice(RING, upright).reason != "OUTLINES"
+    assert not is_extruded(PLATE, ball())
+    assert not is_extruded(RING, upright)
     # The plate is also extruded along that axis.
-    assert choice(PLATE, upright).reason == "OUTLINES"
+    assert is_extruded(PLATE, upright)
 
 
-def test_the_user_may_choose_another_motion():
-    assert choice(PLATE, DISC, kind="warp").kind == "warp"
+def test_the_user_may_ask_for_it_or_for_none():
     assert choice(PLATE, DISC, kind="guided").reason == "ASKED"
     assert choice(PLATE, DISC, kind="transport").motion is None
     assert choice(PLATE, DISC, coherence=0.0).motion is None
-
-
-def test_guides_need_the_map_of_the_surfaces():
-    corners = [{0: shape, 1: shape} for shape in range(2)]
-    assert choice(PLATE, DISC, guides=corners).reason != "OUTLINES"
 
 
 def test_less_coherence_moves_part_of_the_way():

@@ -9,6 +9,7 @@ import pytest
 
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
+from convwass_addon.applications.outlines.revolved_motion import revolved_motion
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import revolved, rotated, torus
 
@@ -82,10 +83,10 @@ def test_less_coherence_moves_part_of_the_way():
     assert cone.mesh.bounds[:, 0].mean() == pytest.approx(0.5 * 0.5 * 1.0, abs=0.01)
 
 
-def test_shapes_with_holes_of_one_only_are_warped():
-    assert choice(CONE, torus()).reason == "SOLID"
+def test_sections_must_have_equal_numbers_of_regions():
+    request = MotionRequest([CONE, torus()], ["one", "other"], [(0, 1)], "automatic", 0.5)
+    assert revolved_motion(request, UNINTERRUPTED) is None
 
 
 def test_the_user_may_ask_for_it():
     assert choice(CUP, BOWL, kind="guided").reason == "ASKED"
-    assert choice(CUP, BOWL, kind="warp").kind == "warp"

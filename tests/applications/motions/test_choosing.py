@@ -292,6 +292,24 @@ def test_limbs_merge_with_a_shape_that_has_none(motions):
     assert choice().kind == "guided"
 
 
+def test_outlines_move_shapes_that_they_determine_unless_there_are_guides_or_a_warp_is_asked_for(motions):
+    motions(guided_with(0.95), by_warp_alone=0.1)
+    pair = box((1.0, 2.0, 0.3)), box((2.0, 1.0, 0.5))
+    assert choice(shapes=pair).reason == "OUTLINES"
+    assert choice("guided", shapes=pair).motion is not None
+    assert choice("warp", shapes=pair).motion is WARP
+    assert choice(shapes=pair, guides=[{0: 7, 1: 7}]).reason == "FITS"
+
+
+def test_if_outlines_fail_the_surfaces_are_mapped(motions, monkeypatch):
+    def failing(*_arguments):
+        raise np.linalg.LinAlgError("singular")
+
+    motions(guided_with(0.95))
+    monkeypatch.setattr(choosing, "extruded_motion", failing)
+    assert choice("guided", shapes=(box(), box((2.0, 1.0, 1.0)))).score == 0.95
+
+
 def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeless(motions):
     """The rough map matters only there, and not with guides."""
     motions(AssertionError("must not be asked for"), by_warp_alone=0.1, may_map=False)
