@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csc_array
+from scipy.sparse import csc_array, csr_array
 
 from ..progress import UNINTERRUPTED, Control
 from .edges import vertex_components
@@ -166,20 +166,20 @@ def _inverse_hessian(
 
 @dataclass(frozen=True)
 class _Energy:
-    """Triangles at rest.
+    """Triangles at rest, without those of no area.
 
     Attributes
     ----------
-    faces : (m, 3) int64
-        Triangles, without those of no area.
-    gradients : (m, 3, 2) float64
-        Gradients of the barycentric coordinates of every triangle at rest, scaled to the area that it should have.
+    gradient : (2 m, n) csr_array
+        Gradient on every triangle, scaled to the area that it should have: derivatives along x first, then along y.
+    transposed : (n, 2 m) csr_array
+        The same matrix, transposed.
     areas : (m,) float64
         Shares of the area.
     """
 
-    faces: NDArray[np.int64]
-    gradients: NDArray[np.float64]
+    gradient: csr_array
+    transposed: csr_array
     areas: NDArray[np.float64]
 
     @classmethod
@@ -191,29 +191,34 @@ class _Energy:
         # The area inside a held outline, by the signed areas of its triangles, does not depend on the other vertices.
         rest, after = float(doubled.sum()), float(_doubled_areas(start[faces]).sum())
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
-        across = np.stack([-opposite[..., 1], opposite[..., 0]], axis=2)
         scale = np.sqrt(max(after, _LEAST_AFTER * rest) / rest)
-        return cls(faces, across / (doubled[:, None, None] * scale), doubled / rest)
+        across = np.stack([-opposite[..., 1], opposite[..., 0]]) / (doubled[:, None] * scale)
+        rows = np.repeat(np.arange(2 * len(faces)), 3)
+        columns = np.tile(faces.ravel(), 2)
+        gradient = csr_array((across.ravel(), (rows, columns)), shape=(2 * len(faces), len(start)))
+        return cls(gradient, csr_array(gradient.T), doubled / rest)
 
-    def _jacobians(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        return np.einsum("mcj,mci->mij", self.gradients, points[self.faces])
+    def _jacobians(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Return the entries of the Jacobian matrices, row by row, (m,) each."""
+        (a, c), (b, d) = (self.gradient @ points).reshape(2, -1, 2).transpose(0, 2, 1)
+        return a, b, c, d
 
     def determinants(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the determinants of the Jacobian matrices, (m,)."""
-        return np.linalg.det(self._jacobians(points))
+        a, b, c, d = self._jacobians(points)
+        return a * d - b * c
 
     def limited(self, points: NDArray[np.float64]) -> float:
         """Return the energy of vertices, with that of triangles limited, and largest for those turned over."""
-        jacobians = self._jacobians(points)
-        determinants = np.linalg.det(jacobians)
-        total = np.square(jacobians).sum(axis=(1, 2)) + _AREA * (np.square(determinants) + 1.0)
+        a, b, c, d = self._jacobians(points)
+        determinants = a * d - b * c
+        total = a * a + b * b + c * c + d * d + _AREA * (np.square(determinants) + 1.0)
         is_bad = total >= _MOST * determinants
         return float(self.areas @ np.where(is_bad, _MOST, total / np.where(is_bad, 1.0, determinants)))
 
     def at(self, points: NDArray[np.float64], width: float) -> tuple[float, NDArray[np.float64]]:
         """Return the energy of vertices and its gradient, (n, 2)."""
-        jacobians = self._jacobians(points)
-        (a, b), (c, d) = jacobians.transpose(1, 2, 0)
+        a, b, c, d = self._jacobians(points)
         determinants = a * d - b * c
         root = np.sqrt(width**2 + np.square(determinants))
         bounded = 0.5 * (determinants + root)
@@ -224,12 +229,11 @@ class _Energy:
         total = a * a + b * b + c * c + d * d + _AREA * (np.square(determinants) + 1.0)
         energy = float(self.areas @ (total / bounded))
         along = self.areas * (2.0 * _AREA * determinants - total * slope / bounded) / bounded
-        cofactors = np.stack([np.stack([d, -c], axis=-1), np.stack([-b, a], axis=-1)], axis=-2)
-        pulls = (2.0 * self.areas / bounded)[:, None, None] * jacobians + along[:, None, None] * cofactors
-        forces = np.einsum("mij,mcj->mci", pulls, self.gradients).reshape(-1, 2)
-        corners = self.faces.ravel()
-        gradient = np.stack([np.bincount(corners, column, len(points)) for column in forces.T], axis=1)
-        return energy, gradient
+        share = 2.0 * self.areas / bounded
+        # Derivatives by the entries of the Jacobian matrices; those of the determinants are the cofactors.
+        by_x = np.stack([share * a + along * d, share * c - along * b], axis=1)
+        by_y = np.stack([share * b - along * c, share * d + along * a], axis=1)
+        return energy, self.transposed @ np.concatenate([by_x, by_y])
 
 
 def _doubled_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
