@@ -133,8 +133,8 @@ def barrel() -> TriangleMesh:
 
 def sofa() -> TriangleMesh:
     """Return a sofa of four boxes, its front towards -Y."""
-    arms = [box((x, -0.5, 0.15), (x + 0.25, 0.5, 0.9)) for x in (-1.4, 1.15)]
-    return joined_meshes([box((-1.2, -0.5, 0.15), (1.2, 0.5, 0.6)), box((-1.2, 0.3, 0.5), (1.2, 0.5, 1.2)), *arms])
+    arms = [box((x, -0.52, 0.13), (x + 0.25, 0.48, 0.9)) for x in (-1.4, 1.15)]
+    return joined_meshes([box((-1.2, -0.5, 0.15), (1.2, 0.48, 0.6)), box((-1.2, 0.3, 0.5), (1.2, 0.5, 1.2)), *arms])
 
 
 def bed() -> TriangleMesh:
@@ -155,8 +155,8 @@ def robot() -> TriangleMesh:
 
 def seat() -> TriangleMesh:
     """Return a chair of six boxes, its front towards -Y."""
-    legs = [box((x, y, 0.0), (x + 0.1, y + 0.1, 0.95)) for x in (-0.5, 0.4) for y in (-0.5, 0.4)]
-    return joined_meshes([box((-0.5, -0.5, 0.9), (0.5, 0.5, 1.0)), box((-0.5, 0.4, 0.95), (0.5, 0.5, 2.1)), *legs])
+    legs = [box((x, y, 0.0), (x + 0.1, y + 0.1, 0.95)) for x in (-0.48, 0.38) for y in (-0.48, 0.36)]
+    return joined_meshes([box((-0.5, -0.5, 0.9), (0.5, 0.48, 1.0)), box((-0.49, 0.4, 0.95), (0.49, 0.5, 2.1)), *legs])
 
 
 def car() -> TriangleMesh:
