@@ -17,6 +17,7 @@ from convwass_addon.applications.motions.motion import Motion
 from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.errors import ConvwassError
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.outer_skin import outer_skin
 from convwass_addon.schema import setting_of
 
 from .blends import baked_frames
@@ -63,7 +64,7 @@ class Bake:
     Attributes
     ----------
     meshes : list of TriangleMesh
-        In the space of the shapes.
+        In the space of the shapes; see :func:`outside` for the first and the last.
     times : (n,) float64
         From 0 to 1.
     records : list of dict
@@ -88,7 +89,7 @@ class Bake:
         found = [frame for frame in baked_frames(shapes, frames, settings) if frame.mesh is not None]
         seconds = clock.read()
         times = np.array([0.0, *(frame.blend.weights[1] for frame in found), 1.0])
-        meshes = [ends.first, *(frame.mesh for frame in found), ends.second]
+        meshes = [outside(ends.first), *(frame.mesh for frame in found), outside(ends.second)]
         spacing = Lattice.around(shapes, settings.resolution, settings.sigma).spacing
         return cls(meshes, times, [frame.record for frame in found], spacing, seconds)
 
@@ -147,7 +148,7 @@ def turning(pair: str, meshes: str | None = None) -> dict[str, object]:
 def held(bake: Bake, ends: Ends) -> dict[str, object]:
     """Measure the coherence of the frames."""
     along = Along.of(bake.meshes, bake.times)
-    connectivities = [Connectivity.of(mesh) for mesh in (ends.first, ends.second)]
+    connectivities = [Connectivity.of(mesh) for mesh in (bake.meshes[0], bake.meshes[-1])]
     allowed = max(len(each.shares) for each in connectivities)
     pieces = [record["found"]["pieces"] for record in bake.records]
     limb = None if ends.limb is None else asdict(limb_errors(bake.meshes, bake.times, ends.limb))
@@ -183,7 +184,12 @@ def end_loss(bake: Bake, motion: Motion | None, end: int) -> EndLoss:
     beside = (1, -2)[end]
     frame, t = bake.meshes[beside], bake.times[beside]
     shape = bake.meshes[-end] if motion is None else motion.moved((1.0 - t, t))[end].mesh
-    return EndLoss.of(shape, frame, bake.spacing)
+    return EndLoss.of(outside(shape), frame, bake.spacing)
+
+
+def outside(mesh: TriangleMesh) -> TriangleMesh:
+    """Return the outer surface of bodies that overlap; frames have nothing of what is inside."""
+    return outer_skin(mesh) or mesh
 
 
 def read_frames(path: Path) -> list[TriangleMesh]:
