@@ -76,10 +76,13 @@ _CLEARLY_LESS = 0.85
 _DETOUR = 1.4
 # Connected components with at least this share of the area count as bodies.
 _BODY = 0.1
+# Where bodies overlap and the motion of their outer surface leaves much, they are also mapped as they are, and that is
+# used if it leaves at most this share: from a robot of boxes to a chair, 0.14 instead of 0.6.
+_BETTER_APART = 0.5
 # Cells of the grid on which distances are compared; with 32, shares differ by less than 0.006 on the benchmark.
 _CELLS = 24
-# Fractions of the work for a rough map, and for the guided motion, if a warp follows.
-_ROUGH_SHARE, _GUIDED_SHARE = 0.05, 0.4
+# Fractions of the work for a rough map, for the guided motion, if a warp follows, and for outer surfaces.
+_ROUGH_SHARE, _GUIDED_SHARE, _SKIN_SHARE = 0.05, 0.4, 0.6
 
 
 def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice]:
@@ -99,7 +102,13 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
     skinned = with_skins(request, control)
-    found = yield from _by_surfaces(skinned, control)
+    if skinned is request:
+        return (yield from _by_surfaces(request, control))
+    found = yield from within(_by_surfaces(skinned, control), 0.0, _SKIN_SHARE)
+    if found.left is not None and found.left > _MUCH_LEFT:
+        other = yield from within(_by_surfaces(request, control), _SKIN_SHARE, 1.0)
+        if other.left is not None and other.left <= _BETTER_APART * found.left:
+            return other
     if found.motion is None:
         return found
     return replace(found, motion=following(found.motion, request.shapes, skinned.shapes))

@@ -11,6 +11,7 @@ from scipy.sparse.linalg import ArpackNoConvergence
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.guided_motion import GuidedPair
+from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -308,6 +309,29 @@ def test_if_outlines_fail_the_surfaces_are_mapped(motions, monkeypatch):
     motions(guided_with(0.95))
     monkeypatch.setattr(choosing, "extruded_motion", failing)
     assert choice("guided", shapes=(box(), box((2.0, 1.0, 1.0)))).score == 0.95
+
+
+@pytest.mark.parametrize(
+    ("outside", "apart", "used"),
+    [
+        (0.6, 0.2, "apart"),
+        (0.6, 0.4, "outside"),
+        (0.2, 0.05, "outside"),
+        (None, 0.1, "outside"),
+        (0.6, None, "outside"),
+    ],
+)
+def test_overlapping_bodies_are_mapped_as_they_are_if_that_leaves_much_less(monkeypatch, outside, apart, used):
+    shapes = tuple(joined(box((1.0, 2.0, 0.3)), ball(0.6, (0.0, shift, 0.3), points=60)) for shift in (0.0, 0.5))
+
+    def by_surfaces(request, _control):
+        kind, left = ("apart", apart) if request.shapes is shapes else ("outside", outside)
+        return MotionChoice("guided", "PARTLY", kind, left=left)
+        yield
+
+    monkeypatch.setattr(choosing, "_by_surfaces", by_surfaces)
+    monkeypatch.setattr(choosing, "following", lambda motion, *_shapes: motion)
+    assert choice(shapes=shapes).motion == used
 
 
 def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeless(motions):
