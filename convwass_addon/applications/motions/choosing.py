@@ -51,13 +51,13 @@ _JOINED = 0.65
 # Unless a shape becomes longer or shorter than by this factor, at equal volume: a ball that becomes a thin rod of the
 # same height is a rod 2.6 times as high just before, and shrinks within a frame.
 _MOST_GROWTH = 3.0
+# If one of two shapes is compact, maps are good from this score on. A straight rod and a bent one have 0.99. A monkey's
+# head and a cube have 0.89, and an ear would become a corner; a warp is symmetric.
+_SURE = 0.95
 # Below this score, a map is given up for a warp that leaves clearly less of the distance. By eye, a duck becomes a bird
 # with its head in place (score 0.38), and a torus becomes a horse without being cut open (0.25). Between an octopus and
 # a horse, which map with 0.44, the warp leaves less, but tears arms.
 _UNSURE = 0.4
-# If one of two shapes is compact, maps are good from this score on. A straight rod and a bent one have 0.99. A monkey's
-# head and a cube have 0.89, and an ear would become a corner; a warp is symmetric.
-_SURE = 0.95
 # Such a map, however low its score, is kept if it leaves at most `_MUCH_LEFT`, and no shape has more than this many
 # times the area of the other one where it lies on it. A scorpion and a lobster, whose legs a warp would tear, have 1.33
 # times the area of a hand (score 0.15). Tori, which maps cut open, have 1.9 to 2.1 times the area of a horse, a dog or
@@ -101,9 +101,19 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
-    skinned = with_skins(request, control)
+    try:
+        skinned = with_skins(request, control)
+    except Cancelled:
+        raise
+    except FAILURES:
+        skinned = request
     if skinned is request:
         return (yield from _by_surfaces(request, control))
+    return (yield from _by_outer_surfaces(request, skinned, control))
+
+
+def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the motion of the outer surfaces of overlapping bodies, or that of the bodies if it is much better."""
     found = yield from within(_by_surfaces(skinned, control), 0.0, _SKIN_SHARE)
     if found.left is not None and found.left > _MUCH_LEFT:
         other = yield from within(_by_surfaces(request, control), _SKIN_SHARE, 1.0)
