@@ -334,6 +334,15 @@ def test_overlapping_bodies_are_mapped_as_they_are_if_that_leaves_much_less(monk
     assert choice(shapes=shapes).motion == used
 
 
+def test_without_an_outer_surface_bodies_are_mapped_as_they_are(motions, monkeypatch):
+    def failing(*_arguments):
+        raise ValueError("not a number")
+
+    motions(guided_with(0.95))
+    monkeypatch.setattr(choosing, "with_skins", failing)
+    assert choice().score == 0.95
+
+
 def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeless(motions):
     """The rough map matters only there, and not with guides."""
     motions(AssertionError("must not be asked for"), by_warp_alone=0.1, may_map=False)
