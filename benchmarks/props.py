@@ -31,9 +31,9 @@ def extruded(rings: Sequence[ArrayLike], low: float = -_DEPTH, high: float = _DE
     return TriangleMesh(solid.vertices[:, [0, 2, 1]], solid.faces[:, ::-1])
 
 
-def revolved(profile: Points, smooth: bool = True) -> TriangleMesh:
-    """Revolve a profile, from the bottom to the top, about the z axis; both ends lie on it."""
-    radii, heights = (_smooth(profile) if smooth else np.array(profile, np.float64)).T
+def revolved(profile: ArrayLike) -> TriangleMesh:
+    """Revolve a profile, (n, 2), from the bottom to the top, about the z axis; both ends lie on it."""
+    radii, heights = np.asarray(profile, np.float64).T
     angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
     rings = np.stack([np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii)], axis=2)
     vertices = np.concatenate([rings, np.broadcast_to(heights, rings.shape[:2])[..., None]], axis=2).reshape(-1, 3)
@@ -44,7 +44,8 @@ def revolved(profile: Points, smooth: bool = True) -> TriangleMesh:
     return welded(TriangleMesh(vertices, np.concatenate(sides)))
 
 
-def _smooth(profile: Points) -> NDArray[np.float64]:
+def smooth(profile: Points) -> NDArray[np.float64]:
+    """Return a smooth profile through some points."""
     points = np.array(profile, np.float64)
     lengths = np.linalg.norm(np.diff(points, axis=0), axis=1)
     places = np.concatenate([[0.0], np.cumsum(lengths)])
@@ -105,30 +106,30 @@ def ring(gap: float = 0.0) -> TriangleMesh:
 def pawn() -> TriangleMesh:
     """Return a pawn."""
     foot = [(0.0, 0.0), (0.5, 0.0), (0.5, 0.12), (0.38, 0.2), (0.22, 0.35), (0.17, 0.7)]
-    return revolved([*foot, (0.3, 0.8), (0.2, 0.86), (0.27, 1.05), (0.2, 1.22), (0.0, 1.3)])
+    return revolved(smooth([*foot, (0.3, 0.8), (0.2, 0.86), (0.27, 1.05), (0.2, 1.22), (0.0, 1.3)]))
 
 
 def rook() -> TriangleMesh:
     """Return a rook without battlements."""
     foot = [(0.0, 0.0), (0.55, 0.0), (0.55, 0.12), (0.4, 0.2), (0.32, 0.4), (0.28, 1.0)]
-    return revolved([*foot, (0.4, 1.1), (0.4, 1.4), (0.28, 1.4), (0.28, 1.25), (0.0, 1.25)], smooth=False)
+    return revolved([*foot, (0.4, 1.1), (0.4, 1.4), (0.28, 1.4), (0.28, 1.25), (0.0, 1.25)])
 
 
 def bottle() -> TriangleMesh:
     """Return a bottle."""
     body = [(0.0, 0.0), (0.4, 0.0), (0.42, 0.1), (0.42, 1.0), (0.35, 1.2)]
-    return revolved([*body, (0.13, 1.4), (0.12, 1.8), (0.15, 1.85), (0.13, 1.9), (0.0, 1.9)])
+    return revolved(smooth([*body, (0.13, 1.4), (0.12, 1.8), (0.15, 1.85), (0.13, 1.9), (0.0, 1.9)]))
 
 
 def goblet() -> TriangleMesh:
     """Return a goblet with a thick wall."""
     foot = [(0.0, 0.0), (0.42, 0.0), (0.4, 0.08), (0.12, 0.15), (0.1, 0.4), (0.16, 0.5), (0.1, 0.6)]
-    return revolved([*foot, (0.45, 0.85), (0.5, 1.4), (0.42, 1.4), (0.36, 0.95), (0.0, 0.85)])
+    return revolved(smooth([*foot, (0.45, 0.85), (0.5, 1.4), (0.42, 1.4), (0.36, 0.95), (0.0, 0.85)]))
 
 
 def barrel() -> TriangleMesh:
     """Return a barrel."""
-    return revolved([(0.0, 0.0), (0.42, 0.0), (0.5, 0.3), (0.54, 0.6), (0.5, 0.9), (0.42, 1.2), (0.0, 1.2)])
+    return revolved(smooth([(0.0, 0.0), (0.42, 0.0), (0.5, 0.3), (0.54, 0.6), (0.5, 0.9), (0.42, 1.2), (0.0, 1.2)]))
 
 
 def sofa() -> TriangleMesh:

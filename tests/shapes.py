@@ -14,7 +14,6 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.planar_mesh import planar_mesh
 from convwass_addon.geometry.prism import prism
-from convwass_addon.geometry.welding import welded
 
 _CUBE = [(0, 2, 3), (0, 3, 1), (4, 5, 7), (4, 7, 6), (0, 1, 5), (0, 5, 4), (2, 6, 7), (2, 7, 3), (0, 4, 6), (0, 6, 2)]
 _CUBE += [(1, 3, 7), (1, 7, 5)]
@@ -168,16 +167,3 @@ def extruded(*rings, low=-0.2, high=0.2, edge=0.1):
 def rotated(mesh, vector):
     """Return a mesh rotated about the origin by a rotation vector."""
     return TriangleMesh(Rotation.from_rotvec(vector).apply(mesh.vertices), mesh.faces)
-
-
-def revolved(profile, sides=48):
-    """Return a polygon in the half-plane x >= 0, (n, 2) and counterclockwise, revolved about the z axis."""
-    angles = 2.0 * np.pi * np.arange(sides) / sides
-    radii, heights = np.asarray(profile, np.float64).T
-    rings = np.stack([np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii)], axis=2)
-    vertices = np.concatenate([rings, np.broadcast_to(heights, rings.shape[:2])[..., None]], axis=2).reshape(-1, 3)
-    count = len(radii)
-    around, along = (axis.ravel() for axis in np.meshgrid(np.arange(sides), np.arange(count), indexing="ij"))
-    beyond, after = (around + 1) % sides * count, (along + 1) % count
-    a, b, c, d = around * count + along, beyond + along, beyond + after, around * count + after
-    return welded(TriangleMesh.from_arrays(vertices, np.concatenate([np.stack([a, b, c], 1), np.stack([a, c, d], 1)])))

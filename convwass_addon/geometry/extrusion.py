@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import takewhile
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .common_axes import found_for_all, normal_axes
 from .coverage import coverage
 from .mesh import TriangleMesh
 from .normals import triangle_normals
@@ -69,8 +70,8 @@ def common_extrusions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float6
     best, thinnest = None, np.inf
     for axis in _axes(meshes):
         frame = _frame(axis)
-        found = list(takewhile(lambda own: own is not None, (_extrusion(mesh, frame) for mesh in meshes)))
-        if len(found) == len(meshes):
+        found = found_for_all(partial(_extrusion, frame=frame), meshes)
+        if found is not None:
             thickness = sum((own.high - own.low) / np.sqrt(own.section.area) for own in found)
             if thickness < (1.0 - _ROUNDING) * thinnest:
                 best, thinnest = (frame, found), thickness
@@ -89,7 +90,7 @@ def _axes(meshes: Sequence[TriangleMesh]) -> list[NDArray[np.float64]]:
         largest = normals[int(left.argmax())]
         left[np.abs(normals @ largest) > _ONE_PART] = 0.0
         candidates.append(largest)
-    candidates.extend(np.linalg.eigh(np.einsum("m,mi,mj->ij", areas, normals, normals))[1].T)
+    candidates.extend(normal_axes(normals, areas))
     found: list[NDArray[np.float64]] = []
     for axis in candidates:
         if axis.any() and not any(abs(axis @ other) > _ALIKE for other in found):

@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import takewhile
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .common_axes import found_for_all, normal_axes
 from .line_cuts import beyond_line
 from .mesh import TriangleMesh
 from .normals import triangle_normals, unit_vectors
@@ -55,34 +56,37 @@ def common_revolutions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float
     list of Revolution
         One for each mesh.
     """
-    for axis in _axes(meshes):
+    surfaces = [_Surface(mesh, triangle_normals(mesh.corners)) for mesh in meshes]
+    # The vertical one first.
+    axes = [np.array([0.0, 0.0, 1.0])]
+    for own in surfaces:
+        axes.extend(normal_axes(own.normals, own.mesh.face_areas))
+    for axis in axes:
         across = np.eye(3)[int(np.abs(axis).argmin())]
         across = unit_vectors((across - (across @ axis) * axis)[None])[0]
         frame = np.stack([across, axis, np.cross(across, axis)])
-        found = list(takewhile(lambda own: own is not None, (_revolution(mesh, frame) for mesh in meshes)))
-        if len(found) == len(meshes):
+        found = found_for_all(partial(_revolution, frame=frame), surfaces)
+        if found is not None:
             return frame, found
     return None
 
 
-def _axes(meshes: Sequence[TriangleMesh]) -> list[NDArray[np.float64]]:
-    """Return directions that axes may have: the vertical first, then eigenvectors of the sums of n n^T."""
-    found = [np.array([0.0, 0.0, 1.0])]
-    for mesh in meshes:
-        normals = triangle_normals(mesh.corners)
-        found.extend(np.linalg.eigh(np.einsum("m,mi,mj->ij", mesh.face_areas, normals, normals))[1].T)
-    return found
+@dataclass(frozen=True)
+class _Surface:
+    """A mesh and the unit normals of its triangles, (m, 3), which are needed for every axis."""
+
+    mesh: TriangleMesh
+    normals: NDArray[np.float64]
 
 
-def _revolution(mesh: TriangleMesh, frame: NDArray[np.float64]) -> Revolution | None:
+def _revolution(surface: _Surface, frame: NDArray[np.float64]) -> Revolution | None:
     """Return a mesh as a solid of revolution about the second direction of a frame, or None if it is none."""
-    center = mesh.area_center
-    corners = (mesh.corners - center) @ frame.T
-    around = unit_vectors(np.cross((0.0, 1.0, 0.0), corners.mean(axis=1)))
-    aside = np.square((triangle_normals(corners) * around).sum(axis=1))
+    mesh, center = surface.mesh, surface.mesh.area_center
+    around = unit_vectors(np.cross(frame[1], mesh.corners.mean(axis=1) - center))
+    aside = np.square((surface.normals * around).sum(axis=1))
     if mesh.face_areas @ aside > _ASIDE**2 * mesh.area:
         return None
-    half = beyond_line(plane_section(corners, 0.0), np.array([1.0, 0.0]), 0.0)
+    half = beyond_line(plane_section((mesh.corners - center) @ frame.T, 0.0), np.array([1.0, 0.0]), 0.0)
     # Pappus: the volume is the area times the way of its center.
     volume = 2.0 * np.pi * half.area * half.center[0] if half.area > 0.0 else 0.0
     if abs(mesh.volume - volume) > _DIFFERENT * volume or volume == 0.0:

@@ -14,6 +14,8 @@ from .mesh import TriangleMesh
 
 # Every round halves long edges.
 _MOST_ROUNDS = 12
+# Longer edges, in sizes of the surface (the square root of its area), cannot bend like limbs.
+_BENDING = 0.03
 
 
 @dataclass(frozen=True)
@@ -51,6 +53,19 @@ def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int) -> 
             break
         found = finer if found.parents is None else Subdivision(finer.mesh, found.parents[finer.parents])
     return found
+
+
+def bendable(mesh: TriangleMesh, most_vertices: int = 60_000) -> Subdivision:
+    """Divide edges that are too long to bend, so that a shape can be deformed like a limb; the surface does not change.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Of any topology.
+    most_vertices : int
+        Subdivision ends before it exceeds this number, or that of the mesh.
+    """
+    return with_short_edges(mesh, _BENDING * np.sqrt(mesh.area), max(len(mesh.vertices), most_vertices))
 
 
 @dataclass(frozen=True)

@@ -7,11 +7,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.props import revolved
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.revolved_motion import revolved_motion
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.shapes import revolved, rotated, torus
+from tests.shapes import rotated, torus
 
 TILT = np.array([0.5, 1.0, -0.25])
 CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])

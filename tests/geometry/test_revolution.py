@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.props import revolved
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.revolution import common_revolutions
 from tests.flat_shapes import ellipse
-from tests.shapes import ball, bent_tube, box, extruded, joined, revolved, rotated, torus, tube_with_caps
+from tests.shapes import ball, bent_tube, box, extruded, joined, rotated, torus, tube_with_caps
 
 CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
 CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.9, 1.5), (0.7, 0.1), (0.0, 0.1)])

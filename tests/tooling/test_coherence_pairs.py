@@ -84,7 +84,7 @@ def test_props_have_known_volumes():
         assert cylinder.volume == pytest.approx(0.5 * np.pi, rel=0.01)
         extents = np.where(np.abs(ends[1]) > 0, 2.0, 1.0)
         assert np.ptp(cylinder.bounds, axis=0) == pytest.approx(extents)
-    cone = props.revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)], smooth=False)
+    cone = props.revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
     assert cone.volume == pytest.approx(2.0 / 3.0 * np.pi, rel=0.002)
 
 

@@ -21,14 +21,12 @@ from ...geometry.limb_axes import LimbAxes
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.poisson_deformation import Links, PoissonDeformation
-from ...geometry.subdivision import with_short_edges
+from ...geometry.subdivision import bendable
 from ...geometry.surface_samples import SurfaceSamples
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from ..far_meshes import refuse_far
 
-# Longer edges, in sizes of the surface (the square root of its area), are divided, because they cannot bend like limbs.
-_LONGEST_EDGE = 0.03
 # A mesh with up to this many times the vertices of a carrier is its own carrier.
 _NEAR_ENOUGH = 1.5
 # Meshes that cannot be simplified are used unchanged up to this many times the vertices of a carrier.
@@ -159,7 +157,7 @@ def carrier_of(mesh: TriangleMesh, name: str, kept: NDArray[np.int64], count: in
     if not len(mesh.faces) or not mesh.area > 0:
         raise InputError("{name} has no faces with an area; choose an object with a surface.", name=name)
     control.check()
-    cut = with_short_edges(mesh, _LONGEST_EDGE * np.sqrt(mesh.area), max(len(mesh.vertices), int(_NEAR_ENOUGH * count)))
+    cut = bendable(mesh, int(_NEAR_ENOUGH * count))
     rest = cut.mesh
     outward = orient_outward(rest)
     used, _ = proper_part(outward)

@@ -23,7 +23,7 @@ from .guided_settings import GuidedSettings
 from .limbs import is_compact
 from .mapped_pairs import DOUBTED, TRUSTED
 from .motion import arriving
-from .motion_choice import FAILURES, MotionChoice
+from .motion_choice import FAILURES, MotionChoice, attempted
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
@@ -101,12 +101,7 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
-    try:
-        skinned = with_skins(request, control)
-    except Cancelled:
-        raise
-    except FAILURES:
-        skinned = request
+    skinned = attempted(with_skins, request, control) or request
     if skinned is request:
         return (yield from _by_surfaces(request, control))
     return (yield from _by_outer_surfaces(request, skinned, control))
@@ -137,12 +132,7 @@ def _by_outlines(request: MotionRequest, control: Control) -> MotionChoice | Non
     if request.guides:
         return None
     for found_by in (extruded_motion, revolved_motion):
-        try:
-            found = found_by(request, control)
-        except Cancelled:
-            raise
-        except FAILURES:
-            continue
+        found = attempted(found_by, request, control)
         if found is not None:
             return found
     return None
@@ -207,13 +197,8 @@ def _lying_smoothly(alone: MotionChoice, request: MotionRequest, control: Contro
     """Return a guided motion of an unsure map if shapes come close to each other without crumpling, otherwise None."""
     if _crumpling(alone.motion) > _CRUMPLED:
         return None
-    try:
-        left = _left(alone.motion, request, control)
-    except Cancelled:
-        raise
-    except FAILURES:
-        return None
-    return replace(alone, left=left) if left <= _MUCH_LEFT else None
+    left = attempted(_left, alone.motion, request, control)
+    return replace(alone, left=left) if left is not None and left <= _MUCH_LEFT else None
 
 
 def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:

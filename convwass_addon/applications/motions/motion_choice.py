@@ -4,16 +4,30 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
-from ...errors import ConvwassError
+from ...errors import Cancelled, ConvwassError
 from .motion import Motion
 
 # SciPy's eigensolvers raise RuntimeError if they do not converge.
 FAILURES = (ConvwassError, np.linalg.LinAlgError, ValueError, IndexError, ArithmeticError, RuntimeError)
 """Errors that computing a motion may raise on unforeseen meshes; the bake then continues without it."""
+
+Found = TypeVar("Found")
+
+
+def attempted(compute: Callable[..., Found], *arguments: object) -> Found | None:
+    """Return what is computed from some arguments, or None if that fails on unforeseen meshes."""
+    try:
+        return compute(*arguments)
+    except Cancelled:
+        raise
+    except FAILURES:
+        return None
 
 
 @dataclass(frozen=True)

@@ -10,21 +10,15 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
-from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
+from ...geometry.attachment import Attachment
 from ...geometry.mesh import TriangleMesh
 from ...geometry.outer_skin import outer_skin
-from ...geometry.subdivision import with_short_edges
-from ...geometry.surface_rotations import surface_rotations
+from ...geometry.subdivision import Subdivision, bendable
 from ...progress import Control
 from .motion import Motion, MovedShape
 from .motion_request import MotionRequest
-
-# Edges that are longer than this share of the square root of the surface are divided, and up to so many vertices.
-_LONGEST_EDGE, _MOST_VERTICES = 0.03, 60_000
 
 
 @dataclass(frozen=True)
@@ -33,36 +27,24 @@ class Follower:
 
     Attributes
     ----------
-    rest : TriangleMesh
+    divided : Subdivision
         The shape in scene space, with long edges divided.
-    parents : (m,) int64 or None
-        The triangle of the input that contains each triangle; None if nothing was divided.
-    places : ClosestPoints
-        The points of the outer surface that are closest to its vertices.
-    offsets : (n, 3) float64
-        The vertices relative to these points.
+    attachment : Attachment
+        Its vertices, attached to the outer surface.
     """
 
-    rest: TriangleMesh
-    parents: NDArray[np.int64] | None
-    places: ClosestPoints
-    offsets: NDArray[np.float64]
+    divided: Subdivision
+    attachment: Attachment
 
     @classmethod
     def of(cls, shape: TriangleMesh, skin: TriangleMesh) -> Follower:
         """Attach a shape to its outer surface."""
-        most = max(len(shape.vertices), _MOST_VERTICES)
-        cut = with_short_edges(shape, _LONGEST_EDGE * np.sqrt(shape.area), most)
-        places = ClosestPointFinder(skin.corners).find(cut.mesh.vertices)
-        return cls(cut.mesh, cut.parents, places, cut.mesh.vertices - places.interpolated(skin.corners))
+        divided = bendable(shape)
+        return cls(divided, Attachment.of(divided.mesh.vertices, skin))
 
     def moved(self, skin: MovedShape) -> MovedShape:
         """Return the shape for its moved outer surface."""
-        faces = skin.rest.faces
-        nearest = faces[self.places.triangles, self.places.shares.argmax(axis=1)]
-        turns = surface_rotations(skin.rest.vertices, skin.vertices, faces)[nearest]
-        vertices = self.places.interpolated(skin.mesh.corners) + np.einsum("nij,nj->ni", turns, self.offsets)
-        return MovedShape(self.rest, vertices, self.parents)
+        return MovedShape(self.divided.mesh, self.attachment.followed(skin.vertices), self.divided.parents)
 
 
 @dataclass(frozen=True)

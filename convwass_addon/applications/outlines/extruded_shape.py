@@ -18,6 +18,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals
 from ...geometry.prism import prism
 from ...geometry.subdivision import with_edges_halved
+from ..motions.motion import MovedShape
 
 # Triangles whose normals have at least this component along the axis belong to an end of the shape.
 _FACING = 0.02
@@ -40,12 +41,15 @@ class ExtrudedShape:
         The points of the section's triangles that its vertices lie above.
     heights : (n,) float64
         Places of its vertices along the axis, from 0 to 1.
+    frame : (3, 3) float64
+        Two directions of the plane and the axis, as rows.
     """
 
     rest: TriangleMesh
     parents: NDArray[np.int64]
     places: ClosestPoints
     heights: NDArray[np.float64]
+    frame: NDArray[np.float64]
 
     @classmethod
     def of(
@@ -62,18 +66,24 @@ class ExtrudedShape:
         frame : (3, 3)
             Two directions of the plane and the axis, as rows.
         section : TriangleMesh
-            Triangles that fill the section, in the plane z = 0.
+            Triangles that fill the section, in the plane z = 0, facing up.
         """
         ends = [_End.of(mesh, frame, side) for side in (-1.0, 1.0)]
-        upward = section if _is_upward(section) else section.flipped()
-        fine, triangles, heights = _followed(upward, ends, np.sqrt(extrusion.section.area))
+        fine, triangles, heights = _followed(section, ends, np.sqrt(extrusion.section.area))
         solid = prism(fine, heights)
         rest = TriangleMesh(solid.vertices @ frame, solid.faces)
         parents = FacingPointFinder(mesh).find(rest.corners.mean(axis=1), triangle_normals(rest.corners)).triangles
         shares = barycentric_coordinates(section.corners[triangles], fine.vertices[:, None])[:, 0]
         places = ClosestPoints(np.tile(triangles, 2), np.tile(shares, (2, 1)), np.zeros(len(rest.vertices)))
         relative = (solid.vertices[:, 2] - extrusion.low) / (extrusion.high - extrusion.low)
-        return cls(rest, parents, places, relative)
+        return cls(rest, parents, places, relative, frame)
+
+    def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
+        """Return the shape for its moved section, between two ends; see :class:`.section_motion.SectionShape`."""
+        low, high = place
+        heights = low + (high - low) * self.heights
+        points = np.column_stack([self.places.interpolated(section.corners)[:, :2], heights])
+        return MovedShape(self.rest, points @ self.frame, self.parents)
 
 
 @dataclass(frozen=True)
@@ -138,8 +148,3 @@ def _followed(
 def _heights(ends: list[_End], points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the heights of both ends at points of the plane, (n, 2)."""
     return np.stack([end.heights(points) for end in ends], axis=1)
-
-
-def _is_upward(section: TriangleMesh) -> bool:
-    """Return whether the triangles of a section are counterclockwise."""
-    return bool(triangle_normals(section.corners)[:, 2].sum() > 0.0)

@@ -155,9 +155,10 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutl
     stands = _straightest(upright) or [_Pose(0.0)]
     placed, bent = _best(one, other, stands, _AS_PLACED), _best(one, other, stands, _BENT)
     swings = bent.match.strain < _LESS_STRAIN * placed.match.strain
-    lying = _best(one, other, turned, _AS_PLACED) if placed.match.cost > _ALIKE else None
+    found = _rough(one, other, turned, _AS_PLACED) if placed.match.cost > _ALIKE else []
+    lying = _least(found)
     if upright and lying is not None and lying.match.cost > _ALIKE:
-        lying = _best(one, other, [pose for pose in turned if abs(pose.turn) > np.pi - _STANDING], _AS_PLACED)
+        lying = _least([own for own in found if abs(own.pose.turn) > np.pi - _STANDING])
     if lying is not None and lying.match.cost < min(_SIMILAR, _CLEARLY * placed.match.cost):
         swings &= bent.match.strain < lying.match.strain
         turn = _best_turn(one, other, lying.match) if lying.pose.ends is None else lying.pose.turn
@@ -220,6 +221,11 @@ def _straightest(poses: Sequence[_Pose]) -> list[_Pose]:
 
 def _best(one: OutlineCurve, other: OutlineCurve, poses: Sequence[_Pose], weights: MatchWeights) -> _Candidate | None:
     """Return the pose in which two curves roughly match best; None if there are no poses."""
+    return _least(_rough(one, other, poses, weights))
+
+
+def _rough(one: OutlineCurve, other: OutlineCurve, poses: Sequence[_Pose], weights: MatchWeights) -> list[_Candidate]:
+    """Match two curves roughly in several poses."""
     found = []
     for pose in poses:
         if pose.ends is None:
@@ -227,7 +233,12 @@ def _best(one: OutlineCurve, other: OutlineCurve, poses: Sequence[_Pose], weight
         else:
             match = _along_axis(one, other, pose, weights, _ROUGH)
         found.append(_Candidate(pose, weights, match))
-    return min(found, key=lambda own: own.match.cost + _TURN_WORK * abs(own.pose.turn), default=None)
+    return found
+
+
+def _least(candidates: Sequence[_Candidate]) -> _Candidate | None:
+    """Return the candidate of the least work, None if there is none."""
+    return min(candidates, key=lambda own: own.match.cost + _TURN_WORK * abs(own.pose.turn), default=None)
 
 
 def _best_turn(one: OutlineCurve, other: OutlineCurve, match: _Match) -> float:

@@ -6,10 +6,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...errors import Cancelled
 from ...geometry.planar_fill import Boundary
 from ...progress import Control
-from ..motions.motion_choice import FAILURES
+from ..motions.motion_choice import attempted
 from ..workers import one_blas_thread
 from .hole_openings import surplus_holes, with_open_holes
 from .moved_sheets import MatchedShapes, MovedSheets, least_cost, moved_sheets
@@ -72,13 +71,8 @@ def outline_motion(
                     closed, whole = found, own
         if closed.cost < _OPENED_FROM or not 0 < surplus_holes(whole, pairs) <= _MOST_OPENED:
             return closed
-        try:
-            opened = _best_moved(with_open_holes(whole, pairs), names, pairs, coherence, known, control)
-        except Cancelled:
-            raise
-        except FAILURES:
-            return closed
-    return opened if opened.cost < _CLEARLY_LESS * closed.cost else closed
+        opened = attempted(lambda: _best_moved(with_open_holes(whole, pairs), names, pairs, coherence, known, control))
+    return opened if opened is not None and opened.cost < _CLEARLY_LESS * closed.cost else closed
 
 
 def _points(shapes: Sequence[OutlinedShape]) -> tuple[int, ...]:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -14,17 +13,14 @@ from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.revolution import Revolution, common_revolutions
 from ...geometry.ring_nesting import outline_of
-from ...geometry.subdivision import with_short_edges
+from ...geometry.subdivision import Subdivision, bendable
 from ...progress import Control
 from ..motions.motion import MovedShape
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
-from .agreeing_motion import AgreeingMotion
-from .outline_motion import outline_motion
+from .section_motion import SectionMotion, moved_sections
 from .sheets import AttachedPoints
 
-# Edges that are longer than this share of the square root of the surface are divided, and up to so many vertices.
-_LONGEST_EDGE, _MOST_VERTICES = 0.03, 60_000
 # A section is symmetric all along the way if both sides differ at most by this share of the square root of its area.
 _SYMMETRIC = 0.05
 
@@ -35,29 +31,29 @@ class RevolvedShape:
 
     Attributes
     ----------
-    rest : TriangleMesh
+    divided : Subdivision
         The shape in scene space, with long edges divided.
-    parents : (m,) int64 or None
-        The triangle of the input that contains each triangle; None if nothing was divided.
     right, left : AttachedPoints
         The places of its vertices in the section, and their mirror images.
     directions : (n, 3) float64
         Unit vectors from the axis to the vertices.
+    axis : (3,) float64
+        Direction of the axis.
     """
 
-    rest: TriangleMesh
-    parents: NDArray[np.int64] | None
+    divided: Subdivision
     right: AttachedPoints
     left: AttachedPoints
     directions: NDArray[np.float64]
+    axis: NDArray[np.float64]
 
     @classmethod
     def of(
         cls, mesh: TriangleMesh, found: Revolution, frame: NDArray[np.float64], section: TriangleMesh
     ) -> RevolvedShape:
         """Attach an input to the triangles of its section."""
-        cut = with_short_edges(mesh, _LONGEST_EDGE * np.sqrt(mesh.area), max(len(mesh.vertices), _MOST_VERTICES))
-        points = (cut.mesh.vertices - found.center) @ frame.T
+        divided = bendable(mesh)
+        points = (divided.mesh.vertices - found.center) @ frame.T
         radii = np.hypot(points[:, 0], points[:, 2])
         away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
         finder = ClosestPointFinder(section.corners)
@@ -65,12 +61,14 @@ class RevolvedShape:
             AttachedPoints.of(np.column_stack([side * radii, points[:, 1]]), section.vertices, section.faces, finder)
             for side in (1.0, -1.0)
         )
-        return cls(cut.mesh, cut.parents, right, left, (away * (1.0, 0.0, 1.0)) @ frame)
+        return cls(divided, right, left, (away * (1.0, 0.0, 1.0)) @ frame, frame[1])
 
-    def profile(self, moved: TriangleMesh) -> NDArray[np.float64]:
-        """Return the distances from the axis and the places along it, (n, 2), for a moved section."""
-        right, mirrored = self._sides(moved)
-        return 0.5 * (right + mirrored)
+    def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
+        """Return the shape for its moved section, about a point; see :class:`.section_motion.SectionShape`."""
+        right, mirrored = self._sides(section)
+        away, along = (0.5 * (right + mirrored)).T[..., None]
+        vertices = place + away * self.directions + along * self.axis
+        return MovedShape(self.divided.mesh, vertices, self.divided.parents)
 
     def asymmetry(self, moved: TriangleMesh) -> float:
         """Return the largest distance between a point of a moved section and the mirror image of its counterpart."""
@@ -80,42 +78,6 @@ class RevolvedShape:
     def _sides(self, moved: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         right, left = (own.on(moved.vertices, moved.faces) for own in (self.right, self.left))
         return right, left * (-1.0, 1.0)
-
-
-@dataclass(frozen=True)
-class RevolvedMotion:
-    """Moves the sections of solids of revolution, and interpolates their axes; a :class:`.motion.Motion`.
-
-    Attributes
-    ----------
-    flat : AgreeingMotion
-        The motion of the sections.
-    axis : (3,) float64
-        Direction of the axes.
-    shapes : tuple of RevolvedShape
-        The shapes.
-    centers : (k, 3) float64
-        A point of every axis, the origin of its section.
-    """
-
-    flat: AgreeingMotion
-    axis: NDArray[np.float64]
-    shapes: tuple[RevolvedShape, ...]
-    centers: NDArray[np.float64]
-
-    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
-        """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        way = self.flat.guided.settings.way
-        between = np.asarray(weights, np.float64) @ self.centers / sum(weights)
-        found: list[MovedShape | None] = []
-        for own, flat, center in zip(self.shapes, self.flat.moved(weights), self.centers, strict=True):
-            if flat is None:
-                found.append(None)
-                continue
-            away, along = own.profile(flat.mesh).T[..., None]
-            vertices = (1.0 - way) * center + way * between + away * own.directions + along * self.axis
-            found.append(MovedShape(own.rest, vertices, own.parents))
-        return found
 
 
 def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | None:
@@ -134,8 +96,8 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     sections = [own.section for own in revolutions]
     if len({tuple(len(region.holes) for region in outline_of(own).regions) for own in sections}) > 1:
         return None
-    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control)
-    if moved is None or moved.is_distorted or moved.choice.turned:
+    moved = moved_sections(request, sections, control)
+    if moved is None or moved.choice.turned:
         return None
     flat = moved.choice.motion
     shapes = tuple(
@@ -150,4 +112,4 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
             if shapes[index].asymmetry(halfway[index].mesh) > _SYMMETRIC * np.sqrt(sections[index].area):
                 return None
     centers = np.stack([own.center for own in revolutions])
-    return replace(moved.choice, motion=RevolvedMotion(flat, frame[1], shapes, centers))
+    return replace(moved.choice, motion=SectionMotion(flat, shapes, centers))

@@ -11,9 +11,9 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ...applications.one_mesh.attachment import Attachment, rigidly_moved
 from ...errors import InputError
 from ...geometry.affine import transformed_points
+from ...geometry.attachment import Attachment, rigidly_moved
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.one_mesh.attachment import Attachment, rigidly_moved
+from convwass_addon.geometry.attachment import Attachment, rigidly_moved
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.shapes import ball
 

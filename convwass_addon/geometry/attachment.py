@@ -13,11 +13,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.mesh import TriangleMesh
-from ...geometry.rotations import nearest_rotations
-from ...geometry.surface_rotations import surface_rotations
-from ...progress import UNINTERRUPTED, Control
+from ..progress import UNINTERRUPTED, Control
+from .closest_points import ClosestPointFinder, ClosestPoints
+from .mesh import TriangleMesh
+from .rotations import nearest_rotations
+from .surface_rotations import surface_rotations
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Guided motions of solids that are determined by a section, and move as its outlines do."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.planar_fill import Boundary
+from ...progress import Control
+from ..motions.motion import MovedShape
+from ..motions.motion_request import MotionRequest
+from .agreeing_motion import AgreeingMotion
+from .moved_sheets import MovedSheets
+from .outline_motion import outline_motion
+
+
+class SectionShape(Protocol):
+    """A solid that is determined by a section."""
+
+    def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
+        """Return the solid for its moved section, which lies in the plane z = 0, at a place, (d,)."""
+        ...
+
+
+@dataclass(frozen=True)
+class SectionMotion:
+    """Moves the sections of solids in their plane, and interpolates where these are; a :class:`.motion.Motion`.
+
+    Attributes
+    ----------
+    flat : AgreeingMotion
+        The motion of the sections.
+    shapes : tuple of SectionShape
+        The solids.
+    places : (k, d) float64
+        Where every solid is across its section: its ends along an axis, or a point of it.
+    """
+
+    flat: AgreeingMotion
+    shapes: tuple[SectionShape, ...]
+    places: NDArray[np.float64]
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
+        way = self.flat.guided.settings.way
+        between = np.asarray(weights, np.float64) @ self.places / sum(weights)
+        return [
+            None if flat is None else own.moved(flat.mesh, (1.0 - way) * place + way * between)
+            for own, flat, place in zip(self.shapes, self.flat.moved(weights), self.places, strict=True)
+        ]
+
+
+def moved_sections(request: MotionRequest, sections: Sequence[Boundary], control: Control) -> MovedSheets | None:
+    """Return the motion of sections; None if they have too many regions, or would be distorted too much."""
+    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control)
+    return None if moved is None or moved.is_distorted else moved
