@@ -76,11 +76,14 @@ def nearest_rotations_in_plane(matrices: NDArray[np.float64]) -> FittedTurns:
     """
     cosines, sines = matrices[0, 0] + matrices[1, 1], matrices[1, 0] - matrices[0, 1]
     traces = np.hypot(cosines, sines)
-    known = traces > 0
-    scales = 1.0 / np.where(known, traces, 1.0)
+    # Divided by the larger one first, because reciprocals of denormal numbers overflow.
+    sizes = np.maximum(np.abs(cosines), np.abs(sines))
+    known = sizes > 0
+    cosines, sines = (part / np.where(known, sizes, 1.0) for part in (np.where(known, cosines, 1.0), sines))
+    lengths = np.hypot(cosines, sines)
     turns = np.zeros(matrices.shape)
-    turns[0, 0] = turns[1, 1] = np.where(known, scales * cosines, 1.0)
-    turns[1, 0] = scales * sines
+    turns[0, 0] = turns[1, 1] = cosines / lengths
+    turns[1, 0] = sines / lengths
     turns[0, 1] = -turns[1, 0]
     turns[2, 2] = 1.0
     return FittedTurns(turns, traces)
