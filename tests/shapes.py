@@ -69,12 +69,17 @@ def tube_with_caps(radius=0.7, height=4.0, sides=64):
     return TriangleMesh.from_arrays(np.r_[low, high, [(0, 0, -height / 2), (0, 0, height / 2)]], corners)
 
 
-def bent_tube(turn, sides=12, rings=60):
+def spring(turns):
+    """A wire with capped ends that winds about the z axis, three times as high as the wire is thick per turn."""
+    return bent_tube(2.0 * np.pi * turns, rings=int(24 * turns), radius=1.0 / turns / 3.0, rise=2.0)
+
+
+def bent_tube(turn, sides=12, rings=60, radius=0.3, rise=0.0):
     """A tube with capped ends, bent about the z axis by an angle; beyond a full turn, a ring with genus 0."""
     u = np.linspace(0.0, turn, rings)[:, None]
     v = np.arange(sides) * 2 * np.pi / sides
-    radius = 1.0 + 0.3 * np.cos(v)
-    points = np.stack([radius * np.cos(u), radius * np.sin(u), np.broadcast_to(0.3 * np.sin(v), (rings, sides))], -1)
+    away = 1.0 + radius * np.cos(v)
+    points = np.stack([away * np.cos(u), away * np.sin(u), radius * np.sin(v) + rise * u / turn], -1)
     here = np.arange(sides)
     after = np.roll(here, -1)
     faces = []
@@ -87,7 +92,7 @@ def bent_tube(turn, sides=12, rings=60):
     first, last = rings * sides, rings * sides + 1
     faces += [np.stack([after, np.full(sides, first), here], 1)]
     faces += [np.stack([(rings - 1) * sides + here, np.full(sides, last), (rings - 1) * sides + after], 1)]
-    ends = [[np.cos(a), np.sin(a), 0.0] for a in (0.0, turn)]
+    ends = [[np.cos(a), np.sin(a), z] for a, z in ((0.0, 0.0), (turn, rise))]
     return TriangleMesh.from_arrays(np.concatenate([points.reshape(-1, 3), ends]), np.concatenate(faces))
 
 

@@ -10,8 +10,9 @@ from scipy.optimize import brentq
 
 from .planar_fill import Boundary
 
-# Corners this close to a line lie on it, relative to the square root of the area.
-_ON_LINE = 1e-6
+# Corners this close to a line lie on it, relative to the square root of the area. Blender's coordinates are rounded by
+# about a tenth of it.
+_ON_LINE = 1e-5
 
 
 def cut_at_share(boundary: Boundary, normal: NDArray[np.float64], share: float) -> tuple[Boundary, Boundary]:
@@ -39,7 +40,7 @@ def cut_at_share(boundary: Boundary, normal: NDArray[np.float64], share: float) 
     def missing(offset: float) -> float:
         return beyond_line(boundary, -along, -offset).area - wanted
 
-    offset = float(brentq(missing, low, high, xtol=1e-3 * _ON_LINE * (high - low)))
+    offset = float(brentq(missing, low, high, xtol=1e-4 * _ON_LINE * (high - low)))
     return beyond_line(boundary, -along, -offset).united(()), beyond_line(boundary, along, offset).united(())
 
 
@@ -55,16 +56,15 @@ def beyond_line(boundary: Boundary, along: NDArray[np.float64], offset: float) -
     offset : float
         Product of that vector with the points of the line; beyond it is where the product is larger.
     """
-    starts, ends = (
-        _snapped(points @ along - offset, np.sqrt(boundary.area)) for points in (boundary.starts, boundary.ends)
-    )
-    is_first, is_last = starts >= 0.0, ends >= 0.0
+    near = _ON_LINE * np.sqrt(boundary.area)
+    starts, before = _snapped(boundary.starts, along, offset, near)
+    ends, after = _snapped(boundary.ends, along, offset, near)
+    is_first, is_last = before >= 0.0, after >= 0.0
     crosses = is_first != is_last
-    share = np.where(crosses, starts / np.where(crosses, starts - ends, 1.0), 0.0)
-    points = boundary.starts + share[:, None] * (boundary.ends - boundary.starts)
+    share = np.where(crosses, before / np.where(crosses, before - after, 1.0), 0.0)
+    points = starts + share[:, None] * (ends - starts)
     clipped = Boundary(
-        np.where((is_first | ~crosses)[:, None], boundary.starts, points),
-        np.where((is_last | ~crosses)[:, None], boundary.ends, points),
+        np.where((is_first | ~crosses)[:, None], starts, points), np.where((is_last | ~crosses)[:, None], ends, points)
     )
     kept = is_first | is_last
     # Along the line, with what is beyond on the left, the area is entered and left in turn.
@@ -76,6 +76,10 @@ def beyond_line(boundary: Boundary, along: NDArray[np.float64], offset: float) -
     )
 
 
-def _snapped(distances: NDArray[np.float64], size: float) -> NDArray[np.float64]:
-    """Return distances from a line, with those of corners that lie on it set to zero."""
-    return np.where(np.abs(distances) < _ON_LINE * size, 0.0, distances)
+def _snapped(
+    points: NDArray[np.float64], along: NDArray[np.float64], offset: float, near: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return points, with those near a line moved onto it, and their distances from it."""
+    distances = points @ along - offset
+    on_line = np.abs(distances) < near
+    return np.where(on_line[:, None], points - distances[:, None] * along, points), np.where(on_line, 0.0, distances)

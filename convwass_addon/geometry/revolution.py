@@ -12,17 +12,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .common_axes import found_for_all, normal_axes
+from .coverage import overlap
 from .line_cuts import beyond_line
 from .mesh import TriangleMesh
 from .normals import triangle_normals, unit_vectors
 from .planar_fill import Boundary
 from .plane_section import plane_section
+from .ring_nesting import without_slivers
 
 # Normals of solids of revolution lie in planes through the axis up to this root mean square. Cylinders of 16 sides have
 # 0.07, because the centers of triangles are not in the middle of the sides.
 _ASIDE = 0.08
 # The volume differs from that of the revolved section by at most this share.
 _DIFFERENT = 0.05
+# Regions of sections with a smaller share of the area come from rounding: vertices lie slightly beside the plane.
+_SLIVER = 1e-5
+# Sections on both sides of the axis overlap by at least this fraction of their union, on a grid with so many cells
+# along the longest side. Springs of nine turns and more, whose normals are nearly in such planes, have 0.04.
+_SAME, _CELLS = 0.7, 96
 
 
 @dataclass(frozen=True)
@@ -86,10 +93,18 @@ def _revolution(surface: _Surface, frame: NDArray[np.float64]) -> Revolution | N
     aside = np.square((surface.normals * around).sum(axis=1))
     if mesh.face_areas @ aside > _ASIDE**2 * mesh.area:
         return None
-    half = beyond_line(plane_section((mesh.corners - center) @ frame.T, 0.0), np.array([1.0, 0.0]), 0.0)
+    section = plane_section((mesh.corners - center) @ frame.T, 0.0)
+    half, opposite = (beyond_line(section, np.array([side, 0.0]), 0.0) for side in (1.0, -1.0))
     # Pappus: the volume is the area times the way of its center.
     volume = 2.0 * np.pi * half.area * half.center[0] if half.area > 0.0 else 0.0
     if abs(mesh.volume - volume) > _DIFFERENT * volume or volume == 0.0:
         return None
-    mirrored = Boundary(half.ends * (-1.0, 1.0), half.starts * (-1.0, 1.0))
-    return Revolution(half.united([mirrored]), center)
+    mirrored = _mirrored(half)
+    if not len(opposite.starts) or overlap(opposite, mirrored, _CELLS) < _SAME:
+        return None
+    return Revolution(without_slivers(half.united([mirrored]), _SLIVER), center)
+
+
+def _mirrored(half: Boundary) -> Boundary:
+    """Return the part of a section on one side of the axis on the other side."""
+    return Boundary(half.ends * (-1.0, 1.0), half.starts * (-1.0, 1.0))

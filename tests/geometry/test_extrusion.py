@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 from convwass_addon.geometry.extrusion import common_extrusions
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.flat_shapes import ellipse, rectangle
-from tests.shapes import ball, bent_tube, box, extruded, joined, rotated, torus, tube_with_caps
+from tests.shapes import ball, bent_tube, box, extruded, joined, rotated, spring, torus, tube_with_caps
 
 FRAME = extruded(rectangle((-1.0, -0.7), (1.0, 0.7)), rectangle((-0.5, -0.3), (0.5, 0.3)))
 DISC = extruded(ellipse(), low=0.1, high=0.4)
@@ -81,12 +81,13 @@ def test_rounded_ends_are_extrusions_if_they_are_small():
         ball(),
         torus(),
         bent_tube(1.5),
+        spring(3.0),
         joined(box((1.0, 1.0, 0.4)), box((1.0, 1.0, 1.0), (3.0, 0.0, 0.0))),
         joined(box((1.0, 1.0, 0.4)), box((1.0, 1.0, 0.4), (3.0, 3.0, 3.0))),
         rotated(DISC, (np.radians(10.0), 0.0, 0.0)),
         TriangleMesh(DISC.vertices * (1.0, 1.0, 0.0), DISC.faces),
     ],
-    ids=["ball", "torus", "bent tube", "depths", "places", "axes", "flat"],
+    ids=["ball", "torus", "bent tube", "spring", "depths", "places", "axes", "flat"],
 )
 def test_other_solids_are_not(other):
     assert common_extrusions([DISC, other]) is None

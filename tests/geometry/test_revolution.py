@@ -11,8 +11,9 @@ from scipy.spatial.transform import Rotation
 from benchmarks.props import revolved
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.revolution import common_revolutions
+from convwass_addon.geometry.ring_nesting import outline_of
 from tests.flat_shapes import ellipse
-from tests.shapes import ball, bent_tube, box, extruded, joined, rotated, torus, tube_with_caps
+from tests.shapes import ball, bent_tube, box, extruded, joined, rotated, spring, torus, tube_with_caps
 
 CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
 CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.9, 1.5), (0.7, 0.1), (0.0, 0.1)])
@@ -47,18 +48,28 @@ def test_rings_have_two_regions():
     assert ring.section.area == pytest.approx(2.0 * np.pi * 0.35**2, rel=0.02)
 
 
+def test_rounding_does_not_divide_sections():
+    """Vertices at the poles of Blender's meshes, which are rounded to single precision, lie beside the axis."""
+    rng = np.random.default_rng(1)
+    pear = revolved([(0.0, -1.0), (1e-6, -1.0), (0.9, -0.3), (0.4, 0.9), (1e-6, 1.2), (0.0, 1.2)])
+    uneven = TriangleMesh(pear.vertices + 3e-7 * rng.standard_normal(pear.vertices.shape), pear.faces)
+    _, (found,) = common_revolutions([uneven])
+    assert len(outline_of(found.section).regions) == 1
+
+
 @pytest.mark.parametrize(
     "other",
     [
         box(),
         bent_tube(1.5),
+        spring(9.0),
         extruded(ellipse(radii=(1.0, 0.8))),
         joined(CUP, box((0.4, 0.1, 0.4), (1.1, 0.0, 0.8))),
         joined(tube_with_caps(), tube_with_caps().moved((3.0, 0.0, 0.0))),
         rotated(CUP, (np.radians(15.0), 0.0, 0.0)),
         TriangleMesh(CONE.vertices * (1.0, 1.0, 0.0), CONE.faces),
     ],
-    ids=["box", "bent tube", "ellipse", "handle", "axes", "tilted", "flat"],
+    ids=["box", "bent tube", "spring", "ellipse", "handle", "axes", "tilted", "flat"],
 )
 def test_other_solids_are_not(other):
     assert common_revolutions([CUP, other]) is None

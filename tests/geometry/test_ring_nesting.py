@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.geometry.outlines import FlatRegion, ring_area
 from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.ring_nesting import is_within, keyholed, outline_of
+from convwass_addon.geometry.ring_nesting import is_within, keyholed, outline_of, without_slivers
 from tests.flat_shapes import ellipse, rectangle
 
 
@@ -25,6 +25,15 @@ def test_crossing_rings_become_one():
     outline = outline_of(filled_boundary([rectangle((0, 0), (2, 2)), rectangle((1, 1), (3, 3))], "non-zero"))
     assert [len(region.rings) for region in outline.regions] == [1]
     assert outline.area == pytest.approx(7.0)
+
+
+def test_slivers_are_dropped():
+    rings = [rectangle((0, 0), (2, 2)), rectangle((0.5, 0.5), (1, 1)), rectangle((1.5, 0.5), (1.501, 0.6))]
+    boundary = filled_boundary([*rings, rectangle((3, 0), (3.001, 0.1))], "even-odd")
+    outline = outline_of(without_slivers(boundary, 1e-4))
+    assert [len(region.holes) for region in outline.regions] == [1]
+    assert outline.area == pytest.approx(3.75, rel=1e-6)
+    assert len(outline_of(without_slivers(boundary, 1e-6)).regions) == 2
 
 
 @pytest.mark.parametrize("count", [0, 1, 2, 5])
