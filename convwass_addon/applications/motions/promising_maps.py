@@ -5,7 +5,9 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...geometry.alignment import aligned
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
@@ -21,6 +23,8 @@ _CARRIER_VERTICES, _MAP_VERTICES = 1500, 240
 # Rods in different poses, heads with other ears, a snake and a rod, which map onto each other beyond doubt, have rough
 # scores of 0.90 and more; a ball and a ring, a cactus, a bird or a knot, two balls and one have 0.1 to 0.57.
 _PROMISING = 0.7
+# Rough maps do not depend on turns by less than this angle.
+_SMALL = np.radians(20.0)
 _NO_VERTICES = np.empty(0, np.int64)
 
 
@@ -42,9 +46,15 @@ def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work
     yield Progress(0.0, Sentence("Comparing the shapes"))
     with one_blas_thread():
         one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
-        turn = symmetric_turn(one.mesh, other.mesh)
-        poses = [one] if turn is None else [one, turned_carrier(one, turn)]
+        turns = [np.eye(3), symmetric_turn(one.mesh, other.mesh), _turn_of_axes(one.mesh, other.mesh)]
+        poses = (turned_carrier(one, turn) for turn in turns if turn is not None)
         return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)
+
+
+def _turn_of_axes(one: TriangleMesh, other: TriangleMesh) -> NDArray[np.float64] | None:
+    """Return the rotation, (3, 3), that aligns the principal axes of a shape with another's, unless it is small."""
+    turn = aligned((other, one), "PRINCIPAL_AXES", "PLACED")[1].rotation
+    return turn if np.trace(turn) < 1.0 + 2.0 * np.cos(_SMALL) else None
 
 
 def _rough_score(one: Carrier, other: Carrier, control: Control) -> float:

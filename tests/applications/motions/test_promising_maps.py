@@ -34,11 +34,20 @@ def test_a_straight_rod_may_map_to_a_bent_one_but_a_ball_not_to_a_ring():
     assert not promising(ball(), torus())
 
 
-def test_rods_that_cross_are_turned(monkeypatch):
+@pytest.mark.parametrize(
+    ("turn", "found_by", "other"),
+    [
+        (rotation_about_z(0.5 * np.pi), "symmetric_turn", "_turn_of_axes"),
+        (np.array([[0.0, 0.0, 1.0], [0.0, 1.0, 0.0], [-1.0, 0.0, 0.0]]), "_turn_of_axes", "symmetric_turn"),
+    ],
+    ids=["about the vertical axis", "raised"],
+)
+def test_rods_that_cross_are_turned(monkeypatch, turn, found_by, other):
     bent = rod(3.5)
-    across = TriangleMesh(bent.vertices @ rotation_about_z(0.5 * np.pi).T, bent.faces)
+    across = TriangleMesh(bent.vertices @ turn.T, bent.faces)
+    monkeypatch.setattr(promising_maps, other, lambda *_shapes: None)
     assert promising(rod(0.01), across)
-    monkeypatch.setattr(promising_maps, "symmetric_turn", lambda *_shapes: None)
+    monkeypatch.setattr(promising_maps, found_by, lambda *_shapes: None)
     assert not promising(rod(0.01), across)
 
 
