@@ -108,7 +108,7 @@ def mutual_poses(weights: Sequence[float], correspondences: Sequence[Corresponde
     pulls = np.array([shares[found.shapes[0]] * shares[found.shapes[1]] for found in both])
     centers = _centers(both, pulls, count)
     turns = _turns(both, pulls, centers, count)
-    mean = _mean_rotation(turns, shares)
+    mean = mean_rotation(turns, shares)
     # Remove the common rotation.
     turns = np.einsum("ji,njk->nik", mean, turns)
     offsets = _offsets(both, pulls, centers, turns, shares) + shares @ centers - centers
@@ -154,7 +154,7 @@ def _realigned(
     return nearest_rotation(sum(parts)) if parts else turns[shape]
 
 
-def _mean_rotation(turns: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
+def mean_rotation(turns: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the rotation, (3, 3), relative to which the weighted mean of all rotation vectors is zero."""
     mean = turns[0]
     for _ in range(_MEAN_ROUNDS):

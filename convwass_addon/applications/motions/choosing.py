@@ -28,6 +28,7 @@ from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
 from .skinned_motion import following, with_skins
+from .turned_motion import Turning
 from .warp_motion import WarpEffort, WarpMotion, warp_motion
 
 # A guided motion that leaves more than this share of the distance between two shapes is completed by a warp. A coarse
@@ -101,6 +102,17 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
+    turning = None
+    if request.kind == "automatic" and not request.guides:
+        turning = attempted(Turning.of, request, control)
+    if turning is None:
+        return (yield from _by_bodies(request, control))
+    turned = turning.request
+    return turning.applied(_by_outlines(turned, control) or (yield from _by_bodies(turned, control)))
+
+
+def _by_bodies(request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the motion of the shapes, or of the outer surfaces of those whose bodies overlap."""
     skinned = attempted(with_skins, request, control) or request
     if skinned is request:
         return (yield from _by_surfaces(request, control))

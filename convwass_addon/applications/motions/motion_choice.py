@@ -51,7 +51,7 @@ class MotionChoice:
     failure : str
         Message of the error, if one occurred.
     turned : float
-        Largest angle in degrees by which a shape was turned about the vertical axis to be mapped to another.
+        Largest angle in degrees by which a shape was turned as a whole to be mapped to another.
     detour : float or None
         Largest detour of an uncertain map, see :func:`.map_detour.map_detour`.
     left : float or None

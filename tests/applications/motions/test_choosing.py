@@ -302,6 +302,15 @@ def test_outlines_move_shapes_that_they_determine_unless_there_are_guides_or_a_w
     assert choice(shapes=pair, guides=[{0: 7, 1: 7}]).reason == "FITS"
 
 
+@pytest.mark.parametrize("options", [{}, {"kind": "guided"}, {"guides": [{0: 7, 1: 7}]}])
+def test_shapes_turn_only_automatically_and_without_guides(motions, monkeypatch, options):
+    asked = []
+    monkeypatch.setattr(choosing.Turning, "of", lambda *arguments: asked.append(arguments))
+    motions(guided_with(0.95))
+    choice(shapes=(ball(points=200), box((1.0, 2.0, 3.0))), **options)
+    assert bool(asked) == (not options)
+
+
 def test_if_outlines_fail_the_surfaces_are_mapped(motions, monkeypatch):
     def failing(*_arguments):
         raise np.linalg.LinAlgError("singular")
