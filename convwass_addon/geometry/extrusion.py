@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from .common_axes import found_for_all, normal_axes
+from .common_axes import face_directions, found_for_all, normal_axes
 from .coverage import overlap
 from .mesh import TriangleMesh
 from .normals import triangle_normals
@@ -29,9 +29,8 @@ _FILLED, _SAME, _CELLS = 0.85, 0.85, 96
 _ROUNDING = 1e-3
 # Axes that differ by less than this angle are the same.
 _ALIKE = np.cos(np.radians(1.0))
-# Normals of so many parts of the surface are tried as axes, and the cosine of the angle within which normals belong to
-# one part.
-_NORMALS, _ONE_PART = 6, np.cos(np.radians(2.0))
+# So many directions in which triangles face are tried as axes.
+_DIRECTIONS = 6
 
 
 @dataclass(frozen=True)
@@ -86,12 +85,7 @@ def _axes(meshes: Sequence[TriangleMesh]) -> list[NDArray[np.float64]]:
     """
     mesh = min(meshes, key=lambda own: len(own.faces))
     normals, areas = triangle_normals(mesh.corners), mesh.face_areas
-    candidates, left = [], areas.copy()
-    for _ in range(_NORMALS):
-        largest = normals[int(left.argmax())]
-        left[np.abs(normals @ largest) > _ONE_PART] = 0.0
-        candidates.append(largest)
-    candidates.extend(normal_axes(normals, areas))
+    candidates = [*face_directions(normals, areas, _DIRECTIONS)[0], *normal_axes(normals, areas)]
     found: list[NDArray[np.float64]] = []
     for axis in candidates:
         if axis.any() and not any(abs(axis @ other) > _ALIKE for other in found):

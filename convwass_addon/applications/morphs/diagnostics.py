@@ -44,6 +44,7 @@ TEXTS: dict[str, str] = {
     "OUTLINES_TURNED": "Guided was chosen: the outlines of the shapes match if they turn by up to {angle:.0f} degrees",
     "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
     "SOLID": "Transport was chosen: at least one of the shapes has no limbs",
+    "BENT": "Transport was chosen: a warp would bend the plane faces of the shapes",
     "REGIONS": "Transport was chosen: a shape has too many separate areas",
     "DISTORTED": "Transport was chosen: the outlines of the shapes differ too much",
     "TOPOLOGY": "Transport was chosen: triangles of a shape change from frame to frame, which no motion can follow",
@@ -79,7 +80,9 @@ SEVERITIES: dict[str, Severity] = {
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CRUMPLED", "TURNED", "APART"), "INFO"),
-    **dict.fromkeys(("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"),
+    **dict.fromkeys(
+        ("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
+    ),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -318,7 +321,7 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     reason, kind = str(chosen["motion_reason"]), str(chosen.get("motion_kind"))
     if reason == "SOLID" and kind == "warp":
         return [Diagnostic("MERGED", {})]
-    if reason in ("SOLID", "REGIONS", "DISTORTED", "TOPOLOGY"):
+    if reason in ("SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"):
         return [Diagnostic(reason, {})]
     if reason == "OUTLINES":
         turned = _number(chosen, "motion_turned")

@@ -4,12 +4,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...errors import Cancelled
+from ...geometry.common_axes import plane_share
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, within
@@ -69,6 +70,10 @@ _CRUMPLED = 1.5
 # to a hand, from a dog to a bird, and from a torus to a horse or a dog, and looks better. It has 0.82 of it from a
 # scorpion to an octopus, 0.9 from a torus to a man, and 0.94 from a goat to a bird, where the map looks better.
 _MUCH_CRUMPLED, _SMOOTHER = 1.8, 0.8
+# A warp of shapes of which at least the first share is plane is given up for transport if it crumples them more than
+# that: it bows the legs of a table or a chair, and the boards of a shelf, on the way to a box (1.5 to 2.5 times the
+# area), but not a toy brick or the letter L (1.2, 1.3).
+_PLANE, _BENT = 0.9, 1.4
 # Clearly less is this share or less. From a duck to a bird, the warp leaves 0.83 of what the map does; from a rocket to
 # a boat 0.89, and crumples the hull, where the map turns the hull into the sail.
 _CLEARLY_LESS = 0.85
@@ -115,13 +120,14 @@ def _by_bodies(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the motion of the shapes, or of the outer surfaces of those whose bodies overlap."""
     skinned = attempted(with_skins, request, control) or request
     if skinned is request:
-        return (yield from _by_surfaces(request, control))
+        return _unless_bent((yield from _by_surfaces(request, control)), request, request.shapes)
     return (yield from _by_outer_surfaces(request, skinned, control))
 
 
 def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the motion of the outer surfaces of overlapping bodies, or that of the bodies if it is much better."""
     found = yield from within(_by_surfaces(skinned, control), 0.0, _SKIN_SHARE)
+    found = _unless_bent(found, skinned, request.shapes)
     if found.left is not None and found.left > _MUCH_LEFT:
         other = yield from within(_by_surfaces(request, control), _SKIN_SHARE, 1.0)
         if other.left is not None and other.left <= _BETTER_APART * found.left:
@@ -129,6 +135,16 @@ def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: 
     if found.motion is None:
         return found
     return replace(found, motion=following(found.motion, request.shapes, skinned.shapes))
+
+
+def _unless_bent(found: MotionChoice, request: MotionRequest, shapes: Sequence[TriangleMesh]) -> MotionChoice:
+    """Return transport instead of a warp that bends the plane faces of shapes, of which the warp moves the surfaces."""
+    is_plain = found.kind == "warp" and found.reason == "SOLID"
+    if not is_plain or not all(plane_share(shape) >= _PLANE for shape in shapes):
+        return found
+    if _warp_crumpling(found.motion, request) <= _BENT:
+        return found
+    return replace(found, kind="transport", reason="BENT", motion=None)
 
 
 def _by_surfaces(request: MotionRequest, control: Control) -> Work[MotionChoice]:

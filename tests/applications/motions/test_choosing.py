@@ -19,6 +19,8 @@ from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball, box, joined, square
 
 BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
+BOXES = joined(box(), box((0.2, 1.0, 1.0), (2.0, 0.0, 1.0)), box((0.2, 0.2, 2.0), (0.0, 2.0, 0.0)))
+OVERLAPPING = joined(box(), box((0.3, 0.3, 2.0), (0.3, 0.3, 1.0)), box((0.3, 2.0, 0.3), (-0.3, 1.0, -0.3)))
 SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
 COMBINED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coherence))
 FADED = SimpleNamespace(with_coherence=lambda coherence: ("faded", coherence))
@@ -291,6 +293,20 @@ def test_limbs_merge_with_a_shape_that_has_none(motions):
     motions(guided_with(0.9), by_warp_alone=0.1)
     assert choice(shapes=pair).kind == "warp"
     assert choice().kind == "guided"
+
+
+@pytest.mark.parametrize(
+    ("limbed", "crumpling", "reason"),
+    [(BOXES, 1.5, "BENT"), (OVERLAPPING, 1.5, "BENT"), (BOXES, 1.3, "SOLID"), (BARBELL, 1.5, "SOLID")],
+    ids=["bent", "overlapping", "little", "round"],
+)
+def test_plane_faces_are_transported_rather_than_bent(motions, monkeypatch, limbed, crumpling, reason):
+    motions(guided_with(0.6), by_warp_alone=0.1)
+    monkeypatch.setattr(choosing, "_warp_crumpling", lambda *_arguments: crumpling)
+    found = choice(shapes=(limbed, box((1.0, 2.0, 3.0))))
+    assert (found.kind, found.reason) == ("transport" if reason == "BENT" else "warp", reason)
+    assert found.left == 0.1
+    assert choice("warp", shapes=(limbed, box())).motion is WARP
 
 
 def test_outlines_move_shapes_that_they_determine_unless_there_are_guides_or_a_warp_is_asked_for(motions):
