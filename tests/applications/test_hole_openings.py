@@ -17,6 +17,7 @@ from convwass_addon.geometry.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED
 from tests.flat_shapes import ellipse, rectangle
 
+TIMES = (0.2, 0.5, 0.8)
 RING = ellipse(), ellipse(radii=(0.7, 0.7))
 
 
@@ -31,11 +32,12 @@ def arc(begin, end):
     return np.concatenate([around, 0.7 * around[::-1]])
 
 
-def moved(first, second, time):
-    """Both shapes at a moment of their motion."""
+def moved(first, second, *times):
+    """Each of the times with both shapes at that moment of their motion, which is solved once for all of them."""
     motion = outline_motion([first.filled, second.filled], ["one", "other"], [(0, 1)], 0.5, UNINTERRUPTED)
-    shapes = motion.choice.motion.moved([1.0 - time, time])
-    return [sheet.moved(own) for sheet, own in zip(motion.sheets, shapes, strict=True)]
+    for time in times:
+        shapes = motion.choice.motion.moved([1.0 - time, time])
+        yield time, [sheet.moved(own) for sheet, own in zip(motion.sheets, shapes, strict=True)]
 
 
 def test_a_slit_takes_its_area_only():
@@ -61,24 +63,24 @@ def test_the_slit_is_where_the_other_shape_is_open(angle):
     assert np.degrees(directions[~filled.contains(middle)]).tolist() == pytest.approx([angle])
 
 
-@pytest.mark.parametrize("time", [0.2, 0.5, 0.8])
-def test_a_ring_opens_to_an_arc(time):
+def test_a_ring_opens_to_an_arc():
     """Its width stays the same, and the gap opens evenly."""
-    for own in moved(shape(*RING), shape(arc(30.0, 330.0)), time):
-        rings = boundary_rings(own)
-        assert [ring_area(ring) > 0 for ring in rings] == [True]
-        radii = np.linalg.norm(own.starts - own.center, axis=1)
-        tips = own.starts[(own.starts[:, 0] > 0.5) & (np.abs(own.starts[:, 1]) > 0.0)]
-        gap = np.degrees(np.abs(np.arctan2(tips[:, 1], tips[:, 0])).min())
-        assert gap == pytest.approx(30.0 * time, abs=5.0)
-        assert own.area == pytest.approx(np.pi * 0.51 * (1.0 - time / 6.0), rel=0.03)
-        assert radii.max() < 1.2
+    for time, shapes in moved(shape(*RING), shape(arc(30.0, 330.0)), *TIMES):
+        for own in shapes:
+            rings = boundary_rings(own)
+            assert [ring_area(ring) > 0 for ring in rings] == [True]
+            radii = np.linalg.norm(own.starts - own.center, axis=1)
+            tips = own.starts[(own.starts[:, 0] > 0.5) & (np.abs(own.starts[:, 1]) > 0.0)]
+            gap = np.degrees(np.abs(np.arctan2(tips[:, 1], tips[:, 0])).min())
+            assert gap == pytest.approx(30.0 * time, abs=5.0)
+            assert own.area == pytest.approx(np.pi * 0.51 * (1.0 - time / 6.0), rel=0.03)
+            assert radii.max() < 1.2
 
 
-@pytest.mark.parametrize("time", [0.2, 0.5, 0.8])
-def test_a_hole_in_the_middle_of_a_disc_is_not_opened(time):
-    for own in moved(shape(*RING), shape(ellipse()), time):
-        assert sorted(ring_area(ring) > 0 for ring in boundary_rings(own)) == [False, True]
+def test_a_hole_in_the_middle_of_a_disc_is_not_opened():
+    for _, shapes in moved(shape(*RING), shape(ellipse()), *TIMES):
+        for own in shapes:
+            assert sorted(ring_area(ring) > 0 for ring in boundary_rings(own)) == [False, True]
 
 
 def test_all_shapes_of_a_path_are_opened():
@@ -93,8 +95,9 @@ def test_a_slit_that_fails_leaves_the_hole_closed(monkeypatch):
 
     ring, gap = shape(*RING), shape(arc(30.0, 330.0))
     monkeypatch.setattr("convwass_addon.applications.outlines.outline_motion.with_open_holes", failing)
-    for own in moved(ring, gap, 0.5):
-        assert sorted(ring_area(each) > 0 for each in boundary_rings(own)) == [False, True]
+    for _, shapes in moved(ring, gap, 0.5):
+        for own in shapes:
+            assert sorted(ring_area(each) > 0 for each in boundary_rings(own)) == [False, True]
 
 
 def test_a_hole_behind_others_is_opened_through_the_outline_only():

@@ -31,11 +31,12 @@ def areas(own):
     return sorted(found, reverse=True)
 
 
-def moved(first, second, time):
-    """Both shapes at a moment of their motion."""
+def moved(first, second, *times):
+    """Each of the times with both shapes at that moment of their motion, which is solved once for all of them."""
     motion = outline_motion([first.filled, second.filled], ["one", "other"], [(0, 1)], 0.5, UNINTERRUPTED)
-    shapes = motion.choice.motion.moved([1.0 - time, time])
-    return [sheet.moved(own) for sheet, own in zip(motion.sheets, shapes, strict=True)]
+    for time in times:
+        shapes = motion.choice.motion.moved([1.0 - time, time])
+        yield time, [sheet.moved(own) for sheet, own in zip(motion.sheets, shapes, strict=True)]
 
 
 def regions(boundary):
@@ -91,30 +92,30 @@ def test_all_shapes_of_a_triangle_get_equal_counts(counts):
         assert sum(areas(own)) == pytest.approx(before.filled.area, rel=0.006)
 
 
-@pytest.mark.parametrize("time", TIMES)
-def test_a_bar_divides_into_two(time):
+def test_a_bar_divides_into_two():
     """Both halves keep their form, and the gap between them opens evenly."""
     bar, halves = shape(rectangle((-2, 0), (2, 1))), shape(rectangle((-3, 0), (-1, 1)), rectangle((1, 0), (3, 1)))
-    for own in moved(bar, halves, time):
-        left, right = regions(own)
-        assert np.concatenate(left.bounds) == pytest.approx([-2 - time, 0, -time, 1], abs=0.02)
-        assert np.concatenate(right.bounds) == pytest.approx([time, 0, 2 + time, 1], abs=0.02)
+    for time, shapes in moved(bar, halves, *TIMES):
+        for own in shapes:
+            left, right = regions(own)
+            assert np.concatenate(left.bounds) == pytest.approx([-2 - time, 0, -time, 1], abs=0.02)
+            assert np.concatenate(right.bounds) == pytest.approx([time, 0, 2 + time, 1], abs=0.02)
 
 
-@pytest.mark.parametrize("time", TIMES)
-def test_a_dot_grows_evenly(time):
+def test_a_dot_grows_evenly():
     """Its diameter is a share of that which it will have, also within the hole of a ring that opens from a point."""
     disc, eye = shape(ellipse()), shape(ellipse(), ellipse(radii=(0.8, 0.8)), ellipse(radii=(0.2, 0.2)))
-    for own in moved(disc, eye, time):
-        _, dot = sorted(regions(own), key=lambda region: -region.area)
-        assert np.sqrt(dot.area / np.pi) == pytest.approx(0.2 * time, abs=0.006)
-        assert dot.center == pytest.approx((0, 0), abs=0.01)
+    for time, shapes in moved(disc, eye, *TIMES):
+        for own in shapes:
+            _, dot = sorted(regions(own), key=lambda region: -region.area)
+            assert np.sqrt(dot.area / np.pi) == pytest.approx(0.2 * time, abs=0.006)
+            assert dot.center == pytest.approx((0, 0), abs=0.01)
 
 
-@pytest.mark.parametrize("time", TIMES)
-def test_division_backward_is_division_in_reverse(time):
+def test_division_backward_is_division_in_reverse():
     bar, halves = shape(rectangle((-2, 0), (2, 1))), shape(ellipse((-2, 0.5)), ellipse((2, 0.5)))
-    there, back = moved(bar, halves, time)[0], moved(halves, bar, 1.0 - time)[1]
-    for one, other in zip(regions(there), regions(back), strict=True):
-        assert one.area == pytest.approx(other.area, rel=0.01)
-        assert one.center == pytest.approx(other.center, abs=0.02)
+    forth, reverse = moved(bar, halves, *TIMES), moved(halves, bar, *TIMES[::-1])
+    for (_, (there, _)), (_, (_, back)) in zip(forth, reverse, strict=True):
+        for one, other in zip(regions(there), regions(back), strict=True):
+            assert one.area == pytest.approx(other.area, rel=0.01)
+            assert one.center == pytest.approx(other.center, abs=0.02)
