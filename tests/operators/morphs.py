@@ -5,10 +5,13 @@
 from __future__ import annotations
 
 import inspect
+from functools import partial
 from types import MethodType
 
 import bpy
 
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.bridge.one_mesh import shape_key_job
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
 
 _KINDS = ("objects", "meshes", "curves", "collections", "materials", "actions", "scenes", "node_groups", "images")
@@ -32,6 +35,12 @@ def two_shapes():
 def baked_morph():
     """Return the collection of a bake."""
     return next(c for c in bpy.data.collections if c.name.startswith("Morph"))
+
+
+def guide_coarsely(monkeypatch):
+    """Let bakes of shape keys map and deform shapes on coarse meshes."""
+    coarse = partial(GuidedSettings, map_vertices=100, carrier_vertices=200)
+    monkeypatch.setattr(shape_key_job, "GuidedSettings", coarse)
 
 
 def census():

@@ -15,7 +15,7 @@ from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
 from convwass_addon.geometry.affine import transformed_points
-from tests.operators.morphs import add, baked_morph, census, two_shapes
+from tests.operators.morphs import add, baked_morph, census, guide_coarsely, two_shapes
 from tests.panels.fake_layout import FakeLayout
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -364,8 +364,9 @@ def test_a_single_blend_of_an_earlier_version_can_be_baked_again():
     assert stored_settings(morph)["output"] == "OBJECTS"
 
 
-def test_shape_keys_have_no_layout():
+def test_shape_keys_have_no_layout(monkeypatch):
     """Two shapes are no triangle, but the panel does not show the layout that is set."""
+    guide_coarsely(monkeypatch)
     cube, ball = (add("ico_sphere", subdivisions=2, location=(x, 0, 0)) for x in (0, 3))
     cube.select_set(True)
     ball.scale.z = 1.3

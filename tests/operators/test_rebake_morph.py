@@ -21,7 +21,7 @@ from convwass_addon.bridge.object_names import ObjectName, objects_named
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError
 from tests.linked_objects import linked_object
-from tests.operators.morphs import PressedBake
+from tests.operators.morphs import PressedBake, guide_coarsely
 from tests.operators.running import started, until, window_context
 
 
@@ -692,7 +692,8 @@ def test_shapes_outside_the_view_layer_are_named(morph, capfd):
     ("how", "options"),
     [("LINK", {}), ("LINK", {"output": "SHAPE_KEYS"}), ("OVERRIDE", {}), ("INSTANCE", {})],
 )
-def test_shapes_of_a_missing_library_are_named(empty_scene, tmp_path, how, options):
+def test_shapes_of_a_missing_library_are_named(empty_scene, tmp_path, monkeypatch, how, options):
+    guide_coarsely(monkeypatch)
     library, shot = tmp_path / "library.blend", tmp_path / "shot.blend"
     hero = bpy.data.collections.new("Hero")
     empty_scene.collection.children.link(hero)
