@@ -15,6 +15,7 @@ from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
 from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from tests.operators.morphs import add, census
+from tests.scene import begun, kept
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -32,10 +33,21 @@ def shown():
     return [i.object.name for i in instances if i.object.type == "MESH" and i.object.data.polygons]
 
 
+@pytest.fixture(scope="module")
+def files(registered_addon, tmp_path_factory):
+    """Files with a path of two shapes, and with a sheet of three."""
+    made = []
+    for count, options in ((2, {"frames": 3}), (3, {"layout": "TRIANGLE", "steps": 3})):
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+        add_shapes(count)
+        bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=20, **options)
+        made.append(kept(tmp_path_factory.mktemp("begun")))
+    return made
+
+
 @pytest.fixture
-def path(empty_scene):
-    add_shapes(2)
-    bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=20)
+def path(files):
+    begun(files[0])
     return bpy.context.object.users_collection[0]
 
 
@@ -49,9 +61,8 @@ def test_without_openvdb_a_player_shows_the_nearest_blend(path, monkeypatch, cap
 
 
 @pytest.fixture
-def sheet(empty_scene):
-    add_shapes(3)
-    bpy.ops.convwass.bake_morph(motion="TRANSPORT", layout="TRIANGLE", steps=3, resolution=20)
+def sheet(files):
+    begun(files[1])
     return bpy.context.object.users_collection[0]
 
 
