@@ -4,11 +4,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import bpy
 import numpy as np
+import pytest
 
+from convwass_addon.applications.reflectance import lobe_interpolation, lobe_lookup
+from convwass_addon.applications.reflectance.lobe_table import incoming_directions
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.transport.sphere import directions, solid_angles
+
+
+@contextmanager
+def coarse_lobes() -> Iterator[None]:
+    """Tabulate few lobes of materials, and average texels over two directions: most of the time goes there."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lobe_interpolation, "incoming_directions", lambda _, turns: incoming_directions(4, min(turns, 4)))
+        patch.setattr(lobe_lookup, "_AZIMUTHS", 2)
+        yield
 
 
 def principled(name, roughness, **values):

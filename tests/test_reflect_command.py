@@ -15,13 +15,14 @@ from convwass_addon.applications.reflectance.table_files import read_table
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
 from convwass_addon.bridge.reflectance.pad_materials import PLACE
 from convwass_addon.bridge.skies.sky_pixels import read_sky_file, write_sky
-from tests.lights import sky
+from tests.lights import coarse_lobes, sky
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 
 def reflect(out, *words):
-    return cli.main(["reflect", *words, "--rows", "10", "--out", str(out)])
+    with coarse_lobes():
+        return cli.main(["reflect", *words, "--rows", "10", "--out", str(out)])
 
 
 def test_a_blend_is_written_and_reported(tmp_path, capfd):

@@ -20,15 +20,18 @@ from convwass_addon.errors import Cancelled
 from convwass_addon.operators.background import BackgroundOperator
 from tests.controls import CountingControl
 from tests.fuzz.job_cases import CASES, call, prepare, traces, two_cubes
+from tests.lights import coarse_lobes
 from tests.operators.running import ESCAPE, Pressed, inventory, started, until, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 
 @pytest.fixture(autouse=True)
-def coarse_maps(monkeypatch):
-    """Use coarse maps for guiding, since quality does not matter here."""
+def coarse(monkeypatch):
+    """Use coarse maps for guiding, and coarse lobes, since quality does not matter here."""
     monkeypatch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=100))
+    with coarse_lobes():
+        yield
 
 
 def stopped_after(monkeypatch, count, error):

@@ -8,9 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.applications.reflectance import lobe_interpolation, lobe_lookup
 from convwass_addon.applications.reflectance.lobe_lookup import HEIGHT
-from convwass_addon.applications.reflectance.lobe_table import incoming_directions
 from convwass_addon.applications.reflectance.table_files import read_table
 from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.reflectance.lobe_images import read_lobe_exr
@@ -18,7 +16,7 @@ from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIRECTION, GROUP
 from convwass_addon.operators.reflectance_blend import CONVWASS_OT_blend_materials
 from convwass_addon.operators.reflectance_import import CONVWASS_OT_import_lobes
 from convwass_addon.properties.light import sun_of
-from tests.lights import only, principled
+from tests.lights import coarse_lobes, only, principled
 from tests.operators.running import ESCAPE, TIMER, Pressed, inventory, started, window_context
 
 pytestmark = pytest.mark.usefixtures("empty_scene", "coarse_tables")
@@ -32,10 +30,7 @@ def blend(**arguments):
 
 @pytest.fixture(scope="module")
 def coarse_tables():
-    """Tabulate few lobes, and average texels over two directions: most of the time goes there."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lobe_interpolation, "incoming_directions", lambda _, turns: incoming_directions(4, min(turns, 4)))
-        patch.setattr(lobe_lookup, "_AZIMUTHS", 2)
+    with coarse_lobes():
         yield
 
 
