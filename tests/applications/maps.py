@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -21,8 +22,9 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 @contextmanager
 def coarse_maps() -> Iterator[None]:
-    """Let guided motions of bakes map and deform shapes on coarse meshes, which are enough for shapes of few limbs."""
+    """Let bakes map, deform and warp shapes on coarse meshes and cells, which are enough for shapes of few limbs."""
     with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(choosing, "warp_motion", partial(warp_motion, effort=WarpEffort(24, 4)))
         patch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=300, carrier_vertices=400))
         yield
 
