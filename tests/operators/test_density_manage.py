@@ -19,16 +19,17 @@ from convwass_addon.operators.density_changes import changed_inputs, lost_inputs
 from convwass_addon.operators.density_manage import CONVWASS_OT_bake_density
 from tests.operators.densities import ball, curve, positions
 from tests.operators.running import ESCAPE, Pressed, call, inventory, pretend_window, until, window_context
+from tests.scene import begun, kept
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 NAMES = ("bake_density", "remove_density", "show_density_material", "rebake_density")
 
 
-@pytest.fixture
-def obj():
-    """A ball with an animated density of four steps."""
-    made = ball()
+@pytest.fixture(scope="module")
+def file_with_density(registered_addon, tmp_path_factory):
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    ball()
     call(
         "interpolate_density",
         groups="A, B",
@@ -38,7 +39,14 @@ def obj():
         entropy_bound=-1.5,
         blur=0.3,
     )
-    return made
+    return kept(tmp_path_factory.mktemp("density"))
+
+
+@pytest.fixture
+def obj(file_with_density):
+    """A ball with an animated density of four steps."""
+    begun(file_with_density)
+    return bpy.context.object
 
 
 def test_steps_become_groups(obj):
