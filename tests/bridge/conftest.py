@@ -55,6 +55,27 @@ def moving(bare_scene, make_object):
     return moving_ball(bare_scene, make_object)
 
 
+@pytest.fixture(scope="session")
+def _file_with_player(factory_preferences, tmp_path_factory):
+    import bpy
+
+    from convwass_addon.bridge.morphs.player import make_player
+    from tests.moving_balls import moving_ball
+    from tests.scene import kept
+
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    make_player(moving_ball(bpy.context.scene, _make_object), between="INTERPOLATED").name = "Player"
+    return kept(tmp_path_factory.mktemp("player"))
+
+
+@pytest.fixture
+def player(bare_scene, _file_with_player):
+    """Give a player that interpolates between the places of a ball that moves, in a scene of its own."""
+    from tests.scene import begun
+
+    return begun(_file_with_player).objects["Player"]
+
+
 @pytest.fixture
 def inventory():
     """Give a function that names all data-blocks in the file."""

@@ -76,13 +76,17 @@ def two_balls(away) -> TriangleMesh:
 
 def still_player(collection):
     """Make a player whose value has no keys."""
-    player = make_player(collection, between="INTERPOLATED")
+    return still(make_player(collection, between="INTERPOLATED"))
+
+
+def still(player):
     player.animation_data.action = None
     return player
 
 
-def test_a_moving_ball_is_at_its_position(moving):
-    player, cell = still_player(moving), 2.0 / CELLS
+def test_a_moving_ball_is_at_its_position(player):
+    still(player)
+    cell = 2.0 / CELLS
     for value in (0.04, 0.5, 0.613):
         morph_value(player).set(value)
         mesh = shown(player)
@@ -106,11 +110,10 @@ def test_balls_of_a_tenth_of_a_millimeter_are_shown(bare_scene, make_object):
     assert np.abs(off).max() <= 0.08 * cell
 
 
-def test_velocity_is_that_of_the_moment(moving, bare_scene):
-    player = still_player(moving)
-    morph_value(player).set(0.3)
+def test_velocity_is_that_of_the_moment(player):
+    morph_value(still(player)).set(0.3)
     shown(player)
-    pace = TRAVEL / FRAMES * bare_scene.render.fps
+    pace = TRAVEL / FRAMES * bpy.context.scene.render.fps
     assert np.allclose(attribute(player, "velocity", 3), (pace, 0, 0), atol=0.02 * pace)
     speed(player).set(0.1)
     shown(player)
@@ -135,9 +138,8 @@ def test_a_growing_ball_moves_along_its_normals(bare_scene, make_object):
     assert off.max() <= 0.15 * pace
 
 
-def test_shapes_themselves_and_the_nearest_blends_are_still_seen(moving):
-    player = still_player(moving)
-    frames = frame_objects(moving)
+def test_shapes_themselves_and_the_nearest_blends_are_still_seen(player):
+    frames = frame_objects(still(player).users_collection[0])
     for value, interpolates, expected in ((0.0, True, 0), (1.0, True, FRAMES), (0.53, False, round(0.53 * FRAMES))):
         morph_value(player).set(value)
         interpolation(player).set(interpolates)
@@ -224,9 +226,9 @@ def test_all_that_was_made_is_removed_again(moving, inventory):
     assert inventory() == before
 
 
-def test_another_object_shows_the_moment(moving, make_object):
+@pytest.mark.usefixtures("player")
+def test_another_object_shows_the_moment(make_object):
     """The group of the player is an asset for any modifier stack."""
-    make_player(moving, between="INTERPOLATED")
     (group,) = [tree for tree in bpy.data.node_groups if tree.asset_data is not None]
     other = make_object("Other")
     modifier = other.modifiers.new("Any", "NODES")

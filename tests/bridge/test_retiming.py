@@ -45,8 +45,7 @@ def values(player, frames):
     return np.array(found, dtype=float)
 
 
-def test_slow_motion_has_the_chosen_speed(moving):
-    player = make_player(moving, between="INTERPOLATED")
+def test_slow_motion_has_the_chosen_speed(player):
     morph_value(player).set(0.5)
     player.animation_data.action = None
     bpy.context.scene.frame_set(FIRST)
@@ -60,8 +59,7 @@ def test_slow_motion_has_the_chosen_speed(moving):
     assert np.allclose(over, (1.0, 0.0))
 
 
-def test_easing_and_edited_keys_have_their_speed(moving):
-    player = make_player(moving, between="INTERPOLATED")
+def test_easing_and_edited_keys_have_their_speed(player):
     retime(player, Retiming(style="EASE", frames=24))
     middle = values(player, [FIRST + 12])[0]
     assert np.allclose(middle, (0.5, np.pi / 2.0 * FRAMES / 24), rtol=1e-2)
@@ -70,10 +68,9 @@ def test_easing_and_edited_keys_have_their_speed(moving):
     assert np.allclose(values(player, [FIRST + 24])[0], (0.5, np.pi / 2.0 * FRAMES / 48), rtol=1e-2)
 
 
-def test_the_speed_goes_on_where_a_modifier_repeats_the_keys(moving, bare_scene):
-    player = make_player(moving, between="INTERPOLATED")
+def test_the_speed_goes_on_where_a_modifier_repeats_the_keys(player):
     retime(player, Retiming(style="BACK_AND_FORTH", frames=12))
-    bare_scene.frame_end = FIRST + 24 * 4
+    bpy.context.scene.frame_end = FIRST + 24 * 4
     once = values(player, FIRST + np.arange(1, 24))
     curves_of(player)[0].modifiers.new("CYCLES")
     key_speed(player)
@@ -81,15 +78,14 @@ def test_the_speed_goes_on_where_a_modifier_repeats_the_keys(moving, bare_scene)
     assert np.allclose(values(player, FIRST + 48 + np.arange(1, 24)), once, atol=1e-4)
 
 
-def test_a_single_key_has_the_speed_of_its_modifier_and_else_none(moving, bare_scene):
-    player = make_player(moving, between="INTERPOLATED")
+def test_a_single_key_has_the_speed_of_its_modifier_and_else_none(player):
     retime(player, Retiming(style="EASE", frames=24))
     (curve,) = (own for own in curves_of(player) if own.data_path == morph_value(player).data_path)
     while len(curve.keyframe_points) > 1:
         curve.keyframe_points.remove(curve.keyframe_points[-1])
     key_speed(player)
     assert np.allclose(values(player, FIRST + np.arange(24))[:, 1], 0.0)
-    bare_scene.frame_end = FIRST + 24
+    bpy.context.scene.frame_end = FIRST + 24
     ramp = curve.modifiers.new("GENERATOR")
     ramp.use_additive, ramp.coefficients[0], ramp.coefficients[1] = True, -FIRST / 48, 1 / 48
     key_speed(player)
@@ -112,8 +108,7 @@ def frames_of(player):
     return [obj[WEIGHTS_KEY][1] for obj in frame_objects(morph)]
 
 
-def test_strips_are_as_good_as_keys(moving):
-    player = make_player(moving, between="INTERPOLATED")
+def test_strips_are_as_good_as_keys(player):
     push_down(player, 20, 2.0)
     assert keyed_span(player) == (20, 20 + 2 * FRAMES)
     assert not shows_as_baked(player)
@@ -126,18 +121,17 @@ def test_strips_are_as_good_as_keys(moving):
     assert np.allclose(values(player, [25])[0], (0.5, FRAMES / 10), atol=1e-4)
 
 
-def test_a_driven_player_plays_its_driver(moving, bare_scene):
-    player = make_player(moving, between="INTERPOLATED")
+def test_a_driven_player_plays_its_driver(player):
     player.animation_data_clear()
     value = morph_value(player)
     slider = bpy.data.objects.new("Slider", None)
-    bare_scene.collection.objects.link(slider)
+    bpy.context.scene.collection.objects.link(slider)
     driver = value.owner.driver_add(value.path).driver
     driver.type = "AVERAGE"
     target = driver.variables.new().targets[0]
     target.id, target.data_path = slider, '["amount"]'
     slider["amount"] = 0.0
-    bare_scene.frame_start, bare_scene.frame_end = 3, 7
+    bpy.context.scene.frame_start, bpy.context.scene.frame_end = 3, 7
     assert keyed_span(player) == (3, 7)
     for frame in (10, 20):
         slider["amount"] = (frame - 10) / 10
@@ -160,8 +154,7 @@ def test_locked_keys_are_not_replaced(moving):
     assert [tuple(point.co) for point in curve.keyframe_points] == [(FIRST, 0), (FIRST + FRAMES, 1)]
 
 
-def test_muted_keys_are_named_and_give_no_speed(moving):
-    player = make_player(moving, between="INTERPOLATED")
+def test_muted_keys_are_named_and_give_no_speed(player):
     curve = next(own for own in curves_of(player) if own.data_path == morph_value(player).data_path)
     curve.mute = True
     with pytest.raises(InputError, match="are muted, so they have no effect; unmute its curve"):
@@ -186,8 +179,7 @@ def test_samples_of_a_frame_rate():
     assert np.allclose(sample_times(10, 13, 24, 12), [10, 12])
 
 
-def test_frames_at_another_rate(moving, bare_scene):
-    player = make_player(moving, between="INTERPOLATED")
+def test_frames_at_another_rate(player):
     times = sample_times(FIRST, FIRST + FRAMES, 24, 48)
     morph = drained(bake_player(player, times, FIRST))
     frames = frame_objects(morph)
@@ -200,15 +192,14 @@ def test_frames_at_another_rate(moving, bare_scene):
         assert [is_shown(obj, FIRST + other) for other in range(len(frames))].count(True) == 1
 
 
-def test_frames_of_a_sheared_player_keep_its_shape(moving, bare_scene):
+def test_frames_of_a_sheared_player_keep_its_shape(player):
     """A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give."""
-    player = make_player(moving, between="INTERPOLATED")
     parent = linked("Stretch", None)
     parent.scale.x, parent.location.z = 3.0, 5.0
     player.parent, player.rotation_euler.y = parent, 0.6
     times, shown = [FIRST, FIRST + 2], []
     for time in times:
-        bare_scene.frame_set(time)
+        bpy.context.scene.frame_set(time)
         shown.append(world(player))
     morph = drained(bake_player(player, times, FIRST))
     for obj, expected in zip(frame_objects(morph), shown, strict=True):

@@ -43,7 +43,7 @@ def file_with_density(registered_addon, tmp_path_factory):
 
 
 @pytest.fixture
-def obj(file_with_density):
+def obj(empty_scene, file_with_density):
     """A ball with an animated density of four steps."""
     begun(file_with_density)
     return bpy.context.object

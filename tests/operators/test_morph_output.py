@@ -25,7 +25,7 @@ def file_with_morph(registered_addon, tmp_path_factory):
 
 
 @pytest.fixture
-def morph(file_with_morph):
+def morph(empty_scene, file_with_morph):
     """A small bake, active."""
     begun(file_with_morph)
     return next(c for c in bpy.data.collections if "convwass_morph" in c)

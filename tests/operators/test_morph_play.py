@@ -35,20 +35,35 @@ def shown():
 
 @pytest.fixture(scope="module")
 def files(registered_addon, tmp_path_factory):
-    """Files with a path of two shapes, and with a sheet of three."""
-    made = []
-    for count, options in ((2, {"frames": 3}), (3, {"layout": "TRIANGLE", "steps": 3})):
+    """Files with a path of two shapes and a sheet of three, without and with what plays them."""
+    made = {}
+    for name, count, options in (("path", 2, {"frames": 3}), ("sheet", 3, {"layout": "TRIANGLE", "steps": 3})):
         bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
         add_shapes(count)
         bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=20, **options)
-        made.append(kept(tmp_path_factory.mktemp("begun")))
+        made[name] = kept(tmp_path_factory.mktemp("begun"))
+        operator = "make_player" if name == "path" else "make_blend_pad"
+        assert getattr(bpy.ops.convwass, operator)() == {"FINISHED"}
+        made[operator] = kept(tmp_path_factory.mktemp("begun"))
     return made
 
 
+def the_morph():
+    (morph,) = (collection for collection in bpy.data.collections if "convwass_morph" in collection)
+    return morph
+
+
 @pytest.fixture
-def path(files):
-    begun(files[0])
-    return bpy.context.object.users_collection[0]
+def path(empty_scene, files):
+    begun(files["path"])
+    return the_morph()
+
+
+@pytest.fixture
+def player(empty_scene, files):
+    """A player of that path."""
+    begun(files["make_player"])
+    return bpy.context.object
 
 
 def test_without_openvdb_a_player_shows_the_nearest_blend(path, monkeypatch, capfd):
@@ -61,9 +76,16 @@ def test_without_openvdb_a_player_shows_the_nearest_blend(path, monkeypatch, cap
 
 
 @pytest.fixture
-def sheet(files):
-    begun(files[1])
-    return bpy.context.object.users_collection[0]
+def sheet(empty_scene, files):
+    begun(files["sheet"])
+    return the_morph()
+
+
+@pytest.fixture
+def handle(empty_scene, files):
+    """The handle of a pad of that sheet."""
+    begun(files["make_blend_pad"])
+    return bpy.context.object
 
 
 def test_there_and_back(path):
@@ -143,9 +165,7 @@ def test_a_pad(sheet):
     assert len(shown()) == 6
 
 
-def test_a_handle_without_its_limit_is_blurred(sheet):
-    bpy.ops.convwass.make_blend_pad()
-    handle = bpy.context.object
+def test_a_handle_without_its_limit_is_blurred(handle):
     handle.constraints.clear()
     for frame, x in ((1, 0.0), (5, 1.0)):
         handle.location.x = x
@@ -188,15 +208,13 @@ def moved_by_keys(obj):
 
 
 @pytest.mark.parametrize("move", [moved_by_keys, constrained, carried, driven, in_a_strip])
-def test_a_handle_is_blurred_however_it_moves(sheet, move):
-    bpy.ops.convwass.make_blend_pad()
-    handle, pad = bpy.context.object, bpy.context.object.parent
-    pad.location, handle.location = (0, 0, 0), (0, 0, 0)
+def test_a_handle_is_blurred_however_it_moves(handle, move):
+    handle.parent.location, handle.location = (0, 0, 0), (0, 0, 0)
     handle.constraints.clear()
     move(handle)
     bpy.context.scene.frame_end = 12
     assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
-    velocity, speeds = handle_velocity(sheet), []
+    velocity, speeds = handle_velocity(the_morph()), []
     for frame in (1, 6, 12):
         bpy.context.scene.frame_set(frame)
         speeds.append(list(velocity.get()))
@@ -204,10 +222,9 @@ def test_a_handle_is_blurred_however_it_moves(sheet, move):
     assert np.allclose(speeds, np.outer(expected, (1, 0, 0)), atol=1e-3)
 
 
-def test_a_pad_without_its_handle_says_so(sheet):
-    bpy.ops.convwass.make_blend_pad()
-    pad = bpy.context.object.parent
-    bpy.data.objects.remove(bpy.context.object)
+def test_a_pad_without_its_handle_says_so(handle):
+    pad = handle.parent
+    bpy.data.objects.remove(handle)
     bpy.context.view_layer.objects.active = pad
     with pytest.raises(RuntimeError, match="has lost its handle; bake it again"):
         bpy.ops.convwass.update_pad_velocity()
@@ -215,9 +232,7 @@ def test_a_pad_without_its_handle_says_so(sheet):
     assert any(obj.type == "EMPTY" for obj in bpy.data.objects)
 
 
-def test_keys_are_not_set_in_tweak_mode(path):
-    bpy.ops.convwass.make_player()
-    player = bpy.context.object
+def test_keys_are_not_set_in_tweak_mode(player):
     data = player.animation_data
     data.nla_tracks.new().strips.new("Play", 11, data.action)
     data.action, data.use_tweak_mode = None, True
@@ -317,9 +332,9 @@ def test_a_linked_morph_is_not_changed(path, tmp_path, how):
 
 
 @pytest.mark.parametrize("how", ["linked", "overridden"])
-def test_a_linked_player_is_shown_as_it_is(path, tmp_path, how):
-    bpy.ops.convwass.make_player()
-    morph = linked(path, tmp_path / "library.blend", how)
+@pytest.mark.usefixtures("player")
+def test_a_linked_player_is_shown_as_it_is(tmp_path, how):
+    morph = linked(the_morph(), tmp_path / "library.blend", how)
     player = bpy.context.object
     assert is_player(player)
     for operator in ("remove_player", "delete_morph"):
@@ -332,9 +347,9 @@ def test_a_linked_player_is_shown_as_it_is(path, tmp_path, how):
 
 
 @pytest.mark.parametrize("how", ["linked", "overridden"])
-def test_what_a_linked_player_in_a_linked_set_shows_is_baked_to_the_scene(path, tmp_path, how):
-    bpy.ops.convwass.make_player()
-    room = bpy.data.collections.new("Set")
+@pytest.mark.usefixtures("player")
+def test_what_a_linked_player_in_a_linked_set_shows_is_baked_to_the_scene(tmp_path, how):
+    path, room = the_morph(), bpy.data.collections.new("Set")
     bpy.context.scene.collection.children.link(room)
     room.children.link(path)
     bpy.context.scene.collection.children.unlink(path)
@@ -348,9 +363,9 @@ def test_an_overridden_morph_is_not_baked_again(path, tmp_path):
     assert "Bake a morph first" in refused("rebake_morph", morphs=collection.name)
 
 
-def test_an_overridden_pad_with_keys_of_its_own_is_animated(sheet, tmp_path):
-    assert bpy.ops.convwass.make_blend_pad() == {"FINISHED"}
-    pad = linked(sheet, tmp_path / "library.blend", "overridden")
+@pytest.mark.usefixtures("handle")
+def test_an_overridden_pad_with_keys_of_its_own_is_animated(tmp_path):
+    pad = linked(the_morph(), tmp_path / "library.blend", "overridden")
     handle = next(obj for obj in pad.all_objects if obj.type == "EMPTY")
     bpy.context.view_layer.objects.active = handle
     for frame, place in ((1, 0.0), (10, 1.0)):
@@ -360,10 +375,8 @@ def test_an_overridden_pad_with_keys_of_its_own_is_animated(sheet, tmp_path):
 
 
 @pytest.mark.parametrize("end", ["remove_player", "delete_morph"])
-def test_a_mesh_that_a_copy_of_the_player_was_converted_to_is_kept(path, end):
+def test_a_mesh_that_a_copy_of_the_player_was_converted_to_is_kept(player, end):
     """As for a simulation."""
-    bpy.ops.convwass.make_player()
-    player = bpy.context.object
     bpy.ops.object.duplicate()
     bpy.ops.object.convert(target="MESH")
     mine = bpy.context.object

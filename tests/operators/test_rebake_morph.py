@@ -49,7 +49,7 @@ def file_with_morph(registered_addon, tmp_path_factory):
 
 
 @pytest.fixture
-def morph(file_with_morph):
+def morph(empty_scene, file_with_morph):
     begun(file_with_morph)
     return next(collection for collection in bpy.data.collections if "convwass_morph" in collection)
 

@@ -40,7 +40,7 @@ def file_with_player(registered_addon, tmp_path_factory):
 
 
 @pytest.fixture
-def player(file_with_player):
+def player(empty_scene, file_with_player):
     begun(file_with_player)
     return bpy.context.object
 
