@@ -180,7 +180,7 @@ def test_the_letter_that_turns_most_is_on_record():
 
 
 def test_shapes_of_very_many_regions_are_transported():
-    dots = [ellipse((3.0 * place, 0.0)) for place in range(33)]
+    dots = [ellipse((3.0 * place, 0.0), corners=32) for place in range(33)]
     pair = [FlatShape(tuple(dots)), FlatShape(tuple(dots[:2]))]
     assert chosen(pair).record == {"kind": "transport", "reason": "REGIONS"}
     with pytest.raises(InputError, match="separate areas"):
@@ -203,7 +203,7 @@ def test_shapes_that_would_crumple_are_transported():
 
 def test_parts_that_cannot_move_do_not_keep_others_from_moving():
     second = HOOK + np.array([5.0, 0.0])
-    dots = tuple(ellipse((5.0 + 0.1 * place, 3.0), (0.04, 0.04)) for place in range(33))
+    dots = tuple(ellipse((5.0 + 0.1 * place, 3.0), (0.04, 0.04), corners=32) for place in range(33))
     word = FlatShape((HOOK, second), letters=(0, 1))
     dotted = FlatShape((HOOK, second, *dots), letters=(0, 1, *([1] * 33)))
     choice = chosen([word, dotted], words="letters")
