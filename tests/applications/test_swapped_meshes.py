@@ -32,7 +32,7 @@ def found(shapes):
 @pytest.fixture(scope="module")
 def ring_to_ball():
     """The shapes, what is found, and the morph that their meshes follow."""
-    ring, other, kept = torus(), ball(0.9), []
+    ring, other, kept = torus(segments=(36, 18)), ball(0.9, points=800), []
     computed = module._moments
 
     def remembered(*arguments):
