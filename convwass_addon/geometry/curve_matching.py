@@ -123,25 +123,31 @@ def matched_curves(
     MatchedCurves
         The match of the least work.
     """
-    works = [_works(one, other, step, weights) for step in _STEPS]
+    possible = [(own, others) for own, others in _STEPS if others <= count]
+    # By sample of the first curve, start, and sample of the second curve after it.
+    works = [
+        sliding_window_view(_works(one, other, (own, others), weights), count + 1 - others, axis=1)[
+            :, starts.start : starts.stop
+        ]
+        for own, others in possible
+    ]
     size = len(one.places)
     least = np.full((size, len(starts), count + 1), np.inf)
     least[0, :, 0] = 0.0
     steps = np.zeros((size, len(starts), count + 1), np.int8)
     for row in range(1, size):
-        for number, (own, others) in enumerate(_STEPS):
-            if own > row or others > count:
+        for number, (own, others) in enumerate(possible):
+            if own > row:
                 continue
-            windows = sliding_window_view(works[number][row - own], count + 1 - others)
-            found = least[row - own, :, : count + 1 - others] + windows[starts.start : starts.stop]
+            found = least[row - own, :, : count + 1 - others] + works[number][row - own]
             known = least[row, :, others:]
             better = found < known
-            known[better] = found[better]
-            steps[row, :, others:][better] = number
+            np.copyto(known, found, where=better)
+            np.copyto(steps[row, :, others:], number, where=better)
     start = int(least[-1, :, count].argmin())
     first, second = [size - 1], [count]
     while first[-1] > 0:
-        own, others = _STEPS[steps[first[-1], start, second[-1]]]
+        own, others = possible[steps[first[-1], start, second[-1]]]
         first.append(first[-1] - own)
         second.append(second[-1] - others)
     return MatchedCurves(np.array(first[::-1]), np.array(second[::-1]) + starts[start], float(least[-1, start, count]))
