@@ -23,8 +23,8 @@ _LATTICES = (2**27, 2**22, 2**17)
 # A corner within this distance of an edge, in steps, lies on it.
 _ON_EDGE = 1.0
 _ROUNDS = 8
-# Pairs processed together.
-_AT_ONCE = 4_000_000
+# Pairs processed together, few enough for the processor's cache.
+_AT_ONCE = 1 << 18
 
 Points = NDArray[np.int64]
 
@@ -86,11 +86,13 @@ class Boundary:
         """Return whether points, (n, 2), lie in the filled area, (n,)."""
         found = np.zeros(len(points), bool)
         starts, ends = self.starts, self.ends
+        low, high = starts[:, 1].copy(), ends[:, 1].copy()
         for part in np.array_split(np.arange(len(points)), max(1, len(points) * len(starts) // _AT_ONCE)):
-            x, y = points[part, 0, None], points[part, 1, None]
-            row, edge = np.nonzero((starts[:, 1] <= y) != (ends[:, 1] <= y))
-            share = (y[row, 0] - starts[edge, 1]) / (ends[edge, 1] - starts[edge, 1])
-            beyond = starts[edge, 0] + share * (ends[edge, 0] - starts[edge, 0]) > x[row, 0]
+            x, y = points[part].T
+            # Indices of a flat array are found in a third of the time.
+            row, edge = np.divmod(np.flatnonzero((low <= y[:, None]) != (high <= y[:, None])), max(len(starts), 1))
+            share = (y[row] - low[edge]) / (high[edge] - low[edge])
+            beyond = starts[edge, 0] + share * (ends[edge, 0] - starts[edge, 0]) > x[row]
             found[part] = np.bincount(row[beyond], minlength=len(part)) % 2 == 1
         return found
 
@@ -284,11 +286,12 @@ def _turns_beyond(edges: _Edges, axis: int, wanted: NDArray[np.bool_]) -> NDArra
     low, high, sign, number = low[level], high[level], sign[level], np.flatnonzero(level)
     found = np.zeros(len(edges.starts), np.int64)
     rows = np.flatnonzero(wanted)
+    lowest, highest = low[:, other].copy(), high[:, other].copy()
     for part in np.array_split(rows, max(1, len(rows) * len(low) // _AT_ONCE)):
         middle = edges.starts[part] + edges.ends[part]
         place, height = middle[:, axis, None], middle[:, other, None]
-        hit = (low[:, other] <= height) & (height < high[:, other]) & (part[:, None] != number)
-        row, column = np.nonzero(hit)
+        hit = (lowest <= height) & (height < highest) & (part[:, None] != number)
+        row, column = np.divmod(np.flatnonzero(hit), max(len(low), 1))
         rise, run = (high - low)[column, other], (high - low)[column, axis]
         away = (place[row, 0] - low[column, axis]) * rise - (height[row, 0] - low[column, other]) * run
         found[part] = np.bincount(row, sign[column] * (away < 0), minlength=len(part)).astype(np.int64)
