@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Maps between two shapes that prefer the same heights where others are doubtful."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -20,6 +22,7 @@ NO_PAIRS = np.empty((0, 2), np.int64)
 BRANCHES = ((0.3, 0.5, 0.9), (2.2, 0.45, 0.95), (4.1, 0.48, 0.85), (5.4, 0.4, 1.05), (1.2, 0.3, 1.2))
 
 
+@cache
 def tree():
     """A trunk and five branches, each with leaves at its end; not symmetric."""
     clay = Sculpture(5)
@@ -31,6 +34,7 @@ def tree():
     return clay.mesh()
 
 
+@cache
 def snowman():
     """Three balls on top of each other, two arms, and a hat."""
     clay = Sculpture(6)
