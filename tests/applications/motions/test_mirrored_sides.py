@@ -76,7 +76,7 @@ def animal(name):
 
 def test_a_dog_becomes_a_bird_symmetrically():
     """Without sides, the map keeps them on a fifth of the surface."""
-    settings = GuidedSettings(map_vertices=300, carrier_vertices=600)
+    settings = GuidedSettings(map_vertices=200, carrier_vertices=400)
     motion = drained(guided_motion([animal("dog"), animal("bird")], ["dog", "bird"], [(0, 1)], settings))
     sides = MirroredSides.of(*(carrier.mesh for carrier in motion.carriers))
     kept = sides.kept((motion.deformations[0, 1].points, motion.deformations[1, 0].points))
