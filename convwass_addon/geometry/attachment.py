@@ -19,6 +19,9 @@ from .mesh import TriangleMesh
 from .rotations import nearest_rotations
 from .surface_rotations import surface_rotations
 
+# Share of the mean area that is added to the area around every vertex.
+_LEAST = 0.1
+
 
 @dataclass(frozen=True)
 class Attachment:
@@ -49,11 +52,20 @@ class Attachment:
         faces, moved = self.surface.faces, TriangleMesh(vertices, self.surface.faces)
         turns = surface_rotations(self.surface.vertices, vertices, faces).reshape(-1, 9)
         mixed = self.places.interpolated(turns[faces]).reshape(-1, 3, 3)
-        before, after = self.surface.vertex_areas, moved.vertex_areas
-        sizes = np.sqrt(np.maximum(after, 0.0) / np.maximum(before, 1e-12 * before.max()))
+        sizes = np.sqrt(_areas_around(moved) / _areas_around(self.surface))
         size = self.places.interpolated(sizes[faces][..., None])
         offsets = np.einsum("nij,nj->ni", _nearest(mixed), self.offsets)
         return self.places.interpolated(moved.corners) + size * offsets
+
+
+def _areas_around(surface: TriangleMesh) -> NDArray[np.float64]:
+    """Return the area around every vertex, (n,), as far as its neighbors', and never much less than the mean.
+
+    The area of a sliver may grow by any factor.
+    """
+    areas, faces = surface.vertex_areas, surface.faces
+    around = np.bincount(faces.ravel(), np.repeat(areas[faces].sum(axis=1), 3), len(areas))
+    return around + max(_LEAST * around.mean(), np.finfo(float).tiny)
 
 
 def rigidly_moved(

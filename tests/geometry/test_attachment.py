@@ -50,6 +50,15 @@ def test_a_sleeve_stays_at_its_distance_when_the_arm_bends():
     np.testing.assert_allclose(followed, bent(sleeve), atol=0.03)
 
 
+def test_slivers_that_open_do_not_throw_points_far_away():
+    """Beside a square, a triangle without area becomes as large as the square's."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0 + 1e-9, 0.5, 0.0]])
+    surface = TriangleMesh(corners, np.array([[0, 1, 2], [0, 2, 3], [1, 4, 2]]))
+    attached = Attachment.of(np.array([[1.1, 0.5, 0.3]]), surface)
+    opened = corners + np.array([[0.0, 0.0, 0.0]] * 4 + [[0.5, 0.0, 0.0]])
+    np.testing.assert_allclose(attached.followed(opened), [[1.6, 0.5, 0.3]], atol=0.1)
+
+
 def test_rigid_parts_are_turned_and_scaled_whole(points):
     parts = np.repeat([0, 1], [len(points), 5])
     both = np.concatenate([points, np.tile([[9.0, 9.0, 9.0]], (5, 1))])
