@@ -139,8 +139,7 @@ def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: 
 
 def _unless_bent(found: MotionChoice, request: MotionRequest, shapes: Sequence[TriangleMesh]) -> MotionChoice:
     """Return transport instead of a warp that bends the plane faces of shapes, of which the warp moves the surfaces."""
-    is_plain = found.kind == "warp" and found.reason == "SOLID"
-    if not is_plain or not all(plane_share(shape) >= _PLANE for shape in shapes):
+    if found.kind != "warp" or not all(plane_share(shape) >= _PLANE for shape in shapes):
         return found
     if _warp_crumpling(found.motion, request) <= _BENT:
         return found
