@@ -304,6 +304,8 @@ PROPS = (
     CoherencePair("pawn to rook", OTHER_BUILD, _props(props.pawn, props.rook)),
     CoherencePair("goblet to bottle", OTHER_BUILD, _props(props.goblet, props.bottle)),
     CoherencePair("barrel to goblet", OTHER_BUILD, _props(props.barrel, props.goblet)),
+    CoherencePair("bottle to lying rook", OTHER_BUILD, _props(props.bottle, lambda: props.lying(props.rook()))),
+    CoherencePair("table to crate", OTHER_BUILD, _props(props.table, props.crate)),
     CoherencePair("sofa to bed", OTHER_BUILD, _props(props.sofa, props.bed)),
     CoherencePair("robot to chair", OTHER_BUILD, _props(props.robot, props.seat)),
     CoherencePair("locomotive to car", OTHER_BUILD, _props(props.locomotive, props.car)),

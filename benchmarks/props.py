@@ -132,6 +132,24 @@ def barrel() -> TriangleMesh:
     return revolved(smooth([(0.0, 0.0), (0.42, 0.0), (0.5, 0.3), (0.54, 0.6), (0.5, 0.9), (0.42, 1.2), (0.0, 1.2)]))
 
 
+def lying(upright: TriangleMesh) -> TriangleMesh:
+    """Return a shape that lies on its side, with its top to the right."""
+    # A cyclic permutation does not turn triangles over.
+    turned = np.roll(upright.vertices, 1, axis=1)
+    return TriangleMesh(turned - (0.0, 0.0, turned[:, 2].min()), upright.faces)
+
+
+def table() -> TriangleMesh:
+    """Return a table of five boxes."""
+    legs = [box((x, y, 0.0), (x + 0.14, y + 0.14, 1.25)) for x in (-1.0, 0.86) for y in (-0.6, 0.46)]
+    return joined_meshes([box((-1.05, -0.65, 1.2), (1.05, 0.65, 1.35)), *legs])
+
+
+def crate() -> TriangleMesh:
+    """Return a box that is as high as wide."""
+    return box((-0.7, -0.7, 0.0), (0.7, 0.7, 1.4))
+
+
 def sofa() -> TriangleMesh:
     """Return a sofa of four boxes, its front towards -Y."""
     arms = [box((x, -0.52, 0.13), (x + 0.25, 0.48, 0.9)) for x in (-1.4, 1.15)]

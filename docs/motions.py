@@ -85,7 +85,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
         "pairs_props": [
             Block.compared(pair)
             for pair in (
-                *("star to heart", "ring to C", "pawn to rook"),
+                *("star to heart", "ring to C", "bottle to lying rook"),
                 *("goblet to bottle", "robot to chair", "locomotive to car"),
             )
         ],
