@@ -155,7 +155,15 @@ def _realigned(
 
 
 def mean_rotation(turns: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the rotation, (3, 3), relative to which the weighted mean of all rotation vectors is zero."""
+    """Return the rotation, (3, 3), relative to which the weighted mean of all rotation vectors is zero.
+
+    Parameters
+    ----------
+    turns : (k, 3, 3)
+        Rotations.
+    shares : (k,)
+        Their weights, of sum one.
+    """
     mean = turns[0]
     for _ in range(_MEAN_ROUNDS):
         step = shares @ rotation_vectors(np.einsum("ji,njk->nik", mean, turns))

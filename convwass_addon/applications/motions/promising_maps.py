@@ -46,8 +46,8 @@ def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work
     yield Progress(0.0, Sentence("Comparing the shapes"))
     with one_blas_thread():
         one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
-        turns = [np.eye(3), symmetric_turn(one.mesh, other.mesh), _turn_of_axes(one.mesh, other.mesh)]
-        poses = (turned_carrier(one, turn) for turn in turns if turn is not None)
+        turns = symmetric_turn(one.mesh, other.mesh), _turn_of_axes(one.mesh, other.mesh)
+        poses = [one, *(turned_carrier(one, turn) for turn in turns if turn is not None)]
         return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)
 
 
