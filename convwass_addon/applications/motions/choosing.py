@@ -30,7 +30,7 @@ from .promising_maps import may_map
 from .remaining_distance import remaining_share
 from .skinned_motion import following, with_skins
 from .turned_motion import Turning
-from .warp_motion import WarpEffort, WarpMotion, warp_motion
+from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 
 # A guided motion that leaves more than this share of the distance between two shapes is completed by a warp. A coarse
 # one, which costs a tenth of the motion, is tried first. It fades on the way to the other shape, where it would leave
@@ -70,10 +70,10 @@ _CRUMPLED = 1.5
 # to a hand, from a dog to a bird, and from a torus to a horse or a dog, and looks better. It has 0.82 of it from a
 # scorpion to an octopus, 0.9 from a torus to a man, and 0.94 from a goat to a bird, where the map looks better.
 _MUCH_CRUMPLED, _SMOOTHER = 1.8, 0.8
-# A warp of shapes of which at least the first share is plane is given up for transport if it crumples them more than
-# that: it bows the legs of a table or a chair, and the boards of a shelf, on the way to a box (1.5 to 2.5 times the
-# area), but not a toy brick or the letter L (1.2, 1.3).
-_PLANE, _BENT = 0.9, 1.4
+# Shapes of which at least the first share is plane are transported instead of warped if a coarse warp crumples them
+# more than that: it bows the legs of a table or a chair, and the boards of a shelf, on the way to a box (1.4 to 2.1
+# times the area), but not a toy brick or the letter L (1.1, 1.2).
+_PLANE, _BENT = 0.9, 1.25
 # Clearly less is this share or less. From a duck to a bird, the warp leaves 0.83 of what the map does; from a rocket to
 # a boat 0.89, and crumples the hull, where the map turns the hull into the sail.
 _CLEARLY_LESS = 0.85
@@ -119,15 +119,32 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
 def _by_bodies(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the motion of the shapes, or of the outer surfaces of those whose bodies overlap."""
     skinned = attempted(with_skins, request, control) or request
-    if skinned is request:
-        return _unless_bent((yield from _by_surfaces(request, control)), request, request.shapes)
+    if request.kind == "automatic" and not request.guides and _are_plane(request.shapes):
+        bends = bool((yield from within(_bends(skinned, control), 0.0, _ROUGH_SHARE)))
+        request, skinned = replace(request, bends=bends), replace(skinned, bends=bends)
+    if skinned.shapes is request.shapes:
+        return (yield from _by_surfaces(request, control))
     return (yield from _by_outer_surfaces(request, skinned, control))
+
+
+def _are_plane(shapes: Sequence[TriangleMesh]) -> bool:
+    return all(plane_share(shape) >= _PLANE for shape in shapes)
+
+
+def _bends(request: MotionRequest, control: Control) -> Work[bool]:
+    """Return whether a coarse warp crumples shapes, as it bends their plane faces then."""
+    try:
+        return _warp_crumpling((yield from _warp(request, control, _COARSE)), request) > _BENT
+    except Cancelled:
+        raise
+    except FAILURES:
+        # The complete warp fails, too, and says why.
+        return False
 
 
 def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the motion of the outer surfaces of overlapping bodies, or that of the bodies if it is much better."""
     found = yield from within(_by_surfaces(skinned, control), 0.0, _SKIN_SHARE)
-    found = _unless_bent(found, skinned, request.shapes)
     if found.left is not None and found.left > _MUCH_LEFT:
         other = yield from within(_by_surfaces(request, control), _SKIN_SHARE, 1.0)
         if other.left is not None and other.left <= _BETTER_APART * found.left:
@@ -137,21 +154,15 @@ def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: 
     return replace(found, motion=following(found.motion, request.shapes, skinned.shapes))
 
 
-def _unless_bent(found: MotionChoice, request: MotionRequest, shapes: Sequence[TriangleMesh]) -> MotionChoice:
-    """Return transport instead of a warp that bends the plane faces of shapes, of which the warp moves the surfaces."""
-    if found.kind != "warp" or not all(plane_share(shape) >= _PLANE for shape in shapes):
-        return found
-    if _warp_crumpling(found.motion, request) <= _BENT:
-        return found
-    return replace(found, kind="transport", reason="BENT", motion=None)
-
-
 def _by_surfaces(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the guided motion if it was asked for; otherwise the one that suits the shapes."""
     if request.kind == "guided":
         guided = yield from _guided(request, control)
         return _mapped("ASKED", guided)
-    return (yield from _automatic(request, control))
+    found = yield from _automatic(request, control)
+    if request.bends and found.kind == "warp":
+        return replace(found, kind="transport", reason="BENT", motion=None)
+    return found
 
 
 def _by_outlines(request: MotionRequest, control: Control) -> MotionChoice | None:
@@ -245,7 +256,10 @@ def _may_all_map(request: MotionRequest, control: Control) -> Work[bool]:
 
 
 def _unmapped(unmoved: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
-    """Return the warp if it joins the shapes all along the way; otherwise transport, which tears less."""
+    """Return the warp if it joins the shapes all along the way; otherwise transport, which tears and bends less."""
+    if request.bends:
+        yield Progress(1.0, Sentence("Transporting without a motion"))
+        return replace(unmoved, reason="BENT")
     try:
         warped = yield from _warped(unmoved, request, control)
     except Cancelled:
@@ -363,8 +377,8 @@ def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:
     return guided_motion(request.shapes, request.names, request.pairs, settings, request.guides, control)
 
 
-def _warp(request: MotionRequest, control: Control) -> Work[WarpMotion]:
-    return warp_motion(request.shapes, request.names, request.pairs, request.coherence, control)
+def _warp(request: MotionRequest, control: Control, effort: WarpEffort = USUAL_EFFORT) -> Work[WarpMotion]:
+    return warp_motion(request.shapes, request.names, request.pairs, request.coherence, control, effort)
 
 
 def _score(guided: GuidedMotion) -> float:

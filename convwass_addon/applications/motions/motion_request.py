@@ -29,6 +29,8 @@ class MotionRequest:
         0 to 1; there is no motion at 0.
     guides : sequence of mappings from int to int
         See :func:`.guided_motion.guided_motion`.
+    bends : bool
+        Whether a warp would bend plane faces, as far as that is known.
     """
 
     shapes: Sequence[TriangleMesh]
@@ -37,9 +39,10 @@ class MotionRequest:
     kind: str
     coherence: float
     guides: Sequence[Guide] = ()
+    bends: bool = False
 
     def digest(self) -> bytes:
-        """Return a hash of everything, equal for equal requests."""
+        """Return a hash of everything that is asked for, equal for equal requests."""
         sizes = [[len(shape.vertices), len(shape.faces)] for shape in self.shapes]
         entries = [sorted(guide.items()) for guide in self.guides]
         about = [list(self.names), list(self.pairs), self.kind, self.coherence, entries, sizes]

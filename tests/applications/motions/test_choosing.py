@@ -296,17 +296,35 @@ def test_limbs_merge_with_a_shape_that_has_none(motions):
 
 
 @pytest.mark.parametrize(
-    ("limbed", "crumpling", "reason"),
-    [(BOXES, 1.5, "BENT"), (OVERLAPPING, 1.5, "BENT"), (BOXES, 1.3, "SOLID"), (BARBELL, 1.5, "SOLID")],
+    ("limbed", "crumpling", "bends"),
+    [(BOXES, 1.3, True), (OVERLAPPING, 1.3, True), (BOXES, 1.2, False), (BARBELL, 1.3, False)],
     ids=["bent", "overlapping", "little", "round"],
 )
-def test_plane_faces_are_transported_rather_than_bent(motions, monkeypatch, limbed, crumpling, reason):
+def test_plane_faces_are_transported_rather_than_bent(motions, monkeypatch, limbed, crumpling, bends):
     motions(guided_with(0.6), by_warp_alone=0.1)
     monkeypatch.setattr(choosing, "_warp_crumpling", lambda *_arguments: crumpling)
     found = choice(shapes=(limbed, box((1.0, 2.0, 3.0))))
-    assert (found.kind, found.reason) == ("transport" if reason == "BENT" else "warp", reason)
-    assert found.left == 0.1
+    assert (found.kind, found.reason) == (("transport", "BENT") if bends else ("warp", "SOLID"))
+    assert found.left == (None if bends else 0.1)
     assert choice("warp", shapes=(limbed, box())).motion is WARP
+
+
+def test_a_warp_that_would_replace_a_map_is_not_used_if_it_bends(motions, monkeypatch):
+    motions(guided_with(0.6, crumpling=1.9), left=0.6, by_warp_alone=0.1)
+    shapes = (BOXES, BOXES.moved((0.0, 1.0, 0.0)))
+    monkeypatch.setattr(choosing, "_warp_crumpling", lambda *_arguments: 1.2)
+    assert choice(shapes=shapes).kind == "warp"
+    monkeypatch.setattr(choosing, "_warp_crumpling", lambda *_arguments: 1.4)
+    assert choice(shapes=shapes).record() == {
+        **{"kind": "transport", "reason": "BENT", "score": 0.6, "detour": 1.0},
+        "left": 0.1,
+    }
+
+
+def test_if_a_coarse_warp_fails_the_complete_one_tells(motions, monkeypatch):
+    motions(guided_with(0.6), warp=ResourceError("no memory"))
+    found = choice(shapes=(BOXES, box((1.0, 2.0, 3.0))))
+    assert (found.kind, found.reason, found.failure) == ("transport", "FAILED", "no memory")
 
 
 def test_outlines_move_shapes_that_they_determine_unless_there_are_guides_or_a_warp_is_asked_for(motions):
