@@ -30,7 +30,7 @@ from .promising_maps import may_map
 from .remaining_distance import remaining_share
 from .skinned_motion import following, with_skins
 from .turned_motion import Turning
-from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
+from .warp_motion import WarpEffort, WarpMotion, warp_motion
 
 # A guided motion that leaves more than this share of the distance between two shapes is completed by a warp. A coarse
 # one, which costs a tenth of the motion, is tried first. It fades on the way to the other shape, where it would leave
@@ -133,8 +133,10 @@ def _are_plane(shapes: Sequence[TriangleMesh]) -> bool:
 
 def _bends(request: MotionRequest, control: Control) -> Work[bool]:
     """Return whether a coarse warp crumples shapes, as it bends their plane faces then."""
+    shapes, names, pairs = request.shapes, request.names, request.pairs
     try:
-        return _warp_crumpling((yield from _warp(request, control, _COARSE)), request) > _BENT
+        warp = yield from warp_motion(shapes, names, pairs, request.coherence, control, effort=_COARSE)
+        return _warp_crumpling(warp, request) > _BENT
     except Cancelled:
         raise
     except FAILURES:
@@ -377,8 +379,8 @@ def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:
     return guided_motion(request.shapes, request.names, request.pairs, settings, request.guides, control)
 
 
-def _warp(request: MotionRequest, control: Control, effort: WarpEffort = USUAL_EFFORT) -> Work[WarpMotion]:
-    return warp_motion(request.shapes, request.names, request.pairs, request.coherence, control, effort)
+def _warp(request: MotionRequest, control: Control) -> Work[WarpMotion]:
+    return warp_motion(request.shapes, request.names, request.pairs, request.coherence, control)
 
 
 def _score(guided: GuidedMotion) -> float:

@@ -35,7 +35,7 @@ def guided_with(score, turn=0.0, detour=1.0, left_out=0, crumpling=1.0):
 def work_of(outcome):
     """Return a generator function that yields nothing and returns the outcome, or raises it."""
 
-    def work(*_arguments):
+    def work(*_arguments, **_options):
         if isinstance(outcome, Exception):
             raise outcome
         return outcome
