@@ -146,5 +146,4 @@ def boundary_curves(boundary: Boundary) -> list[ClosedCurve]:
 
 def boundary_of(curves: Sequence[ClosedCurve]) -> Boundary:
     """Return the boundary that consists of closed curves."""
-    starts = np.concatenate([curve.points for curve in curves])
-    return Boundary(starts, np.concatenate([np.roll(curve.points, -1, axis=0) for curve in curves]))
+    return Boundary.of_rings([curve.points for curve in curves])

@@ -42,6 +42,11 @@ class Boundary:
     starts: NDArray[np.float64]
     ends: NDArray[np.float64]
 
+    @classmethod
+    def of_rings(cls, rings: Sequence[NDArray[np.float64]]) -> Boundary:
+        """Return the edges of closed polygons, (n, 2) each, at least one, in their directions."""
+        return cls(np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]))
+
     @property
     def area(self) -> float:
         """The filled area."""
@@ -125,9 +130,8 @@ def filled_boundary(rings: Sequence[NDArray[np.float64]], rule: Rule) -> Boundar
     """
     if not rings:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2)))
-    starts = np.concatenate(rings).astype(np.float64)
-    ends = np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]).astype(np.float64)
-    return _resolved(starts, ends, rule)
+    edges = Boundary.of_rings(rings)
+    return _resolved(edges.starts.astype(np.float64), edges.ends.astype(np.float64), rule)
 
 
 def _resolved(starts: NDArray[np.float64], ends: NDArray[np.float64], rule: Rule) -> Boundary:

@@ -64,8 +64,7 @@ def boundary_rings(boundary: Boundary) -> list[NDArray[np.float64]]:
 def without_slivers(boundary: Boundary, share: float) -> Boundary:
     """Return a boundary without regions and holes of less than a share of the area."""
     least = share * boundary.area
-    rings = [ring for ring in boundary_rings(boundary) if abs(ring_area(ring)) >= least]
-    return Boundary(np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]))
+    return Boundary.of_rings([ring for ring in boundary_rings(boundary) if abs(ring_area(ring)) >= least])
 
 
 def keyholed(region: FlatRegion) -> NDArray[np.float64]:
