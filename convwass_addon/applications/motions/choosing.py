@@ -107,9 +107,7 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
-    turning = None
-    if request.kind == "automatic" and not request.guides:
-        turning = attempted(Turning.of, request, control)
+    turning = attempted(Turning.of, request, control) if request.is_free else None
     if turning is None:
         return (yield from _by_bodies(request, control))
     turned = turning.request
@@ -119,7 +117,7 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
 def _by_bodies(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the motion of the shapes, or of the outer surfaces of those whose bodies overlap."""
     skinned = attempted(with_skins, request, control) or request
-    if request.kind == "automatic" and not request.guides and _are_plane(request.shapes):
+    if request.is_free and _are_plane(request.shapes):
         bends = bool((yield from within(_bends(skinned, control), 0.0, _ROUGH_SHARE)))
         request, skinned = replace(request, bends=bends), replace(skinned, bends=bends)
     if skinned.shapes is request.shapes:

@@ -41,6 +41,11 @@ class MotionRequest:
     guides: Sequence[Guide] = ()
     bends: bool = False
 
+    @property
+    def is_free(self) -> bool:
+        """Whether the motion is chosen by the shapes alone."""
+        return self.kind == "automatic" and not self.guides
+
     def digest(self) -> bytes:
         """Return a hash of everything that is asked for, equal for equal requests."""
         sizes = [[len(shape.vertices), len(shape.faces)] for shape in self.shapes]

@@ -51,10 +51,23 @@ def remaining_share(
     float
         0 for equal shapes.
     """
-    apart = _distance([shapes[index].moved(-centroid(shapes[index])) for index in pair], cells, control)
+    apart = centered_distance([shapes[index] for index in pair], cells, control)
     if apart == 0.0:
         return 0.0
     return max(_distance(_moved(motion, len(shapes), pair, t), cells, control) for t in TIMES) / apart
+
+
+def centered_distance(shapes: Sequence[TriangleMesh], cells: int, control: Control = UNINTERRUPTED) -> float:
+    """Return W2 between two shapes with their centers of mass aligned, in their unit; 0 for equal shapes.
+
+    Parameters
+    ----------
+    shapes : sequence of TriangleMesh
+        The two shapes.
+    cells, control
+        As for :func:`remaining_share`.
+    """
+    return _distance([shape.moved(-centroid(shape)) for shape in shapes], cells, control)
 
 
 def _moved(motion: Motion, count: int, pair: tuple[int, int], t: float) -> list[TriangleMesh]:

@@ -24,7 +24,7 @@ from .limbs import is_compact
 from .motion import Motion, MovedShape
 from .motion_choice import MotionChoice
 from .motion_request import MotionRequest
-from .remaining_distance import remaining_share
+from .remaining_distance import centered_distance
 
 # Shapes turn if that leaves at most this share of the distance between them. From an upright egg to a lying one, it
 # leaves nothing.
@@ -97,22 +97,6 @@ class TurnedMotion:
 
 
 @dataclass(frozen=True)
-class _Meeting:
-    """Shapes that only move to the weighted mean of their centers, (k, 3); a :class:`.motion.Motion`."""
-
-    shapes: Sequence[TriangleMesh]
-    centers: NDArray[np.float64]
-
-    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
-        """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        offsets = np.asarray(weights, np.float64) @ self.centers - self.centers
-        return [
-            MovedShape(shape, shape.vertices + offset) if weight > 0 else None
-            for shape, offset, weight in zip(self.shapes, offsets, weights, strict=True)
-        ]
-
-
-@dataclass(frozen=True)
 class Turning:
     """Rotations that bring shapes much closer to each other.
 
@@ -144,9 +128,7 @@ class Turning:
         if np.linalg.norm(rotation_vectors(np.stack([move.rotation for move in moves])), axis=1).max() < _SMALLEST:
             return None
         shapes = [move.moved(shape) for shape, move in zip(request.shapes, moves, strict=True)]
-        meeting = _Meeting(shapes, np.stack([move.center for move in moves]))
-        only_turned = TurnedMotion.of(meeting, moves, 1.0)
-        left = max(remaining_share(only_turned, request.shapes, pair, _CELLS, control) for pair in request.pairs)
+        left = max(_share_left(request.shapes, shapes, pair, control) for pair in request.pairs)
         return cls(replace(request, shapes=shapes), moves, left) if left <= _MUCH_CLOSER else None
 
     def applied(self, found: MotionChoice) -> MotionChoice:
@@ -158,3 +140,11 @@ class Turning:
         between = np.stack([motion.turns[one].T @ motion.turns[other] for one, other in self.request.pairs])
         angle = float(np.degrees(np.linalg.norm(rotation_vectors(between), axis=1).max()))
         return replace(found, motion=motion, left=left, turned=angle)
+
+
+def _share_left(
+    shapes: Sequence[TriangleMesh], turned: Sequence[TriangleMesh], pair: tuple[int, int], control: Control
+) -> float:
+    """Return the distance of two turned shapes over that of the shapes; 0 for equal shapes."""
+    before, after = (centered_distance([own[index] for index in pair], _CELLS, control) for own in (shapes, turned))
+    return after / before if before > 0.0 else 0.0
