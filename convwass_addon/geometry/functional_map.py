@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from .products import product
 from .spectrum import Spectrum
 
-# Chosen by eye; docs/performance.md, "Soft maps", lists what functional maps achieve alone and in combination.
+# Chosen by eye; docs/performance, "Soft maps", lists what functional maps achieve alone and in combination.
 # Number of eigenfunctions of the first fit, how many each step adds, and where it ends.
 _FIRST, _STEP, _LAST = 20, 10, 120
 # Regularization that keeps the fit definite with fewer descriptors than functions.

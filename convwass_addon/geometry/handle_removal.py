@@ -17,18 +17,18 @@ from .labelling import Pieces
 from .level_topology import euler_numbers_within, hollows_below, pieces_above
 from .saddles import bridges, bridges_by_faces, lids, lids_by_corners
 
-# Chosen by eye; docs/performance.md, "Voxels and topology", and `python3 run.py bench quality` tell how many false
+# Chosen by eye; docs/performance, "Voxels and topology", and `python3 run.py bench quality` tell how many false
 # handles remain.
 # Radii of the change in cells.
 _RADII = (1.5, 2.25, 3.0, 4.5)
 # Wide changes move a lot from one frame to the next, so the first this many radii are tried alone before all of them.
 _NARROW = 2
 # A cut removes at most this many cells. More is a limb, which would be cut in another place or not at all in the next
-# frame (docs/performance.md, "Voxels and topology"): the fin of a rocket takes 32 to 45. The deepest cut that spares a
+# frame (docs/performance, "Voxels and topology"): the fin of a rocket takes 32 to 45. The deepest cut that spares a
 # cactus and a child a handle for two frames takes 28.
 _MOST_CUT = 30
 # Holes may be filled by a narrow change if their density is at least this fraction of the level. Between the rings of
-# scissors that become a snail, it is a quarter; with a half, the thick ring was cut (docs/performance.md).
+# scissors that become a snail, it is a quarter; with a half, the thick ring was cut (docs/performance).
 _DEEPEST = 0.1
 # The isosurface may separate cells at a saddle of their values if the saddle is at least this close to the level.
 _SLACK = 0.95

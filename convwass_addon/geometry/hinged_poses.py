@@ -24,7 +24,7 @@ from .swing_twist import turn_matrices
 
 # Rigidity is estimated from lines up to this fraction of the longest; a line with this strain has half the weight.
 # Parts whose relative rotation is below the damping, in radians, do not determine a joint. The strain was measured
-# (docs/performance.md, Motions).
+# (docs/performance, "Maps and registrations").
 _NEAR, _STRAIN, _DAMPING = 0.3, 0.1, 0.1
 # Lower limit of a sample's weight, so that every sample is constrained.
 _LEAST_WEIGHT = 1e-3

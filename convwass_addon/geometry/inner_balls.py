@@ -20,7 +20,7 @@ from scipy.spatial import cKDTree
 from .mesh import TriangleMesh
 from .normals import vertex_normals
 
-# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# Chosen by eye; docs/performance, "Skeletons", lists what these and the other constants of the fit achieve.
 # Rounds of shrinking, and the fraction of a ball's radius by which the surface may finally reach into it.
 _ROUNDS, _TOLERANCE = 40, 1e-3
 # Least distance, in radii, between two points where a ball touches the surface.

@@ -5,7 +5,7 @@
 On a side of a cube whose corners are alternately inside and outside, the corners inside are always separated. Both
 cubes of the side decide the same, so the surface is closed and every edge has two faces. The variant of
 scikit-image (Lewiner et al. 2003), which :mod:`.isosurface` uses for final surfaces, decides by the values instead;
-it takes more than twice the time (docs/performance.md, "Live blends").
+it takes more than twice the time (docs/performance, "Live blends").
 
 Corners of a cube are numbered by their offsets: bit `axis` of the number is the offset along that axis.
 """

@@ -14,7 +14,7 @@ def point_tree(points: ArrayLike) -> cKDTree:
     """Return a search tree of points on a surface, (n, d), possibly with their directions.
 
     Surfaces fill little of the space. Nodes that are neither balanced nor shrunk to their points are built in less than
-    half of the time. They answer as fast near the surface, and up to twice as fast far away (docs/performance.md,
+    half of the time. They answer as fast near the surface, and up to twice as fast far away (docs/performance,
     "Motions").
     """
     return cKDTree(points, leafsize=_LEAF, compact_nodes=False, balanced_tree=False)

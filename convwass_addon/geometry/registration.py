@@ -23,7 +23,7 @@ from .normals import triangle_normals, vertex_normals
 from .point_tree import point_tree
 from .unit_shape import TURN, UnitShape
 
-# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# Chosen by eye; docs/performance, "Soft maps", lists what these and the other constants of soft maps achieve.
 # A pair pulls like this multiple of the surface's area at weight one: firmly, compared with the nearest points below.
 _PAIR_WEIGHT = 20.0
 # Holds components of the source in place that nothing else constrains.

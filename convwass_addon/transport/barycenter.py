@@ -27,7 +27,7 @@ from .region import Region
 from .sharpening import entropy
 
 # Coarser levels are solved to this fraction of the tolerance. A larger fraction leaves errors that the finest level
-# corrects slowly; a smaller one saves it no rounds (docs/performance.md, "Constants of the barycenter").
+# corrects slowly; a smaller one saves it no rounds (docs/performance, "Constants of the barycenter").
 _COARSE_TOLERANCE = 0.6
 # A region grows by this many cells while its rim holds more than this fraction of the tolerance, so that the mass cut
 # off stays below the tolerance; a third or three times as much changes nothing (the same table).

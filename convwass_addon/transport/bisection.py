@@ -23,7 +23,7 @@ _LEVELS, _LEVELS_BELOW_TIMES = 5, 3
 # Frames solved together where each takes few sweeps: as many as hold this many values, but at least four, which make
 # the multi-column solves of a mesh efficient.
 _VALUES_AT_ONCE, _FEWEST_AT_ONCE = 1 << 17, 4
-# Nats by which a bound is raised at frames that do not converge under it. Chosen by eye; docs/performance.md,
+# Nats by which a bound is raised at frames that do not converge under it. Chosen by eye; docs/performance,
 # "Meshes", lists how far bounds had to be raised.
 _RELIEF = 1.0
 # Frames of this many first halvings are solved again, between nearer ones. Between distant ends of a body there are

@@ -23,7 +23,7 @@ from .sharpening import BOUNDED_STEP, sharpening_exponent
 # overflow float64, whose logarithms end at 709.
 _DEBIAS_RANGE = 700.0
 # Over-relaxation of v speeds up grids; it is switched off once a round leaves more than this fraction of the error. A
-# safeguard: normal convergence never triggers it (docs/performance.md, "Constants of the barycenter").
+# safeguard: normal convergence never triggers it (docs/performance, "Constants of the barycenter").
 _STALLED = 0.95
 # Damping of the step of d. A full step overshoots where the error of ln d varies slowly compared with the kernel;
 # where it varies faster, a step leaves 1 - (1 - s) of it. This value leaves the least overall (the same table).
@@ -34,7 +34,7 @@ _DEBIAS_MOMENTUM, _MOMENTUM_FALL = 0.6, 1.6
 # The largest change of ln d anywhere in the last step, which no measurement follows.
 _LAST_STEP = float(np.log(2.0))
 # Elements of a coarse barycenter below this fraction of the tolerance, relative to its maximum, are dropped on finer
-# levels, except within a margin (docs/performance.md, "Constants of the barycenter").
+# levels, except within a margin (docs/performance, "Constants of the barycenter").
 _NEGLIGIBLE_SHARE = 0.3
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # A coarser domain keeps the kernel of the finer one unless its width in coarse elements would be less than this; then
-# it keeps sigma (docs/performance.md, "Constants of the barycenter").
+# it keeps sigma (docs/performance, "Constants of the barycenter").
 _NARROWEST_COARSE = 1.25
 
 

@@ -11,7 +11,7 @@ from scipy.linalg import blas
 from .log_range import LOG_NOTHING, NEGLIGIBLE, floored_log
 
 # Width of a block in standard deviations: across one block the kernel falls by e^(-14^2 / 2) = e^-98, across two by
-# e^-392, and float64 holds e^-708 (timings are in docs/performance.md, "Barycenters on grids").
+# e^-392, and float64 holds e^-708 (timings are in docs/performance, "Barycenters on grids").
 _BLOCK = 14.0
 _LEAST_BLOCK = 8
 # A term further below the sum than this does not change it: e^-45 is 3e-20, and float64 sums are accurate to 1e-16.

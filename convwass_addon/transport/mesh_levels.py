@@ -19,10 +19,10 @@ from ..progress import UNINTERRUPTED, Control
 
 FEWEST_VERTICES = 8000
 """Coarsening a smaller mesh takes as long as solving on it: 24 steps take 0.8 CPU seconds on 1000 vertices, 3 on 10 000
-(docs/performance.md, "Meshes")."""
+(docs/performance, "Meshes")."""
 
 # Fraction of the vertices that the next coarser mesh keeps: half the resolution, as on grids. The gain of coarser
-# meshes is measured in docs/performance.md, "Meshes".
+# meshes is measured in docs/performance, "Meshes".
 _SHARE = 0.25
 
 

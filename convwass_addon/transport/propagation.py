@@ -21,7 +21,7 @@ from .rounds import COARSE_SHARE, RoundReports
 from .sharpening import entropy
 
 # Sweeps after which bounds are raised, where that is allowed. On meshes, converging solves take ten to thirty sweeps
-# and 57 in the worst case seen (docs/performance.md, "Meshes").
+# and 57 in the worst case seen (docs/performance, "Meshes").
 _PATIENCE = 60
 
 

@@ -17,7 +17,7 @@ from .sharpening import BOUNDED_STEP, sharpening_exponent
 from .sinkhorn import KernelInLogarithms, log_density, marginal_errors
 
 # Factor by which the momentum's eigenvalue range is wider than the exponent. With a smaller one, densities with two
-# peaks do not converge (docs/performance.md, "Meshes").
+# peaks do not converge (docs/performance, "Meshes").
 _RANGE = 2.0
 
 

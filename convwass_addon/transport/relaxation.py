@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 # Sweeps with one factor before the rate is estimated, over the last two of them. The gain with these numbers is
-# measured in docs/performance.md, "Distances and propagation"; the numbers themselves were chosen by eye.
+# measured in docs/performance, "Distances and propagation"; the numbers themselves were chosen by eye.
 _SWEEPS = 6
 _LARGEST = 1.9
 _GROWING = 0.995

@@ -18,7 +18,7 @@ from .soft_map_problem import SoftMapProblem
 from .surface import Surface
 
 # gamma over the squared mean edge length of the target. Chosen by eye: the whole map depends little on it, and
-# annealing it is as good or worse (docs/performance.md, "Soft maps").
+# annealing it is as good or worse (docs/performance, "Soft maps").
 GAMMA_PER_SQUARED_EDGE = 1.7
 
 

@@ -22,14 +22,14 @@ from .soft_map_problem import SoftMapProblem, SourceEdges, check_pairs
 from .surface import Surface
 
 # Fraction of the vertices that the coarse meshes keep. A map between them takes a thirtieth of the time, since a sweep
-# is a matrix product (0.3^3 = 1/37), and is as accurate (docs/performance.md, "Soft maps").
+# is a matrix product (0.3^3 = 1/37), and is as accurate (docs/performance, "Soft maps").
 _SHARE = 0.3
 # Coarsening smaller meshes takes as long as solving on them. Chosen by eye: a sweep's cost grows with the cube of the
 # vertices.
 _FEWEST_VERTICES = 250
 # Densities below exp(-20) of the largest are equal when one direction is compared with the other.
 _DEPTH = np.float32(20.0)
-# Weight of the mirrored map in every distribution (docs/performance.md, "Left and right").
+# Weight of the mirrored map in every distribution (docs/performance, "Left and right").
 _MIRRORED = 0.5
 
 

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
 
-# Chosen by eye; accuracy and speed of the filter are measured in docs/performance.md, "Sphere".
+# Chosen by eye; accuracy and speed of the filter are measured in docs/performance, "Sphere".
 # Number of repetitions of the blurs, which share the variance equally.
 _STEPS = 2
 # Azimuths over which the blur along meridians is averaged.

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ..geometry.products import contract
 from .log_range import NEGLIGIBLE
 
-# Chosen by eye; the costs of the kernel are measured in docs/performance.md, "Sphere".
+# Chosen by eye; the costs of the kernel are measured in docs/performance, "Sphere".
 # Number of longitude offsets that share a matrix product, whose result is then added once.
 _OFFSETS = 8
 # If the nonzero rows are polar caps of less than this fraction of all rows, the caps are multiplied separately.

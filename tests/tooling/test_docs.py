@@ -19,14 +19,13 @@ from convwass_addon.applications.morphs.diagnostics import TEXTS
 from convwass_addon.cli import program
 
 PROJECT = Path(__file__).resolve().parents[2]
-PAGES = sorted(
-    path for folder in (".", "docs", "docs/api", "docs/scripts", "assets") for path in (PROJECT / folder).glob("*.md")
-)
+_FOLDERS = (".", "docs", "docs/api", "docs/performance", "docs/scripts", "assets")
+PAGES = sorted(path for folder in _FOLDERS for path in (PROJECT / folder).glob("*.md"))
 NAMES = [command.name for command in program.COMMANDS]
 # Placeholders in examples.
 _PLACEHOLDERS = ("COMMAND", "…")
 # Pages that name options of other programs or removed options.
-_TELLS_OF_OTHERS = ("CHANGELOG.md", "performance.md")
+_TELLS_OF_OTHERS = (PROJECT / "CHANGELOG.md", *(PROJECT / "docs" / "performance").glob("*.md"))
 
 _LINK = re.compile(r"\]\(([^()\s]+)\)")
 _BLOCK = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
@@ -133,7 +132,7 @@ def test_a_wrong_command_is_detected():
         understood_by_run(["pakcage"])
 
 
-@pytest.mark.parametrize("page", [page for page in PAGES if page.name not in _TELLS_OF_OTHERS], ids=shown)
+@pytest.mark.parametrize("page", [page for page in PAGES if page not in _TELLS_OF_OTHERS], ids=shown)
 def test_options_exist(page):
     known = {"--python", "--blender", "--check", "--help", "--command", "--only", "--out", "--glb"}
     # Options of the tests that install the extension.

@@ -12,7 +12,7 @@ from .. import memory
 # Bytes per vertex at the peak of building a surface, measured with cholespy on spheres of 10 000 to 164 000 vertices.
 _BUILD_BYTES = 3500
 # Bytes per vertex: of a frame, while it is stored and when it is passed on; of the solver and the coarser meshes at
-# their peak, slightly above the 3800 of a whole run at 500 000 vertices (docs/performance.md, "Meshes", memory); and of
+# their peak, slightly above the 3800 of a whole run at 500 000 vertices (docs/performance, "Meshes", memory); and of
 # every edge of a graph, whose scalings are solved together, with copies.
 _FRAME_BYTES = 16
 _WORK_BYTES = 4000

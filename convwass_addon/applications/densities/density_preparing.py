@@ -12,7 +12,7 @@ from ...transport import Surface
 
 LARGE = 100_000
 """Number of vertices from which on preparations are reported: below it they take up to 6.5 CPU seconds
-(docs/performance.md, "Meshes")."""
+(docs/performance, "Meshes")."""
 
 DRAWN_SECONDS = 0.2
 """Time for the window to redraw before it blocks; chosen: a few of its frames."""

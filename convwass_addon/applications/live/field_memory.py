@@ -16,7 +16,7 @@ from .weight_layouts import WeightLayout
 
 # Share of the free memory that fields may take.
 _MEMORY_SHARE = 0.25
-# Memory of the colors of a field relative to that of its values (docs/performance.md, "Live blends").
+# Memory of the colors of a field relative to that of its values (docs/performance, "Live blends").
 _COLOR_SHARE = 0.4
 
 

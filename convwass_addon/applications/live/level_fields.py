@@ -4,7 +4,7 @@
 
 The level field of a blend is zero on its surface, positive inside, and -1 where the density is zero. Fields of
 neighboring blends differ little, so the zero set of their mean is close to the surface of the blend between them
-(docs/performance.md, "Live blends").
+(docs/performance, "Live blends").
 """
 
 from __future__ import annotations
@@ -86,7 +86,7 @@ class LevelField:
     """The level field of one blend.
 
     It is stored only where the density is positive: on average 40 % of the cells that all blends of three shapes
-    together need (docs/performance.md, "Live blends").
+    together need (docs/performance, "Live blends").
 
     Attributes
     ----------

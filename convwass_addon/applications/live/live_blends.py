@@ -50,7 +50,7 @@ FADE = 0.4
 _FINE, _STAND_IN = 56, 48
 # Smaller weights are zero: a frame of a long bake has no smaller ones.
 _LEAST_WEIGHT = 1.0 / 500.0
-# On pads 16 steps are accurate to 0.03 cells (docs/performance.md, "Live blends"), and refining them takes up to four
+# On pads 16 steps are accurate to 0.03 cells (docs/performance, "Live blends"), and refining them takes up to four
 # times the memory.
 _FAR_ON_PADS = np.inf
 # Blends at the hand are solved to this tolerance, twice the usual one, until the lattice is there.

@@ -22,7 +22,7 @@ from .transport_problem import MorphPart, TransportProblem
 _WIDEN = 1.25
 # The errors of a distant start decay slowly, and have the opposite sign of those without a start. A blend further than
 # this from the one it starts from, and one without a start, are solved to this fraction of the automatic tolerance
-# (docs/performance.md, "Few frames").
+# (docs/performance, "Few frames").
 _FAR, _FROM_AFAR, _FROM_NEAR, _FROM_NOTHING = 1.0 / 12.0, 0.35, 0.4, 0.3
 
 ALONE = 0.7

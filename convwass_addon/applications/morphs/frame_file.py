@@ -9,7 +9,7 @@ requested; ``tangents`` (k, n, 3), if the inputs move; and ``triangles`` (k, m),
 ``inside.i``, a mask of the cells with potentials, and ``columns.i``, the potentials.
 
 Positions are rounded far below the size of a cell, so that a frame takes a fifth of its size in memory
-(docs/performance.md, "Stored frames"). The arrays of a surface have the form of :mod:`.compact_arrays`, and the header
+(docs/performance, "Stored frames"). The arrays of a surface have the form of :mod:`.compact_arrays`, and the header
 has the ``rounding`` of every array of positions: its exponent and its lowest corners. Origins and tangents are relative
 to the rounded vertices. Positions that are too far apart for that are stored as they are, and have no rounding.
 """

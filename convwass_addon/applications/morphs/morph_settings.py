@@ -19,7 +19,7 @@ _CRISP_FROM = 0.85
 # to a distant shape exceed its range; with 1.25 none did. Other pairs widen it automatically (`blend_solver`).
 _CELLS_PER_BLUR = 80.0
 # With a sharpness s, errors that the kernel blurs away fall by 1 - s a round: near 1 they never do, and wrinkles stay
-# (docs/performance.md, "Sharpness").
+# (docs/performance, "Sharpness").
 _SHARPEST = 0.95
 # The automatic tolerance. That of the debiasing density falls with 1 - s beyond the automatic sharpness, because the
 # errors that the kernel does not show grow as much.

@@ -32,7 +32,7 @@ _NEAR_ENOUGH = 1.5
 # Meshes that cannot be simplified are used unchanged up to this many times the vertices of a carrier.
 _BEARABLE = 8
 # Number of sampled vertices, the distance up to which they are linked, in sizes of the surface, and the stiffness of
-# their positions, which hold the surface over a twentieth of its size (docs/performance.md, Motions).
+# their positions, which hold the surface over a twentieth of its size (docs/performance, "Maps and registrations").
 _SAMPLES, _REACH, _ANCHORING = 300, 0.4, 400.0
 
 

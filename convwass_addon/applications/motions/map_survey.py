@@ -26,7 +26,7 @@ from .pair_maps import PairMap, mirrored_map
 from .pair_proposals import FROM_MAP, proposed, total_cost, trusted
 from .pair_registration import carried, draft_of
 
-# Numbers of vertices of the maps, each of which takes a second (docs/performance.md, "Left and right").
+# Numbers of vertices of the maps, each of which takes a second (docs/performance, "Left and right").
 _VERTICES = (160, 240, 320, 400)
 # What shapes without a common mirror plane count as their cost of losing left and right; chosen by eye.
 _ASKEW = 2.0

@@ -28,7 +28,7 @@ from .pair_proposals import FROM_MAP, Proposal, agree, all_mended, judged, propo
 # Number of vertices of the coarse meshes on which several starts are tried.
 _DRAFT_VERTICES = 1500
 # Strain at which robust weights fall, so that joints bend and the parts between them keep their lengths, and the stages
-# with these weights (docs/performance.md, Motions).
+# with these weights (docs/performance, "Maps and registrations").
 _GIVE = 0.2
 _TIGHTENING = (Stage(30.0, 20.0, 0.05, 2, _GIVE), Stage(100.0, 0.0, 0.04, 6, _GIVE, 0.1))
 # Another registration is taken if its energy, or what its confidence lacks, is less than this share, so that rounding

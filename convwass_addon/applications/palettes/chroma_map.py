@@ -21,7 +21,7 @@ SIGMA = 4.0
 
 _BIN = 2.0 * REACH / BINS
 _TOLERANCE = 1e-3
-# Chosen by eye; the resulting maps are measured in docs/performance.md, "Palettes".
+# Chosen by eye; the resulting maps are measured in docs/performance, "Palettes".
 # Fraction of the largest bin below which an average is unreliable and a wider one is used.
 _FLOOR = 1e-6
 _LEAST_SMOOTHING, _WIDENING = 0.35, 1.6

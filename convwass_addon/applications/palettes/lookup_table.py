@@ -70,7 +70,7 @@ def lookup_table(change: Recoloring, size: int = 65) -> LookupTable:
     change : Recoloring
         A recoloring with the desired strength; its edge-aware filter is ignored, because a table has no neighbors.
     size : int
-        Number of colors along an edge; errors are measured in `docs/performance.md`.
+        Number of colors along an edge; errors are measured in `docs/performance`.
 
     Raises
     ------

@@ -16,7 +16,7 @@ from ...transport import Surface
 from ..workers import one_blas_thread
 from .skeleton_bodies import SkeletonBody, skeleton_body
 
-# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# Chosen by eye; docs/performance, "Skeletons", lists what these and the other constants of the fit achieve.
 # Blur along the surface, in half thicknesses behind the point, that moves the mean to the middle of a limb.
 _REACH = 2.0
 # Least blur in mean edge lengths: narrower kernels resolve edges, not the surface.

@@ -27,7 +27,7 @@ from .skeleton_notices import bone_notices
 from .skeleton_settings import SkeletonSettings
 from .skeleton_settling import settled
 
-# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# Chosen by eye; docs/performance, "Skeletons", lists what these and the other constants of the fit achieve.
 # If the mean of a joint lies outside, the layout is repeated with a kernel wider by this factor, at most this often.
 _NOTCH, _NOTCHES = 1.6, 2
 # Depth below the surface, in diagonals of the body, to which joints outside are moved.

@@ -21,7 +21,7 @@ from ...geometry.solid_angles import Inside
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains, spaced
 
-# Chosen by eye; docs/performance.md, "Skeletons", lists what these and the other constants of the fit achieve.
+# Chosen by eye; docs/performance, "Skeletons", lists what these and the other constants of the fit achieve.
 # Weight that holds a branching joint where it was laid out, relative to the pull of its bones.
 _ANCHOR_WEIGHT = 0.25
 _ROUNDS = 10

@@ -19,7 +19,7 @@ from ...progress import UNINTERRUPTED, Control
 from .map_sides import MapSide
 from .surface_maps import VertexInterpolation
 
-# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# Chosen by eye; docs/performance, "Soft maps", lists what these and the other constants of soft maps achieve.
 # A mesh with up to this multiple of the target vertices is used directly, since coarsening would gain little.
 _NEAR_ENOUGH = 1.3
 # Largest fraction of the vertices in a coarser mesh.

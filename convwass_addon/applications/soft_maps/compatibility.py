@@ -26,7 +26,7 @@ from .shape_descriptors import ShapeDescriptors, differences, shape_descriptors
 from .soft_map_settings import SoftMapSettings
 
 # Weight of the squared distance from the match, relative to the size of the surface (the square root of its area). The
-# cost is limited to 1, reached at a distance of 0.16. Steeper costs are worse (docs/performance.md, "Soft maps").
+# cost is limited to 1, reached at a distance of 0.16. Steeper costs are worse (docs/performance, "Soft maps").
 _STEEPNESS = 40.0
 # The same for the initial guess, where matches are less precise; distances beyond 0.32 are not needed.
 _ROUGH_STEEPNESS = 10.0

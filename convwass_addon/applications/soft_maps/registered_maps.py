@@ -17,7 +17,7 @@ from ...geometry.rotations import best_turn
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 
-# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# Chosen by eye; docs/performance, "Soft maps", lists what these and the other constants of soft maps achieve.
 # Number of pairs that determine the rotation of one surface relative to the other.
 _ENOUGH = 3
 # The mirrored source is tried if aligning it by pairs leaves at most this multiple of the unmirrored error.

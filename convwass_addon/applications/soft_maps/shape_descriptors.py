@@ -16,7 +16,7 @@ from ...geometry.unit_shape import UnitShape
 
 _FUNCTIONS = 120
 _ENERGIES = 50
-# Chosen by eye; docs/performance.md, "Soft maps", lists what these and the other constants of soft maps achieve.
+# Chosen by eye; docs/performance, "Soft maps", lists what these and the other constants of soft maps achieve.
 # Weight of marked points relative to signatures. Marked points are weighted by 1 / (0.1 + d)^2 with the distance d;
 # differences of distances are relative to the distance, or to 0.05 if that is larger.
 _MARKS, _NEARNESS, _SHORT = 3.0, 0.1, 0.05

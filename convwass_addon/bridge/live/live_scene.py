@@ -131,7 +131,7 @@ class LiveScene:
 def write_triangles(mesh: bpy.types.Mesh, triangles: TriangleMesh) -> None:
     """Replace the geometry of a mesh as fast as possible; its materials are kept.
 
-    Attributes take arrays at a third of the time of the lists of vertices and corners (docs/performance.md, "Live
+    Attributes take arrays at a third of the time of the lists of vertices and corners (docs/performance, "Live
     blends").
     """
     count = len(triangles.faces)

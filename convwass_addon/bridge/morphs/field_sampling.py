@@ -36,7 +36,7 @@ from .stored_fields import BAND, COLOR, ENCLOSED, FIELD, LOSES_PARTS, OFFSET, SC
 _MARGIN = 3
 # A part is missing where so many samples in it are lost, at least so deep inside of it, in cells.
 _LEAST_LOST, _LEAST_HALF = 4, 0.4
-# More samples take more than a second for each moment (docs/performance.md, "Moments of players").
+# More samples take more than a second for each moment (docs/performance, "Moments of players").
 _MOST_SAMPLES = 4_000_000
 
 

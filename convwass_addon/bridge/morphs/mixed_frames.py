@@ -48,7 +48,7 @@ _SHAPE = "shape"
 # With a weight above this, a mixture counts as a single blend.
 _ALONE = 1.0 - 1e-3
 # Vertices are moved by at most this many cells to enclose the mixed volume; where a mixture misses a thin part, the
-# rest must not swell visibly (docs/performance.md, "Moments of players").
+# rest must not swell visibly (docs/performance, "Moments of players").
 _MOST_INFLATED = 0.2
 _KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
 _OWN = ("position", CUSTOM_NORMAL, LOOKS)
