@@ -304,6 +304,8 @@ PROPS = (
     CoherencePair("pawn to rook", OTHER_BUILD, _props(props.pawn, props.rook)),
     CoherencePair("goblet to bottle", OTHER_BUILD, _props(props.goblet, props.bottle)),
     CoherencePair("barrel to goblet", OTHER_BUILD, _props(props.barrel, props.goblet)),
+    CoherencePair("wine glass to vase", OTHER_BUILD, _props(props.wine_glass, props.vase)),
+    CoherencePair("pawn to bowl", OTHER_BUILD, _props(props.pawn, props.bowl)),
     CoherencePair("bottle to lying rook", OTHER_BUILD, _props(props.bottle, lambda: props.lying(props.rook()))),
     CoherencePair("table to crate", OTHER_BUILD, _props(props.table, props.crate)),
     CoherencePair("sofa to bed", OTHER_BUILD, _props(props.sofa, props.bed)),

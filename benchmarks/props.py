@@ -127,6 +127,24 @@ def goblet() -> TriangleMesh:
     return revolved(smooth([*foot, (0.45, 0.85), (0.5, 1.4), (0.42, 1.4), (0.36, 0.95), (0.0, 0.85)]))
 
 
+def wine_glass() -> TriangleMesh:
+    """Return a wine glass with a thin wall."""
+    foot = [(0.0, 0.0), (0.4, 0.0), (0.38, 0.05), (0.06, 0.1), (0.05, 0.7), (0.25, 0.8), (0.42, 1.1), (0.38, 1.5)]
+    return revolved(smooth([*foot, (0.35, 1.5), (0.385, 1.1), (0.23, 0.84), (0.0, 0.78)]))
+
+
+def vase() -> TriangleMesh:
+    """Return a hollow vase with edges."""
+    wall = [(0.0, 0.0), (0.3, 0.0), (0.45, 0.3), (0.5, 0.6), (0.35, 1.0), (0.25, 1.2), (0.35, 1.4)]
+    return revolved([*wall, (0.3, 1.4), (0.2, 1.2), (0.3, 1.0), (0.45, 0.6), (0.4, 0.3), (0.25, 0.06), (0.0, 0.06)])
+
+
+def bowl() -> TriangleMesh:
+    """Return a bowl on a foot."""
+    outside = [(0.0, 0.0), (0.35, 0.0), (0.38, 0.05), (0.7, 0.35), (0.85, 0.7)]
+    return revolved(smooth([*outside, (0.79, 0.7), (0.64, 0.4), (0.3, 0.12), (0.0, 0.1)]))
+
+
 def barrel() -> TriangleMesh:
     """Return a barrel."""
     return revolved(smooth([(0.0, 0.0), (0.42, 0.0), (0.5, 0.3), (0.54, 0.6), (0.5, 0.9), (0.42, 1.2), (0.0, 1.2)]))

@@ -86,7 +86,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
             Block.compared(pair)
             for pair in (
                 *("star to heart", "ring to C", "bottle to lying rook"),
-                *("goblet to bottle", "robot to chair", "locomotive to car"),
+                *("wine glass to vase", "robot to chair", "locomotive to car"),
             )
         ],
     }

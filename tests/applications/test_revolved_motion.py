@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.props import revolved
+from benchmarks.props import bottle, pawn, revolved, vase
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.revolved_motion import revolved_motion
@@ -19,6 +19,10 @@ CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
 LARGER = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])
 CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.85, 1.5), (0.65, 0.15), (0.0, 0.15)])
 BOWL = revolved([(0.0, 0.0), (0.6, 0.0), (1.6, 0.8), (1.45, 0.85), (0.5, 0.2), (0.0, 0.2)])
+# Alike if one of them is turned upside down.
+PIN = revolved([(0.0, 0.0), (0.3, 0.0), (0.4, 0.6), (0.2, 1.3), (0.2, 1.9), (0.0, 1.9)])
+BULB = revolved([(0.0, 0.0), (0.2, 0.0), (0.2, 0.5), (0.5, 1.1), (0.3, 1.6), (0.0, 1.6)])
+VASE, BOTTLE, PAWN = vase(), bottle(), pawn()
 TIMES = (0.25, 0.5, 0.75)
 
 
@@ -48,7 +52,7 @@ def test_a_cone_that_grows_stays_a_cone():
 
 
 @pytest.mark.parametrize("time", TIMES)
-@pytest.mark.parametrize(("first", "second"), [(CUP, BOWL), (CONE, LARGER)])
+@pytest.mark.parametrize(("first", "second"), [(CUP, BOWL), (CONE, LARGER), (PIN, BULB), (PAWN, BOWL)])
 def test_moved_shapes_coincide_and_are_revolved(first, second, time):
     moved = choice(first, second.moved((2.0, 0.0, 0.0))).motion.moved([1.0 - time, time])
     center = (2.0 * time, 0.0, 0.0)
@@ -56,6 +60,22 @@ def test_moved_shapes_coincide_and_are_revolved(first, second, time):
         assert asideness(own.mesh, (0.0, 0.0, 1.0), center) < 0.05
         assert other.finder.find(own.vertices).distances.max() < 0.05
     assert moved[0].mesh.volume == pytest.approx(moved[1].mesh.volume, rel=0.03)
+
+
+@pytest.mark.parametrize("time", TIMES)
+def test_a_vase_that_fills_up_has_the_volume_of_similar_shapes(time):
+    found = choice(VASE, BOTTLE)
+    assert (found.kind, found.reason) == ("guided", "OUTLINES")
+    wanted = ((1.0 - time) * np.cbrt(VASE.volume) + time * np.cbrt(BOTTLE.volume)) ** 3
+    for own in found.motion.moved([1.0 - time, time]):
+        assert wanted / 1.06 < own.mesh.volume < 1.06 * wanted
+        assert asideness(own.mesh, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)) < 0.05
+
+
+def test_nothing_is_turned_upside_down():
+    moved = choice(PIN, BULB).motion.moved([0.5, 0.5])[0]
+    top = PIN.vertices[:, 2] > 1.8
+    assert moved.vertices[: len(PIN.vertices)][top, 2].min() > moved.mesh.bounds[1, 2] - 0.1
 
 
 def test_points_of_the_axis_stay_on_it():

@@ -155,7 +155,7 @@ class GuidedMotion:
         turns = sum(share * found.turns for share, found in others)
         offsets = (1.0 - stiffness) * sum(share * found.offsets for share, found in others)
         scale = stays + sum(share * found.scale for share, found in others)
-        stretches = stays * np.eye(3) + sum(share * found.stretches for share, found in others)
+        stretches = self.settings.mean_stretch([(share, found.stretches) for share, found in others])
         rest = mesh.vertices[links.ends[:, 0]] - mesh.vertices[links.ends[:, 1]]
         link_stretches = stays * rest + sum(share * found.link_stretches for share, found in others)
         if stiffness > 0:

@@ -4,9 +4,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+from numpy.typing import NDArray
+
 from ...errors import InputError
+from ...geometry.mean_stretches import Parts, arithmetic_mean
 from .coherence import check_coherence, excess_at, way_at
 
 
@@ -24,11 +29,14 @@ class GuidedSettings:
         Approximate number of vertices of the coarse meshes on which maps are solved.
     carrier_vertices : int
         Meshes with more than 1.5 times as many vertices are deformed by a coarser mesh of about this many vertices.
+    mean_stretch : callable
+        Interpolates the stretches of triangles; see :mod:`.mean_stretches`.
     """
 
     coherence: float = 0.5
     map_vertices: int = 1000
     carrier_vertices: int = 6000
+    mean_stretch: Callable[[Parts], NDArray[np.float64]] = arithmetic_mean
 
     def __post_init__(self) -> None:
         """Check the settings; raises InputError."""

@@ -13,7 +13,8 @@ from ...progress import Control
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from .extruded_shape import ExtrudedShape
-from .section_motion import SectionMotion, moved_sections
+from .outline_motion import outline_motion
+from .section_motion import SectionMotion
 
 
 def extruded_motion(request: MotionRequest, control: Control) -> MotionChoice | None:
@@ -28,8 +29,9 @@ def extruded_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     if found is None:
         return None
     frame, extrusions = found
-    moved = moved_sections(request, [own.section for own in extrusions], control)
-    if moved is None:
+    sections = [own.section for own in extrusions]
+    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control)
+    if moved is None or moved.is_distorted:
         return None
     flat = moved.choice.motion
     shapes = tuple(

@@ -11,8 +11,9 @@ from ...progress import Control
 from ..motions.motion_choice import attempted
 from ..workers import one_blas_thread
 from .hole_openings import surplus_holes, with_open_holes
+from .matched_outlines import matched_outlines
 from .moved_sheets import MatchedShapes, MovedSheets, least_cost, moved_sheets
-from .outline_pairs import KnownMatches, ShapePair
+from .outline_pairs import CurveMatcher, KnownMatches, ShapePair
 from .outlined_shape import OutlinedShape
 from .region_counts import with_equal_counts
 from .sliding_outlines import least_distorted
@@ -38,6 +39,7 @@ def outline_motion(
     pairs: Sequence[tuple[int, int]],
     coherence: float,
     control: Control,
+    match: CurveMatcher = matched_outlines,
 ) -> MovedSheets | None:
     """Return the guided motion of flat shapes, or None if one has more than `MOST_REGIONS` regions, or none.
 
@@ -56,12 +58,14 @@ def outline_motion(
         As for :class:`.GuidedSettings`.
     control : Control
         Stops the work.
+    match : callable
+        Matches two curves around regions, as :func:`.matched_outlines.matched_outlines` does.
     """
     shapes = [OutlinedShape.of(part) for part in parts]
     if not all(1 <= len(shape.regions) <= MOST_REGIONS for shape in shapes):
         return None
     completed = {_points(own): own for own in (with_equal_counts(shapes, pairs, share) for share in _LEAST_SHARES)}
-    known = KnownMatches()
+    known = KnownMatches(match)
     with one_blas_thread():
         closed, whole = None, shapes
         for own in completed.values():

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -14,7 +15,11 @@ from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.curve_maps import CurveMap, even_map
 from ...geometry.plane_angles import best_turn, signed_angles
 from .matched_outlines import MatchedOutlines, matched_outlines, placed_outlines
+from .outline_curves import OutlineCurve
 from .outlined_shape import OutlinedShape
+
+CurveMatcher = Callable[[OutlineCurve, OutlineCurve], list[MatchedOutlines]]
+"""Matches two curves around regions in one or more ways, the first of which is as they are placed."""
 
 # Samples of an outline by which the inside is mapped.
 _SAMPLES = 256
@@ -88,8 +93,15 @@ class ShapePair:
 
 @dataclass(frozen=True)
 class KnownMatches:
-    """Matches of curves around regions, which are the same however other regions are completed."""
+    """Matches of curves around regions, which are the same however other regions are completed.
 
+    Attributes
+    ----------
+    match : callable
+        Matches two curves.
+    """
+
+    match: CurveMatcher = matched_outlines
     _found: dict[tuple[int, int], tuple[ClosedCurve, ClosedCurve, list[MatchedOutlines]]] = field(default_factory=dict)
 
     def of(self, one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
@@ -98,8 +110,15 @@ class KnownMatches:
         # The curves are kept, so that their numbers are not used again.
         key = id(first), id(second)
         if key not in self._found:
-            self._found[key] = first, second, _matched(one, index, other, there)
+            self._found[key] = first, second, self._matched(one, index, other, there)
         return self._found[key][2]
+
+    def _matched(self, one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
+        """Match two curves; those that differ in size only, as the curves of points do, match at once."""
+        first, second = one.curves[index], other.curves[there]
+        if _are_similar(first, second):
+            return [MatchedOutlines(even_map(first, second), 0.0, 0.0, swings=False)]
+        return self.match(one.curve(index), other.curve(there))
 
 
 def vanishing_share(one: OutlinedShape, other: OutlinedShape) -> float:
@@ -140,14 +159,6 @@ def region_pairs(one: OutlinedShape, other: OutlinedShape) -> list[tuple[int, in
         places.append(np.column_stack([centers, np.sqrt([own.area for own in filled])]))
     away = np.square(places[0][:, None] - places[1]).sum(axis=2)
     return [(int(region), int(there)) for region, there in zip(*linear_sum_assignment(away), strict=True)]
-
-
-def _matched(one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
-    """Match two curves around regions; curves that differ in size only, as those of points do, match at once."""
-    first, second = one.curves[index], other.curves[there]
-    if _are_similar(first, second):
-        return [MatchedOutlines(even_map(first, second), 0.0, 0.0, swings=False)]
-    return matched_outlines(one.curve(index), other.curve(there))
 
 
 def _are_similar(one: ClosedCurve, other: ClosedCurve) -> bool:

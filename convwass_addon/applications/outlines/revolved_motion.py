@@ -9,8 +9,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.closed_curves import boundary_curves
 from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.mean_stretches import area_preserving_mean
 from ...geometry.mesh import TriangleMesh
+from ...geometry.planar_fill import Boundary
 from ...geometry.revolution import Revolution, common_revolutions
 from ...geometry.ring_nesting import outline_of
 from ...geometry.subdivision import Subdivision, bendable
@@ -18,11 +21,20 @@ from ...progress import Control
 from ..motions.motion import MovedShape
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
-from .section_motion import SectionMotion, moved_sections
+from .agreeing_motion import AgreeingMotion
+from .even_volume import EvenVolumeMotion
+from .matched_outlines import MatchedOutlines, placed_outlines
+from .outline_curves import OutlineCurve
+from .outline_motion import outline_motion
+from .section_motion import SectionMotion
 from .sheets import AttachedPoints
 
-# A section is symmetric all along the way if both sides differ at most by this share of the square root of its area.
+# A section is symmetric all along the way if both sides differ at most by this share of its longest side.
 _SYMMETRIC = 0.05
+# Largest share of the area of a section that may overlap itself on the way.
+_MOST_OVERLAP = 0.03
+# Least and largest distance of a chord from the axis, relative to that of its ends; for three sides, it is one half.
+_SAG = 0.5, 1.0
 
 
 @dataclass(frozen=True)
@@ -34,7 +46,12 @@ class RevolvedShape:
     divided : Subdivision
         The shape in scene space, with long edges divided.
     right, left : AttachedPoints
-        The places of its vertices in the section, and their mirror images.
+        The places on the outline of the section nearest to its vertices, and their mirror images.
+    shares : (n,) float64
+        Distances of the vertices from the axis, relative to those of these places. Edges around the axis are chords,
+        whose sag would grow where a thin wall becomes thick.
+    offsets : (n, 2) float64
+        The rest of their differences from these places: away from the axis, and along it.
     directions : (n, 3) float64
         Unit vectors from the axis to the vertices.
     axis : (3,) float64
@@ -44,6 +61,8 @@ class RevolvedShape:
     divided: Subdivision
     right: AttachedPoints
     left: AttachedPoints
+    shares: NDArray[np.float64]
+    offsets: NDArray[np.float64]
     directions: NDArray[np.float64]
     axis: NDArray[np.float64]
 
@@ -56,17 +75,21 @@ class RevolvedShape:
         points = (divided.mesh.vertices - found.center) @ frame.T
         radii = np.hypot(points[:, 0], points[:, 2])
         away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
+        profile = np.column_stack([radii, points[:, 1]])
+        places = _on_outline(found.section, profile)
         finder = ClosestPointFinder(section.corners)
         right, left = (
-            AttachedPoints.of(np.column_stack([side * radii, points[:, 1]]), section.vertices, section.faces, finder)
-            for side in (1.0, -1.0)
+            AttachedPoints.of(places * (side, 1.0), section.vertices, section.faces, finder) for side in (1.0, -1.0)
         )
-        return cls(divided, right, left, (away * (1.0, 0.0, 1.0)) @ frame, frame[1])
+        shares = np.divide(radii, places[:, 0], out=np.ones_like(radii), where=places[:, 0] > 0.0).clip(*_SAG)
+        offsets = profile - places * np.column_stack([shares, np.ones_like(shares)])
+        return cls(divided, right, left, shares, offsets, (away * (1.0, 0.0, 1.0)) @ frame, frame[1])
 
     def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
         """Return the shape for its moved section, about a point; see :class:`.section_motion.SectionShape`."""
         right, mirrored = self._sides(section)
-        away, along = (0.5 * (right + mirrored)).T[..., None]
+        away, along = 0.5 * (right + mirrored).T
+        away, along = (self.shares * away + self.offsets[:, 0])[:, None], (along + self.offsets[:, 1])[:, None]
         vertices = place + away * self.directions + along * self.axis
         return MovedShape(self.divided.mesh, vertices, self.divided.parents)
 
@@ -86,8 +109,8 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     Returns
     -------
     MotionChoice or None
-        None if a shape is not revolved, if sections have different numbers of regions or holes, would be distorted too
-        much, or are turned.
+        None if a shape is not revolved, or if sections have different numbers of regions or holes, do not stay
+        symmetric, or overlap themselves.
     """
     found = common_revolutions(request.shapes)
     if found is None:
@@ -96,10 +119,10 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     sections = [own.section for own in revolutions]
     if len({tuple(len(region.holes) for region in outline_of(own).regions) for own in sections}) > 1:
         return None
-    moved = moved_sections(request, sections, control)
-    if moved is None or moved.choice.turned:
+    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control, _upright)
+    if moved is None or moved.overlap > _MOST_OVERLAP:
         return None
-    flat = moved.choice.motion
+    flat = _preserving_areas(moved.choice.motion)
     shapes = tuple(
         RevolvedShape.of(mesh, own, frame, carrier.rest)
         for mesh, own, carrier in zip(request.shapes, revolutions, flat.guided.carriers, strict=True)
@@ -109,7 +132,30 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
         weights[list(pair)] = 0.5
         halfway = flat.moved(weights)
         for index in pair:
-            if shapes[index].asymmetry(halfway[index].mesh) > _SYMMETRIC * np.sqrt(sections[index].area):
+            if shapes[index].asymmetry(halfway[index].mesh) > _SYMMETRIC * np.ptp(sections[index].bounds, axis=0).max():
                 return None
     centers = np.stack([own.center for own in revolutions])
-    return replace(moved.choice, motion=SectionMotion(flat, shapes, centers))
+    volumes = np.array([mesh.volume for mesh in request.shapes])
+    motion = EvenVolumeMotion(SectionMotion(flat, shapes, centers), volumes, centers, flat.guided.settings.way)
+    return replace(moved.choice, motion=motion)
+
+
+def _on_outline(section: Boundary, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points of an outline nearest to others, (n, 2), on the side of the axis that these are on."""
+    nearest, found = np.full(len(points), np.inf), points.copy()
+    for curve in boundary_curves(section):
+        places, distances = curve.nearest(points)
+        closer = distances < nearest
+        nearest[closer], found[closer] = distances[closer], curve.at(places[closer])
+    return np.maximum(found, (0.0, -np.inf))
+
+
+def _upright(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:
+    """Match two sections about their axes, neither turned upside down nor with limbs that swing to one side."""
+    return [placed_outlines(one, other)]
+
+
+def _preserving_areas(flat: AgreeingMotion) -> AgreeingMotion:
+    """Return the motion of sections with stretches that do not make thin walls thick on the way."""
+    guided = flat.guided
+    return replace(flat, guided=replace(guided, settings=replace(guided.settings, mean_stretch=area_preserving_mean)))

@@ -12,13 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
-from ...geometry.planar_fill import Boundary
-from ...progress import Control
 from ..motions.motion import MovedShape
-from ..motions.motion_request import MotionRequest
 from .agreeing_motion import AgreeingMotion
-from .moved_sheets import MovedSheets
-from .outline_motion import outline_motion
 
 
 class SectionShape(Protocol):
@@ -55,9 +50,3 @@ class SectionMotion:
             None if flat is None else own.moved(flat.mesh, (1.0 - way) * place + way * between)
             for own, flat, place in zip(self.shapes, self.flat.moved(weights), self.places, strict=True)
         ]
-
-
-def moved_sections(request: MotionRequest, sections: Sequence[Boundary], control: Control) -> MovedSheets | None:
-    """Return the motion of sections; None if they have too many regions, or would be distorted too much."""
-    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control)
-    return None if moved is None or moved.is_distorted else moved
