@@ -31,17 +31,17 @@ def extruded(rings: Sequence[ArrayLike], low: float = -_DEPTH, high: float = _DE
     return TriangleMesh(solid.vertices[:, [0, 2, 1]], solid.faces[:, ::-1])
 
 
-def revolved(profile: ArrayLike) -> TriangleMesh:
+def revolved(profile: ArrayLike, sides: int = _SIDES) -> TriangleMesh:
     """Revolve a profile, (n, 2), from the bottom to the top, about the z axis; both ends lie on it."""
     radii, heights = np.asarray(profile, np.float64).T
-    angles = 2.0 * np.pi * np.arange(_SIDES) / _SIDES
+    angles = 2.0 * np.pi * np.arange(sides) / sides
     rings = np.stack([np.outer(np.cos(angles), radii), np.outer(np.sin(angles), radii)], axis=2)
     vertices = np.concatenate([rings, np.broadcast_to(heights, rings.shape[:2])[..., None]], axis=2).reshape(-1, 3)
     count = len(radii)
-    around, along = (own.ravel() for own in np.meshgrid(np.arange(_SIDES), np.arange(count - 1), indexing="ij"))
-    here, there = around * count + along, (around + 1) % _SIDES * count + along
-    sides = [np.stack([here, there, there + 1], 1), np.stack([here, there + 1, here + 1], 1)]
-    return welded(TriangleMesh(vertices, np.concatenate(sides)))
+    around, along = (own.ravel() for own in np.meshgrid(np.arange(sides), np.arange(count - 1), indexing="ij"))
+    here, there = around * count + along, (around + 1) % sides * count + along
+    faces = [np.stack([here, there, there + 1], 1), np.stack([here, there + 1, here + 1], 1)]
+    return welded(TriangleMesh(vertices, np.concatenate(faces)))
 
 
 def smooth(profile: Points) -> NDArray[np.float64]:

@@ -11,6 +11,7 @@ from benchmarks.props import bottle, pawn, revolved, vase
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.revolved_motion import revolved_motion
+from convwass_addon.geometry.normals import triangle_normals
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import rotated, torus
 
@@ -70,6 +71,21 @@ def test_a_vase_that_fills_up_has_the_volume_of_similar_shapes(time):
     for own in found.motion.moved([1.0 - time, time]):
         assert wanted / 1.06 < own.mesh.volume < 1.06 * wanted
         assert asideness(own.mesh, (0.0, 0.0, 1.0), (0.0, 0.0, 0.0)) < 0.05
+
+
+def test_sides_stay_plane():
+    sides, step = 8, np.pi / 4.0
+    thin = revolved([(0.0, 0.0), (0.5, 0.0), (0.5, 1.4), (0.47, 1.4), (0.47, 0.03), (0.0, 0.03)], sides)
+    solid = revolved([(0.0, 0.0), (0.6, 1.0), (0.0, 2.0)], sides)
+    found = choice(thin, solid)
+    assert found.reason == "OUTLINES"
+    for own in found.motion.moved([0.5, 0.5]):
+        # The middle of the side that a triangle is on; edges are at multiples of the step.
+        angles = np.arctan2(*own.mesh.corners.mean(axis=1)[:, 1::-1].T)
+        middles = (np.floor(angles / step) + 0.5) * step
+        around = np.column_stack([-np.sin(middles), np.cos(middles), np.zeros(len(middles))])
+        aside = np.abs((triangle_normals(own.mesh.corners) * around).sum(axis=1))
+        assert own.mesh.face_areas @ aside < 0.02 * own.mesh.area
 
 
 def test_nothing_is_turned_upside_down():

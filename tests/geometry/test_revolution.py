@@ -15,7 +15,10 @@ from convwass_addon.geometry.ring_nesting import outline_of
 from tests.flat_shapes import ellipse
 from tests.shapes import ball, bent_tube, box, extruded, joined, rotated, spring, torus, tube_with_caps
 
-CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
+PROFILE = [(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)]
+# Six arms, whose corners are at twelve even angles.
+STAR = np.array([1.0, 0.6] * 6)[:, None] * ellipse(corners=12)
+CONE, OCTAGON = revolved(PROFILE), revolved(PROFILE, 8)
 CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.9, 1.5), (0.7, 0.1), (0.0, 0.1)])
 TILT = np.array([0.5, 1.0, -0.25])
 
@@ -29,6 +32,16 @@ def test_sections_are_exact_and_symmetric():
     assert cone.section.center[0] == pytest.approx(0.0, abs=1e-9)
     assert cup.section.area == pytest.approx(2.0 * (0.9 * 1.5 - 0.8 * 1.4), rel=1e-6)
     assert cup.center[:2] == pytest.approx([3.0, 1.0])
+
+
+@pytest.mark.parametrize("sides", [6, 7, 8, 12])
+def test_solids_of_few_sides(sides):
+    profile = [(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.9, 1.5), (0.7, 0.1), (0.0, 0.1)]
+    cup = rotated(revolved(profile, sides), (0.0, 0.0, 0.4))
+    # Edges across the axis may be anywhere, and the axis may lie.
+    for own in (cup, rotated(cup, TILT)):
+        _, (found,) = common_revolutions([own])
+        assert found.section.area == pytest.approx(2.0 * (0.9 * 1.5 - 0.8 * 1.4), rel=1e-6)
 
 
 def test_the_axis_may_have_any_direction():
@@ -61,6 +74,9 @@ def test_rounding_does_not_divide_sections():
     "other",
     [
         box(),
+        extruded(STAR),
+        revolved(PROFILE, 5),
+        TriangleMesh(OCTAGON.vertices * (1.0, 0.7, 1.0), OCTAGON.faces),
         bent_tube(1.5),
         spring(9.0),
         extruded(ellipse(radii=(1.0, 0.8))),
@@ -69,7 +85,19 @@ def test_rounding_does_not_divide_sections():
         rotated(CUP, (np.radians(15.0), 0.0, 0.0)),
         TriangleMesh(CONE.vertices * (1.0, 1.0, 0.0), CONE.faces),
     ],
-    ids=["box", "bent tube", "spring", "ellipse", "handle", "axes", "tilted", "flat"],
+    ids=[
+        "box",
+        "star",
+        "five sides",
+        "flattened",
+        "bent tube",
+        "spring",
+        "ellipse",
+        "handle",
+        "axes",
+        "tilted",
+        "flat",
+    ],
 )
 def test_other_solids_are_not(other):
     assert common_revolutions([CUP, other]) is None

@@ -33,8 +33,8 @@ from .sheets import AttachedPoints
 _SYMMETRIC = 0.05
 # Largest share of the area of a section that may overlap itself on the way.
 _MOST_OVERLAP = 0.03
-# Least and largest distance of a chord from the axis, relative to that of its ends; for three sides, it is one half.
-_SAG = 0.5, 1.0
+# Least and largest distance of a chord from the axis, relative to that of its ends; for six sides, it is 0.87.
+_SAG = 0.8, 1.0
 
 
 @dataclass(frozen=True)
@@ -75,14 +75,14 @@ class RevolvedShape:
         points = (divided.mesh.vertices - found.center) @ frame.T
         radii = np.hypot(points[:, 0], points[:, 2])
         away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
-        profile = np.column_stack([radii, points[:, 1]])
+        profile = np.column_stack([found.radii(points), points[:, 1]])
         places = _on_outline(found.section, profile)
         finder = ClosestPointFinder(section.corners)
         right, left = (
             AttachedPoints.of(places * (side, 1.0), section.vertices, section.faces, finder) for side in (1.0, -1.0)
         )
         shares = np.divide(radii, places[:, 0], out=np.ones_like(radii), where=places[:, 0] > 0.0).clip(*_SAG)
-        offsets = profile - places * np.column_stack([shares, np.ones_like(shares)])
+        offsets = np.column_stack([radii, points[:, 1]]) - places * np.column_stack([shares, np.ones_like(shares)])
         return cls(divided, right, left, shares, offsets, (away * (1.0, 0.0, 1.0)) @ frame, frame[1])
 
     def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
