@@ -15,6 +15,6 @@ def point_tree(points: ArrayLike) -> cKDTree:
 
     Surfaces fill little of the space. Nodes that are neither balanced nor shrunk to their points are built in less than
     half of the time. They answer as fast near the surface, and up to twice as fast far away (docs/performance,
-    "Motions").
+    "Maps and registrations").
     """
     return cKDTree(points, leafsize=_LEAF, compact_nodes=False, balanced_tree=False)

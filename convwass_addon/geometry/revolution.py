@@ -23,8 +23,8 @@ from .ring_nesting import without_slivers
 # Normals of solids of revolution lie in planes through the axis up to this root mean square. Where vertices are not in
 # a few planes through the axis, the centers of triangles are in the middle of the sides only approximately.
 _ASIDE = 0.08
-# Solids of so many sides are those of revolution with few vertices, such as glasses in games; others have edges. Angles
-# of vertices are equal within the last number, in radians.
+# Solids of at least and at most so many sides count as revolved, such as a glass in a game; a box does not. Angles of
+# vertices about the axis are equal within the last number, in radians.
 _FEWEST_SIDES, _MOST_SIDES, _EQUAL = 6, 128, 2e-3
 # Vertices nearer to the axis than this share of the largest distance have no angle.
 _ON_AXIS = 1e-3
