@@ -89,6 +89,14 @@ def test_links_and_pictures_exist(page):
     assert wrong == []
 
 
+def test_comments_name_sections_that_exist():
+    code = "\n".join(text_of(path) for path in (PROJECT / "convwass_addon").rglob("*.py"))
+    named = {re.sub(r"\s*\n[ #]*", " ", own) for own in re.findall(r'docs/performance,[\s#]+"([^"]+)"', code)}
+    pages = (PROJECT / "docs" / "performance").glob("*.md")
+    assert len(named) > 10
+    assert named <= {heading for page in pages for heading in re.findall(r"^## (.+)$", text_of(page), re.MULTILINE)}
+
+
 def test_there_is_something_to_test():
     assert len(PAGES) > 10
     assert len(COMMANDS) > 40
