@@ -91,12 +91,12 @@ class Sides:
 
     def radii(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the radii of the circles around the polygons that points, (n, 3), are on."""
-        aside = np.mod(np.arctan2(points[:, 2], points[:, 0]) - self.angle, self._step) - 0.5 * self._step
-        return np.hypot(points[:, 0], points[:, 2]) * np.cos(aside) / np.cos(0.5 * self._step)
+        return (points * self.middles(points)).sum(axis=1) / np.cos(0.5 * self._step)
 
     def middles(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the directions of the middles of the sides that points are on, (n, 3), after the rotation."""
-        angles = (np.floor(np.arctan2(points[:, 2], points[:, 0]) / self._step) + 0.5) * self._step
+        """Return the directions of the middles of the sides that points are on, (n, 3)."""
+        turns = np.floor((np.arctan2(points[:, 2], points[:, 0]) - self.angle) / self._step) + 0.5
+        angles = self.angle + turns * self._step
         return np.column_stack([np.cos(angles), np.zeros(len(angles)), np.sin(angles)])
 
 
@@ -168,9 +168,9 @@ def _revolution(surface: _Surface, frame: NDArray[np.float64]) -> Revolution | N
     toward = mesh.corners.mean(axis=1) - center
     filled = opposite_share = 1.0
     if sides is not None:
+        toward = sides.middles(toward @ frame.T) @ frame
         # The plane of the section meets edges, not the middle of sides.
         frame = sides.rotation @ frame
-        toward = sides.middles(toward @ frame.T) @ frame
         filled, opposite_share = sides.filled, sides.opposite
     around = unit_vectors(np.cross(frame[1], toward))
     aside = np.square((surface.normals * around).sum(axis=1))

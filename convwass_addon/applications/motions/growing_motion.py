@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -58,7 +58,4 @@ class GrowingMotion:
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return the moved inputs; see :meth:`.motion.Motion.moved`."""
         scale, center = growth(weights, self.volumes), np.asarray(weights) @ self.centers
-        return [
-            None if shape is None else replace(shape, vertices=center + scale * (shape.vertices - center))
-            for shape in self.motion.moved(weights)
-        ]
+        return [None if shape is None else shape.scaled(scale, center) for shape in self.motion.moved(weights)]

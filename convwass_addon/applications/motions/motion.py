@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Protocol
 
@@ -49,6 +49,10 @@ class MovedShape:
     def finder(self) -> ClosestPointFinder:
         """Closest-point finder of the moved surface."""
         return ClosestPointFinder(self.mesh.corners)
+
+    def scaled(self, factor: float, center: NDArray[np.float64]) -> MovedShape:
+        """Return the moved shape scaled about a point, (3,)."""
+        return replace(self, vertices=center + factor * (self.vertices - center))
 
 
 class Motion(Protocol):

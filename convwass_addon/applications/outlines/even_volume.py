@@ -9,12 +9,13 @@ would be offset by so much that thin walls vanish.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..motions.motion import Motion, MovedShape
+from .section_motion import moved_towards_mean
 
 # Volumes that differ by up to this factor are reached by an offset of the surface, which keeps the size.
 _OFFSET = 1.05
@@ -43,20 +44,14 @@ class EvenVolumeMotion:
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        shares = np.asarray(weights, np.float64) / sum(weights)
-        sizes, centers = (self._interpolated(own, shares) for own in (np.cbrt(self.volumes), self.centers))
+        sizes, centers = (moved_towards_mean(own, weights, self.way) for own in (np.cbrt(self.volumes), self.centers))
         return [
             None if own is None else _scaled(own, size**3, center)
             for own, size, center in zip(self.motion.moved(weights), sizes, centers, strict=True)
         ]
 
-    def _interpolated(self, values: NDArray[np.float64], shares: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the values of the shapes, moved towards the mean."""
-        return (1.0 - self.way) * values + self.way * (shares @ values)
-
 
 def _scaled(shape: MovedShape, wanted: float, center: NDArray[np.float64]) -> MovedShape:
     """Scale a shape so that its volume is nearly the wanted one."""
     ratio = wanted / shape.mesh.volume
-    scale = np.cbrt(ratio / np.clip(ratio, 1.0 / _OFFSET, _OFFSET))
-    return replace(shape, vertices=center + scale * (shape.vertices - center))
+    return shape.scaled(float(np.cbrt(ratio / np.clip(ratio, 1.0 / _OFFSET, _OFFSET))), center)

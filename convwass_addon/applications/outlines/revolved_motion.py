@@ -9,7 +9,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closed_curves import boundary_curves
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mean_stretches import area_preserving_mean
 from ...geometry.mesh import TriangleMesh
@@ -142,12 +141,9 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
 
 def _on_outline(section: Boundary, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points of an outline nearest to others, (n, 2), on the side of the axis that these are on."""
-    nearest, found = np.full(len(points), np.inf), points.copy()
-    for curve in boundary_curves(section):
-        places, distances = curve.nearest(points)
-        closer = distances < nearest
-        nearest[closer], found[closer] = distances[closer], curve.at(places[closer])
-    return np.maximum(found, (0.0, -np.inf))
+    edges = np.pad(np.stack([section.starts, section.ends, section.ends], axis=1), ((0, 0), (0, 0), (0, 1)))
+    found = ClosestPointFinder(edges).find(np.pad(points, ((0, 0), (0, 1))))
+    return np.maximum(found.interpolated(edges)[:, :2], (0.0, -np.inf))
 
 
 def _upright(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:

@@ -44,9 +44,14 @@ class SectionMotion:
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        way = self.flat.guided.settings.way
-        between = np.asarray(weights, np.float64) @ self.places / sum(weights)
+        places = moved_towards_mean(self.places, weights, self.flat.guided.settings.way)
         return [
-            None if flat is None else own.moved(flat.mesh, (1.0 - way) * place + way * between)
-            for own, flat, place in zip(self.shapes, self.flat.moved(weights), self.places, strict=True)
+            None if flat is None else own.moved(flat.mesh, place)
+            for own, flat, place in zip(self.shapes, self.flat.moved(weights), places, strict=True)
         ]
+
+
+def moved_towards_mean(values: NDArray[np.float64], weights: Sequence[float], way: float) -> NDArray[np.float64]:
+    """Return values of shapes, (k, ...), moved a fraction of the way towards their weighted mean."""
+    mean = np.tensordot(np.asarray(weights, np.float64), values, axes=1) / sum(weights)
+    return (1.0 - way) * values + way * mean
