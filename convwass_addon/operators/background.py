@@ -83,10 +83,11 @@ class BackgroundOperator:
                 for report in work:
                     self._job.write(report)
                     show(report.fraction)
-                return self._finish(context, self._job)
+                answer = self._finish(context, self._job)
         except BaseException as error:
-            self._job.discard()
-            return refuse_if_known(self, error)
+            return self._fail(error)
+        self._go_on()
+        return answer
 
     def invoke(self, context, event):
         if bpy.app.background:
@@ -135,14 +136,19 @@ class BackgroundOperator:
             # On any error, leave nothing running unnoticed.
             self._background.cancel()
             self._stop(context)
-            return self._fail(error)
-        if not written:
-            return {"PASS_THROUGH"}
-        waiting = None if stopping else self._waits_for(context)
-        if waiting is not None:
-            self._show(context, 1.0, waiting)
-            return {"PASS_THROUGH"}
-        return self._end(context, stopping)
+            answer = self._fail(error)
+        else:
+            if not written:
+                return {"PASS_THROUGH"}
+            waiting = None if stopping else self._waits_for(context)
+            if waiting is not None:
+                self._show(context, 1.0, waiting)
+                return {"PASS_THROUGH"}
+            answer = self._end(context, stopping)
+        # However the job has ended, Esc stops those that were to follow it, too.
+        if not stopping:
+            self._go_on()
+        return answer
 
     def cancel(self, context):
         self._background.cancel()
@@ -183,11 +189,9 @@ class BackgroundOperator:
         return self._fail(error)
 
     def _fail(self, error: BaseException) -> set[str]:
-        """Discard the job, report its error, and go on with what was to follow it."""
+        """Discard the job and report its error."""
         self._job.discard()
-        answer = refuse_if_known(self, error)
-        self._go_on()
-        return answer
+        return refuse_if_known(self, error)
 
     def _show(self, context: bpy.types.Context, fraction: float, sentence: Sentence) -> None:
         message = translated(sentence)
@@ -246,7 +250,7 @@ class BackgroundOperator:
         return False
 
     def _go_on(self) -> None:
-        """Start what was to follow a job that has failed in the background, if anything."""
+        """Start what was to follow the job, if anything; not called if the user has stopped it."""
 
     def _waits_for(self, context: bpy.types.Context) -> Sentence | None:
         """Return what the user must do before the result can be written, or None."""

@@ -104,7 +104,6 @@ class FrameResults:
         select_only(context, [] if shown is None else [shown])
         _report_missed(self.operator, collection)
         self._report(collection)
-        bake_following(self.operator)
 
     def _report(self, collection: bpy.types.Collection) -> None:
         """Show the most important message: errors of the solver, notices, the size, or a summary."""
@@ -197,7 +196,6 @@ class ShapeKeyResults:
         select_only(context, shown)
         poor = [_poor_notice(path) for path in self.job.paths if len(path.poor)]
         tell(self.operator, self._summary(shown), (), [*self.job.notices, *poor, *following_notices(shown)])
-        bake_following(self.operator)
 
     def _summary(self, shown: list[bpy.types.Object]) -> str:
         """Return how well the mesh arrives, as text."""

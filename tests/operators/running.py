@@ -106,6 +106,12 @@ def is_computing():
     return any(thread.name == "convwass" for thread in threading.enumerate())
 
 
+def wait_for_the_thread():
+    """Wait until the thread of a job has ended."""
+    while is_computing():
+        time.sleep(0.01)
+
+
 def write_one_at_a_time(monkeypatch):
     """Let a second pass whenever an operator looks at the clock, so that it writes one report per timer event."""
     clock = itertools.count(0.0, 1.0)
@@ -120,11 +126,11 @@ def show_other_scene(context):
     return other
 
 
-def until(pressed, context, wanted=lambda: False):
-    """Send timer events until a condition holds; return the result of the last one."""
+def until(pressed, context, wanted=lambda: False, event=TIMER):
+    """Send events, of a timer by default, until a condition holds; return the result of the last one."""
     deadline = time.monotonic() + 60
     while time.monotonic() < deadline:
-        result = pressed.modal(context, TIMER)
+        result = pressed.modal(context, event)
         if wanted() or result != {"PASS_THROUGH"}:
             return result
         time.sleep(0.005)

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import time
 from types import SimpleNamespace
 
 import bpy
@@ -26,10 +25,10 @@ from tests.operators.running import (
     Pressed,
     call,
     inventory,
-    is_computing,
     show_other_scene,
     started,
     until,
+    wait_for_the_thread,
     window_context,
 )
 
@@ -396,8 +395,7 @@ def test_the_result_waits_until_edit_mode_is_left(obj, press):
     context = window_context()
     pressed = press(context, **QUICK)
     bpy.ops.object.mode_set(mode="EDIT")
-    while is_computing():
-        time.sleep(0.01)
+    wait_for_the_thread()
     assert [pressed.modal(context, TIMER) for _ in range(3)] == [{"PASS_THROUGH"}] * 3
     assert "leave Edit Mode" in context.window_manager.convwass_progress.message
     bpy.ops.object.mode_set(mode="OBJECT")
@@ -413,8 +411,7 @@ def test_cancelling_in_edit_mode_leaves_nothing_behind(obj, press):
     context = window_context()
     pressed = press(context, **QUICK)
     bpy.ops.object.mode_set(mode="EDIT")
-    while is_computing():
-        time.sleep(0.01)
+    wait_for_the_thread()
     pressed.modal(context, TIMER)
     assert pressed.modal(context, ESCAPE) == {"CANCELLED"}
     bpy.ops.object.mode_set(mode="OBJECT")

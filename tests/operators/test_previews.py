@@ -4,8 +4,6 @@
 
 from __future__ import annotations
 
-import time
-
 import bpy
 import pytest
 
@@ -25,6 +23,7 @@ from tests.operators.running import (
     is_computing,
     started,
     until,
+    wait_for_the_thread,
     window_context,
     write_one_at_a_time,
 )
@@ -199,8 +198,7 @@ def test_the_window_answers_while_many_objects_wait_to_be_made(press, context, m
     monkeypatch.setattr(job.MorphJob, "write", lambda own, report: written.append(report) or write(own, report))
     write_one_at_a_time(monkeypatch)
     pressed = press(3)
-    while is_computing():
-        time.sleep(0.005)
+    wait_for_the_thread()
     expected = 3 + 4 + 4
     for number in range(1, expected + 1):
         assert pressed.modal(context, TIMER) == {"PASS_THROUGH"}
@@ -213,8 +211,7 @@ def test_stopping_writes_all_that_waits(press, context, monkeypatch):
     two_shapes()
     write_one_at_a_time(monkeypatch)
     pressed = press(3)
-    while is_computing():
-        time.sleep(0.005)
+    wait_for_the_thread()
     assert pressed.modal(context, ESCAPE) == {"FINISHED"}
     assert len(frame_objects(baked_morph())) == 4
 

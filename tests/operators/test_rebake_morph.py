@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 import sys
 from dataclasses import replace
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -22,7 +23,7 @@ from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError
 from tests.linked_objects import linked_object
 from tests.operators.morphs import PressedBake, guide_coarsely
-from tests.operators.running import started, until, window_context
+from tests.operators.running import ESCAPE, TIMER, started, until, wait_for_the_thread, window_context
 from tests.scene import begun, kept
 
 
@@ -234,7 +235,9 @@ def test_all_morphs_are_baked_although_some_cannot_be(morph, how):
         bpy.ops.convwass.rebake_morph()
 
 
-def test_after_a_bake_that_fails_in_the_background_the_next_one_starts(morph, monkeypatch):
+@pytest.fixture
+def several(morph):
+    """The first of several bakes, in a window, and the morph to bake after it."""
     other = bake()
     shapes(other)[0].scale.z = 1.5
     bpy.context.view_layer.update()
@@ -242,6 +245,10 @@ def test_after_a_bake_that_fails_in_the_background_the_next_one_starts(morph, mo
     pressed.inputs, pressed.replaces = ",".join(stored_morph(morph).inputs), morph.name
     pressed.following = str(other.session_uid)
     bpy.context.scene.convwass_morph.resolution = 24
+    return SimpleNamespace(pressed=pressed, context=context, other=other)
+
+
+def let_writing_fail(monkeypatch):
     write = job.MorphJob.write
 
     def failing(own, report):
@@ -249,11 +256,34 @@ def test_after_a_bake_that_fails_in_the_background_the_next_one_starts(morph, mo
         raise ConvwassError("The disk is full.")
 
     monkeypatch.setattr(job.MorphJob, "write", failing)
+
+
+def test_after_a_bake_that_fails_in_the_background_the_next_one_starts(morph, several, monkeypatch):
+    let_writing_fail(monkeypatch)
     kept = frame_objects(morph)
-    assert started(pressed, context)
-    assert until(pressed, context) == {"CANCELLED"}
-    assert pressed.reports == ["The disk is full."]
-    assert (frame_objects(morph), changed_inputs(other)) == (kept, [])
+    assert started(several.pressed, several.context)
+    assert until(several.pressed, several.context) == {"CANCELLED"}
+    assert several.pressed.reports == ["The disk is full."]
+    assert (frame_objects(morph), changed_inputs(several.other)) == (kept, [])
+
+
+def test_escape_while_a_bake_fails_stops_the_following_ones(morph, several, monkeypatch):
+    assert started(several.pressed, several.context)
+    let_writing_fail(monkeypatch)
+    wait_for_the_thread()
+    assert several.pressed.modal(several.context, ESCAPE) == {"CANCELLED"}
+    assert several.pressed.reports == ["The disk is full."]
+    assert changed_inputs(several.other) != []
+
+
+@pytest.mark.parametrize("stops", [False, True])
+def test_escape_after_a_bake_is_computed_keeps_it_and_stops_the_following_ones(morph, several, stops):
+    kept = frame_objects(morph)
+    assert started(several.pressed, several.context)
+    wait_for_the_thread()
+    assert until(several.pressed, several.context, event=ESCAPE if stops else TIMER) == {"FINISHED"}
+    assert frame_objects(morph) != kept
+    assert bool(changed_inputs(several.other)) == stops
 
 
 def test_settings_are_those_of_the_morph_and_not_of_the_panel(empty_scene):
