@@ -12,12 +12,16 @@ from .animation_time import frame_of_time
 
 
 def play_whole(scene: bpy.types.Scene, first: float, last: float) -> None:
-    """Set the frame range of the scene to the times `first` ... `last`."""
+    """Set the frame range of the scene to the times `first` ... `last`, and turn its preview range off.
+
+    The window plays the preview range in place of the frame range; it stays set, so that it can be turned on again.
+    """
+    scene.use_preview_range = False
     _set_range(scene, *(frame_of_time(scene, time) for time in (first, last)))
 
 
 def play_among_others(scene: bpy.types.Scene, first: float, last: float) -> None:
-    """Extend the frame range of the scene to include the times `first` ... `last`."""
+    """Extend the frame range of the scene to include the times `first` ... `last`, but not its preview range."""
     first, last = (frame_of_time(scene, time) for time in (first, last))
     _set_range(scene, min(first, scene.frame_start), max(last, scene.frame_end))
 

@@ -27,7 +27,7 @@ class MorphProperties(SolverProperties):
 
     fit_range: BoolProperty(
         name="Fit Frame Range",
-        description="Set the frame range of the scene to that of the morph",
+        description="Set the frame range of the scene to that of the morph, and turn the preview range off",
         default=False,
     )
 
