@@ -14,6 +14,7 @@ from hypothesis import given, strategies as st
 from convwass_addon.applications.skies.lamps import split_lamps
 from convwass_addon.applications.skies.sky_images import light_of
 from convwass_addon.applications.skies.sky_settings import SkySettings
+from convwass_addon.bridge.keyframes import make_linear
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.skies import sky_sequence, world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
@@ -78,6 +79,20 @@ def test_every_frame_shows_its_file_and_the_ends_stay_on(tmp_path):
         np.testing.assert_allclose(world_sky(world, 8), value, atol=1e-3)
     assert sequence_world("Frames", files, 4) == world
     assert [image.name for image in bpy.data.images if image.source != "VIEWER"] == ["Frames"]
+
+
+def test_an_animated_world_is_read_as_it_is_now_with_time_stretching(bare_scene):
+    world = bpy.data.worlds.new("Brightening")
+    tree = own_tree(world)
+    background = next(node for node in tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Color"].default_value, strength = (1, 1, 1, 1), background.inputs["Strength"]
+    for time in (0, 20):
+        strength.default_value = time
+        strength.keyframe_insert("default_value", frame=time)
+    make_linear(tree)
+    bare_scene.render.frame_map_old, bare_scene.render.frame_map_new = 100, 400
+    bare_scene.frame_set(26, subframe=0.5)
+    np.testing.assert_allclose(world_sky(world, 8), 26.5 / 4, rtol=1e-4)
 
 
 def test_the_image_of_another_file_stays_as_it_is(tmp_path):

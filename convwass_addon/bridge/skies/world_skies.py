@@ -39,7 +39,8 @@ _POSE = (math.radians(90.0), 0.0, math.radians(-90.0))
 def world_sky(world: bpy.types.World, height: int) -> NDArray[np.float64]:
     """Return the sky of a world, (height, 2 * height, 3), as :func:`.sky_pixels.read_sky` does.
 
-    If the world shows an unmodified environment image, its pixels are returned; otherwise it is rendered with Cycles.
+    If the world shows an unmodified environment image, its pixels are returned; otherwise it is rendered with Cycles,
+    as it is in the current frame.
 
     Raises
     ------
@@ -95,7 +96,7 @@ def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
         camera.rotation_euler = _POSE
         scene.collection.objects.link(camera)
         scene.camera, scene.world = camera, world
-        scene.frame_set(bpy.context.scene.frame_current)
+        _show_same_time(scene, bpy.context.scene)
         render = scene.render
         choose_cycles(scene)
         render.resolution_percentage = 100
@@ -111,6 +112,12 @@ def _panorama(world: bpy.types.World, height: int) -> Iterator[bpy.types.Scene]:
         bpy.data.scenes.remove(scene)
         bpy.data.objects.remove(camera)
         bpy.data.cameras.remove(data)
+
+
+def _show_same_time(scene: bpy.types.Scene, shown: bpy.types.Scene) -> None:
+    """Let a new scene be at the same time as another one, the current scene, whose frame Blender renders."""
+    scene.render.frame_map_old, scene.render.frame_map_new = shown.render.frame_map_old, shown.render.frame_map_new
+    scene.frame_set(shown.frame_current, subframe=shown.frame_subframe)
 
 
 def shown_files(world: bpy.types.World) -> set[Path]:
