@@ -24,7 +24,8 @@ from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
-from convwass_addon.cli import program
+from convwass_addon.cli import morph_baking, program
+from convwass_addon.errors import Cancelled, ConvwassError
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
 from tests.clusters import local_cluster
@@ -378,6 +379,47 @@ def test_an_interrupt_reports_what_remains(shapes, tmp_path, capfd, monkeypatch,
     assert cli.main([*TRANSPORT, *words, *(word.format(at=at) for word in cache)]) == 130
     assert left.format(at=at) in capfd.readouterr().err
     assert not (tmp_path / "morph.blend").exists()
+
+
+# Pictures end like this.
+NEW, OLD = b"new IEND\xaeB`\x82", b"old"
+
+
+def rendering(error=None):
+    """Return what stands in for rendering a picture or a movie, or is stopped by an error."""
+
+    def render(collection, path, **options):
+        yield Progress(0.5, Sentence("Rendering"))
+        if error is not None:
+            raise error
+        path.write_bytes(NEW)
+        return path
+
+    return render
+
+
+@pytest.mark.parametrize(
+    ("error", "code", "message"),
+    [
+        (None, 0, ""),
+        (KeyboardInterrupt(), 130, "interrupted; nothing was saved"),
+        (Cancelled("The rendering was stopped."), 130, "interrupted; nothing was saved"),
+        (ConvwassError("No video output."), 1, "No video output."),
+    ],
+)
+def test_a_picture_is_there_only_with_its_movie(shapes, tmp_path, capfd, monkeypatch, error, code, message):
+    monkeypatch.setattr(morph_baking, "render_contact_sheet", rendering())
+    monkeypatch.setattr(morph_baking, "render_animation", rendering(error))
+    rendered = [tmp_path / "morph.png", tmp_path / "morph.mp4"]
+    for path in rendered:
+        path.write_bytes(OLD)
+    words = [*TRANSPORT, *cube_and_ball(shapes), *QUICK, "--out", str(tmp_path / "morph.blend"), "--render"]
+    assert cli.main(words) == code
+    told = capfd.readouterr()
+    assert message in told.err
+    assert [path.read_bytes() for path in rendered] == 2 * [NEW if code == 0 else OLD]
+    assert (tmp_path / "morph.blend").exists() == (code == 0)
+    assert all((str(path) in told.out) == (code == 0) for path in rendered)
 
 
 def test_damaged_frames_in_a_cache_are_named(shapes, tmp_path, capfd):

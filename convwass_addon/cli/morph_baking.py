@@ -9,6 +9,7 @@ from concurrent.futures import Executor
 from contextlib import AbstractContextManager, nullcontext, suppress
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import bpy
@@ -24,6 +25,7 @@ from ..bridge.frame_range import play_whole
 from ..bridge.morphs.animation import render_animation
 from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
+from ..bridge.studio import move_result
 from ..console import ProgressBar
 from ..errors import InputError
 from ..progress import Progress, watched
@@ -125,15 +127,23 @@ def _machines(scheduler: str) -> AbstractContextManager[Executor]:
 def rendered(
     collection: bpy.types.Collection, target: Path, animated: bool, samples: RenderSamples = USUAL_SAMPLES
 ) -> list[Path]:
-    """Render a picture of a morph and, if `animated`, a movie, next to the file `target`."""
-    with ProgressBar("Rendering the picture") as bar:
-        sheet = render_contact_sheet(collection, target.with_suffix(".png"), samples=samples.picture)
-        pictures = [bar.result_of(sheet)]
-    if animated:
-        with ProgressBar("Rendering the movie") as bar:
-            movie = render_animation(collection, target.with_suffix(".mp4"), samples=samples.movie)
-            pictures.append(bar.result_of(movie))
-    return [Path(picture) for picture in pictures]
+    """Render a picture of a morph and, if `animated`, a movie, next to the file `target`.
+
+    Neither is there unless both are finished.
+    """
+    with TemporaryDirectory(prefix="convwass-") as folder:
+        unmoved = Path(folder) / target.name
+        with ProgressBar("Rendering the picture") as bar:
+            sheet = render_contact_sheet(collection, unmoved.with_suffix(".png"), samples=samples.picture)
+            pictures = [bar.result_of(sheet)]
+        if animated:
+            with ProgressBar("Rendering the movie") as bar:
+                movie = render_animation(collection, unmoved.with_suffix(".mp4"), samples=samples.movie)
+                pictures.append(bar.result_of(movie))
+        targets = [target.with_suffix(picture.suffix) for picture in pictures]
+        for picture, final in zip(pictures, targets, strict=True):
+            move_result(picture, final)
+    return targets
 
 
 def report(morph: str, settings: MorphSettings, records: list[dict[str, object]], written: list[Path]) -> Answer:

@@ -82,18 +82,16 @@ def run(arguments: Sequence[str], program: str) -> int:
         with own_stdout() as output:
             found = options.run(options)
             print(json.dumps(found.record, indent=2) if options.json else "\n".join(found.lines), file=output)
-    except Cancelled as stop:
-        print(f"convwass: {stop}", file=sys.stderr)
+    # While Blender renders, an interrupt cancels the rendering.
+    except (KeyboardInterrupt, Cancelled):
+        kept = getattr(options, "cache", None)
+        left = f"finished frames are kept in {kept}" if kept else "nothing was saved"
+        print(f"convwass: interrupted; {left}", file=sys.stderr)
         return 130
     except (ConvwassError, OSError, MemoryError) as failure:
         error = error_to_tell(failure)
         print(f"convwass: {error}", file=sys.stderr)
         return 4 if isinstance(error, ResourceError) else 3 if isinstance(error, InputError) else 1
-    except KeyboardInterrupt:
-        kept = getattr(options, "cache", None)
-        left = f"finished frames are kept in {kept}" if kept else "nothing was saved"
-        print(f"convwass: interrupted; {left}", file=sys.stderr)
-        return 130
     return 0
 
 
