@@ -10,7 +10,8 @@ from contextlib import contextmanager
 import bpy
 import numpy as np
 
-from .node_math import feed, new_node
+from .morphs.frame_attributes import VELOCITY
+from .node_math import feed, new_node, stored_attribute, switch
 from .scratch_scene import scratch_animation
 
 MODIFIER = "Frames"
@@ -162,14 +163,28 @@ def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str =
 def transformed(
     tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, matrix: bpy.types.NodeSocket
 ) -> bpy.types.NodeSocket:
-    """Return a geometry transformed by a matrix; its faces still point outwards if that mirrors them."""
+    """Return a geometry transformed by a matrix, with its velocity; faces still point outwards if that mirrors them."""
     node = tree.nodes.new("GeometryNodeTransform")
     if "Mode" in node.inputs:
         node.inputs["Mode"].default_value = "Matrix"
     else:  # Blender 4.5
         node.mode = "MATRIX"
     feed(tree, [node.inputs["Geometry"], node.inputs["Transform"]], [geometry, matrix])
-    return _facing_outwards(tree, node.outputs["Geometry"], matrix)
+    moving = _with_transformed_velocity(tree, node.outputs["Geometry"], matrix)
+    return _facing_outwards(tree, moving, matrix)
+
+
+def _with_transformed_velocity(
+    tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, matrix: bpy.types.NodeSocket
+) -> bpy.types.NodeSocket:
+    """Return a geometry with its velocity transformed, if it has one; Blender only transforms the points."""
+    velocity = new_node(tree, "GeometryNodeInputNamedAttribute", {"Name": VELOCITY}, data_type="FLOAT_VECTOR").outputs
+    inputs = {"Geometry": geometry, "Value": velocity["Exists"]}
+    exists = new_node(tree, "GeometryNodeSampleIndex", inputs, data_type="BOOLEAN").outputs["Value"]
+    inputs = {"Direction": velocity["Attribute"], "Transform": matrix}
+    turned = new_node(tree, "FunctionNodeTransformDirection", inputs).outputs["Direction"]
+    moving = stored_attribute(tree, geometry, VELOCITY, turned, "FLOAT_VECTOR")
+    return switch(tree, "GEOMETRY", exists, geometry, moving)
 
 
 def mirrors(tree: bpy.types.NodeTree, matrix: bpy.types.NodeSocket) -> bpy.types.NodeSocket:

@@ -16,6 +16,7 @@ from skimage.measure import marching_cubes
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.bridge.keyframes import curves_of
+from convwass_addon.bridge.morphs.appearance import write_velocity
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
 from convwass_addon.bridge.morphs.pad_velocity import key_handle_velocity
 from convwass_addon.bridge.morphs.player import make_player, refresh_player
@@ -118,6 +119,24 @@ def test_velocity_is_that_of_the_moment(player):
     speed(player).set(0.1)
     shown(player)
     assert np.allclose(attribute(player, "velocity", 3), (0.1 * pace, 0, 0), atol=0.002 * pace)
+
+
+@pytest.mark.parametrize("between", ["INTERPOLATED", "NEAREST"])
+def test_velocity_turns_and_grows_with_the_frames(moving, between):
+    """As the velocity of any mesh, it is in local space of what shows the frames, whose own parent does not matter."""
+    pace = TRAVEL / FRAMES * bpy.context.scene.render.fps
+    for obj in (frames := frame_objects(moving))[1:-1]:
+        write_velocity(obj.data, np.tile((pace, 0, 0), (len(obj.data.vertices), 1)))
+    matrix = Matrix.Rotation(np.pi / 2, 4, "Z") @ Matrix.Diagonal((2, 1, 1, 1))
+    for obj in frames:
+        obj.matrix_world = matrix
+    player = still(make_player(moving, between=between))
+    player.matrix_world = Matrix.Rotation(1.0, 4, "X") @ Matrix.Scale(3, 4)
+    morph_value(player).set(0.4)
+    mesh = shown(player)
+    np.testing.assert_allclose(mesh.vertices.mean(axis=0), (0, 2 * TRAVEL * 0.4, 0), atol=0.02)
+    velocity = attribute(player, "velocity", 3)
+    np.testing.assert_allclose(velocity, np.tile((0, 2 * pace, 0), (len(velocity), 1)), atol=0.05 * pace)
 
 
 def test_a_growing_ball_moves_along_its_normals(bare_scene, make_object):

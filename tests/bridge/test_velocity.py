@@ -13,6 +13,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs.carrying import rates_of
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.node_trees import own_tree
 from tests.pictures import pixels_in
@@ -110,6 +111,25 @@ def test_cycles_blurs_a_moving_ball_by_its_way_in_the_shutter_time(bare_scene, m
     bake_a_moving_ball(bare_scene, make_object, fps)
     bare_scene.frame_set(1 + STEPS // 2)
     assert length_of_trace(bare_scene, tmp_path / "blur.png") == pytest.approx(SHUTTER * DISTANCE / STEPS, rel=0.05)
+
+
+@pytest.mark.parametrize("turned", ["frames", "frames of a player", "player"])
+def test_blur_turns_with_a_parent(bare_scene, make_object, tmp_path, turned):
+    """Seen from above, the ball moves by half of its way."""
+    import bpy
+
+    collection = bake_a_moving_ball(bare_scene, make_object, 24)
+    shown = frame_objects(collection)
+    player = make_player(collection) if turned != "frames" else None
+    parent = make_object("Parent")
+    parent.hide_render = True
+    parent.rotation_euler.y = np.pi / 3
+    for obj in [player] if turned == "player" else shown:
+        obj.parent = parent
+    bpy.context.view_layer.update()
+    bare_scene.frame_set(1 + STEPS // 2)
+    trace = length_of_trace(bare_scene, tmp_path / "blur.png")
+    assert trace == pytest.approx(0.5 * SHUTTER * DISTANCE / STEPS, rel=0.05)
 
 
 def test_without_carrying_there_is_no_blur(bare_scene, make_object, tmp_path):
