@@ -70,6 +70,25 @@ def is_shown(obj: bpy.types.Object, frame: float) -> bool:
     return curve.evaluate(frame) < 0.5 if curve and not curve.mute else not obj.hide_render
 
 
+def shown_from(obj: bpy.types.Object) -> float | None:
+    """Return the time of the first key that shows an object in renders, or None."""
+    bag = channels_of(obj)
+    curve = bag.fcurves.find("hide_render") if bag else None
+    return next((point.co.x for point in curve.keyframe_points if point.co.y < 0.5), None) if curve else None
+
+
+def take_key_times(before: bpy.types.Object, after: bpy.types.Object) -> None:
+    """Move the visibility keys of an object to where another one has as many of them."""
+    old, new = channels_of(before), channels_of(after)
+    for path in VISIBILITY_PATHS if old and new else ():
+        theirs, own = old.fcurves.find(path), new.fcurves.find(path)
+        if theirs and own and len(theirs.keyframe_points) == len(own.keyframe_points):
+            places = np.empty(2 * len(own.keyframe_points), dtype=np.float32)
+            theirs.keyframe_points.foreach_get("co", places)
+            own.keyframe_points.foreach_set("co", places)
+            own.update()
+
+
 def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
     """Return the scene frames from the first to the last visibility key of some objects, or NLA strip with such keys.
 

@@ -23,6 +23,7 @@ from ..bridge.morphs.stored import (
     MORPH_KEY,
     refusing_damage,
     sampled_from,
+    starting_frame,
     stored_inputs,
     stored_morph,
     stored_parts,
@@ -293,7 +294,7 @@ def _arguments(morph: bpy.types.Collection | bpy.types.Object) -> dict[str, obje
         "weights": ",".join(str(weight) for weight in weights),
         "guides": json.dumps(stored.settings.get("guides", [])),
         "start": "CUSTOM",
-        "frame_start": stored.first_frame,
+        "frame_start": starting_frame(morph) if isinstance(morph, bpy.types.Collection) else stored.first_frame,
         "hide_inputs": all(obj.hide_render for obj in parts),
         "replaces": morph.name,
     }

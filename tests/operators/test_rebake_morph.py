@@ -14,10 +14,12 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.morphs.morph import morph as morph_of_meshes
+from convwass_addon.bridge.keyframes import curves_of, is_shown
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.changes import changed_inputs
+from convwass_addon.bridge.morphs.showing import main_object
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, shows_frames, stand_ins
-from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph
+from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames, stored_morph
 from convwass_addon.bridge.object_names import ObjectName, objects_named
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import ConvwassError
@@ -136,6 +138,41 @@ def test_what_refers_to_a_frame_refers_to_the_new_one(morph, has_player):
     assert set(mine.objects) == {follower, frames[0]}
     assert (follower.parent, follower.constraints[0].target) == (frames[1], frames[2])
     assert sorted(obj.name for obj in bpy.data.objects if "Morph 0" in obj.name) == [obj.name for obj in frames]
+
+
+def move_keys(objects, way):
+    """Move the keys of objects in time, as in the Dope Sheet."""
+    for curve in (curve for obj in objects for curve in curves_of(obj)):
+        for point in curve.keyframe_points:
+            point.co_ui.x += way
+        curve.update()
+
+
+def shown_in(morph, frames):
+    """Return which frame objects are shown in scene frames."""
+    objects = frame_objects(morph)
+    return [[index for index, obj in enumerate(objects) if is_shown(obj, frame)] for frame in frames]
+
+
+@pytest.mark.parametrize("stays", [0, 2])
+def test_frames_that_were_moved_in_time_stay_there(morph, stays):
+    """All frames of the morph are shown later, or only the last two."""
+    move_keys(frame_objects(morph)[stays:], 20)
+    shown, start = shown_in(morph, range(50)), stored_morph(morph).first_frame
+    kept = frame_objects(morph)
+    bpy.ops.convwass.rebake_morph()
+    assert not set(frame_objects(morph)).intersection(kept)
+    assert shown_in(morph, range(50)) == shown
+    assert stored_morph(morph).first_frame == start + (20 if stays == 0 else 0)
+
+
+def test_a_player_and_files_start_where_frames_were_moved(morph):
+    move_keys(frame_objects(morph), 20)
+    start = 20 + stored_morph(morph).first_frame
+    assert shown_frames(morph) == range(start, start + 4)
+    bpy.ops.convwass.make_player(between="NEAREST")
+    (curve,) = curves_of(main_object(morph))
+    assert [point.co.x for point in curve.keyframe_points] == [start, start + 3]
 
 
 def armature():

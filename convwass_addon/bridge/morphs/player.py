@@ -46,7 +46,7 @@ from .stand_ins import (
     set_shown,
     stand_ins,
 )
-from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, is_solid, stored_morph
+from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, is_solid, starting_frame, stored_morph
 from .stored_fields import field_cells
 
 
@@ -108,7 +108,7 @@ def build_player(
     node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
     for parent in collections_for_stand_ins(collection):
         parent.objects.link(player)
-    _key(morph_value(player), frames, stored_morph(collection).first_frame, easing)
+    _key(morph_value(player), frames, starting_frame(collection), easing)
     set_shown(collection, False)
     return player
 

@@ -9,6 +9,7 @@ from itertools import chain
 
 import bpy
 
+from ..keyframes import take_key_times
 from ..objects import take_parent
 from .changes import SIGNATURES_KEY
 from .disk_output import FOLDER_KEY
@@ -29,8 +30,9 @@ def replace_bake(old: bpy.types.Collection, new: bpy.types.Collection) -> list[b
 
     A player or blend pad keeps its keys, materials and modifiers. If it was deleted, the frames are shown again.
     Objects that read files are kept, and show the frames of the new bake once these are written. New frames have the
-    names and parents of the old ones and replace them everywhere, such as in constraints. They have the materials of
-    the old ones, with all edits, unless the materials of the shapes have changed.
+    names and parents of the old ones and replace them everywhere, such as in constraints. They are shown when the old
+    ones were, wherever their keys were moved, and have their materials, with all edits, unless the materials of the
+    shapes have changed.
 
     Parameters
     ----------
@@ -81,6 +83,10 @@ def _replace_frames(morph: bpy.types.Collection, made: Sequence[bpy.types.Object
     names = [_names(before, after) for before, after in pairs]
     for before, after in pairs:
         take_parent(before, after)
+    # Frames of a bake that was stopped last until the next one there was.
+    if len(pairs) == len(gone) == len(made):
+        for before, after in pairs:
+            take_key_times(before, after)
     for before, after in pairs:
         before.user_remap(after)
     remove_frame_objects(gone)

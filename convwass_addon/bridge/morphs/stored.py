@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
-from ..keyframes import keyed_frames
+from ..keyframes import keyed_frames, shown_from
 from ..object_names import ObjectName, objects_named
 from ..shape_sources import OBJECTS, shape_source
 
@@ -216,6 +216,22 @@ def frame_number(obj: bpy.types.Object) -> int:
     return int(obj.get(FRAME_KEY, obj[INDEX_KEY]))
 
 
+def starting_frame(collection: bpy.types.Collection) -> int:
+    """Return the scene frame at which a morph starts: another one than in the bake if all keys were moved since.
+
+    Raises
+    ------
+    InputError
+        As for `stored_morph`.
+    """
+    # The first frame object is shown from the beginning of time.
+    shown = [(shown_from(obj), frame_number(obj)) for obj in frame_objects(collection)[1:]]
+    starts = {None if time is None else time - number for time, number in shown}
+    start = starts.pop() if len(starts) == 1 else None
+    is_frame = start is not None and start == round(start) and FIRST_FRAMES[0] <= start <= FIRST_FRAMES[1]
+    return round(start) if is_frame else stored_morph(collection).first_frame
+
+
 def hidden_frames(collection: bpy.types.Collection) -> bpy.types.Collection | None:
     """Return the subcollection with the hidden frame objects of a morph, or None."""
     return next((child for child in collection.children if FRAMES_KEY in child), None)
@@ -236,7 +252,7 @@ def shown_frames(collection: bpy.types.Collection) -> range:
         return keyed
     try:
         # If the first shape lasts for several frames, its key is at their end.
-        return range(min(keyed.start, stored_morph(collection).first_frame), keyed.stop)
+        return range(min(keyed.start, starting_frame(collection)), keyed.stop)
     except InputError:
         return keyed
 
