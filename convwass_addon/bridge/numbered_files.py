@@ -11,6 +11,14 @@ from pathlib import Path
 _LEAST_DIGITS = 4
 
 
+def file_number(frame: int, first: int) -> int:
+    """Return the number in the name of the file of a scene frame, in a sequence that begins at the frame `first`.
+
+    It is the frame itself, unless the sequence begins before 0: Blender does not read negative numbers.
+    """
+    return frame - min(first, 0)
+
+
 def numbered_paths(folder: Path, before: str, suffix: str, numbers: Sequence[int]) -> list[Path]:
     """Return a numbered path for each number.
 

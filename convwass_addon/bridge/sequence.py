@@ -32,8 +32,9 @@ def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], firs
     shown : sequence of tuple of bpy.types.Object
         Objects at the origin, shown at `first_frame`, the frame after it, and so on.
     first_frame : int
-        The first frame of the scene, and its current one.
+        The first frame of the scene, and its current one; 0 instead if it is before, where no scene begins.
     """
+    first_frame = max(first_frame, 0)
     tree = frame_group(name)
     time = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
     index = nearest(tree, own_geometry(tree), along_x(tree, time))

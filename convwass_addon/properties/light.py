@@ -20,8 +20,7 @@ MATERIALS = {"material": "weight", "material_2": "weight_2", "material_3": "weig
 WORLDS = ("world", "world_2", "world_3", "world_4")
 """Names of the world properties."""
 
-# Blender's range of frames is symmetric around 0.
-_FRAMES = {"min": -FIRST_FRAMES[1], "max": FIRST_FRAMES[1]}
+_FRAMES = {"min": FIRST_FRAMES[0], "max": FIRST_FRAMES[1]}
 
 
 @with_properties(ReflectanceSettings)

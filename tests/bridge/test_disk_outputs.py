@@ -37,10 +37,10 @@ from convwass_addon.progress import Control, drained
 CELL = 5.0 / 64
 
 
-def bake(scene, make_object, mesh, blends, shapes):
-    """Bake octahedra that rise by one with every frame, from scene frame 3 on."""
+def bake(scene, make_object, mesh, blends, shapes, first=3):
+    """Bake octahedra that rise by one with every frame."""
     objects = [make_object(name) for name in shapes]
-    made = MorphBake.begin(scene, objects, blends, {"resolution": 64}, 3)
+    made = MorphBake.begin(scene, objects, blends, {"resolution": 64}, first)
     for number, blend in enumerate(blends):
         own = None if blend.source is not None else mesh.moved((0, 0, number))
         made.add(MorphFrame(blend, own, {}))
@@ -78,6 +78,15 @@ def test_every_frame_shows_its_shape(collection, tmp_path, kind):
         # Blurred corners lose as much on both sides.
         assert (low + high) / 2 == pytest.approx(height, abs=1e-3), frame
     assert output.size == sum(file.stat().st_size for file in output.files) > 0
+
+
+@pytest.mark.parametrize("first", [-12, -2])
+@pytest.mark.parametrize("kind", OUTPUTS)
+def test_every_frame_before_0_shows_its_shape(bare_scene, make_object, octahedron, tmp_path, kind, first):
+    write, within = OUTPUTS[kind]
+    output = write(bake(bare_scene, make_object, octahedron, path_blends(2, 3), "AB", first), tmp_path)
+    for number, height in ((-2, 0), (0, 0), (1, 1), (2, 2), (3, 0), (20, 0)):
+        assert shown_heights(output.shown, first + number)[1] == pytest.approx(height + 1, abs=within), number
 
 
 def test_files_past_frame_9999_are_one_sequence(bare_scene, make_object, octahedron, tmp_path):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -102,6 +103,19 @@ def test_pictures_that_are_held_are_copied(tmp_path):
     files = sorted(tmp_path.glob("*/*.png"))
     assert len(files) == 5
     assert files[0].read_bytes() == files[1].read_bytes() != files[2].read_bytes()
+
+
+def test_pictures_before_frame_0_are_one_sequence(tmp_path):
+    objects = picture("First", spot(32, 32, 10, RED)), picture("Last", spot(32, 32, 14, BLUE))
+    bake(tmp_path, *objects, start="CUSTOM", frame_start=-3)
+    (plane,) = frame_objects(baked_morph())
+    for frame, number in ((-9, 0), (-3, 0), (-2, 1), (0, 3), (1, 4), (9, 4)):
+        bpy.context.scene.frame_set(frame)
+        shown = plane.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.materials[0]
+        (node,) = (node for node in shown.node_tree.nodes if node.type == "TEX_IMAGE")
+        path = Path(node.image.filepath_from_user(image_user=node.image_user))
+        assert path.stem.endswith(f"_000{number}")
+        assert path.is_file()
 
 
 def test_pictures_past_frame_9999_are_one_sequence(tmp_path):

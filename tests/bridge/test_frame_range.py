@@ -31,6 +31,13 @@ def test_a_morph_is_played_whole_in_place_of_the_preview_range(previewed_scene):
     assert ranges(previewed_scene)[1] == (30, 40)
 
 
+def test_a_morph_that_begins_before_0_is_played_by_the_preview_range(previewed_scene):
+    play_whole(previewed_scene, -10, 13)
+    assert ranges(previewed_scene) == ((0, 13), (-10, 13))
+    play_whole(previewed_scene, -10, -3)
+    assert ranges(previewed_scene)[1] == (-10, -3)
+
+
 def test_what_is_added_to_others_leaves_the_preview_range(previewed_scene):
     play_among_others(previewed_scene, 5, 20)
     assert ranges(previewed_scene) == ((5, 50), (30, 40))

@@ -13,7 +13,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
-from convwass_addon.bridge.keyframes import make_linear
+from convwass_addon.bridge.keyframes import curves_of, make_linear
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
@@ -154,8 +154,12 @@ def test_fbx_keeps_the_keys(keyed, tmp_path):
     assert obj.data.shape_keys.animation_data.action is not None
 
 
+@pytest.mark.parametrize(("moved", "first"), [(0, 3), (-5, 0)])
 @pytest.mark.parametrize("suffix", [".usdc", ".abc"])
-def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, suffix, octahedron):
+def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, suffix, octahedron, moved, first):
+    """Those of an animation that begins before frame 0 begin there."""
+    for point in (point for curve in curves_of(keyed) for point in curve.keyframe_points):
+        point.co_ui.x += moved
     (file,) = export_shape_keys(keyed, tmp_path / f"keys{suffix}")
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     read = bpy.ops.wm.usd_import if suffix == ".usdc" else bpy.ops.wm.alembic_import
@@ -163,7 +167,7 @@ def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, s
     (obj,) = [one for one in bpy.data.objects if one.type == "MESH"]
     depsgraph, fps = bpy.context.evaluated_depsgraph_get(), bpy.context.scene.render.fps
     for number in range(FRAMES + 1):
-        bpy.context.scene.frame_set(3 + number)
+        bpy.context.scene.frame_set(first + number)
         points = triangle_mesh(obj, depsgraph).vertices
         np.testing.assert_allclose(points, octahedron.vertices + expected_shift(number / FRAMES), atol=1e-5)
         if number in (0, FRAMES):

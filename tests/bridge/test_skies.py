@@ -19,7 +19,7 @@ from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.skies import sky_sequence, world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
 from convwass_addon.bridge.skies.sky_sequence import PlacedSky, SkyFiles, fitting_height, sky_steps
-from convwass_addon.bridge.skies.world_skies import sequence_world, world_sky
+from convwass_addon.bridge.skies.world_skies import sequence_world, shown_files, world_sky
 from convwass_addon.errors import ConvwassError, InputError
 from convwass_addon.progress import payloads
 from tests.lights import sky
@@ -79,6 +79,18 @@ def test_every_frame_shows_its_file_and_the_ends_stay_on(tmp_path):
         np.testing.assert_allclose(world_sky(world, 8), value, atol=1e-3)
     assert sequence_world("Frames", files, 4) == world
     assert [image.name for image in bpy.data.images if image.source != "VIEWER"] == ["Frames"]
+
+
+def test_skies_before_frame_0_are_numbered_from_0(tmp_path):
+    files = SkyFiles(tmp_path, -2, 4)
+    for value, path in enumerate(files.paths, 1):
+        write_sky(path, np.full((8, 16, 3), value, np.float32))
+    assert [path.name for path in files.paths] == [f"sky.000{number}.exr" for number in range(4)]
+    world = sequence_world("Early", files.paths, -2)
+    assert shown_files(world) == set(files.paths)
+    for frame, value in ((-5, 1), (-2, 1), (-1, 2), (1, 4), (9, 4)):
+        bpy.context.scene.frame_set(frame)
+        np.testing.assert_allclose(world_sky(world, 8), value, atol=1e-3)
 
 
 def test_an_animated_world_is_read_as_it_is_now_with_time_stretching(bare_scene):
@@ -177,8 +189,6 @@ def test_folders_that_cannot_be_used_are_refused(tmp_path):
         SkyFiles(tmp_path / "no" / "where", 1, 2)
     with pytest.raises(InputError, match="Save the file first"):
         SkyFiles("//skies", 1, 2)
-    with pytest.raises(InputError, match="Frames before 0"):
-        SkyFiles(tmp_path, -1, 2)
 
 
 def written(folder, first=7):

@@ -304,6 +304,7 @@ def test_principal_axes_turn_a_copy_back(shapes):
         ({}, 5, (5, 50)),
         ({"start": "CURRENT"}, 40, (5, 50)),
         ({"start": "CUSTOM", "frame_start": 100}, 100, (5, 50)),
+        ({"start": "CUSTOM", "frame_start": -10}, -10, (5, 50)),
         ({"fit_range": True}, 5, (5, 7)),
         ({"start": "CUSTOM", "frame_start": 100, "fit_range": True}, 100, (100, 102)),
     ],

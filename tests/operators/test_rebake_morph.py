@@ -154,16 +154,16 @@ def shown_in(morph, frames):
     return [[index for index, obj in enumerate(objects) if is_shown(obj, frame)] for frame in frames]
 
 
-@pytest.mark.parametrize("stays", [0, 2])
-def test_frames_that_were_moved_in_time_stay_there(morph, stays):
-    """All frames of the morph are shown later, or only the last two."""
-    move_keys(frame_objects(morph)[stays:], 20)
-    shown, start = shown_in(morph, range(50)), stored_morph(morph).first_frame
+@pytest.mark.parametrize(("stays", "way"), [(0, 20), (0, -20), (2, 20)])
+def test_frames_that_were_moved_in_time_stay_there(morph, stays, way):
+    """All frames of the morph are shown at other times, or only the last two."""
+    move_keys(frame_objects(morph)[stays:], way)
+    shown, start = shown_in(morph, range(-50, 50)), stored_morph(morph).first_frame
     kept = frame_objects(morph)
     bpy.ops.convwass.rebake_morph()
     assert not set(frame_objects(morph)).intersection(kept)
-    assert shown_in(morph, range(50)) == shown
-    assert stored_morph(morph).first_frame == start + (20 if stays == 0 else 0)
+    assert shown_in(morph, range(-50, 50)) == shown
+    assert stored_morph(morph).first_frame == start + (way if stays == 0 else 0)
 
 
 def test_a_player_and_files_start_where_frames_were_moved(morph):

@@ -195,7 +195,6 @@ def test_angles_are_those_of_the_application_and_frames_have_ends():
         ({"worlds": "0"}, "Choose at least two worlds, not 1"),
         ({"worlds": "0, 7"}, "There is no world 7"),
         ({"frame_end": 4}, "must come after"),
-        ({"frame_start": -2}, "Frames before 0"),
         ({"near": np.radians(80.0), "far": np.radians(50.0)}, "glow must end"),
     ],
 )

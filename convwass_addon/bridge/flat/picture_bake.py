@@ -31,7 +31,7 @@ from ..morphs.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY, frame_objects
 from ..morphs.written_files import drop_surplus, store_written
 from ..node_trees import own_tree
-from ..numbered_files import numbered_paths
+from ..numbered_files import file_number, numbered_paths
 from ..palettes.image_files import save_pixels
 from .gray_inputs import GrayInput
 
@@ -114,7 +114,8 @@ class PictureBake(MorphBake):
     def _path(self, number: int) -> Path:
         """Return the file of a scene frame, with the same number of digits for all frames."""
         last = self._numbers(len(self._blends) - 1)[-1]
-        return numbered_paths(self._folder, f"{self._folder.name}_", ".png", [number, last])[0]
+        numbers = [file_number(frame, self._stored.first_frame) for frame in (number, last)]
+        return numbered_paths(self._folder, f"{self._folder.name}_", ".png", numbers)[0]
 
     def _numbers(self, index: int) -> range:
         """Return the scene frames that show a blend, up to the next blend."""
@@ -150,7 +151,8 @@ class PictureBake(MorphBake):
         node = self._picture_node()
         node.image.source = "SEQUENCE"
         user, first = node.image_user, self._stored.first_frame
-        user.frame_start, user.frame_offset, user.frame_duration = first, first - 1, self._count
+        user.frame_start, user.frame_offset = first, file_number(first, first) - 1
+        user.frame_duration = self._count
         user.use_auto_refresh, user.use_cyclic = True, False
 
     def discard(self) -> None:

@@ -48,7 +48,10 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     except ConvwassError:
         file.unlink(missing_ok=True)
         raise
-    cache_readers(shown)[0].cache_file.filepath = for_blender(file)
+    read = cache_readers(shown)[0].cache_file
+    read.filepath = for_blender(file)
+    # A morph that begins before frame 0 is written from 0 on.
+    read.frame_offset = min(shown_frames(collection)[0], 0)
     before = next(filter(cache_readers, disk_outputs(collection)), None)
     return DiskOutput(_named(collection, shown) if before is None else _reading_as(before, shown), (file,))
 

@@ -67,7 +67,8 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     the frames, with materials; materials that use the object's color get that color. A path is exported to glTF as a
     single .glb, in which every frame is a node that an animation scales to 1 while it is shown and to 0 otherwise; a
     sheet is exported to glTF as one file per blend. USD and Alembic get a single file with one mesh of changing
-    topology; its displayColor is the color of the frames, with velocities. A sheet is exported to them as a still.
+    topology; its displayColor is the color of the frames, with velocities. If the path begins before frame 0, they
+    begin at 0. A sheet is exported to them as a still.
     Vertex animation textures are a .json file, a mesh and textures, which contain the triangles of all frames, padded
     to the same number; see :mod:`..one_mesh.vertex_animation_files`.
 

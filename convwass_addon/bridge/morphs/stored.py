@@ -46,8 +46,8 @@ FRAMES_KEY = "convwass_frames_of"
 SAMPLED_FROM = "sampled_from"
 """Setting of a morph whose frames are what a player showed: name of the morph that it played."""
 
-FIRST_FRAMES = (0, 1_048_574)
-"""Lowest and highest start frame of a scene in Blender."""
+FIRST_FRAMES = (-1_048_574, 1_048_574)
+"""Lowest and highest frame in Blender."""
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..numbered_files import numbered_paths
+from ..numbered_files import file_number, numbered_paths
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from ..visibility import layers_with, shown_at
@@ -93,7 +93,8 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
             least=_LEAST_SPACING,
         )
     scene_frames, shown = _timeline(collection, frames)
-    files = numbered_paths(folder, f"{folder.name}_", ".vdb", scene_frames)
+    numbers = [file_number(frame, scene_frames[0]) for frame in scene_frames]
+    files = numbered_paths(folder, f"{folder.name}_", ".vdb", numbers)
     for done, (file, objects) in enumerate(zip(files, shown, strict=True), 1):
         _write(openvdb, file, [meshes[obj] for obj in objects], spacing)
         yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
@@ -181,7 +182,8 @@ def _read(data: bpy.types.Volume, files: list[Path], scene_frames: range) -> Non
     data.filepath = for_blender(files[0])
     data.is_sequence = len(files) > 1
     if data.is_sequence:
-        data.frame_start, data.frame_duration, data.frame_offset = scene_frames[0], len(files), scene_frames[0] - 1
+        first = scene_frames[0]
+        data.frame_start, data.frame_duration, data.frame_offset = first, len(files), file_number(first, first) - 1
         data.sequence_mode = "EXTEND"
 
 

@@ -14,11 +14,11 @@ from numpy.typing import NDArray
 from ...applications.skies.sky_frames import Skies, SkyFrame
 from ...applications.skies.sky_settings import SkySettings
 from ...drafts import DraftFiles
-from ...errors import ConvwassError, InputError
+from ...errors import ConvwassError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..files import checked_folder
-from ..numbered_files import numbered_paths
+from ..numbered_files import file_number, numbered_paths
 from .sky_pixels import write_sky
 
 # Fraction of the work spent on finding the suns.
@@ -89,14 +89,13 @@ class SkyFiles:
     Raises
     ------
     InputError
-        The folder is not writable, or the frames cannot be numbered.
+        The folder is not writable.
     """
 
     def __init__(self, folder: str | Path, first_frame: int, count: int) -> None:
-        if first_frame < 0:
-            raise InputError("Frames before 0 cannot be numbered; start later.")
         target = checked_folder(folder)
-        self.paths = numbered_paths(target, "sky.", ".exr", range(first_frame, first_frame + count))
+        first = file_number(first_frame, first_frame)
+        self.paths = numbered_paths(target, "sky.", ".exr", range(first, first + count))
         self._drafts = DraftFiles()
 
     def write(self, sky: PlacedSky) -> None:

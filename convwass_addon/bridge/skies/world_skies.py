@@ -20,7 +20,9 @@ from ..image_files import image_path
 from ..keyframes import clear_animation, curves_of, own_action, remove_curve
 from ..last_result import last_result
 from ..morphs.disk_output import for_blender
+from ..morphs.stored import FIRST_FRAMES
 from ..node_trees import own_tree
+from ..numbered_files import file_number
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from .sky_pixels import read_sky, read_sky_file, resized
@@ -30,8 +32,6 @@ RESULT_OF = "convwass_skies"
 
 # The disc of a sun covers two to four pixels; fewer samples would miss its edge.
 _SAMPLES = 32
-# Blender's lowest first frame of a scene.
-_LONG_AGO = -100000
 # The center of a panorama looks along +X, as in environment images.
 _POSE = (math.radians(90.0), 0.0, math.radians(-90.0))
 
@@ -199,11 +199,11 @@ def _key_numbers(texture: bpy.types.Node, first_frame: int, count: int) -> None:
     Without keys, a sequence shows the file before the first one until it starts, which does not exist.
     """
     user, tree, path = texture.image_user, texture.id_data, _number_path(texture)
-    user.frame_start, user.frame_duration, user.use_auto_refresh = _LONG_AGO, 1, True
+    user.frame_start, user.frame_duration, user.use_auto_refresh = FIRST_FRAMES[0], 1, True
     own_action(tree)
     remove_curve(tree, path)
     for frame in (first_frame, first_frame + count - 1):
-        user.frame_offset = frame - 1
+        user.frame_offset = file_number(frame, first_frame) - 1
         tree.keyframe_insert(path, frame=frame)
     for curve in curves_of(tree):
         for point in curve.keyframe_points if curve.data_path == path else ():
