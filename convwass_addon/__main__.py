@@ -5,6 +5,7 @@
 import os
 import signal
 import sys
+from contextlib import suppress
 
 from .console import open_streams, own_stdout
 
@@ -17,11 +18,16 @@ if interrupted is signal.default_int_handler:
 try:
     with own_stdout():
         # Importing bpy prints a message to standard output.
+        import bpy
+
         from .cli import main
     signal.signal(signal.SIGINT, interrupted)
     code = main(sys.argv[1:], "python -m convwass_addon")
     sys.stdout.flush()
     sys.stderr.flush()
+    # Blender removes its folder for temporary files at a normal exit only; if that is shared, it is not empty.
+    with suppress(OSError):
+        os.rmdir(bpy.app.tempdir)
     # Blender 4.5 may wait forever for one of its own threads at a normal exit.
     os._exit(code)
 except ModuleNotFoundError as error:

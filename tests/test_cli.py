@@ -527,6 +527,12 @@ def test_as_a_module(shapes, tmp_path, project):
     assert out.stat().st_size > 0
 
 
+def test_the_folder_for_temporary_files_is_empty_afterwards(tmp_path, project):
+    own = dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(tmp_path))
+    subprocess.run([sys.executable, "-m", "convwass_addon", "--help"], cwd=project, env=os.environ | own, check=True)
+    assert not list(tmp_path.iterdir())
+
+
 @pytest.mark.skipif(sys.platform == "win32", reason="closes streams by a POSIX shell")
 @pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
 def test_standard_streams_may_be_closed(shapes, tmp_path, project, closed):
