@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import bpy
+
+_NUMBER = re.compile(r"\.[0-9]{3,}$")
 
 
 @dataclass(frozen=True)
@@ -71,6 +74,44 @@ def objects_named(names: Sequence[ObjectName]) -> list[bpy.types.Object | None]:
         others = [obj for obj in there[name.name] if obj not in taken]
         found[name] = others[0] if len(others) == 1 else None
     return [found[name] for name in names]
+
+
+def scene_copies(names: Sequence[ObjectName], scenes: Sequence[bpy.types.Scene]) -> dict[ObjectName, bpy.types.Object]:
+    """Return the copies that objects of other scenes have in scenes that are full copies of these.
+
+    Blender gives copies the names of the originals with other numbers, and keeps their order.
+
+    Parameters
+    ----------
+    names : sequence of ObjectName
+        The objects.
+    scenes : sequence of bpy.types.Scene
+        Where to look for copies.
+
+    Returns
+    -------
+    dict of ObjectName to bpy.types.Object
+        Empty if one of the objects is in these scenes, or if not all that still exist have a copy.
+    """
+    if len(bpy.data.scenes) == 1 or not scenes:
+        return {}
+    originals = {name: obj for name, obj in zip(names, objects_named(names), strict=True) if obj is not None}
+    if any(scene in obj.users_scene for obj in originals.values() for scene in scenes):
+        return {}
+    found = {name: _copy_of(obj, scenes[0]) for name, obj in originals.items()}
+    return {} if None in found.values() else found
+
+
+def _copy_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
+    """Return the object of a scene that has the place of an object of another scene among those of its name."""
+    originals, copies = _alike(obj, obj.users_scene[0]), _alike(obj, scene)
+    return copies[originals.index(obj)] if len(originals) == len(copies) else None
+
+
+def _alike(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[bpy.types.Object]:
+    """Return the objects of a scene that have the name and type of an object, apart from the number in the name."""
+    stem = _NUMBER.sub("", obj.name)
+    return [own for own in scene.objects if own.type == obj.type and _NUMBER.sub("", own.name) == stem]
 
 
 def _whole(library: str) -> str:

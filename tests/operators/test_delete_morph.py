@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
-from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects
+from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_inputs
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY
 
 
@@ -141,3 +141,27 @@ def test_a_shape_of_an_earlier_morph_stays_hidden(shapes):
     assert hidden(*shapes) == [BOTH, BOTH]
     delete(first)
     assert hidden(*shapes) == [NEITHER, NEITHER]
+
+
+def test_in_a_full_copy_of_a_scene_the_copied_shapes_are_shown(shapes):
+    """Although their numbers are in another order than those of the originals."""
+    shapes[1].name = "A.001"
+    bake("A,A.001")
+    bpy.context.view_layer.objects.active = None
+    bpy.ops.scene.new(type="FULL_COPY")
+    copies = [obj for obj in bpy.context.scene.objects if obj.name.startswith("A.")][:2]
+    (morph,) = bpy.context.scene.collection.children
+    assert stored_inputs(morph) == copies
+    assert hidden(*copies) == [BOTH, BOTH]
+    delete(morph)
+    assert hidden(*copies) == [NEITHER, NEITHER]
+    assert [obj.hide_render for obj in shapes] == [True, True]
+
+
+def test_shapes_of_another_scene_are_shown_if_this_one_is_no_copy_of_it(shapes):
+    morph = bake()
+    other = bpy.data.scenes.new("Shot")
+    other.collection.children.link(morph)
+    bpy.context.scene.collection.children.unlink(morph)
+    other.collection.objects.link(bpy.data.objects.new("A.001", shapes[0].data))
+    assert stored_inputs(morph) == shapes

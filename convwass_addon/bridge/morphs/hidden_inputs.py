@@ -13,10 +13,10 @@ from functools import reduce
 import bpy
 
 from ...errors import ConvwassError
-from ..object_names import ObjectName, objects_named
+from ..object_names import ObjectName, objects_named, scene_copies
 from ..shape_sources import OBJECTS, shape_source
 from ..visibility import layers_with
-from .stored import MORPH_KEY, stored_morph
+from .stored import MORPH_KEY, scenes_of, stored_morph
 
 HIDDEN_KEY = "convwass_hidden"
 """Custom property of a morph's collection or of an object with shape keys: JSON of what its bake has hidden."""
@@ -176,10 +176,23 @@ def _hidden_by(morph: bpy.types.ID) -> list[HiddenObject]:
         # Its shapes are in another file, where they may have the names of objects of this one.
         return []
     try:
-        return [_read(entry) for entry in json.loads(morph[HIDDEN_KEY])]
+        return _in_scenes([_read(entry) for entry in json.loads(morph[HIDDEN_KEY])], scenes_of(morph))
     except (LookupError, TypeError, ValueError, RecursionError):
         layers = {_names(layer) for scene in bpy.data.scenes for layer in scene.view_layers}
         return [HiddenObject(ObjectName.of(part), True, tuple(layers)) for part in _parts(morph)]
+
+
+def _in_scenes(hidden: list[HiddenObject], scenes: Sequence[bpy.types.Scene]) -> list[HiddenObject]:
+    """Return what a morph hides in its scenes, which may be full copies of the one in which it was baked."""
+    copies = scene_copies([own.name for own in hidden], scenes)
+    return [_of_copy(own, copies[own.name]) if own.name in copies else own for own in hidden]
+
+
+def _of_copy(own: HiddenObject, copy: bpy.types.Object) -> HiddenObject:
+    """Return where the copy of an object in a full copy of its scene is hidden: in view layers of the same names."""
+    layers = {layer for _, layer in own.layers}
+    names = (_names(layer) for layer in layers_with(copy, copy.users_scene))
+    return HiddenObject(ObjectName.of(copy), own.in_renders, tuple(both for both in names if both[1] in layers))
 
 
 def _parts(morph: bpy.types.ID) -> list[bpy.types.Object]:

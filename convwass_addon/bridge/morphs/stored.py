@@ -8,7 +8,7 @@ import json
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import bpy
 import numpy as np
@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
 from ..keyframes import keyed_frames, shown_from
-from ..object_names import ObjectName, objects_named
+from ..object_names import ObjectName, objects_named, scene_copies
 from ..shape_sources import OBJECTS, shape_source
 
 SCHEMA = 1
@@ -75,10 +75,15 @@ class StoredMorph:
     libraries: list[str] = field(default_factory=list)
 
     @property
+    def names(self) -> list[ObjectName]:
+        """The names of the morphed objects with their libraries."""
+        libraries = self.libraries or [None] * len(self.inputs)
+        return [ObjectName(*both) for both in zip(self.inputs, libraries, strict=True)]
+
+    @property
     def objects(self) -> list[bpy.types.Object | None]:
         """The morphed objects; None for those that no longer exist under their name."""
-        libraries = self.libraries or [None] * len(self.inputs)
-        return objects_named([ObjectName(*both) for both in zip(self.inputs, libraries, strict=True)])
+        return objects_named(self.names)
 
 
 def store(block: bpy.types.Collection | bpy.types.Object, morph: StoredMorph) -> None:
@@ -88,6 +93,8 @@ def store(block: bpy.types.Collection | bpy.types.Object, morph: StoredMorph) ->
 
 def stored_morph(block: bpy.types.Collection | bpy.types.Object) -> StoredMorph:
     """Read and check a description written by `store`.
+
+    In a full copy of a scene, the inputs are the copies.
 
     Raises
     ------
@@ -100,7 +107,23 @@ def stored_morph(block: bpy.types.Collection | bpy.types.Object) -> StoredMorph:
             "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=block.name
         )
     with refusing_damage(block.name):
-        return _checked(json.loads(text, parse_constant=_no_number))
+        return _in_scenes(_checked(json.loads(text, parse_constant=_no_number)), scenes_of(block))
+
+
+def scenes_of(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.types.Scene]:
+    """Return the scenes that contain a morph."""
+    if isinstance(block, bpy.types.Object):
+        return list(block.users_scene)
+    return [scene for scene in bpy.data.scenes if block in scene.collection.children_recursive]
+
+
+def _in_scenes(morph: StoredMorph, scenes: Sequence[bpy.types.Scene]) -> StoredMorph:
+    """Return the description of a morph for scenes, which may be full copies of the one in which it was baked."""
+    copies = scene_copies(morph.names, scenes)
+    if not copies:
+        return morph
+    names = [ObjectName.of(copies[name]) if name in copies else name for name in morph.names]
+    return replace(morph, inputs=[name.name for name in names], libraries=[name.library or "" for name in names])
 
 
 @contextmanager
