@@ -10,6 +10,7 @@ import pytest
 
 from convwass_addon.applications.flat.flat_pieces import filled_by
 from convwass_addon.bridge.flat.flat_objects import flat_objects
+from convwass_addon.bridge.keyframes import driver_targets
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.player_inputs import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
@@ -296,6 +297,36 @@ def test_curves_that_become_meshes_keep_their_parent():
     frames = frame_objects(baked_morph())
     assert {(obj.type, obj.parent) for obj in frames} == {("MESH", parent)}
     np.testing.assert_allclose(places(frames), before, atol=1e-6)
+
+
+def test_curves_that_become_meshes_keep_tracks_drivers_and_constraints():
+    select_only(text("A"), text("B", 3.0))
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    frames, follower = frame_objects(baked_morph()), linked("Follower", None)
+    curve, after = frames[1], frames[2]
+    own = curve.animation_data
+    strip = own.nla_tracks.new().strips.new("Turn", 4, bpy.data.actions.new("Turn"))
+    strip.scale = 2.0
+    curve.driver_add("location", 2).driver.expression = "0.5"
+    variable = after.driver_add("location", 2).driver.variables.new()
+    variable.targets[0].id = curve
+    curve.data.driver_add("extrude")
+    curve.constraints.new("COPY_ROTATION").target = after
+    follower.constraints.new("COPY_LOCATION").target = curve
+    bpy.context.view_layer.objects.active = frames[0]
+    bpy.ops.convwass.make_player()
+    mesh, after = frame_objects(baked_morph())[1:3]
+    assert mesh.type == "MESH"
+    assert [(strip.name, strip.scale) for track in mesh.animation_data.nla_tracks for strip in track.strips] == [
+        ("Turn", 2.0)
+    ]
+    assert mesh.animation_data.action is not None
+    assert [curve.driver.expression for curve in mesh.animation_data.drivers] == ["0.5"]
+    assert [target.id for target in driver_targets(after)] == [mesh]
+    assert mesh.data.animation_data is None
+    assert mesh.constraints[0].target == after
+    assert follower.constraints[0].target == mesh
+    assert len(mesh.users_collection) == 1
 
 
 def test_letters_keep_their_colors_and_share_materials():

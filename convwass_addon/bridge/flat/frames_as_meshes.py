@@ -19,7 +19,8 @@ from .flat_paint import paint_mesh, region_colors
 def turn_into_meshes(collection: bpy.types.Collection) -> None:
     """Replace the frames of a morph that are not meshes by their meshes.
 
-    Names, transforms, materials and keys are kept. Does nothing if a player or pad shows the morph.
+    Names, transforms, materials, constraints and all animation are kept, and what refers to a frame refers to its mesh.
+    Does nothing if a player or pad shows the morph.
 
     Parameters
     ----------
@@ -39,6 +40,9 @@ def turn_into_meshes(collection: bpy.types.Collection) -> None:
     meshes = _meshes_of(curves)
     others = [_standing_for(obj, mesh) for obj, mesh in zip(curves, meshes, strict=True)]
     names, data = [obj.name for obj in curves], {obj.data for obj in curves}
+    for obj, other in zip(curves, others, strict=True):
+        # This also puts it into the collections.
+        obj.user_remap(other)
     bpy.data.batch_remove(curves)
     bpy.data.batch_remove([curve for curve in data if curve.users == 0])
     for obj, name in zip(others, names, strict=True):
@@ -85,16 +89,28 @@ def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
 
 
 def _standing_for(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """Make a mesh object with the parent, transform, keys and properties of another object."""
+    """Make a mesh object with the parent, transform, animation, constraints and properties of another object."""
     other = bpy.data.objects.new(obj.name, mesh)
     take_parent(obj, other)
-    other.matrix_basis, other.color = obj.matrix_basis, obj.color
+    other.rotation_mode, other.matrix_basis, other.color = obj.rotation_mode, obj.matrix_basis, obj.color
     for key, value in obj.items():
         other[key] = value
-    if obj.animation_data is not None and obj.animation_data.action is not None:
-        own = other.animation_data_create()
-        own.action, own.action_slot = obj.animation_data.action, obj.animation_data.action_slot
+    for constraint in obj.constraints:
+        other.constraints.copy(constraint)
     other.hide_render, other.hide_viewport = obj.hide_render, obj.hide_viewport
-    for parent in obj.users_collection:
-        parent.objects.link(other)
+    if obj.animation_data is not None:
+        _take_animation(obj, other)
     return other
+
+
+def _take_animation(obj: bpy.types.Object, other: bpy.types.Object) -> None:
+    """Give an object the keys, NLA tracks and drivers of one that is removed."""
+    # The operator, the only way to copy NLA tracks completely, refuses hidden objects and skips those of other scenes.
+    obj.hide_viewport = False
+    linked = bpy.context.scene.collection.objects
+    linked.link(other)
+    with bpy.context.temp_override(active_object=obj, object=obj, selected_editable_objects=[other]):
+        bpy.ops.object.make_links_data(type="ANIMATION")
+    linked.unlink(other)
+    # It copies the animation of the data, too, which fits only curves.
+    other.data.animation_data_clear()
