@@ -14,6 +14,7 @@ from bpy.props import EnumProperty, StringProperty
 from ..bridge.active import active_object, selected_objects
 from ..bridge.linked_data import is_linked
 from ..bridge.morphs.changes import changed_inputs
+from ..bridge.morphs.disk_output import read_morph
 from ..bridge.morphs.morph_guides import guides_of_entries
 from ..bridge.morphs.morph_request import MorphRequest
 from ..bridge.morphs.removal import delete_morph
@@ -50,6 +51,7 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
         return None
     candidates = [
         shown_morph(active),
+        read_morph(active),
         *(active.users_collection if active else ()),
         context.collection,
     ]

@@ -9,6 +9,7 @@ from pathlib import Path
 import bpy
 import pytest
 
+from convwass_addon.bridge.morphs.disk_output import disk_outputs
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
 from tests.operators.running import Pressed, show_other_scene, started, until, window_context
 from tests.scene import begun, height_at, kept
@@ -56,6 +57,28 @@ def test_a_surface_whose_volume_was_deleted_shows_the_next_one(morph, tmp_path):
     assert bpy.ops.convwass.make_volume(folder=str(tmp_path)) == {"FINISHED"}
     assert bpy.context.object == surface
     assert len(surface.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.polygons) > 0
+
+
+@pytest.mark.parametrize(("operator", "options"), [("make_volume", {}), ("make_cache", {"kind": "alembic"})])
+def test_readers_of_files_are_found_in_other_collections(morph, tmp_path, operator, options):
+    getattr(bpy.ops.convwass, operator)(folder=str(tmp_path), **options)
+    readers, shown, elsewhere = list(morph.objects), bpy.context.object, bpy.data.collections.new("Other Morph")
+    elsewhere["convwass_morph"] = morph["convwass_morph"]
+    bpy.context.scene.collection.children.link(elsewhere)
+    for obj in readers:
+        elsewhere.objects.link(obj)
+        morph.objects.unlink(obj)
+    twin = shown.copy()
+    bpy.context.scene.collection.objects.link(twin)
+    bpy.context.view_layer.objects.active = shown
+    assert bpy.ops.convwass.rebake_morph(which="ACTIVE") == {"FINISHED"}
+    assert not morph.objects
+    assert all(obj.users_collection == (elsewhere,) for obj in readers)
+    assert len(list(tmp_path.iterdir())) == 2
+    assert disk_outputs(elsewhere) == []
+    assert bpy.context.object == shown
+    bpy.ops.convwass.delete_morph()
+    assert [obj for obj in bpy.data.objects if "convwass_output" in obj] == [twin]
 
 
 @pytest.mark.parametrize("factor", [1.02, 0.98])

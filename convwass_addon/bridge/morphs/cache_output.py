@@ -12,7 +12,7 @@ import bpy
 from ...errors import ConvwassError, InputError
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
-from .disk_output import OUTPUT_KEY, DiskOutput, cache_readers, disk_outputs, for_blender
+from .disk_output import OUTPUT_KEY, DiskOutput, cache_readers, disk_outputs, for_blender, remember_readers
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
 from .stored import frame_objects, shown_frames
@@ -53,7 +53,9 @@ def as_cache(collection: bpy.types.Collection, folder: Path, kind: Literal["alem
     # A morph that begins before frame 0 is written from 0 on.
     read.frame_offset = min(shown_frames(collection)[0], 0)
     before = next(filter(cache_readers, disk_outputs(collection)), None)
-    return DiskOutput(_named(collection, shown) if before is None else _reading_as(before, shown), (file,))
+    made = _named(collection, shown) if before is None else _reading_as(before, shown)
+    remember_readers(collection, [made])
+    return DiskOutput(made, (file,))
 
 
 def _named(collection: bpy.types.Collection, shown: bpy.types.Object) -> bpy.types.Object:

@@ -21,6 +21,9 @@ from ..files import absolute_folder, creatable_folder
 OUTPUT_KEY = "convwass_output"
 """Custom property of an object that shows a morph from files on disk: "volume" or "cache"."""
 
+READERS_KEY = "convwass_readers"
+"""Custom property of a morph's collection: the objects that were made to read its files, wherever they are moved."""
+
 FOLDER_KEY = "convwass_folder"
 """Custom property of a morph's collection: JSON of the `_Place` of its files."""
 
@@ -195,8 +198,34 @@ def for_blender(path: Path) -> str:
 
 
 def disk_outputs(morph: bpy.types.Collection) -> list[bpy.types.Object]:
-    """Return the objects of a morph that read files, and their helper objects, but not meshes made from them."""
-    return [obj for obj in morph.objects if OUTPUT_KEY in obj and not _was_converted(obj)]
+    """Return the objects of a morph that read files, and their helper objects, but not meshes made from them.
+
+    Those that were made for it come first, also from other collections; duplicates follow if they are in its own.
+    """
+    made = [obj for obj in _readers(morph) if obj.users_collection]
+    others = [obj for obj in morph.objects if OUTPUT_KEY in obj and _made_for(obj) is None]
+    return [obj for obj in (*made, *others) if not _was_converted(obj)]
+
+
+def remember_readers(morph: bpy.types.Collection, objects: Sequence[bpy.types.Object]) -> None:
+    """Store with a morph that objects read its files."""
+    morph[READERS_KEY] = {str(number): obj for number, obj in enumerate(dict.fromkeys([*_readers(morph), *objects]))}
+
+
+def read_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
+    """Return the morph whose files an object was made to read, or None."""
+    return None if obj is None or OUTPUT_KEY not in obj or _was_converted(obj) else _made_for(obj)
+
+
+def _made_for(obj: bpy.types.Object) -> bpy.types.Collection | None:
+    return next((morph for morph in bpy.data.collections if obj in _readers(morph)), None)
+
+
+def _readers(morph: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return the objects that `remember_readers` has stored, as far as they still exist."""
+    stored = morph.get(READERS_KEY)
+    values = stored.values() if hasattr(stored, "values") else ()
+    return [obj for obj in values if isinstance(obj, bpy.types.Object)]
 
 
 def _was_converted(obj: bpy.types.Object) -> bool:

@@ -23,7 +23,7 @@ from ..numbered_files import file_number, numbered_paths
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
 from ..visibility import layers_with, shown_at
-from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender
+from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender, remember_readers
 from .materials import morph_material
 from .stored import frame_objects, shown_frames, stored_morph
 
@@ -156,7 +156,7 @@ def _objects(
 
     A new Volume object is hidden. It is shifted along all axes; one that exists stays where its user has moved it.
     """
-    there = {obj.type: obj for obj in disk_outputs(collection)}
+    there = {obj.type: obj for obj in reversed(disk_outputs(collection))}
     volume = there.get("VOLUME") or _volume_object(collection)
     _read(volume.data, files, scene_frames)
     shift = offset - volume.get(OFFSET_KEY, offset)
@@ -168,6 +168,7 @@ def _objects(
         modifier.object = volume
     if "VOLUME" not in there:
         _hide(volume)
+    remember_readers(collection, [volume, shown])
     return shown
 
 
