@@ -282,20 +282,33 @@ def test_places_of_other_files_are_checked_before_the_work(shapes, tmp_path, cap
     assert taken in capfd.readouterr().err
 
 
-def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch):
+@pytest.mark.parametrize("folder", ["{at}/images", "//images"])
+def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch, folder):
+    """In a folder beside the file, which Blender calls //."""
+
     def moved(meshes, names, *_):
         yield Progress(0.5, Sentence("Half"))
         return [KeyPath(names[1], (1.0,), meshes[0].vertices[None] * 0.5, 0.9, 0.0, 0.1, 0.5, 0)]
 
     monkeypatch.setattr(shape_key_job, "key_paths", moved)
-    words = ["morph", *cube_and_ball(shapes), "--output", "shape-keys", "--textures"]
-    words += ["--texture-size", "16", "--texture-samples", "1", "--texture-folder", str(tmp_path / "images")]
-    assert cli.main([*words, "--out", str(tmp_path / "keys.blend")]) == 0
+    coat = bpy.data.materials.new("Coat")
+    coat.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1.0, 0.0, 0.0, 1.0)
+    bpy.data.objects["Cube"].data.materials.append(coat)
+    bpy.ops.wm.save_as_mainfile(filepath=str(shapes / "all.blend"))
+    words = ["morph", *(f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball"))]
+    words += ["--output", "shape-keys", "--textures", "--texture-size", "16", "--texture-samples", "1"]
+    words += ["--texture-folder", folder.format(at=tmp_path), "--out", str(tmp_path / "keys.blend")]
+    assert cli.main(words) == 0
     named = capfd.readouterr().out.split("\n")
     assert str(tmp_path / "keys.blend") in named
+    written = list((tmp_path / "images").iterdir())
+    assert written and {str(file) for file in written} < set(named)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "keys.blend"))
     (obj,) = (obj for obj in bpy.data.objects if obj.name.endswith("Morph"))
     assert obj.data.materials[-1].name == f"{obj.name} Baked"
+    assert {bpy.path.abspath(image.filepath) for image in bpy.data.images if image.source == "FILE"} == {
+        str(file) for file in written
+    }
 
 
 def test_two_meshes_follow_a_morph_of_the_given_threads(shapes, tmp_path, monkeypatch):

@@ -43,10 +43,7 @@ def with_shape_keys(
     """
     refuse_one_mesh(inputs)
     exported = checked_key_target(options.export) if options.export else None
-    textures = TextureSettings(**given_settings(options, TextureSettings))
-    if textures.texture_folder:
-        # Checked before the work begins.
-        creatable_folder(textures.texture_folder)
+    textures = _texture_settings(options, target)
     depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
     guides = guides_asked_for(options.guides, options.shapes, inputs, depsgraph)
     request = replace(request, guides=[guide.as_dict() for guide in guides])
@@ -62,6 +59,16 @@ def with_shape_keys(
         besides += baked.files
     besides += export_shape_keys(obj, exported) if exported else []
     return Answer.of_files(record, [save_blend(target), *besides])
+
+
+def _texture_settings(options: Namespace, target: Path) -> TextureSettings:
+    """Return the settings of the textures, with the whole path of their folder, which is checked before the work."""
+    settings = TextureSettings(**given_settings(options, TextureSettings))
+    if not settings.texture_folder:
+        return settings
+    # The .blend file that // refers to is not open, but written at the end.
+    folder = creatable_folder(bpy.path.abspath(settings.texture_folder, start=str(target.parent)))
+    return replace(settings, texture_folder=str(folder))
 
 
 def _with_two_meshes(

@@ -56,5 +56,6 @@ class TextureSettings(Settings):
         "Folder",
         "Where the images are written as PNG files; if empty, they are packed into the .blend file",
         subtype="DIR_PATH",
-        help="where the images are written as PNG files; otherwise they are packed into the .blend file",
+        help="where the images are written as PNG files; // stands for the folder of the .blend file; by default, "
+        "they are packed into that file",
     )
