@@ -39,6 +39,11 @@ class ObjectName:
         return obj.name == self.name and (self.library is None or _whole(self.library) == _whole(library_of(obj)))
 
 
+def without_number(name: str) -> str:
+    """Return a name without the number that Blender appends to names that are taken."""
+    return _NUMBER.sub("", name)
+
+
 def library_of(obj: bpy.types.Object) -> str:
     """Return the .blend file that an object is linked from, as Blender stores paths; empty if it is local."""
     return "" if obj.library is None else obj.library.filepath
@@ -110,8 +115,8 @@ def _copy_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object 
 
 def _alike(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[bpy.types.Object]:
     """Return the objects of a scene that have the name and type of an object, apart from the number in the name."""
-    stem = _NUMBER.sub("", obj.name)
-    return [own for own in scene.objects if own.type == obj.type and _NUMBER.sub("", own.name) == stem]
+    stem = without_number(obj.name)
+    return [own for own in scene.objects if own.type == obj.type and without_number(own.name) == stem]
 
 
 def _whole(library: str) -> str:

@@ -297,6 +297,36 @@ def test_images_can_be_written_to_a_folder(ball, tmp_path):
     assert len(found.files) == 2 and all(file.stat().st_size > 0 for file in found.files)
 
 
+@pytest.mark.parametrize("packed", [True, False])
+def test_images_of_a_new_baking_replace_those_of_the_one_before(ball, tmp_path, packed):
+    folder = "" if packed else str(tmp_path)
+    first = baked(ball, texture_folder=folder)
+    name, kept = first.images[1].name, first.material.name
+    mine = new_node(own_tree(bpy.data.materials.new("Mine")), "ShaderNodeTexImage", image=first.images[1])
+    loaded = None if packed else bpy.data.images.load(str(first.files[1]))
+    if loaded:
+        assert pixels(loaded)[5, 5, 1] == 0.0
+    principled(bpy.data.materials["Blue"]).inputs["Base Color"].default_value = (0.0, 1.0, 0.0, 1.0)
+    second = baked(ball, texture_folder=folder)
+    assert (second.images[1].name, second.material.name) == (name, kept)
+    assert mine.image == second.images[1]
+    assert second.files == first.files
+    for image in [mine.image] + ([loaded] if loaded else []):
+        np.testing.assert_allclose(pixels(image)[5, 5], (0.0, 1.0, 0.0), atol=0.01)
+
+
+def test_images_of_a_baking_that_another_mesh_shows_or_that_were_renamed_are_kept(ball):
+    first = baked(ball)
+    linked("Twin", ball.data.copy())
+    second = baked(ball)
+    assert not set(first.images) & set(second.images)
+    assert [image.name for image in first.images] == ["Ball Morph Base Color", "Ball Morph Large Base Color"]
+    second.images[0].name = "Painted"
+    painted = new_node(own_tree(bpy.data.materials.new("Mine")), "ShaderNodeTexImage", image=second.images[0])
+    baked(ball)
+    assert painted.image == second.images[0]
+
+
 def test_each_of_two_meshes_has_its_own_look_only(ball):
     ball["convwass_swap"] = {"object": ball, "slider": "Large", "at": 0.5}
     for looks in ("ALL", "END"):

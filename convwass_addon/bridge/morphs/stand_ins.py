@@ -4,18 +4,16 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable
 
 import bpy
 
 from ...errors import InputError
+from ..object_names import without_number
 from .stored import FRAMES_KEY, frame_objects, hidden_frames
 
 SHOWS_KEY = "convwass_shows"
 """Custom property of everything that shows a morph: the morph's collection."""
-
-_NUMBER = re.compile(r"\.[0-9]{3,}$")
 
 
 def adopt(collection: bpy.types.Collection, blocks: Iterable[bpy.types.ID]) -> None:
@@ -34,7 +32,7 @@ def adopted(collection: bpy.types.Collection) -> list[bpy.types.ID]:
 def drop_numbers(blocks: Iterable[bpy.types.ID]) -> None:
     """Remove the numbers that Blender has appended to names, because others had these names until now."""
     for block in blocks:
-        block.name = _NUMBER.sub("", block.name)
+        block.name = without_number(block.name)
 
 
 def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:

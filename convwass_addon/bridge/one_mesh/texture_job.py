@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,14 +14,17 @@ from numpy.typing import NDArray
 from scipy.ndimage import binary_erosion, distance_transform_edt
 
 from ...applications.one_mesh.texture_settings import TextureSettings
+from ...applications.whole_paths import share_a_place
 from ...errors import ConvwassError, InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..element_values import element_values, write_attribute
 from ..files import absolute_folder
 from ..handles import Handle
+from ..image_files import image_path
 from ..mesh_checks import writable_mesh
 from ..morphs.disk_output import for_blender
+from ..object_names import without_number
 from .moving_meshes import srgb
 from .records import SWAP_KEY, key_records
 from .texture_baking import TextureSize, baked_pixels
@@ -231,6 +235,8 @@ class TextureJob:
     def finish(self) -> BakedTextures:
         """Create the images and the material, and assign it to the mesh.
 
+        They take the place and the names of those of an earlier baking, unless another mesh still shows these.
+
         Raises
         ------
         ConvwassError
@@ -242,16 +248,23 @@ class TextureJob:
         self.discard()
         made = {channel: self._images(obj.name, channel) for channel in self._baked[0].pixels}
         images = [image for own in made.values() for image in own.images]
+        earlier = _earlier_material(obj.data)
+        before = _earlier_images(images, earlier)
         try:
-            files = [self._stored(image) for image in images if self._folder]
+            files = [self._stored(image, before.get(image, image).name) for image in images if self._folder]
         except BaseException:
             bpy.data.batch_remove(images)
             raise
+        for image, old in before.items():
+            _replace(old, image)
+        _reload_files(files, images)
         constants = {own: ChannelImages((), values[0]) for own, values in self._values.items() if own not in made}
         sliders = [look.slider for look in self._looks]
         material = baked_material(f"{obj.name} Baked", constants | made, sliders, self._uv_map)
         material[BAKED] = self._made
         _assign_baked_material(obj.data, material, self._uv_map, self._uvs)
+        if earlier is not None and not earlier.users:
+            _replace(earlier, material)
         return BakedTextures(images, material, files, self._uv_map)
 
     def _images(self, name: str, channel: Channel) -> ChannelImages:
@@ -274,10 +287,10 @@ class TextureJob:
                 image.pack()
         return ChannelImages(images, channel.default, strength)
 
-    def _stored(self, image: bpy.types.Image) -> Path:
-        """Write an image to the folder."""
+    def _stored(self, image: bpy.types.Image, name: str) -> Path:
+        """Write an image to the folder, under a name."""
         self._folder.mkdir(parents=True, exist_ok=True)
-        file = self._folder / f"{bpy.path.clean_name(image.name)}.png"
+        file = self._folder / f"{bpy.path.clean_name(name)}.png"
         image.filepath_raw, image.file_format = for_blender(file), "PNG"
         try:
             image.save()
@@ -331,6 +344,42 @@ def _made_uv_map(mesh: bpy.types.Mesh) -> str:
     return next((name for name in names if isinstance(name, str) and name in mesh.uv_layers), "")
 
 
+def _earlier_material(mesh: bpy.types.Mesh) -> bpy.types.Material | None:
+    """Return the material that an earlier baking has made, or None."""
+    return next((material for material in mesh.materials if material is not None and BAKED in material), None)
+
+
+def _earlier_images(
+    images: Sequence[bpy.types.Image], material: bpy.types.Material | None
+) -> dict[bpy.types.Image, bpy.types.Image]:
+    """Return which images of a material that only one mesh shows are replaced by new ones.
+
+    Names tell, apart from their numbers; images that were renamed are kept.
+    """
+    if material is None or material.users > 1 or material.node_tree is None:
+        return {}
+    shown = (node.image for node in material.node_tree.nodes if node.type == "TEX_IMAGE" and node.image is not None)
+    old = {without_number(image.name): image for image in shown}
+    return {image: old[name] for image in images if (name := without_number(image.name)) in old}
+
+
+def _replace(old: bpy.types.ID, new: bpy.types.ID) -> None:
+    """Let data take the name of other data and its place wherever that is used.
+
+    The other data is not removed, since Blender might crash at undo.
+    """
+    old.user_remap(new)
+    new.rename(old.name, mode="ALWAYS")
+
+
+def _reload_files(files: Sequence[Path], images: Sequence[bpy.types.Image]) -> None:
+    """Let other images of some files, such as those in materials of the user, show what they contain now."""
+    others = set(bpy.data.images).difference(images)
+    for image in [own for own in others if own.source == "FILE" and own.packed_file is None and not own.is_dirty]:
+        if share_a_place([image_path(image)], files):
+            image.reload()
+
+
 def _assign_baked_material(
     mesh: bpy.types.Mesh, material: bpy.types.Material, uv_map: str, uvs: NDArray[np.float32]
 ) -> None:
@@ -341,11 +390,12 @@ def _assign_baked_material(
     mesh.uv_layers.active = mesh.uv_layers[uv_map]
     if SLOTS not in mesh.attributes:
         write_attribute(mesh, SLOTS, "INT", element_values(mesh.polygons, "material_index", kind=np.int32), "FACE")
-    place = next((own for own, used in enumerate(mesh.materials) if used is not None and BAKED in used), None)
-    if place is None:
+    earlier = _earlier_material(mesh)
+    if earlier is None:
         mesh.materials.append(material)
         place = len(mesh.materials) - 1
     else:
+        place = mesh.materials.find(earlier.name)
         mesh.materials[place] = material
     mesh.polygons.foreach_set("material_index", np.full(len(mesh.polygons), place, np.int32))
     mesh.update()
