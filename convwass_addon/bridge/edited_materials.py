@@ -134,6 +134,9 @@ def _text_of_link(link: bpy.types.NodeLink) -> str:
 
 
 def _text(value: object) -> str:
+    if isinstance(value, bpy.types.Image):
+        # An image that is renamed, or moved with the .blend file, is the same.
+        return f"image {bpy.path.basename(value.filepath) or (value.source, *value.size)}"
     if isinstance(value, bpy.types.ID):
         return repr(value)
     if isinstance(value, (set, frozenset)):

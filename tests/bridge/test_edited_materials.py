@@ -61,3 +61,18 @@ def test_paired_nodes_of_zones_can_be_compared():
         # Its nodes are the same, but another one ends it.
         assert start.pair_with_output(other)
         assert is_edited(material), kind
+
+
+@pytest.mark.parametrize("has_file", [False, True])
+def test_an_image_is_told_by_its_file_not_by_its_name(has_file):
+    material = new_material()
+    node = material.node_tree.nodes.new("ShaderNodeTexImage")
+    node.image, other = (bpy.data.images.new("Coat", 4, size) for size in (4, 8))
+    if has_file:
+        for image, name in ((node.image, "//coat.png"), (other, "//skin.png")):
+            image.source, image.filepath = "FILE", name
+    remember_made(material)
+    node.image.name = "Fur"
+    assert not is_edited(material)
+    node.image = other
+    assert is_edited(material)

@@ -80,6 +80,26 @@ def test_edited_nodes_of_frames_stay(textured, output):
         ]
 
 
+def test_edited_nodes_of_frames_stay_after_an_image_of_a_shape_was_renamed(capfd):
+    morph = bake(textured=False, frames=1, hide_inputs=False)
+    image = bpy.data.images.new("Coat", 4, 4)
+    for obj in shapes(morph):
+        tree = obj.data.materials[0].node_tree
+        texture = tree.nodes.new("ShaderNodeTexImage")
+        texture.image = image
+        tree.links.new(texture.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    bake_again(morph)
+    (material,) = frame_objects(morph)[1].data.materials
+    group = next(node.node_tree for node in material.node_tree.nodes if node.type == "GROUP")
+    shader = next(node for node in group.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Coat Weight"].default_value = 0.75
+    image.name = "Fur"
+    bake_again(morph)
+    assert frame_objects(morph)[1].data.materials[:] == [material]
+    assert shader.inputs["Coat Weight"].default_value == 0.75
+    assert "have changed" not in capfd.readouterr().out
+
+
 def change_roughness(obj):
     obj.data.materials[0].node_tree.nodes["Principled BSDF"].inputs["Roughness"].default_value = 0.9
 
