@@ -12,7 +12,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import EnumProperty, StringProperty
 
 from ..bridge.active import active_object, selected_objects
-from ..bridge.linked_data import is_linked
+from ..bridge.linked_data import is_linked, overriding
 from ..bridge.morphs.changes import changed_inputs
 from ..bridge.morphs.disk_output import read_morph
 from ..bridge.morphs.morph_guides import guides_of_entries
@@ -56,7 +56,7 @@ def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
         context.collection,
     ]
     # Frames that are hidden are in a collection of their own.
-    candidates = [one.get(FRAMES_KEY, one) if one else None for one in candidates]
+    candidates = [overriding(one.get(FRAMES_KEY, one), one) if one else None for one in candidates]
     return next((collection for collection in candidates if collection and MORPH_KEY in collection), None)
 
 

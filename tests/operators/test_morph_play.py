@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.bridge.keyframes import make_linear
 from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
 from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value
+from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from tests.operators.morphs import add, census
 from tests.scene import begun, kept
@@ -372,6 +373,36 @@ def test_an_overridden_pad_with_keys_of_its_own_is_animated(tmp_path):
         handle.location.x = place
         handle.keyframe_insert("location", frame=frame)
     assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
+
+
+@pytest.mark.usefixtures("handle")
+def test_each_of_two_overrides_of_a_pad_belongs_to_its_own_morph_in_a_file_that_is_opened(tmp_path):
+    linked(the_morph(), tmp_path / "library.blend", "overridden")
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (found, wanted):
+        wanted.collections = [name for name in found.collections if name.startswith("Morph") and "Frames" not in name]
+    wanted.collections[0].override_hierarchy_create(bpy.context.scene, bpy.context.view_layer)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "shot.blend"))
+    handles = [obj for obj in bpy.context.scene.objects if obj.type == "EMPTY" and obj.override_library]
+    morphs = [next(own for own in bpy.data.collections if own in parents(handle)) for handle in handles]
+    assert [shown_morph(handle) for handle in handles] == morphs
+    assert len(set(morphs)) == 2
+    for handle, morph in zip(handles, morphs, strict=True):
+        assert len(stand_ins(morph)) > 4 and set(stand_ins(morph)) < set(morph.all_objects)
+        bpy.context.view_layer.objects.active = handle
+        for frame, place in ((1, 0.0), (10, 1.0)):
+            handle.location.x = place
+            handle.keyframe_insert("location", frame=frame)
+        assert bpy.ops.convwass.update_pad_velocity() == {"FINISHED"}
+        keyed = [obj for obj in bpy.data.objects if obj.animation_data and obj.animation_data.action]
+        assert set(keyed) <= set(morph.all_objects)
+        for obj in keyed:
+            obj.animation_data_clear()
+
+
+def parents(obj):
+    """Return the morphs that contain an object."""
+    return [own for own in bpy.data.collections if "convwass_morph" in own and obj in set(own.all_objects)]
 
 
 @pytest.mark.parametrize("end", ["remove_player", "delete_morph"])

@@ -17,6 +17,7 @@ import bpy
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
 from ..files import absolute_folder, creatable_folder
+from ..linked_data import overriding
 
 OUTPUT_KEY = "convwass_output"
 """Custom property of an object that shows a morph from files on disk: "volume" or "cache"."""
@@ -225,7 +226,7 @@ def _readers(morph: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the objects that `remember_readers` has stored, as far as they still exist."""
     stored = morph.get(READERS_KEY)
     values = stored.values() if hasattr(stored, "values") else ()
-    return [obj for obj in values if isinstance(obj, bpy.types.Object)]
+    return [overriding(obj, morph) for obj in values if isinstance(obj, bpy.types.Object)]
 
 
 def _was_converted(obj: bpy.types.Object) -> bool:

@@ -9,6 +9,7 @@ from collections.abc import Iterable
 import bpy
 
 from ...errors import InputError
+from ..linked_data import overriding
 from ..object_names import without_number
 from .stored import FRAMES_KEY, frame_objects, hidden_frames
 
@@ -38,12 +39,12 @@ def drop_numbers(blocks: Iterable[bpy.types.ID]) -> None:
 def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
     """Return the morph that an object shows, or None."""
     shown = None if obj is None or _was_converted(obj) else obj.get(SHOWS_KEY)
-    return shown if isinstance(shown, bpy.types.Collection) else None
+    return overriding(shown, obj) if isinstance(shown, bpy.types.Collection) else None
 
 
 def stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the objects that show a morph, but not meshes to which its user has converted them."""
-    return [obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not _was_converted(obj)]
+    return [obj for obj in bpy.data.objects if shown_morph(obj) == collection]
 
 
 def frames_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
