@@ -598,7 +598,9 @@ def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
     assert cli.main(["morph", *words]) == 0
     assert heard == [("guided", [{0: 0, 1: 3}])]
     stored = stored_settings(out)
-    assert (stored["motion"], stored["guides"]) == ("guided", guides)
+    (guide,) = stored["guides"]
+    assert guide.pop("places").keys() == {"Cube", "Ball"}
+    assert (stored["motion"], [guide]) == ("guided", guides)
 
 
 @pytest.mark.parametrize(

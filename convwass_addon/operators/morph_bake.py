@@ -15,7 +15,7 @@ from bpy.props import StringProperty
 
 from ..bridge.files import creatable_folder
 from ..bridge.handles import Handle
-from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, parsed_guides
+from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, guides_now, parsed_guides
 from ..bridge.shape_sources import is_plain, shape_source
 from ..errors import InputError
 from ..preferences import preferences
@@ -163,10 +163,12 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     def _guides(self, context: bpy.types.Context, objects: list[bpy.types.Object]) -> list[NamedGuide]:
         """Return the guides on the shapes; raises InputError if the argument names other objects."""
         if not self.guides:
-            return guides_among(context.scene.convwass_guides.named, objects)
+            own = context.scene.convwass_guides
+            own.renew()
+            return guides_among(own.named, objects)
         guides = parsed_guides(self.guides)
         check_guide_names(guides, objects)
-        return guides
+        return guides_now(guides, objects)
 
     def _preferred(self) -> Computation:
         """Return the computation settings of the preferences; raises InputError if the cache folder cannot be used."""

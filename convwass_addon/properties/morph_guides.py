@@ -8,8 +8,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import bpy
-from bpy.props import BoolProperty, CollectionProperty, IntProperty, PointerProperty, StringProperty
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    FloatVectorProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
 
+from ..bridge.morphs.guide_places import Place, has_vertex, vertex_now
 from ..bridge.morphs.morph_guides import NamedGuide
 from ..bridge.object_names import object_of, unique_name
 from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
@@ -21,7 +29,28 @@ class CONVWASS_PG_guide_point(bpy.types.PropertyGroup):
     """A vertex of a shape."""
 
     object: PointerProperty(name="Shape", description="Object that the point is on", type=bpy.types.Object)
-    vertex: IntProperty(name="Vertex", description="Number of the vertex", min=0)
+    vertex: IntProperty(name="Vertex", description="Number of the vertex when it was chosen", min=0)
+    count: IntProperty(name="Count", description="Number of vertices of the mesh then; 0 if unknown", min=0)
+    local: FloatVectorProperty(name="Local", description="Position of the vertex then, in local space")
+    world: FloatVectorProperty(name="World", description="Position of the vertex then, in world space")
+
+    @property
+    def place(self) -> Place | None:
+        """Where the vertex was; None in files of earlier versions."""
+        return Place(self.count, tuple(self.local), tuple(self.world)) if self.count else None
+
+    @property
+    def vertex_now(self) -> int | None:
+        """The vertex that is there now, or None; see :func:`.guide_places.vertex_now`."""
+        return vertex_now(self.object, self.vertex, self.place)
+
+    def put(self, obj: bpy.types.Object, vertex: int, place: Place | None = None) -> None:
+        """Set the vertex, and where it was; by default, where it is."""
+        self.object, self.vertex = obj, vertex
+        if place is None and has_vertex(obj, vertex):
+            place = Place.of(obj, vertex)
+        if place is not None:
+            self.count, self.local, self.world = place.count, place.local, place.world
 
 
 class CONVWASS_PG_guide(bpy.types.PropertyGroup):
@@ -32,32 +61,35 @@ class CONVWASS_PG_guide(bpy.types.PropertyGroup):
     enabled: BoolProperty(name="Enabled", description="Whether this guide is used", default=True)
 
     @property
-    def vertices(self) -> dict[bpy.types.Object, int]:
-        """The vertices by object, without those on deleted objects."""
+    def there(self) -> list[CONVWASS_PG_guide_point]:
+        """The points without those on deleted objects."""
         # Objects deleted in the viewport still exist as long as a pointer refers to them.
-        there = [point for point in self.points if point.object is not None and point.object.users_scene]
-        return {point.object: point.vertex for point in there}
+        return [point for point in self.points if point.object is not None and point.object.users_scene]
+
+    @property
+    def vertices(self) -> dict[bpy.types.Object, int | None]:
+        """The vertices by object that are now at the points, without those on deleted objects."""
+        return {point.object: point.vertex_now for point in self.there}
 
     @property
     def named(self) -> NamedGuide:
-        """The guide by names of objects, without points on deleted objects."""
-        return NamedGuide(self.label, {unique_name(obj): vertex for obj, vertex in self.vertices.items()})
+        """The guide by names of objects, as it was chosen, without points on deleted objects."""
+        points = {unique_name(point.object): point for point in self.there}
+        places = {name: point.place for name, point in points.items() if point.count}
+        return NamedGuide(self.label, {name: point.vertex for name, point in points.items()}, places)
 
     @property
     def problem(self) -> Sentence | None:
         """Why the guide cannot be used, or None."""
-        vertices = self.vertices
-        if len(vertices) < 2:
+        there = self.there
+        if len(there) < 2:
             return Sentence("Needs a point on another shape")
-        for obj, vertex in vertices.items():
-            if obj.type != "MESH" or vertex >= len(obj.data.vertices):
-                return Sentence("{name} no longer has a vertex {vertex}", {"name": obj.name, "vertex": vertex})
-        return None
+        return next((_lost(point) for point in there if point.vertex_now is None), None)
 
-    def place(self, obj: bpy.types.Object, vertex: int) -> None:
-        """Set the point on an object, replacing an existing one."""
+    def place(self, obj: bpy.types.Object, vertex: int, place: Place | None = None) -> None:
+        """Set the point on an object, replacing an existing one; by default, its vertex was where it is."""
         point = next((point for point in self.points if point.object == obj), None) or self.points.add()
-        point.object, point.vertex = obj, vertex
+        point.put(obj, vertex, place)
 
 
 class CONVWASS_PG_guides(bpy.types.PropertyGroup):
@@ -89,31 +121,47 @@ class CONVWASS_PG_guides(bpy.types.PropertyGroup):
 
     def add(self, guide: NamedGuide) -> None:
         """Add a guide to the list, without points on objects that no longer exist."""
-        self._add(guide.name, _vertices(guide, ()))
+        self._add(guide, _objects(guide, ()))
 
     def take(self, guides: Sequence[NamedGuide], inputs: Sequence[bpy.types.Object]) -> None:
         """Add the guides of a morph that are not on the list yet, on its inputs if these have the names."""
         known = [item.vertices for item in self.items]
         for guide in guides:
-            vertices = _vertices(guide, inputs)
-            if vertices not in known:
-                self._add(guide.name, vertices)
+            objects = _objects(guide, inputs)
+            now = {obj: vertex_now(obj, guide.points[name], guide.places.get(name)) for name, obj in objects.items()}
+            if now not in known:
+                self._add(guide, objects)
 
-    def _add(self, label: str, vertices: Mapping[bpy.types.Object, int]) -> None:
+    def renew(self) -> None:
+        """Store which vertices are now at the points, and where, for the next time that some are deleted."""
+        for point in [point for item in self.items for point in item.there]:
+            vertex = point.vertex_now
+            if vertex is not None:
+                point.put(point.object, vertex)
+
+    def _add(self, guide: NamedGuide, objects: Mapping[str, bpy.types.Object]) -> None:
         item = self.items.add()
-        item.label = label
-        for obj, vertex in vertices.items():
-            item.place(obj, vertex)
+        item.label = guide.name
+        for name, obj in objects.items():
+            item.place(obj, guide.points[name], guide.places.get(name))
         self.active = len(self.items) - 1
 
 
-def _vertices(guide: NamedGuide, inputs: Sequence[bpy.types.Object]) -> dict[bpy.types.Object, int]:
-    """Return the vertices of a guide by object, without points on objects that no longer exist.
+def _lost(point: CONVWASS_PG_guide_point) -> Sentence:
+    """Return why there is no vertex at a point any more."""
+    name = point.object.name
+    if has_vertex(point.object, point.vertex):
+        return Sentence("The point on {name} was deleted", {"name": name})
+    return Sentence("{name} no longer has a vertex {vertex}", {"name": name, "vertex": point.vertex})
+
+
+def _objects(guide: NamedGuide, inputs: Sequence[bpy.types.Object]) -> dict[str, bpy.types.Object]:
+    """Return the objects of a guide that exist by name.
 
     Objects that came into the file later may have the names of the inputs, so the inputs come first.
     """
     found = {name: object_of(name, inputs) or object_of(name, bpy.data.objects) for name in guide.points}
-    return {found[name]: vertex for name, vertex in guide.points.items() if found[name] is not None}
+    return {name: obj for name, obj in found.items() if obj is not None}
 
 
 def labeled_guides(context: bpy.types.Context) -> list[LabeledVertex]:
@@ -122,11 +170,11 @@ def labeled_guides(context: bpy.types.Context) -> list[LabeledVertex]:
     if not own.show_labels:
         return []
     return [
-        LabeledVertex(point.object, point.vertex, number)
+        LabeledVertex(point.object, vertex, number)
         for number, guide in enumerate(own.items, start=1)
         if guide.enabled
         for point in guide.points
-        if point.object is not None
+        if point.object is not None and (vertex := point.vertex_now) is not None
     ]
 
 

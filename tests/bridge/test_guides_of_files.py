@@ -122,4 +122,5 @@ def test_imported_files_and_meshes_without_faces_are_used_as_they_are(tmp_path, 
     file = tmp_path / "guides.json"
     file.write_text('[{"name": "end", "points": {"cube": 5, "Stick": 4}}]')
     found = guides_asked_for(str(file), texts, inputs, bpy.context.evaluated_depsgraph_get())
-    assert found == [NamedGuide("end", {"cube": 5, "Stick": 4})]
+    assert [(guide.name, guide.points) for guide in found] == [("end", {"cube": 5, "Stick": 4})]
+    assert {name: place.count for name, place in found[0].places.items()} == {"cube": 14, "Stick": 32}

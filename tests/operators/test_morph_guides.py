@@ -13,6 +13,7 @@ from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_object
 from tests.operators.running import inventory
+from tests.scene import select_only
 
 
 @pytest.fixture
@@ -174,7 +175,9 @@ def test_guides_about_other_shapes_are_left_out(cubes):
     for points in ('{"One": 1, "Two": 2, "Three": 3}', '{"Two": 5, "Three": 5}'):
         bpy.ops.convwass.add_morph_guide(label="g", points=points)
     assert bake(inputs="One, Two", motion="TRANSPORT") == {"FINISHED"}
-    assert stored_guides() == [{"name": "g", "points": {"One": 1, "Two": 2}}]
+    (stored,) = stored_guides()
+    assert (stored["name"], stored["points"]) == ("g", {"One": 1, "Two": 2})
+    assert stored["places"].keys() == {"One", "Two"}
 
 
 def test_an_argument_about_other_shapes_is_refused(cubes):
@@ -199,9 +202,15 @@ def test_a_vertex_that_is_deleted_is_shown_and_refused_before_the_bake(cubes):
     small = bpy.data.meshes.new("Tetrahedron")
     small.from_pydata([(0, 0, 0), (3, 0, 0), (0, 3, 0), (0, 0, 3)], [], [(0, 2, 1), (0, 1, 3), (1, 2, 3), (0, 3, 2)])
     cubes[0].data = small
-    assert [item.problem is None for item in guides().items] == [True, False]
+    assert [str(item.problem) for item in guides().items] == [
+        "The point on One was deleted",
+        "One no longer has a vertex 7",
+    ]
     before = inventory()
-    with pytest.raises(RuntimeError, match="Guide 2 refers to vertex 7 of One, which has 4 vertices"):
+    with pytest.raises(RuntimeError, match="Guide 1 was on a part of One that was deleted"):
+        bake(motion="GUIDED")
+    bpy.ops.convwass.remove_morph_guide(index=0)
+    with pytest.raises(RuntimeError, match="Guide 1 refers to vertex 7 of One, which has 4 vertices"):
         bake(motion="GUIDED")
     assert inventory() == before
     # What takes no guides does not mind.
@@ -296,3 +305,107 @@ def test_flat_shapes_take_no_guides(cubes):
         bpy.ops.convwass.morph_guides_from_names(kind="GROUPS")
     assert bake(motion="TRANSPORT", flat_resolution=64) == {"FINISHED"}
     assert stored_guides() == []
+
+
+def edited(obj, change):
+    """Change the mesh of an object as in Edit Mode."""
+    import bmesh
+
+    bm = bmesh.new()
+    bm.from_mesh(obj.data)
+    bm.verts.ensure_lookup_table()
+    change(bm)
+    bm.to_mesh(obj.data)
+    bm.free()
+
+
+def without(*vertices):
+    def change(bm):
+        for vertex in [bm.verts[own] for own in vertices]:
+            bm.verts.remove(vertex)
+
+    return change
+
+
+def positions(obj, vertex):
+    return tuple(round(own, 4) for own in obj.data.vertices[vertex].co)
+
+
+@pytest.fixture
+def balls(empty_scene):
+    """Two spheres with a guide at their poles and another one, both baked."""
+    found = []
+    for name, place in (("One", 0.0), ("Two", 4.0)):
+        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, location=(place, 0.0, 0.0))
+        bpy.context.object.name = name
+        found.append(bpy.context.object)
+    for obj in found:
+        obj.select_set(True)
+    bpy.ops.convwass.add_morph_guide(label="pole", points='{"One": 11, "Two": 11}')
+    assert bake(motion="TRANSPORT", hide_inputs=False) == {"FINISHED"}
+    return found
+
+
+@pytest.mark.parametrize("how", ["deleted", "extended", "scaled and deleted", "moved and deleted"])
+def test_a_guide_stays_where_it_was_clicked_when_vertices_are_added_or_deleted(balls, how):
+    one, (item,) = balls[0], guides().items
+    pole = positions(one, 11)
+    if how == "scaled and deleted":
+        one.scale = (100.0, 100.0, 100.0)
+        bpy.context.view_layer.update()
+        item.place(one, 11)
+        one.data.transform(one.matrix_world)
+        one.scale = (1.0, 1.0, 1.0)
+        pole = positions(one, 11)
+    if how == "moved and deleted":
+        one.location.z = 7.0
+    bpy.context.view_layer.update()
+    if how == "extended":
+        edited(one, lambda bm: [bm.verts.new((0.0, 0.0, -5.0)) for _ in range(9)])
+    edited(one, without(*range(5)))
+    now = item.vertices[one]
+    assert now != 11 and positions(one, now) == pole
+    assert item.vertices[balls[1]] == 11
+    assert item.problem is None
+    stored = stored_guides()
+    assert stored[0]["points"] == {"One": 11, "Two": 11}
+    if how == "scaled and deleted":
+        return
+    assert bpy.ops.convwass.rebake_morph(which="ALL") == {"FINISHED"}
+    assert stored_guides()[0]["points"] == {"One": now, "Two": 11}
+    bpy.ops.convwass.clear_morph_guides()
+    bpy.ops.convwass.select_morph_inputs()
+    assert [own.vertices for own in guides().items] == [{one: now, balls[1]: 11}]
+
+
+def test_a_guide_stays_on_a_vertex_that_is_moved_before_others_are_deleted(balls):
+    one, (item,) = balls[0], guides().items
+    one.data.vertices[11].co.z += 0.9
+    assert item.vertices[one] == 11
+    # A bake stores where it is now.
+    select_only(*balls)
+    assert bake(motion="TRANSPORT", hide_inputs=False) == {"FINISHED"}
+    edited(one, without(*range(5)))
+    assert positions(one, item.vertices[one])[2] == pytest.approx(1.9, abs=0.06)
+
+
+def test_a_guide_whose_vertex_is_deleted_is_at_the_nearest_one(balls):
+    one, (item,) = balls[0], guides().items
+    edited(one, without(11))
+    assert 0.9 < one.data.vertices[item.vertices[one]].co.z < 1.0
+
+
+def test_a_guide_on_a_part_that_is_deleted_is_refused(balls):
+    one, (item,) = balls[0], guides().items
+    edited(one, lambda bm: without(*(own.index for own in bm.verts if own.co.z > 0.0))(bm))
+    assert item.vertices[one] is None
+    assert str(item.problem) == "The point on One was deleted"
+    select_only(*balls)
+    with pytest.raises(RuntimeError, match="Guide pole was on a part of One that was deleted; pick the point again"):
+        bake(motion="GUIDED")
+
+
+def test_damaged_places_are_refused():
+    for place in (3, {"count": 3, "local": [0, 0], "world": [0, 0, 0]}, {"count": "x", "local": [], "world": []}):
+        with pytest.raises(InputError, match="cannot be read"):
+            parsed_guides(json.dumps([{"points": {"One": 1}, "places": {"One": place}}]))

@@ -687,7 +687,10 @@ def heard_guides(monkeypatch):
 
 
 def stored_guides(morph):
-    return stored_morph(morph).settings["guides"]
+    """Return the stored guides, of which all points have places."""
+    stored = stored_morph(morph).settings["guides"]
+    assert all(guide["places"].keys() == guide["points"].keys() for guide in stored)
+    return [{name: guide[name] for name in ("name", "points")} for guide in stored]
 
 
 def test_guides_of_the_argument_are_stored_and_used_again(empty_scene, monkeypatch):

@@ -23,6 +23,7 @@ from .morph_guides import (
     guides_from_bones,
     guides_from_empties,
     guides_from_groups,
+    guides_now,
     parsed_guides,
     vertex_of_shape,
 )
@@ -67,7 +68,7 @@ def guides_asked_for(
             check_guide_names(found, inputs)
         used = {name for guide in found for name in guide.points if name in solid}
         own = {name: surface_mesh(solid[name], bpy.context.evaluated_depsgraph_get()) for name in used}
-    return [_on_inputs(index, guide, own, meshes) for index, guide in enumerate(found, start=1)]
+    return guides_now([_on_inputs(index, guide, own, meshes) for index, guide in enumerate(found, start=1)], inputs)
 
 
 def _on_inputs(

@@ -6,8 +6,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, TypeVar
 
 import bpy
 import numpy as np
@@ -18,9 +18,12 @@ from ..object_names import object_of, unique_name
 from ..surface_marks import bone_marks, empty_marks, group_marks
 from ..surfaces import surface_mesh
 from ..vertex_groups import group_names
+from .guide_places import Place, has_vertex, vertex_now
 
 if TYPE_CHECKING:
     from ...applications.motions.guides import Guide
+
+Value = TypeVar("Value")
 
 LARGEST_GROUP = 0.05
 """Largest share of the vertices for a vertex group to mark a point, rather than hold bone weights."""
@@ -36,14 +39,19 @@ class NamedGuide:
         Name given by the user, such as nose.
     points : mapping of str to int
         Vertex of the original mesh, by the unique name of the object, for some of the shapes.
+    places : mapping of str to Place
+        Where these vertices were, as far as that is known.
     """
 
     name: str
     points: Mapping[str, int]
+    places: Mapping[str, Place] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, object]:
         """Return the guide as a dict for JSON."""
-        return {"name": self.name, "points": dict(self.points)}
+        entry = {"name": self.name, "points": dict(self.points)}
+        places = {name: vars(place) for name, place in self.places.items()}
+        return {**entry, "places": places} if places else entry
 
 
 def parsed_guide(name: str, points: str) -> NamedGuide:
@@ -86,18 +94,39 @@ def guides_of_entries(entries: object) -> list[NamedGuide]:
         An entry is invalid.
     """
     try:
-        return [NamedGuide(str(entry.get("name", "")), _points(entry["points"])) for entry in entries]
-    except (ValueError, TypeError, KeyError, AttributeError) as error:
+        return [_of_entry(entry) for entry in entries]
+    except (OverflowError, ValueError, TypeError, KeyError, AttributeError) as error:
         raise _unreadable(error) from error
 
 
 def guides_among(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Object]) -> list[NamedGuide]:
     """Restrict guides to some objects; guides with fewer than two points left are dropped."""
     kept = (
-        NamedGuide(guide.name, {name: vertex for name, vertex in guide.points.items() if object_of(name, objects)})
-        for guide in guides
+        NamedGuide(guide.name, *(_of_objects(own, objects) for own in (guide.points, guide.places))) for guide in guides
     )
     return [guide for guide in kept if len(guide.points) > 1]
+
+
+def _of_objects(values: Mapping[str, Value], objects: Sequence[bpy.types.Object]) -> dict[str, Value]:
+    return {name: value for name, value in values.items() if object_of(name, objects)}
+
+
+def guides_now(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Object]) -> list[NamedGuide]:
+    """Return guides with the vertices that are now at their places, and with the places of these.
+
+    Points that are not found, and those on other objects, are unchanged.
+    """
+    return [_guide_now(guide, objects) for guide in guides]
+
+
+def _guide_now(guide: NamedGuide, objects: Sequence[bpy.types.Object]) -> NamedGuide:
+    points, places = dict(guide.points), dict(guide.places)
+    for name, before in guide.points.items():
+        obj = object_of(name, objects)
+        vertex = None if obj is None else vertex_now(obj, before, places.get(name))
+        if vertex is not None:
+            points[name], places[name] = vertex, Place.of(obj, vertex)
+    return replace(guide, points=points, places=places)
 
 
 def check_guide_names(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Object]) -> None:
@@ -122,6 +151,12 @@ def _unreadable(error: Exception) -> InputError:
         reason=str(error),
         example='[{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
     )
+
+
+def _of_entry(entry: dict[str, object]) -> NamedGuide:
+    points, places = _points(entry["points"]), dict(entry.get("places", {}))
+    known = {name: Place.of_entry(place) for name, place in places.items() if name in points}
+    return NamedGuide(str(entry.get("name", "")), points, known)
 
 
 def _points(points: object) -> dict[str, int]:
@@ -186,7 +221,7 @@ def guides_of_shapes(
     Raises
     ------
     InputError
-        A vertex does not exist.
+        A vertex does not exist, and none is near its place.
     """
     own_meshes: dict[int, TriangleMesh] = {}
     found = []
@@ -198,12 +233,23 @@ def guides_of_shapes(
                 number = objects.index(obj)
                 if number not in own_meshes:
                     own_meshes[number] = surface_mesh(obj, depsgraph)
-                taken[number] = vertex_of_shape(
-                    guide.name or str(index), name, vertex, own_meshes[number], shapes[number]
-                )
+                label = guide.name or str(index)
+                found_now = _vertex_at(label, obj, vertex, guide.places.get(name))
+                taken[number] = vertex_of_shape(label, name, found_now, own_meshes[number], shapes[number])
         if len(taken) > 1:
             found.append(taken)
     return found
+
+
+def _vertex_at(guide: str, obj: bpy.types.Object, vertex: int, place: Place | None) -> int:
+    """Return the vertex of a guide on an object; raises InputError if there is none at its place any more."""
+    now = vertex_now(obj, vertex, place)
+    if now is None and has_vertex(obj, vertex):
+        raise InputError(
+            "Guide {guide} was on a part of {name} that was deleted; pick the point again.", guide=guide, name=obj.name
+        )
+    # A number that does not exist is reported with the number of vertices.
+    return vertex if now is None else now
 
 
 def vertex_of_shape(guide: str, name: str, vertex: int, own: TriangleMesh, shape: TriangleMesh) -> int:
