@@ -8,7 +8,7 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
-from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_inputs
+from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_inputs, stored_settings
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY
 
 
@@ -146,13 +146,17 @@ def test_a_shape_of_an_earlier_morph_stays_hidden(shapes):
 def test_in_a_full_copy_of_a_scene_the_copied_shapes_are_shown(shapes):
     """Although their numbers are in another order than those of the originals."""
     shapes[1].name = "A.001"
-    bake("A,A.001")
+    bake("A,A.001", motion="AUTOMATIC", guides='[{"points": {"A": 11, "A.001": 0}}]')
     bpy.context.view_layer.objects.active = None
     bpy.ops.scene.new(type="FULL_COPY")
     copies = [obj for obj in bpy.context.scene.objects if obj.name.startswith("A.")][:2]
     (morph,) = bpy.context.scene.collection.children
     assert stored_inputs(morph) == copies
     assert hidden(*copies) == [BOTH, BOTH]
+    bpy.context.view_layer.objects.active = frame_objects(morph)[0]
+    assert bpy.ops.convwass.rebake_morph(which="ACTIVE") == {"FINISHED"}
+    (guide,) = stored_settings(morph)["guides"]
+    assert guide["points"] == {copies[0].name: 11, copies[1].name: 0}
     delete(morph)
     assert hidden(*copies) == [NEITHER, NEITHER]
     assert [obj.hide_render for obj in shapes] == [True, True]

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 
@@ -123,7 +123,17 @@ def _in_scenes(morph: StoredMorph, scenes: Sequence[bpy.types.Scene]) -> StoredM
     if not copies:
         return morph
     names = [ObjectName.of(copies[name]) if name in copies else name for name in morph.names]
-    return replace(morph, inputs=[name.name for name in names], libraries=[name.library or "" for name in names])
+    renamed = {before.name: after.name for before, after in zip(morph.names, names, strict=True)}
+    guides = [_renamed(guide, renamed) for guide in _items(morph.settings.get("guides", []))]
+    settings = {**morph.settings, "guides": guides} if guides else morph.settings
+    libraries = [name.library or "" for name in names]
+    return replace(morph, inputs=[name.name for name in names], libraries=libraries, settings=settings)
+
+
+def _renamed(guide: dict[str, object], names: Mapping[str, str]) -> dict[str, object]:
+    """Return a guide with other names of objects; damaged parts are reported where they are used."""
+    tables = {key: value for key, value in guide.items() if isinstance(value, dict)}
+    return guide | {key: {names.get(name, name): own for name, own in one.items()} for key, one in tables.items()}
 
 
 @contextmanager
