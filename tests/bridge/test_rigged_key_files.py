@@ -50,6 +50,47 @@ def seen(obj, frame):
     return np.unique(np.round(points, 4) + 0.0, axis=0)
 
 
+def limit(obj, what, inverted):
+    """Limit a key or the armature to the lower half of the tube, with a soft edge along it."""
+    group = obj.vertex_groups.new(name="Fixed")
+    for vertex in obj.data.vertices:
+        weight = np.clip(1.5 - vertex.co.x, 0.0, 1.0)
+        group.add([vertex.index], float(1.0 - weight if inverted else weight), "REPLACE")
+    if what == "key":
+        obj.data.shape_keys.key_blocks["Thick"].vertex_group = "Fixed"
+    else:
+        (modifier,) = obj.modifiers
+        modifier.vertex_group, modifier.invert_vertex_group = "Fixed", inverted
+    group.lock_weight = True
+
+
+@pytest.mark.parametrize("what", ["key", "armature", "inverted armature"])
+@pytest.mark.parametrize("suffix", [".glb", ".fbx"])
+def test_groups_that_limit_keys_and_armatures_still_do(rigged, tmp_path, suffix, what, inventory):
+    whole = [seen(rigged, frame) for frame in (1, 5)]
+    limit(rigged, what.split()[-1], "inverted" in what)
+    expected = [seen(rigged, frame) for frame in (1, 5)]
+    assert any(cKDTree(own).query(points)[0].max() > 0.05 for own, points in zip(whole, expected, strict=True))
+    before = inventory()
+    (file,) = export_shape_keys(rigged, tmp_path / f"limited{suffix}")
+    assert inventory() == before
+    obj, key = read_back(file)
+    for value, points in zip((0.0, 1.0), expected, strict=True):
+        key.value = value
+        np.testing.assert_allclose(cKDTree(seen(obj, 1)).query(points)[0], 0.0, atol=2e-3)
+
+
+def read_back(file):
+    """Import a file; returns the rigged mesh and its key, without animation."""
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    read = bpy.ops.import_scene.gltf if file.suffix == ".glb" else bpy.ops.import_scene.fbx
+    read(filepath=str(file))
+    (obj,) = (one for one in bpy.data.objects if one.type == "MESH" and one.find_armature())
+    (key,) = list(obj.data.shape_keys.key_blocks)[1:]
+    obj.data.shape_keys.animation_data_clear()
+    return obj, key
+
+
 @pytest.mark.parametrize("is_sheared", [False, True])
 @pytest.mark.parametrize("suffix", [".glb", ".fbx"])
 def test_the_rig_goes_along(rigged, tmp_path, suffix, is_sheared, inventory):
@@ -62,14 +103,8 @@ def test_the_rig_goes_along(rigged, tmp_path, suffix, is_sheared, inventory):
     before = inventory()
     (file,) = export_shape_keys(rigged, tmp_path / f"rigged{suffix}")
     assert inventory() == before
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    read = bpy.ops.import_scene.gltf if suffix == ".glb" else bpy.ops.import_scene.fbx
-    read(filepath=str(file))
-    (rig,) = (one for one in bpy.data.objects if one.type == "ARMATURE")
-    (obj,) = (one for one in bpy.data.objects if one.type == "MESH" and one.find_armature() == rig)
-    assert sorted(bone.name for bone in rig.data.bones) == ["A", "B"]
-    (key,) = list(obj.data.shape_keys.key_blocks)[1:]
-    obj.data.shape_keys.animation_data_clear()
+    obj, key = read_back(file)
+    assert sorted(bone.name for bone in obj.find_armature().data.bones) == ["A", "B"]
     for value, points in zip((0.0, 1.0), expected, strict=True):
         key.value = value
         found = seen(obj, 1)

@@ -34,8 +34,9 @@ from ..scene_writing import require_written, write_alembic, write_usd
 from ..scratch_scene import scratch_animation
 from ..sequence import mesh_sequence
 from ..visibility import shown_objects
+from .limiting_groups import anchor_vertices, apply_key_groups
 from .moving_meshes import MovingVertices, keyed_span, sampled_vertices
-from .skinning import armatures
+from .skinning import armatures, influences
 from .vertex_animation_files import write_moving_mesh
 
 # Extensions of formats with morph targets, which move vertices before modifiers do.
@@ -130,6 +131,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         plain = _assign_plain_material(mesh, obj)
         copy = bpy.data.objects.new(obj.name, mesh)
         scene.collection.objects.link(copy)
+        apply_key_groups(copy)
         rig = _rigged(copy, obj, scene)
         keys = mesh.shape_keys
         keys.animation_data_clear()
@@ -150,7 +152,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         finally:
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
-            bpy.data.batch_remove([*made, *plain, *([] if rig is None else [rig])])
+            bpy.data.batch_remove([*made, *plain, *([] if rig is None else [rig, rig.data])])
 
 
 def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.types.Action) -> None:
@@ -179,6 +181,7 @@ def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scen
     if not rigged:
         return None
     rig = rigged[0].object.copy()
+    rig.data = rig.data.copy()
     world = rig.matrix_world.copy()
     rig.parent = None
     rig.matrix_world = world
@@ -186,6 +189,7 @@ def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scen
     copy.modifiers.new("Armature", "ARMATURE").object = rig
     # Unlike a location, a rotation and a scale, it may have a shear.
     copy.parent, copy.matrix_parent_inverse = rig, world.inverted() @ obj.matrix_world
+    anchor_vertices(copy, rig, influences(obj, rigged[0], copy.data).ravel())
     return rig
 
 

@@ -92,7 +92,7 @@ def skinning(obj: bpy.types.Object, rigged: Sequence[bpy.types.Modifier], mesh: 
     start = moved = np.tile(np.eye(4), (len(mesh.vertices), 1, 1))
     for modifier in rigged:
         start = start if _mixes(obj, modifier, rigged) else moved
-        share = _influences(obj, modifier, mesh)
+        share = influences(obj, modifier, mesh)
         moved = share * (_bone_motions(obj, modifier, mesh) @ start) + (1.0 - share) * moved
     found = moved @ own
     if (np.linalg.svd(found[:, :3, :3], compute_uv=False)[:, -1] < _LEAST).any():
@@ -123,7 +123,7 @@ def _bone_motions(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy
     return motions
 
 
-def _influences(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy.types.Mesh) -> NDArray[np.float64]:
+def influences(obj: bpy.types.Object, modifier: bpy.types.Modifier, mesh: bpy.types.Mesh) -> NDArray[np.float64]:
     """Return how much an armature moves each vertex, by the group that limits its modifier, if any; (n, 1, 1)."""
     group = obj.vertex_groups.get(modifier.vertex_group)
     if group is None:
