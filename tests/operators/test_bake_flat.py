@@ -16,6 +16,7 @@ from convwass_addon.bridge.morphs.player_inputs import is_player
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_morph, stored_settings
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.visibility import update_places
+from tests.bridge.test_flat import drawing, square
 from tests.operators.morphs import baked_morph, census
 from tests.scene import linked, select_only
 
@@ -99,6 +100,25 @@ def test_sheared_shapes_are_shown_at_the_ends(made):
         np.testing.assert_allclose(pick(found.read.points, axis=0), pick(expected.read.points, axis=0), atol=1e-3)
     assert flat_area(found) == pytest.approx(flat_area(expected), rel=1e-3)
     assert shown.active_material.name == "Gold"
+
+
+def test_sheared_drawings_are_shown_at_the_ends():
+    first, last = drawing([square(2.0), square(1.0, 3.0)], [1, 2]), drawing([square(2.0)], [1])
+    layer = first.data.layers[0]
+    layer.translation, layer.rotation, layer.scale = (1.0, 0.0, 0.5), (0.0, 0.4, 0.0), (1.0, 1.0, 2.0)
+    # Another keyframe of the same drawing is sheared only once.
+    layer.frames.copy(1, 5, instance_drawing=True)
+    parent = linked("Stretch", None)
+    parent.scale.x, first.parent, first.rotation_euler.y, last.location.x = 3.0, parent, 0.6, 20.0
+    (expected,) = flat_objects([first], bpy.context.evaluated_depsgraph_get())
+    select_only(first, last)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    shown = frame_objects(baked_morph())[0]
+    assert shown.type == "GREASEPENCIL"
+    (found,) = flat_objects([shown], bpy.context.evaluated_depsgraph_get())
+    for pick in (np.min, np.max):
+        np.testing.assert_allclose(pick(found.read.points, axis=0), pick(expected.read.points, axis=0), atol=1e-3)
+    assert flat_area(found) == pytest.approx(flat_area(expected), rel=1e-3)
 
 
 def test_letters_travel_to_letters():

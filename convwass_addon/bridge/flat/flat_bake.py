@@ -22,6 +22,7 @@ from ..visibility import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
 from .flat_paint import assign_region_materials, paint_mesh, unused_materials
+from .flat_pencils import place_drawing
 from .flat_rings import blended_style
 from .planes import blended_plane
 
@@ -133,7 +134,7 @@ class FlatBake(MorphBake):
 
 
 def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object:
-    """Copy an input in its current state, as an object of the same type or as a mesh, which can be sheared."""
+    """Copy an input in its current state, as an object of the same type or as a mesh, which takes a shear."""
     if obj.type == "EMPTY" or (obj.type == "GREASEPENCIL" and kind == "MESH"):
         copy = _of_rings(obj, flat)
         return _as_mesh_object(copy) if kind == "MESH" else copy
@@ -145,7 +146,10 @@ def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: b
             place_mesh(copy, place)
         else:
             copy = _own_copy(obj)
-            copy.matrix_world = place
+            if obj.type == "GREASEPENCIL":
+                place_drawing(copy, place)
+            else:
+                copy.matrix_world = place
     copy.color = obj.color
     return copy
 

@@ -8,10 +8,13 @@ from collections.abc import Iterator
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.affine import transformed_points
+from ..element_values import element_values
+from ..objects import is_sheared
 from .flat_rings import FlatRings
 from .flat_splines import cubic_points
 
@@ -45,6 +48,39 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
             "{name} has no filled stroke at this frame; fill its strokes, or close and fill them again.", name=obj.name
         )
     return FlatRings(rings, matrix, "non-zero", None, tuple(slots), fills=tuple(fills))
+
+
+def place_drawing(obj: bpy.types.Object, matrix: Matrix) -> None:
+    """Place a drawing in the world; what a location, a rotation and a scale cannot express is done to its strokes.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A Grease Pencil object without a parent, and with data of its own.
+    matrix : Matrix
+        The world matrix.
+    """
+    obj.matrix_world = matrix
+    if not is_sheared(matrix):
+        return
+    plain, wanted = (np.array(own, dtype=np.float64) for own in (obj.matrix_basis, matrix))
+    shear, done = np.linalg.solve(plain, wanted), set()
+    for layer in obj.data.layers:
+        own = np.array(layer.matrix_local, dtype=np.float64)
+        # Several keyframes may show one drawing.
+        drawings = {frame.drawing.as_pointer(): frame.drawing for frame in layer.frames if frame.drawing is not None}
+        for key in drawings.keys() - done:
+            _transform(drawings[key], np.linalg.solve(own, shear @ own))
+        done |= drawings.keys()
+
+
+def _transform(drawing: object, matrix: NDArray[np.float64]) -> None:
+    """Transform the strokes of a drawing."""
+    for attribute in (drawing.attributes.get(name) for name in ("position", "handle_left", "handle_right")):
+        if attribute is not None and len(attribute.data):
+            points = transformed_points(element_values(attribute.data, "vector", 3), matrix)
+            attribute.data.foreach_set("vector", points.astype(np.float32).ravel())
+    drawing.tag_positions_changed()
 
 
 def _points_of(stroke: object) -> NDArray[np.float64]:
