@@ -243,6 +243,21 @@ def is_sheared(matrix: Matrix) -> bool:
     return bool(np.abs(difference).max() > _UNEVEN * np.abs(np.array(matrix)[:3, :3]).max())
 
 
+def unsheared_factors(matrix: Matrix) -> tuple[Matrix, Matrix]:
+    """Return two matrices without shear whose product is a matrix, by its singular value decomposition.
+
+    The second one is a rotation.
+    """
+    left, scales, right = np.linalg.svd(np.array(matrix.to_3x3(), dtype=np.float64))
+    # Mirrored axes are negative scales.
+    for axes, last in ((left, (slice(None), 2)), (right, (2, slice(None)))):
+        if np.linalg.det(axes) < 0.0:
+            axes[last] *= -1.0
+            scales[2] *= -1.0
+    place = Matrix.Translation(matrix.translation) @ Matrix((left * scales).tolist()).to_4x4()
+    return place, Matrix(right.tolist()).to_4x4()
+
+
 def transform_mesh(mesh: bpy.types.Mesh, matrix: Matrix, *, shape_keys: bool = False) -> None:
     """Transform a mesh with its custom normals and its velocity.
 

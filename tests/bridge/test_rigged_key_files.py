@@ -91,13 +91,14 @@ def read_back(file):
     return obj, key
 
 
-@pytest.mark.parametrize("is_sheared", [False, True])
+@pytest.mark.parametrize("sheared", ["nothing", "mesh", "armature", "mirrored armature"])
 @pytest.mark.parametrize("suffix", [".glb", ".fbx"])
-def test_the_rig_goes_along(rigged, tmp_path, suffix, is_sheared, inventory):
-    if is_sheared:
+def test_the_rig_goes_along(rigged, tmp_path, suffix, sheared, inventory):
+    if sheared != "nothing":
         # A turned child of an unevenly scaled parent has a matrix that no location, rotation and scale give.
-        parent = linked("Stretch", None)
-        parent.scale.z, rigged.parent, rigged.rotation_euler.y, rigged.location.z = 1.5, parent, 0.3, 2.0
+        parent, child = linked("Stretch", None), rigged if sheared == "mesh" else rigged.modifiers[0].object
+        child.parent, child.rotation_euler.y, child.location.z = parent, 0.3, 2.0
+        parent.scale.z = -1.5 if sheared.startswith("mirrored") else 1.5
     frames = bpy.context.scene.frame_start + np.array([0, 4])
     expected = [seen(rigged, int(frame)) for frame in frames]
     before = inventory()

@@ -29,7 +29,7 @@ from ..keyframes import make_linear
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
-from ..objects import is_sheared, take_own_materials, transform_mesh
+from ..objects import is_sheared, take_own_materials, transform_mesh, unsheared_factors
 from ..scene_writing import require_written, write_alembic, write_usd
 from ..scratch_scene import scratch_animation
 from ..sequence import mesh_sequence
@@ -152,7 +152,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
         finally:
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
-            bpy.data.batch_remove([*made, *plain, *([] if rig is None else [rig, rig.data])])
+            bpy.data.batch_remove([*made, *plain, *_parts_of(rig)])
 
 
 def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.types.Action) -> None:
@@ -176,21 +176,35 @@ def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.ty
 
 
 def _rigged(copy: bpy.types.Object, obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
-    """Link a copy of an object's armature to a scene, and let it deform a copy of the object; return it, if any."""
+    """Link a copy of an object's armature to a scene, and let it deform a copy of the object; return it, if any.
+
+    If the armature is sheared, its copy has an Empty as a parent, since files contain locations, rotations and scales.
+    """
     rigged = armatures(obj)
     if not rigged:
         return None
     rig = rigged[0].object.copy()
     rig.data = rig.data.copy()
     world = rig.matrix_world.copy()
-    rig.parent = None
-    rig.matrix_world = world
     scene.collection.objects.link(rig)
+    rig.parent = None
+    if is_sheared(world):
+        rig.parent = bpy.data.objects.new(f"{rig.name} Place", None)
+        scene.collection.objects.link(rig.parent)
+        rig.parent.matrix_basis, rig.matrix_basis = unsheared_factors(world)
+        rig.parent_type, rig.matrix_parent_inverse = "OBJECT", Matrix()
+    else:
+        rig.matrix_world = world
     copy.modifiers.new("Armature", "ARMATURE").object = rig
     # Unlike a location, a rotation and a scale, it may have a shear.
     copy.parent, copy.matrix_parent_inverse = rig, world.inverted() @ obj.matrix_world
     anchor_vertices(copy, rig, influences(obj, rigged[0], copy.data).ravel())
     return rig
+
+
+def _parts_of(rig: bpy.types.Object | None) -> list[bpy.types.ID]:
+    """Return the data-blocks of a copy of an armature."""
+    return [] if rig is None else [rig, rig.data, *([rig.parent] if rig.parent else [])]
 
 
 def _assign_plain_material(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> list[bpy.types.Material]:
@@ -283,7 +297,7 @@ def _gltf(file: str) -> set[str]:
 def _fbx(file: str) -> set[str]:
     return bpy.ops.export_scene.fbx(
         filepath=file,
-        object_types={"MESH", "ARMATURE"},
+        object_types={"MESH", "ARMATURE", "EMPTY"},
         add_leaf_bones=False,
         bake_anim_use_all_actions=False,
         bake_anim_use_nla_strips=False,
