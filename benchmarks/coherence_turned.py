@@ -27,6 +27,7 @@ PEOPLE = ("man raises arm", "man walks", "man to ogre", "child points", "ogre to
 
 GUIDES = {
     "none": (),
+    "one right": ((0, 0),),
     "two right": ((0, 0), (1, 1)),
     "three right": ((0, 0), (1, 1), (2, 2)),
     "four right": ((0, 0), (1, 1), (2, 2), (3, 3)),

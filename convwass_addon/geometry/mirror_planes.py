@@ -20,8 +20,8 @@ _PLANES, _SAMPLES, _FARTHEST = 24, 500, 0.15
 _NORMALS = 0.2
 # A shape is nearly its own mirror image if the images are on average this close to it, in sizes of the surface.
 # Animals, furniture and people with hanging arms have 0.005 to 0.035 in their planes, and most have 0.07 to 0.15 in
-# others.
-_NEARLY = 0.045
+# others. It is clearly so up to the second number; an octopus with arms in any poses has 0.039.
+_NEARLY, _CLEARLY = 0.045, 0.03
 # Of several such planes, only those count in which the images are at most this factor and this distance farther away
 # than in the best one: people are nearly symmetric from front to back, too. A shape that looks alike from all sides has
 # more than so many planes, which say nothing.
@@ -75,6 +75,24 @@ def common_mirror_planes(first: TriangleMesh, second: TriangleMesh) -> MirrorPla
         return None
     normal = _normals()[best]
     return MirrorPlane(first.area_center, normal), MirrorPlane(second.area_center, normal)
+
+
+def mirror_planes(mesh: TriangleMesh) -> list[MirrorPlane]:
+    """Return the vertical planes through the center of a shape in which it is clearly symmetric.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Oriented outward.
+
+    Returns
+    -------
+    list of MirrorPlane
+        Of neighboring planes, the best one; none if the shape looks alike from all sides.
+    """
+    found = _counted_asymmetries(mesh)
+    best = (found <= _CLEARLY) & (found <= np.roll(found, 1)) & (found < np.roll(found, -1))
+    return [MirrorPlane(mesh.area_center, normal) for normal in _normals()[best]]
 
 
 def _counted_asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.mirror_planes import MirrorPlane, common_mirror_planes
+from convwass_addon.geometry.mirror_planes import MirrorPlane, common_mirror_planes, mirror_planes
 from convwass_addon.geometry.upright_turns import rotation_about_z
 from tests.grids import figure
 from tests.shapes import ball, box, joined, torus
@@ -54,3 +54,15 @@ def test_of_several_planes_the_one_that_the_other_shape_has_counts():
     for degrees in (0.0, 90.0):
         plane, _ = common_mirror_planes(plank, turned(FIGURE, degrees))
         assert abs(plane.normal @ rotation_about_z(np.radians(degrees))[:, 0]) == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 45.0, -97.5])
+def test_a_figure_has_one_plane(degrees):
+    (plane,) = mirror_planes(turned(FIGURE, degrees, 2.0, (3.0, 0.0, 1.0)))
+    assert abs(plane.normal @ rotation_about_z(np.radians(degrees))[:, 0]) == pytest.approx(1.0)
+
+
+def test_a_plank_has_two_planes_and_a_ball_none():
+    first, second = mirror_planes(turned(box((0.5, 2.0, 4.0)), 30.0))
+    assert first.normal @ second.normal == pytest.approx(0.0, abs=1e-9)
+    assert mirror_planes(ball()) == []

@@ -28,6 +28,7 @@ from .guided_settings import GuidedSettings
 from .limbs import is_compact
 from .map_detour import map_detour
 from .map_survey import best_rough_map
+from .mirrored_guides import MirroredGuides, agreeing_sides
 from .mirrored_sides import MirroredSides
 from .pair_maps import DOUBTED, PairMap, pair_map
 from .pair_registration import LaidPair, grown_pair, laid_on_each_other
@@ -139,8 +140,13 @@ def mapped_pair(
     InputError
         The meshes cannot be mapped.
     """
-    marked = (_about_center(carrier, pairs[:, side]) for side, carrier in enumerate((one, other)))
-    turn = upright_turn_of_points(*marked)
+    guides = MirroredGuides.of(one, other, pairs)
+    pairs, turn = guides.pairs, guides.turn
+    if guides.are_askew:
+        return (yield from _registered_turned(one, other, pairs, turn, settings, control))
+    if turn is None:
+        marked = (_about_center(carrier, pairs[:, side]) for side, carrier in enumerate((one, other)))
+        turn = upright_turn_of_points(*marked)
     if turn is None:
         turn = symmetric_turn(one.mesh, other.mesh)
     # In their plane, flat shapes do not face any way.
@@ -256,8 +262,7 @@ def _registered(
     found, starts, sides = PairMap.none(), None, None
     if grown is None or not grown.fits:
         map_settings = SoftMapSettings(vertices=settings.map_vertices)
-        # Guides may contradict the sides.
-        sides = None if len(pairs) else MirroredSides.of(one.mesh, other.mesh)
+        sides = agreeing_sides(one, other, pairs)
         found = yield from within(pair_map(one, other, pairs, map_settings, control, sides), _GROWN, _MAPPED)
         starts = found.starts(one, other)
     yield Progress(_MAPPED, message)

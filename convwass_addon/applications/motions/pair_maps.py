@@ -96,7 +96,7 @@ def pair_map(
     control : Control
         Stops the work.
     sides : MirroredSides, optional
-        Left and right of the two shapes, which a map without guides keeps.
+        Left and right of the two shapes, which the map keeps; guides must not contradict them.
 
     Raises
     ------
@@ -104,13 +104,14 @@ def pair_map(
         The meshes cannot be mapped.
     """
     seeds = coinciding_places(first.mesh, second.mesh)
+    groups = None if sides is None else sides.both_groups
     if not len(pairs):
-        return (yield from _without_guides(first, second, seeds, settings, control, sides))
-    plain = yield from within(_solved(first, second, _NO_PAIRS, settings, control), 0.0, 0.2)
+        return (yield from _without_guides(first, second, seeds, settings, control, groups))
+    plain = yield from within(_solved(first, second, _NO_PAIRS, settings, control, groups), 0.0, 0.2)
     sound = _missed(first, second, plain.found, pairs) < _ASTRAY
     chosen, begin = pairs, 0.2
     for number in range(_TRIES):
-        work = _with_guides(first, second, chosen, seeds, settings, control)
+        work = _with_guides(first, second, chosen, seeds, settings, control, groups)
         found = yield from within(work, begin, begin + 0.5 * (1.0 - begin))
         begin += 0.5 * (1.0 - begin)
         if found.score >= plain.score - _MARGIN:
@@ -135,6 +136,7 @@ def _with_guides(
     seeds: NDArray[np.int64],
     settings: SoftMapSettings,
     control: Control,
+    groups: tuple[Groups, Groups] | None,
 ) -> Work[PairMap]:
     """Solve the map from the guides, also together with coinciding points, and return the better one."""
     starts = [pairs]
@@ -143,7 +145,7 @@ def _with_guides(
     tried = []
     for number, start in enumerate(starts):
         begin, end = number / len(starts), (number + 1) / len(starts)
-        found = yield from within(_solved(first, second, start, settings, control), begin, end)
+        found = yield from within(_solved(first, second, start, settings, control, groups), begin, end)
         tried.append(replace(found, pairs=pairs))
         if tried[-1].score >= _BEYOND_DOUBT:
             break
@@ -156,7 +158,7 @@ def _without_guides(
     seeds: NDArray[np.int64],
     settings: SoftMapSettings,
     control: Control,
-    sides: MirroredSides | None,
+    groups: tuple[Groups, Groups] | None,
 ) -> Work[PairMap]:
     """Solve the map from coinciding points, or without any.
 
@@ -164,11 +166,10 @@ def _without_guides(
     without sides are mapped once more if the score is low, with a preference for the same heights: a tree would become
     a snowman upside down.
     """
-    groups = None if sides is None else sides.both_groups
     tried = [(yield from within(_solved(first, second, seeds, settings, control, groups), 0.0, 0.5))]
     if len(seeds) and tried[0].score < DOUBTED:
         tried.append((yield from within(_solved(first, second, _NO_PAIRS, settings, control, groups), 0.5, 0.75)))
-    if sides is None and max(one.score for one in tried) < _FAIR and not is_level(first.mesh.vertices):
+    if groups is None and max(one.score for one in tried) < _FAIR and not is_level(first.mesh.vertices):
         heights = height_groups(first.mesh), height_groups(second.mesh)
         solved = _solved(first, second, seeds, settings, control, heights, weight=_HEIGHTS)
         upright = yield from within(solved, 0.75, 1.0)

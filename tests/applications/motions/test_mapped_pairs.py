@@ -200,3 +200,19 @@ def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.9, None, 1.0), (0.8, 1.0, 1.0))
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+
+
+@pytest.mark.parametrize(("degrees", "count"), [(90.0, 1), (180.0, 2), (0.0, 1)])
+def test_guides_beside_mirror_planes_tell_how_far_to_turn(monkeypatch, degrees, count):
+    """Beyond doubt, if the planes are not parallel as the shapes stand."""
+    shape = figure(10)[0]
+    facing = TriangleMesh(shape.vertices @ about_z(degrees).T, shape.faces)
+    carriers = [carrier_of(mesh, "figure", np.empty(0, np.int64), 5000, UNINTERRUPTED) for mesh in (shape, facing)]
+    hand = int(np.argmax(shape.vertices @ (0.9, 0.1, 0.35)))
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    asked = registrations(monkeypatch, *[(0.5, 0.5, 1.0)] * (count - 1), (0.6, 0.9, 1.0))
+    found = drained(mapped_pair(*carriers, np.array([(hand, hand)]), ROUGH, UNINTERRUPTED))
+    assert len(asked) == count
+    assert abs(found.turn) == pytest.approx(degrees)
+    here, there = (own.mesh.vertices - own.mesh.area_center for own in (asked[-1], carriers[1]))
+    np.testing.assert_allclose(here, there, atol=1e-9)
