@@ -83,7 +83,8 @@ def pair_map(
 
     Guides in a plane fit a mirror image just as well, and a wrong guide spoils a map that is right without it. If the
     guides make the map worse, those that contradict the map without guides are left out, provided that they are a
-    minority. Otherwise guides are left out one by one, starting where the confidence around them is lowest.
+    minority. Otherwise guides are left out one by one, starting where the confidence around them is lowest. The map
+    without guides follows those that it does not contradict.
 
     Parameters
     ----------
@@ -116,6 +117,8 @@ def pair_map(
         begin += 0.5 * (1.0 - begin)
         if found.score >= plain.score - _MARGIN:
             return found
+        if sound.all():
+            break
         if number == 0 and 2 * sound.sum() >= len(pairs) > sound.sum():
             # Most guides agree with the map without guides.
             chosen = pairs[sound]
@@ -126,7 +129,7 @@ def pair_map(
             chosen = np.delete(chosen, around.argmin(), axis=0)
         else:
             break
-    return plain
+    return replace(plain, pairs=pairs[sound])
 
 
 def _with_guides(

@@ -87,3 +87,23 @@ def test_of_two_doubtful_maps_the_upright_one_is_taken(monkeypatch, plain, uprig
     found = drained(pair_map(*carriers, NO_PAIRS, SoftMapSettings(), UNINTERRUPTED))
     assert (found.found, found.score) == (taken, scores[taken])
     assert len(weights) == (1 if plain == 0.5 else 2)
+
+
+@pytest.mark.parametrize(
+    ("missed", "followed"), [((0.1, 0.1), [0, 1]), ((0.1, 0.9), [0]), ((0.9, 0.9), [])], ids=["both", "one", "none"]
+)
+def test_the_map_without_guides_follows_those_that_it_does_not_contradict(monkeypatch, missed, followed):
+    """It is better than with guides, however many of them are left out."""
+    pairs = np.array([(1, 2), (3, 4)])
+
+    def of_pairs(_first, _second, given, *_others):
+        yield from ()
+        return PairMap("found", given, 0.3 if len(given) else 0.8)
+
+    monkeypatch.setattr(pair_maps, "_solved", of_pairs)
+    monkeypatch.setattr(pair_maps, "_missed", lambda *_arguments: np.array(missed))
+    monkeypatch.setattr(pair_maps, "coinciding_places", lambda *_meshes: NO_PAIRS)
+    carriers = [carrier_of(mesh, "shape", NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
+    found = drained(pair_map(*carriers, pairs, SoftMapSettings(), UNINTERRUPTED))
+    assert found.score == 0.8
+    np.testing.assert_array_equal(found.pairs, pairs[followed])
