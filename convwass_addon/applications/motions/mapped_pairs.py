@@ -257,9 +257,16 @@ def _registered(
     message = registering(one, other)
     yield Progress(0.0, message)
     with one_blas_thread():
-        grown = None if len(pairs) else grown_pair((one, other), control)
+        grown = grown_pair((one, other), control)
+    if grown is not None and len(pairs):
+        followed = grown.followed(pairs)
+        # A minority of guides may be wrong.
+        if grown.fits and 2 * followed.sum() >= len(pairs):
+            pairs = pairs[followed]
+        else:
+            grown = None
     yield Progress(_GROWN, message)
-    found, starts, sides = PairMap.none(), None, None
+    found, starts, sides = replace(PairMap.none(), pairs=pairs), None, None
     if grown is None or not grown.fits:
         map_settings = SoftMapSettings(vertices=settings.map_vertices)
         sides = agreeing_sides(one, other, pairs)

@@ -45,7 +45,8 @@ _FINISHING_FLAT = (Stage(100.0, 0.0, 0.06, 6),)
 # If the misfit is at most this, no other starts are tried.
 _FINE = 0.35
 # If 99 % of the area have a round-trip error below the first number, and the misfit is below the second, a grown
-# registration has lost no limb, and no map is needed.
+# registration has lost no limb, and no map is needed. It follows guides within
+# the first number.
 _NO_LIMB, _FINE_GROWN = 0.15, 0.5
 # Round-trip error, in sizes of the surface, at which the confidence is 0.6.
 _MISSED = 0.08
@@ -89,6 +90,14 @@ class GrownPair:
     drafts: tuple[Carrier, Carrier]
     found: list[Proposal]
     fits: bool
+
+    def followed(self, pairs: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Return whether both registrations bring the vertices of pairs, (k, 2), near to each other, (k,)."""
+        near = np.ones(len(pairs), bool)
+        for k, (own, other) in enumerate((self.drafts, self.drafts[::-1])):
+            apart = self.found[k].points[own.places(pairs[:, k])] - other.rest.vertices[pairs[:, 1 - k]]
+            near &= np.linalg.norm(apart, axis=1) < _NO_LIMB * other.size
+        return near
 
 
 def draft_of(shape: Carrier, kept: NDArray[np.int64], control: Control) -> Carrier:
@@ -134,7 +143,7 @@ def laid_on_each_other(
     pairs : (k, 2) int64
         Corresponding vertices of the two shapes.
     grown : GrownPair or None
-        Another start, if there are no pairs.
+        Another start, which follows the pairs.
     control : Control
         Stops the work.
     sides : MirroredSides, optional

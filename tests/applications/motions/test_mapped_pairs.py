@@ -216,3 +216,26 @@ def test_guides_beside_mirror_planes_tell_how_far_to_turn(monkeypatch, degrees, 
     assert abs(found.turn) == pytest.approx(degrees)
     here, there = (own.mesh.vertices - own.mesh.area_center for own in (asked[-1], carriers[1]))
     np.testing.assert_allclose(here, there, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("given", "followed"),
+    [([(0, 0), (1, 1)], [0, 1]), ([(0, 0), (1, 1), (2, 0)], [0, 1]), ([(0, 0), (1, 2)], [0])],
+    ids=["right", "one of three is wrong", "one of two is wrong"],
+)
+def test_shapes_that_grow_on_each_other_need_no_map_with_guides(monkeypatch, given, followed):
+    """Those that contradict the registration are left out, unless they are the majority."""
+
+    def unwanted(*_arguments):
+        raise AssertionError("no map is needed")
+
+    monkeypatch.setattr(mapped_pairs, "pair_map", unwanted)
+    shape = figure(10)[0]
+    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 5000, UNINTERRUPTED)
+    tips = [int(np.argmax(shape.vertices @ way)) for way in ((0.9, 0.1, 0.35), (0.0, 0.15, 1.0), (0.0, -0.9, -0.2))]
+    pairs = np.array([[tips[one], tips[other]] for one, other in given])
+    found = drained(mapped_pair(carrier, carrier, pairs, ROUGH, UNINTERRUPTED))
+    # The mirror image of the hand is among them, too.
+    assert [pair for pair in pairs.tolist() if pair in found.map.pairs.tolist()] == pairs[followed].tolist()
+    with pytest.raises(AssertionError, match="no map"):
+        drained(mapped_pair(carrier, carrier, np.array([(tips[0], tips[1])]), ROUGH, UNINTERRUPTED))
