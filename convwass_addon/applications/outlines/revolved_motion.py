@@ -74,7 +74,7 @@ class RevolvedShape:
         points = (divided.mesh.vertices - found.center) @ frame.T
         radii = np.hypot(points[:, 0], points[:, 2])
         away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
-        profile = np.column_stack([found.radii(points), points[:, 1]])
+        profile = np.column_stack([found.across.radii(points), points[:, 1]])
         places = _on_outline(found.section, profile)
         finder = ClosestPointFinder(section.corners)
         right, left = (
