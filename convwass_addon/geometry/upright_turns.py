@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from .mesh import TriangleMesh
 from .normals import vertex_normals
+from .plane_angles import best_turn
 from .point_tree import point_tree
 from .rotation_fields import rotation_matrices
 
@@ -60,10 +61,8 @@ def upright_turn_of_points(points: NDArray[np.float64], others: NDArray[np.float
     """
     if len(points) < 2:
         return None
-    here, there = (own[:, 0] + 1j * own[:, 1] for own in (points, others))
     step = 2.0 * np.pi / _TURNS
-    angle = step * np.round(np.angle(np.vdot(here, there)) / step)
-    turn = rotation_about_z(angle)
+    turn = rotation_about_z(step * np.round(best_turn(points[:, :2], others[:, :2]) / step))
     before, after = np.linalg.norm(points - others), np.linalg.norm(points @ turn.T - others)
     return turn if after < _LEFT_OF_POINTS * before else None
 
