@@ -63,17 +63,15 @@ def beyond_line(boundary: Boundary, along: NDArray[np.float64], offset: float) -
     crosses = is_first != is_last
     share = np.where(crosses, before / np.where(crosses, before - after, 1.0), 0.0)
     points = starts + share[:, None] * (ends - starts)
-    clipped = Boundary(
-        np.where((is_first | ~crosses)[:, None], starts, points), np.where((is_last | ~crosses)[:, None], ends, points)
-    )
     kept = is_first | is_last
+    clipped = Boundary(
+        np.where(is_first[:, None], starts, points)[kept], np.where(is_last[:, None], ends, points)[kept]
+    )
     # Along the line, with what is beyond on the left, the area is entered and left in turn.
     across = np.array([along[1], -along[0]])
     on_line = points[crosses]
     on_line = on_line[np.argsort(on_line @ across, kind="stable")]
-    return Boundary(
-        np.concatenate([clipped.starts[kept], on_line[0::2]]), np.concatenate([clipped.ends[kept], on_line[1::2]])
-    )
+    return Boundary.joined([clipped, Boundary(on_line[0::2], on_line[1::2])])
 
 
 def _snapped(

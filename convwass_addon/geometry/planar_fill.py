@@ -47,6 +47,11 @@ class Boundary:
         """Return the edges of closed polygons, (n, 2) each, at least one, in their directions."""
         return cls(np.concatenate(rings), np.concatenate([np.roll(ring, -1, axis=0) for ring in rings]))
 
+    @classmethod
+    def joined(cls, parts: Sequence[Boundary]) -> Boundary:
+        """Return the edges of several boundaries, at least one, as they are: areas may overlap."""
+        return cls(np.concatenate([own.starts for own in parts]), np.concatenate([own.ends for own in parts]))
+
     @property
     def area(self) -> float:
         """The filled area."""
@@ -103,9 +108,7 @@ class Boundary:
 
     def united(self, others: Sequence[Boundary]) -> Boundary:
         """Return the boundary of the union with other filled areas."""
-        starts = np.concatenate([self.starts, *(other.starts for other in others)])
-        ends = np.concatenate([self.ends, *(other.ends for other in others)])
-        return _resolved(starts, ends, "non-zero")
+        return _resolved(Boundary.joined([self, *others]), "non-zero")
 
 
 def filled_boundary(rings: Sequence[NDArray[np.float64]], rule: Rule) -> Boundary:
@@ -130,19 +133,19 @@ def filled_boundary(rings: Sequence[NDArray[np.float64]], rule: Rule) -> Boundar
     """
     if not rings:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2)))
-    edges = Boundary.of_rings(rings)
-    return _resolved(edges.starts.astype(np.float64), edges.ends.astype(np.float64), rule)
+    return _resolved(Boundary.of_rings([np.asarray(ring, np.float64) for ring in rings]), rule)
 
 
-def _resolved(starts: NDArray[np.float64], ends: NDArray[np.float64], rule: Rule) -> Boundary:
-    both = np.concatenate([starts, ends])
-    low, extent = both.min(axis=0), float(np.ptp(both, axis=0).max())
+def _resolved(edges: Boundary, rule: Rule) -> Boundary:
+    """Return the boundary of the area that directed edges fill, which may cross and coincide."""
+    starts, ends, (low, high) = edges.starts, edges.ends, edges.bounds
+    extent = float((high - low).max())
     if extent <= 0.0:
         return Boundary(np.zeros((0, 2)), np.zeros((0, 2)))
     for steps in _LATTICES:
         unit = extent / steps
-        edges = _cut(np.rint((starts - low) / unit).astype(np.int64), np.rint((ends - low) / unit).astype(np.int64))
-        kept = _one_sided(edges, rule)
+        cut = _cut(np.rint((starts - low) / unit).astype(np.int64), np.rint((ends - low) / unit).astype(np.int64))
+        kept = _one_sided(cut, rule)
         if kept.closes():
             return Boundary(kept.starts * unit + low, kept.ends * unit + low)
     raise InputError("These curves cross each other in too many places at once; simplify them.")

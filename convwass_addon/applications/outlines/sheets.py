@@ -58,8 +58,7 @@ class Sheet:
     def joined(cls, sheets: Sequence[Sheet]) -> Sheet:
         """Return several sheets, which may overlap, as one."""
         firsts = np.cumsum([0, *(len(own.mesh.faces) for own in sheets)])
-        rims = [own.boundary for own in sheets]
-        boundary = Boundary(np.concatenate([rim.starts for rim in rims]), np.concatenate([rim.ends for rim in rims]))
+        boundary = Boundary.joined([own.boundary for own in sheets])
         starts, ends = (
             AttachedPoints(
                 np.concatenate([points.triangles + first for points, first in zip(each, firsts, strict=False)]),
