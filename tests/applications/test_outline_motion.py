@@ -214,7 +214,7 @@ def test_the_match_that_distorts_the_inside_less_is_taken():
     swings = []
     for first, second in ((bent(0.15), bent(1.9)), (star(4, 0.3), star(5))):
         shapes = [OutlinedShape.of(filled(own)) for own in (first, second)]
-        swings.append(least_distorted(matched_shapes(*shapes), UNINTERRUPTED).outer[0].swings)
+        swings.append(least_distorted(matched_shapes(*shapes), UNINTERRUPTED).swings)
     assert swings == [True, False]
 
 
@@ -236,7 +236,7 @@ def test_limbs_do_not_swing_across_each_other():
     tail = np.array([(0.87, -0.3), (0.87, -0.1), (0.85, 0.0), (0.7, 0.02), (0.5, 0.02), (0.3, 0.02)])
     g, s = stroke(arc((0, 0), 1, 50, 330), tail), stroke(arc((0, 0.5), 0.5, 30, 270), arc((0, -0.5), 0.5, 85, -150))
     match = least_distorted(matched_shapes(OutlinedShape.of(g), OutlinedShape.of(s)), UNINTERRUPTED)
-    assert match.outer[0].swings
+    assert match.swings
     for _, shapes in moved(g, s, *TIMES):
         for own in shapes:
             cells = coverage(own.moved(-own.bounds[0] * 100, 100.0), (300, 300))
@@ -289,6 +289,14 @@ def test_unsymmetric_shapes_are_turned_where_only_that_matches(first, second, tu
     assert other.curve.at(found.map(one.curve.nearest(turned[0])[0])) == pytest.approx(turned[1], abs=0.02)
 
 
+def test_a_swapped_match_turns_the_other_way():
+    shapes = [OutlinedShape.of(filled(rotated(BRACKET, angle), rotated(ROUND, angle))) for angle in (0.0, 2.0)]
+    for match in (matched_shapes(*shapes)[0].swapped(), matched_shapes(*shapes[::-1])[0]):
+        around, hole = match.pairs
+        assert around.turn == pytest.approx(-2.0, abs=0.02)
+        assert hole.turn == 0.0
+
+
 @pytest.mark.parametrize("shape", [star(4, 0.5), star(6, 0.8), rectangle((-1, -1), (1, 1))])
 def test_symmetric_shapes_turn_if_they_are_alike_then(shape):
     """They would match about a vertical axis as they stand, too, but distorted."""
@@ -303,7 +311,7 @@ def test_equal_regions_do_not_turn_because_of_their_neighbors():
     one = filled(rectangle((0, 0), (1, 1)), rectangle((1.05, 1.05), (2.05, 2.05)))
     other = filled(rectangle((-1, -1), (0, 0)), rectangle((2, 2), (3, 3)))
     match = matched_shapes(OutlinedShape.of(one), OutlinedShape.of(other))[0]
-    assert [own.turn for own in match.outer] == [0.0, 0.0]
+    assert [pair.turn for pair in match.pairs] == [0.0, 0.0]
 
 
 def test_frames_have_the_area_between_and_nothing_left_to_transport():

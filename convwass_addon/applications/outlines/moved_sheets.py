@@ -118,7 +118,7 @@ class MatchedShapes:
     @property
     def swings(self) -> bool:
         """Whether limbs swing in a match."""
-        return any(own.swings for match in self.matches.values() for own in match.outer)
+        return any(match.swings for match in self.matches.values())
 
 
 def least_cost(shapes: Sequence[OutlinedShape], pairs: Sequence[tuple[int, int]]) -> float:
@@ -179,8 +179,8 @@ def _overlap(sheets: Sequence[Sheet], motion: AgreeingMotion, pair: tuple[int, i
 
 def _figures(match: ShapePair) -> GuidedPair:
     """Return the figures of a match; of several regions, those of the worst and of the one that turned most."""
-    work = max(own.cost for own in match.outer)
-    turn = max((own.turn for own in match.outer), key=abs)
+    work = max(pair.cost for pair in match.pairs)
+    turn = max((pair.turn for pair in match.pairs), key=abs)
     return GuidedPair(float(np.exp(-work)), 0, 1.0, float(np.degrees(turn)))
 
 

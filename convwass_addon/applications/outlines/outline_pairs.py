@@ -43,16 +43,20 @@ class CurvePair:
         The map from the first to the second one.
     slides : bool
         Whether the map may be changed so that the inside is strained less; see :mod:`.sliding_outlines`.
+    cost, turn : float
+        Figures of curves around regions as in :class:`.MatchedOutlines`; zero for holes.
     """
 
     first: int
     second: int
     map: CurveMap
     slides: bool = False
+    cost: float = 0.0
+    turn: float = 0.0
 
     def swapped(self) -> CurvePair:
         """Return the pair with the shapes swapped."""
-        return replace(self, first=self.second, second=self.first, map=self.map.inverse())
+        return replace(self, first=self.second, second=self.first, map=self.map.inverse(), turn=-self.turn)
 
 
 @dataclass(frozen=True)
@@ -65,14 +69,11 @@ class ShapePair:
         The shapes, with points that are holes of the other one.
     pairs : tuple of CurvePair
         Curves that belong together.
-    outer : tuple of MatchedOutlines
-        The matches of the curves around regions.
     """
 
     first: OutlinedShape
     second: OutlinedShape
     pairs: tuple[CurvePair, ...] = ()
-    outer: tuple[MatchedOutlines, ...] = ()
 
     @property
     def regions(self) -> list[tuple[int, int]]:
@@ -82,9 +83,14 @@ class ShapePair:
         )
         return [(ours[pair.first], theirs[pair.second]) for pair in self.pairs if pair.first in ours]
 
+    @property
+    def swings(self) -> bool:
+        """Whether limbs swing."""
+        return any(pair.slides for pair in self.pairs)
+
     def swapped(self) -> ShapePair:
         """Return the pair with the shapes swapped."""
-        return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs), self.outer)
+        return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs))
 
     def with_pair(self, pair: CurvePair) -> ShapePair:
         """Return the shapes with two more curves that belong together."""
@@ -173,7 +179,7 @@ def _with_regions(pair: ShapePair, region: int, there: int, match: MatchedOutlin
     """Add the match of the curves around two regions, and those of their holes."""
     one, other = pair.first, pair.second
     outer = one.regions[region].outer, other.regions[there].outer
-    pair = replace(pair.with_pair(CurvePair(*outer, match.map, match.swings)), outer=(*pair.outer, match))
+    pair = pair.with_pair(CurvePair(*outer, match.map, match.swings, match.cost, match.turn))
     holes = one.regions[region].holes, other.regions[there].holes
     there_map = _InsideMap(one.curves[outer[0]], other.curves[outer[1]], match.map)
     back_map = _InsideMap(other.curves[outer[1]], one.curves[outer[0]], match.map.inverse())
