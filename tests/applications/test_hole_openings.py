@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.outlines.hole_openings import surplus_holes, with_open_holes
 from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
@@ -34,7 +35,7 @@ def arc(begin, end):
 
 def moved(first, second, *times):
     """Each of the times with both shapes at that moment of their motion, which is solved once for all of them."""
-    motion = outline_motion([first.filled, second.filled], ["one", "other"], [(0, 1)], 0.5, UNINTERRUPTED)
+    motion = outline_motion([first.filled, second.filled], ["one", "other"], [(0, 1)], GuidedSettings(), UNINTERRUPTED)
     for time in times:
         shapes = motion.choice.motion.moved([1.0 - time, time])
         yield time, [sheet.moved(own) for sheet, own in zip(motion.sheets, shapes, strict=True)]

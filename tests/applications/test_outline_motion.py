@@ -11,6 +11,7 @@ from convwass_addon.applications.flat.flat_morph import flat_morph
 from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.outlines.matched_outlines import matched_outlines
 from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outline_pairs import matched_shapes
@@ -40,7 +41,7 @@ def filled(*rings):
 
 def moved(first, second, *times):
     """Each of the times with both shapes at that moment of their motion, which is solved once for all of them."""
-    motion = outline_motion([first, second], ["one", "other"], [(0, 1)], 0.5, UNINTERRUPTED)
+    motion = outline_motion([first, second], ["one", "other"], [(0, 1)], GuidedSettings(), UNINTERRUPTED)
     for time in times:
         shapes = motion.choice.motion.moved([1.0 - time, time])
         yield time, [sheet.moved(shape) for sheet, shape in zip(motion.sheets, shapes, strict=True)]
@@ -135,7 +136,9 @@ def bent(angle):
 
 def test_a_limb_swings_without_losing_its_length():
     angles = 0.15, 1.9
-    motion = outline_motion([filled(bent(own)) for own in angles], ["down", "up"], [(0, 1)], 0.5, UNINTERRUPTED)
+    motion = outline_motion(
+        [filled(bent(own)) for own in angles], ["down", "up"], [(0, 1)], GuidedSettings(), UNINTERRUPTED
+    )
     for time in TIMES:
         moved_shapes = motion.choice.motion.moved([1.0 - time, time])
         for sheet, shape, angle in zip(motion.sheets, moved_shapes, angles, strict=True):
@@ -157,7 +160,7 @@ def test_swapped_shapes_move_the_same_way_back():
 
 def test_around_a_triangle_the_way_closes():
     shapes = [filled(HEART), filled(star()), filled(rectangle((-1, -1), (1, 1)))]
-    motion = outline_motion(shapes, ["a", "b", "c"], [(0, 1), (0, 2), (1, 2)], 0.5, UNINTERRUPTED)
+    motion = outline_motion(shapes, ["a", "b", "c"], [(0, 1), (0, 2), (1, 2)], GuidedSettings(), UNINTERRUPTED)
     for weights in ((0.3, 0.3, 0.4), (0.0, 0.5, 0.5), (1.0, 0.0, 0.0)):
         found = [
             sheet.moved(shape)

@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.region_counts import with_equal_counts
@@ -33,7 +34,7 @@ def areas(own):
 
 def moved(first, second, *times):
     """Each of the times with both shapes at that moment of their motion, which is solved once for all of them."""
-    motion = outline_motion([first.filled, second.filled], ["one", "other"], [(0, 1)], 0.5, UNINTERRUPTED)
+    motion = outline_motion([first.filled, second.filled], ["one", "other"], [(0, 1)], GuidedSettings(), UNINTERRUPTED)
     for time in times:
         shapes = motion.choice.motion.moved([1.0 - time, time])
         yield time, [sheet.moved(own) for sheet, own in zip(motion.sheets, shapes, strict=True)]

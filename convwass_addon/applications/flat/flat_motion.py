@@ -16,6 +16,7 @@ from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.layouts import Blend, pairs_of
 from ..motions.choosing import chosen_motion
+from ..motions.guided_settings import GuidedSettings
 from ..motions.motion import MovedShape
 from ..motions.motion_choice import FAILURES, MotionChoice
 from ..motions.motion_request import MotionRequest
@@ -181,7 +182,7 @@ def _moved_part(
         return MovedSheets(sheets, (yield from chosen_motion(request, control)))
     unmoved = MotionChoice("transport", "REGIONS")
     try:
-        found = outline_motion(parts, names, pairs, settings.coherence, control)
+        found = outline_motion(parts, names, pairs, GuidedSettings(coherence=settings.coherence), control)
     except Cancelled:
         raise
     except FAILURES as error:

@@ -10,6 +10,7 @@ import numpy as np
 
 from ...geometry.extrusion import common_extrusions
 from ...progress import Control
+from ..motions.guided_settings import GuidedSettings
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from .extruded_shape import ExtrudedShape
@@ -30,7 +31,8 @@ def extruded_motion(request: MotionRequest, control: Control) -> MotionChoice | 
         return None
     frame, extrusions = found
     sections = [own.section for own in extrusions]
-    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control)
+    settings = GuidedSettings(coherence=request.coherence)
+    moved = outline_motion(sections, request.names, request.pairs, settings, control)
     if moved is None or moved.is_distorted:
         return None
     flat = moved.choice.motion

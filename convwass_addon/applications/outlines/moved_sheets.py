@@ -127,14 +127,17 @@ def least_cost(shapes: Sequence[OutlinedShape], pairs: Sequence[tuple[int, int]]
     return UNDISTORTED + _VANISHING * max(vanishing, default=0.0)
 
 
-def moved_sheets(matched: MatchedShapes, names: Sequence[str], coherence: float, control: Control) -> MovedSheets:
+def moved_sheets(
+    matched: MatchedShapes, names: Sequence[str], settings: GuidedSettings, control: Control
+) -> MovedSheets:
     """Return the motion of matched shapes."""
     shapes, matches = matched.shapes, matched.matches
     knots = outline_knots(shapes, matches)
     sheets = tuple(_sheet(shape, own) for shape, own in zip(shapes, knots, strict=True))
     # Nothing is left for what resists stretching.
+    coherence = min(settings.coherence, FULL_COHERENCE)
     most = max(len(sheet.mesh.vertices) for sheet in sheets)
-    settings = GuidedSettings(coherence=min(coherence, FULL_COHERENCE), carrier_vertices=max(2 * most, _VERTICES))
+    settings = replace(settings, coherence=coherence, carrier_vertices=max(2 * most, _VERTICES))
     none = np.empty(0, np.int64)
     carriers = tuple(
         carrier_of(sheet.mesh, name, none, settings.carrier_vertices, control)

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 
 from ...geometry.planar_fill import Boundary
 from ...progress import Control
+from ..motions.guided_settings import GuidedSettings
 from ..motions.motion_choice import attempted
 from ..workers import one_blas_thread
 from .hole_openings import surplus_holes, with_open_holes
@@ -37,7 +38,7 @@ def outline_motion(
     parts: Sequence[Boundary],
     names: Sequence[str],
     pairs: Sequence[tuple[int, int]],
-    coherence: float,
+    settings: GuidedSettings,
     control: Control,
     match: CurveMatcher = matched_outlines,
 ) -> MovedSheets | None:
@@ -54,8 +55,8 @@ def outline_motion(
         Names of the shapes, for messages.
     pairs : sequence of (int, int)
         Shapes that occur together in a blend.
-    coherence : float
-        As for :class:`.GuidedSettings`.
+    settings : GuidedSettings
+        Its `coherence` and `mean_stretch` are used.
     control : Control
         Stops the work.
     match : callable
@@ -70,12 +71,12 @@ def outline_motion(
         closed, whole = None, shapes
         for own in completed.values():
             if closed is None or least_cost(own, pairs) < closed.cost:
-                found = _best_moved(own, names, pairs, coherence, known, control)
+                found = _best_moved(own, names, pairs, settings, known, control)
                 if closed is None or found.cost < closed.cost:
                     closed, whole = found, own
         if closed.cost < _OPENED_FROM or not 0 < surplus_holes(whole, pairs) <= _MOST_OPENED:
             return closed
-        opened = attempted(lambda: _best_moved(with_open_holes(whole, pairs), names, pairs, coherence, known, control))
+        opened = attempted(lambda: _best_moved(with_open_holes(whole, pairs), names, pairs, settings, known, control))
     return opened if opened is not None and opened.cost < _CLEARLY_LESS * closed.cost else closed
 
 
@@ -88,16 +89,16 @@ def _best_moved(
     shapes: Sequence[OutlinedShape],
     names: Sequence[str],
     pairs: Sequence[tuple[int, int]],
-    coherence: float,
+    settings: GuidedSettings,
     known: KnownMatches,
     control: Control,
 ) -> MovedSheets:
     """Return the motion of shapes of equal numbers of regions; with limbs that swing, unless they cross each other."""
     found = MatchedShapes.of(shapes, pairs, least_distorted, known, control)
-    moved = moved_sheets(found, names, coherence, control)
+    moved = moved_sheets(found, names, settings, control)
     if found.swings and moved.overlap > _MOST_OVERLAP:
         as_placed = MatchedShapes.of(shapes, pairs, _as_placed, known, control)
-        placed = moved_sheets(as_placed, names, coherence, control)
+        placed = moved_sheets(as_placed, names, settings, control)
         moved = min(moved, placed, key=lambda own: own.overlap)
     return moved
 

@@ -17,10 +17,10 @@ from ...geometry.revolution import Revolution, common_revolutions
 from ...geometry.ring_nesting import outline_of
 from ...geometry.subdivision import Subdivision, bendable
 from ...progress import Control
+from ..motions.guided_settings import GuidedSettings
 from ..motions.motion import MovedShape
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
-from .agreeing_motion import AgreeingMotion
 from .even_volume import EvenVolumeMotion
 from .matched_outlines import MatchedOutlines, placed_outlines
 from .outline_curves import OutlineCurve
@@ -118,10 +118,12 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     sections = [own.section for own in revolutions]
     if len({tuple(len(region.holes) for region in outline_of(own).regions) for own in sections}) > 1:
         return None
-    moved = outline_motion(sections, request.names, request.pairs, request.coherence, control, _upright)
+    # With the arithmetic mean of stretches, thin walls would become thick on the way.
+    settings = GuidedSettings(coherence=request.coherence, mean_stretch=area_preserving_mean)
+    moved = outline_motion(sections, request.names, request.pairs, settings, control, _upright)
     if moved is None or moved.overlap > _MOST_OVERLAP:
         return None
-    flat = _preserving_areas(moved.choice.motion)
+    flat = moved.choice.motion
     shapes = tuple(
         RevolvedShape.of(mesh, own, frame, carrier.rest)
         for mesh, own, carrier in zip(request.shapes, revolutions, flat.guided.carriers, strict=True)
@@ -149,9 +151,3 @@ def _on_outline(section: Boundary, points: NDArray[np.float64]) -> NDArray[np.fl
 def _upright(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:
     """Match two sections about their axes, neither turned upside down nor with limbs that swing to one side."""
     return [placed_outlines(one, other)]
-
-
-def _preserving_areas(flat: AgreeingMotion) -> AgreeingMotion:
-    """Return the motion of sections with stretches that do not make thin walls thick on the way."""
-    guided = flat.guided
-    return replace(flat, guided=replace(guided, settings=replace(guided.settings, mean_stretch=area_preserving_mean)))
