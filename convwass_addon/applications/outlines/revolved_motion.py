@@ -34,6 +34,8 @@ _SYMMETRIC = 0.05
 _MOST_OVERLAP = 0.03
 # Least and largest distance of a chord from the axis, relative to that of its ends; for six sides, it is 0.87.
 _SAG = 0.8, 1.0
+# The mirror image of a section about the axis.
+_MIRROR = (-1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -44,8 +46,8 @@ class RevolvedShape:
     ----------
     divided : Subdivision
         The shape in scene space, with long edges divided.
-    right, left : AttachedPoints
-        The places on the outline of the section nearest to its vertices, and their mirror images.
+    sides : AttachedPoints
+        The places on the outline of the section nearest to its vertices, and then their mirror images.
     shares : (n,) float64
         Distances of the vertices from the axis, relative to those of these places. Edges around the axis are chords,
         whose sag would grow where a thin wall becomes thick.
@@ -58,8 +60,7 @@ class RevolvedShape:
     """
 
     divided: Subdivision
-    right: AttachedPoints
-    left: AttachedPoints
+    sides: AttachedPoints
     shares: NDArray[np.float64]
     offsets: NDArray[np.float64]
     directions: NDArray[np.float64]
@@ -76,13 +77,11 @@ class RevolvedShape:
         away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
         profile = np.column_stack([found.across.radii(points), points[:, 1]])
         places = _on_outline(found.section, profile)
-        finder = ClosestPointFinder(section.corners)
-        right, left = (
-            AttachedPoints.of(places * (side, 1.0), section.vertices, section.faces, finder) for side in (1.0, -1.0)
-        )
+        both = np.concatenate([places, places * _MIRROR])
+        sides = AttachedPoints.of(both, section.vertices, section.faces, ClosestPointFinder(section.corners))
         shares = np.divide(radii, places[:, 0], out=np.ones_like(radii), where=places[:, 0] > 0.0).clip(*_SAG)
         offsets = np.column_stack([radii, points[:, 1]]) - places * np.column_stack([shares, np.ones_like(shares)])
-        return cls(divided, right, left, shares, offsets, (away * (1.0, 0.0, 1.0)) @ frame, frame[1])
+        return cls(divided, sides, shares, offsets, (away * (1.0, 0.0, 1.0)) @ frame, frame[1])
 
     def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
         """Return the shape for its moved section, about a point; see :class:`.section_motion.SectionShape`."""
@@ -98,8 +97,8 @@ class RevolvedShape:
         return float(np.linalg.norm(right - mirrored, axis=1).max())
 
     def _sides(self, moved: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        right, left = (own.on(moved.vertices, moved.faces) for own in (self.right, self.left))
-        return right, left * (-1.0, 1.0)
+        right, left = np.split(self.sides.on(moved.vertices, moved.faces), 2)
+        return right, left * _MIRROR
 
 
 def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | None:
