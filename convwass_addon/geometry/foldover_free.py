@@ -79,17 +79,19 @@ def foldover_free(
         Stops the work.
     """
     labels = vertex_components(mesh)
+    # The first step of the minimizer depends on the scale.
+    center, size = start.mean(axis=0), np.sqrt(mesh.area)
     # Components do not depend on each other; one that is difficult would keep the others from ending.
-    points, distortion, total = start.copy(), 0.0, mesh.area
+    points, distortion = (start - center) / size, 0.0
     for component in range(labels.max(initial=-1) + 1):
         own = np.flatnonzero(labels == component)
         number = np.zeros(len(labels), np.int64)
         number[own] = np.arange(len(own))
         part = TriangleMesh(mesh.vertices[own], number[mesh.faces[labels[mesh.faces[:, 0]] == component]])
-        found = _connected(part, start[own], held[own], control)
+        found = _connected(part, points[own], held[own], control)
         points[own] = found.points
-        distortion += found.distortion * part.area / total
-    return DeformedTriangles(points, distortion)
+        distortion += found.distortion * part.area / mesh.area
+    return DeformedTriangles(np.where(held[:, None], start, center + size * points), distortion)
 
 
 def _connected(

@@ -11,7 +11,7 @@ from scipy.optimize import check_grad
 from convwass_addon.geometry import foldover_free as module
 from convwass_addon.geometry.edges import edge_ends, edge_use
 from convwass_addon.geometry.foldover_free import foldover_free
-from convwass_addon.geometry.mesh import joined_meshes
+from convwass_addon.geometry.mesh import TriangleMesh, joined_meshes
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.planar_mesh import planar_mesh, without_bridges
 from tests.flat_shapes import ellipse
@@ -55,6 +55,18 @@ def test_nothing_folds_in_a_bent_outline(disc):
     found = foldover_free(disc, start, held).points
     assert (signed_areas(found, disc.faces) > 0).all()
     assert (np.abs(np.linalg.norm(found, axis=1) - 1.0) < 0.36).all()
+
+
+@pytest.mark.parametrize("factor", [2.0**-20, 2.0**10])
+def test_the_scale_does_not_matter(disc, factor):
+    """Powers of two are exact; rounding would change where the minimizer stops."""
+    held, rest = rim_of(disc), disc.vertices[:, :2]
+    bent = rest + 0.4 * np.square(rest)[:, ::-1]
+    start = np.where(held[:, None], bent, 0.5 * bent)
+    expected = foldover_free(disc, start, held)
+    found = foldover_free(TriangleMesh(factor * disc.vertices, disc.faces), factor * start, held)
+    assert found.points == pytest.approx(factor * expected.points, rel=1e-9, abs=1e-9 * factor)
+    assert found.distortion == pytest.approx(expected.distortion)
 
 
 @pytest.mark.parametrize("width", [1e-6, 0.3])

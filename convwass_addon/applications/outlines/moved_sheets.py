@@ -16,7 +16,7 @@ from ...geometry.coverage import coverage
 from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control
-from ..motions.carriers import Carrier, carrier_of
+from ..motions.carriers import carrier_of
 from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
@@ -148,7 +148,8 @@ def moved_sheets(
     distortion = 0.0
     for (one, other), match in matches.items():
         ends = carriers[one], carriers[other]
-        there, home = _filled(ends[0], match, control), _filled(ends[1], match.swapped(), control)
+        there = filled_outline(ends[0].mesh, match, control)
+        home = filled_outline(ends[1].mesh, match.swapped(), control)
         distortion = max(distortion, there.distortion, home.distortion)
         ours, theirs = labels[one], _counterparts(match)[labels[other]]
         images = _images(there, ours, ends[1].mesh, theirs, control)
@@ -197,11 +198,6 @@ def _sheet(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]]) -> Sheet:
             for region, mesh in zip(shape.regions, meshes, strict=True)
         ]
     )
-
-
-def _filled(carrier: Carrier, match: ShapePair, control: Control) -> DeformedTriangles:
-    """Move the mesh of the first shape so that its outline lies on that of the second one."""
-    return filled_outline(carrier.unit, carrier.mesh, match, control)
 
 
 def _laid(filled: DeformedTriangles) -> Laid:

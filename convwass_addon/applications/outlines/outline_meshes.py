@@ -16,9 +16,9 @@ from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.edges import edge_ends, edge_use, proper_part, vertex_components
 from ...geometry.factorization import factorize
 from ...geometry.foldover_free import DeformedTriangles, foldover_free
+from ...geometry.laplacian import laplacian
 from ...geometry.mesh import TriangleMesh
 from ...geometry.planar_mesh import planar_mesh, without_bridges
-from ...geometry.unit_shape import UnitShape
 from ...progress import Control
 from .outline_curves import sharp_corners
 from .outline_pairs import ShapePair
@@ -154,13 +154,11 @@ class Rim:
         return self.vertices[order], self.places[order]
 
 
-def filled_outline(unit: UnitShape, mesh: TriangleMesh, match: ShapePair, control: Control) -> DeformedTriangles:
+def filled_outline(mesh: TriangleMesh, match: ShapePair, control: Control) -> DeformedTriangles:
     """Return the first shape's mesh with its outline on the second shape's, without folds.
 
     Parameters
     ----------
-    unit : UnitShape
-        The mesh, rescaled.
     mesh : TriangleMesh
         The mesh of the first shape.
     match : ShapePair
@@ -168,16 +166,13 @@ def filled_outline(unit: UnitShape, mesh: TriangleMesh, match: ShapePair, contro
     control : Control
         Stops the work.
     """
-    rim, size = Rim.of(mesh, match.first), float(np.sqrt(mesh.area))
-    target, held = mesh.vertices[:, :2].copy(), np.zeros(len(mesh.vertices), bool)
+    rim = Rim.of(mesh, match.first)
+    target, held = np.zeros((len(mesh.vertices), 2)), np.zeros(len(mesh.vertices), bool)
     for pair in match.pairs:
         own, places = rim.on(pair.first)
         target[own] = match.second.curves[pair.second].at(pair.map(places))
         held[own] = True
-    center = target[held].mean(axis=0)
-    wanted = np.where(held[:, None], (target - center) / size, 0.0)
     # The harmonic map to start with.
-    stiffness = csc_array(unit.laplacian.matrix + diags_array(np.where(held, _HELD, 0.0)))
-    start = factorize(stiffness).solve(np.ascontiguousarray((_HELD * wanted).T)).T
-    found = foldover_free(unit.mesh, np.where(held[:, None], wanted, start), held, control)
-    return DeformedTriangles(size * found.points + center, found.distortion)
+    stiffness = csc_array(laplacian(mesh).matrix + diags_array(np.where(held, _HELD, 0.0)))
+    start = factorize(stiffness).solve(np.ascontiguousarray((_HELD * target).T)).T
+    return foldover_free(mesh, np.where(held[:, None], target, start), held, control)

@@ -121,14 +121,14 @@ class _Slide:
 
 def with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
     """Return the match of two shapes after the outline of one has slid along that of the other one."""
-    if not any(pair.slides for pair in match.pairs):
+    if not match.swings:
         return match
     # A canonical order, so that a pair has the same result whatever the order of the shapes.
     if _length(match.first) < _length(match.second):
         return with_slid_outlines(match.swapped(), control).swapped()
     mesh = _coarse_mesh(match)
     unit, rim, size = UnitShape.of(mesh), Rim.of(mesh, match.first), float(np.sqrt(mesh.area))
-    start = filled_outline(unit, mesh, match, control).points
+    start = filled_outline(mesh, match, control).points
     center = start.mean(axis=0)
     slides = [_Slide.of(rim, match, pair) for pair in match.pairs]
     stiffness = _HELD * np.maximum(unit.areas, unit.areas[unit.areas > 0].min())
@@ -166,8 +166,7 @@ def _distortion(match: ShapePair, control: Control) -> float:
     """Return by how much a match distorts the inside of the shape of the longer outline."""
     if _length(match.first) < _length(match.second):
         return _distortion(match.swapped(), control)
-    mesh = _coarse_mesh(match)
-    return filled_outline(UnitShape.of(mesh), mesh, match, control).distortion
+    return filled_outline(_coarse_mesh(match), match, control).distortion
 
 
 def _coarse_mesh(match: ShapePair) -> TriangleMesh:
