@@ -76,3 +76,25 @@ def empty_scene(registered_addon):
 
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     return bpy.context.scene
+
+
+@pytest.fixture(scope="session")
+def scene_with(tmp_path_factory):
+    """Give a function that begins a new file with what another function makes in an empty scene; returns the scene.
+
+    What takes long to make is made only once. The file that is open then has not been saved.
+    """
+    import bpy
+
+    files = {}
+
+    def begun(make):
+        if make not in files:
+            bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+            make()
+            files[make] = str(tmp_path_factory.mktemp("begun") / "begun.blend")
+            bpy.ops.wm.save_as_mainfile(filepath=files[make], copy=True)
+        bpy.ops.wm.read_homefile(filepath=files[make])
+        return bpy.context.scene
+
+    return begun

@@ -9,19 +9,6 @@ import bpy
 from convwass_addon.bridge.objects import triangle_mesh
 
 
-def kept(folder):
-    """Save the scene in a folder for :func:`begun`, and return its file."""
-    file = folder / "begun.blend"
-    bpy.ops.wm.save_as_mainfile(filepath=str(file), copy=True)
-    return file
-
-
-def begun(file):
-    """Begin a new file, which is not saved, with a scene that took long to make; returns it."""
-    bpy.ops.wm.read_homefile(filepath=str(file))
-    return bpy.context.scene
-
-
 def linked(name, data):
     """Link a new object with some data, or None for an Empty."""
     obj = bpy.data.objects.new(name, data)

@@ -55,25 +55,10 @@ def moving(bare_scene, make_object):
     return moving_ball(bare_scene, make_object)
 
 
-@pytest.fixture(scope="session")
-def _file_with_player(factory_preferences, tmp_path_factory):
-    import bpy
-
-    from convwass_addon.bridge.morphs.player import make_player
-    from tests.moving_balls import moving_ball
-    from tests.scene import kept
-
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    make_player(moving_ball(bpy.context.scene, _make_object), between="INTERPOLATED").name = "Player"
-    return kept(tmp_path_factory.mktemp("player"))
-
-
 @pytest.fixture
-def player(bare_scene, _file_with_player):
+def player(bare_scene, scene_with):
     """Give a player that interpolates between the places of a ball that moves, in a scene of its own."""
-    from tests.scene import begun
-
-    return begun(_file_with_player).objects["Player"]
+    return scene_with(_make_player).objects["Player"]
 
 
 @pytest.fixture
@@ -90,6 +75,15 @@ def _octahedron() -> TriangleMesh:
     faces = [(x[i], y[j], 4) if i == j else (y[j], x[i], 4) for i in (0, 1) for j in (0, 1)]
     faces += [(b, a, 5) for a, b, _ in faces]
     return TriangleMesh.from_arrays(vertices, faces)
+
+
+def _make_player():
+    import bpy
+
+    from convwass_addon.bridge.morphs.player import make_player
+    from tests.moving_balls import moving_ball
+
+    make_player(moving_ball(bpy.context.scene, _make_object), between="INTERPOLATED").name = "Player"
 
 
 def _make_object(name, vertices=None, edges=(), faces=None):

@@ -19,16 +19,13 @@ from convwass_addon.operators.density_changes import changed_inputs, lost_inputs
 from convwass_addon.operators.density_manage import CONVWASS_OT_bake_density
 from tests.operators.densities import ball, curve, positions
 from tests.operators.running import ESCAPE, Pressed, call, inventory, pretend_window, until, window_context
-from tests.scene import begun, kept
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
 NAMES = ("bake_density", "remove_density", "show_density_material", "rebake_density")
 
 
-@pytest.fixture(scope="module")
-def file_with_density(registered_addon, tmp_path_factory):
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+def animate_density():
     ball()
     call(
         "interpolate_density",
@@ -39,13 +36,12 @@ def file_with_density(registered_addon, tmp_path_factory):
         entropy_bound=-1.5,
         blur=0.3,
     )
-    return kept(tmp_path_factory.mktemp("density"))
 
 
 @pytest.fixture
-def obj(empty_scene, file_with_density):
+def obj(empty_scene, scene_with):
     """A ball with an animated density of four steps."""
-    begun(file_with_density)
+    scene_with(animate_density)
     return bpy.context.object
 
 

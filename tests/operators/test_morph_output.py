@@ -12,23 +12,20 @@ import pytest
 from convwass_addon.bridge.morphs.disk_output import disk_outputs
 from convwass_addon.operators.morph_bake import CONVWASS_OT_bake_morph
 from tests.operators.running import Pressed, show_other_scene, started, until, window_context
-from tests.scene import begun, height_at, kept
+from tests.scene import height_at
 
 
-@pytest.fixture(scope="module")
-def file_with_morph(registered_addon, tmp_path_factory):
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+def bake():
     for x in (0.0, 3.0):
         bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", frames=3, resolution=24)
-    return kept(tmp_path_factory.mktemp("morph"))
 
 
 @pytest.fixture
-def morph(empty_scene, file_with_morph):
+def morph(empty_scene, scene_with):
     """A small bake, active."""
-    begun(file_with_morph)
+    scene_with(bake)
     return next(c for c in bpy.data.collections if "convwass_morph" in c)
 
 

@@ -16,7 +16,6 @@ from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from tests.operators.morphs import add, census
-from tests.scene import begun, kept
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -34,19 +33,26 @@ def shown():
     return [i.object.name for i in instances if i.object.type == "MESH" and i.object.data.polygons]
 
 
-@pytest.fixture(scope="module")
-def files(registered_addon, tmp_path_factory):
-    """Files with a path of two shapes and a sheet of three, without and with what plays them."""
-    made = {}
-    for name, count, options in (("path", 2, {"frames": 3}), ("sheet", 3, {"layout": "TRIANGLE", "steps": 3})):
-        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-        add_shapes(count)
-        bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=20, **options)
-        made[name] = kept(tmp_path_factory.mktemp("begun"))
-        operator = "make_player" if name == "path" else "make_blend_pad"
-        assert getattr(bpy.ops.convwass, operator)() == {"FINISHED"}
-        made[operator] = kept(tmp_path_factory.mktemp("begun"))
-    return made
+def bake_path():
+    """Bake a path of two shapes."""
+    add_shapes(2)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=20, frames=3)
+
+
+def bake_sheet():
+    """Bake a sheet of three shapes."""
+    add_shapes(3)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=20, layout="TRIANGLE", steps=3)
+
+
+def play_path():
+    bake_path()
+    assert bpy.ops.convwass.make_player() == {"FINISHED"}
+
+
+def play_sheet():
+    bake_sheet()
+    assert bpy.ops.convwass.make_blend_pad() == {"FINISHED"}
 
 
 def the_morph():
@@ -55,15 +61,15 @@ def the_morph():
 
 
 @pytest.fixture
-def path(empty_scene, files):
-    begun(files["path"])
+def path(empty_scene, scene_with):
+    scene_with(bake_path)
     return the_morph()
 
 
 @pytest.fixture
-def player(empty_scene, files):
+def player(empty_scene, scene_with):
     """A player of that path."""
-    begun(files["make_player"])
+    scene_with(play_path)
     return bpy.context.object
 
 
@@ -77,15 +83,15 @@ def test_without_openvdb_a_player_shows_the_nearest_blend(path, monkeypatch, cap
 
 
 @pytest.fixture
-def sheet(empty_scene, files):
-    begun(files["sheet"])
+def sheet(empty_scene, scene_with):
+    scene_with(bake_sheet)
     return the_morph()
 
 
 @pytest.fixture
-def handle(empty_scene, files):
+def handle(empty_scene, scene_with):
     """The handle of a pad of that sheet."""
-    begun(files["make_blend_pad"])
+    scene_with(play_sheet)
     return bpy.context.object
 
 

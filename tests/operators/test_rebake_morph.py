@@ -26,7 +26,6 @@ from convwass_addon.errors import ConvwassError
 from tests.linked_objects import linked_object
 from tests.operators.morphs import PressedBake, guide_coarsely
 from tests.operators.running import ESCAPE, TIMER, started, until, wait_for_the_thread, window_context
-from tests.scene import begun, kept
 
 
 def bake(**options):
@@ -44,16 +43,9 @@ def bake(**options):
     return next(collection for collection in bpy.data.collections if collection not in before)
 
 
-@pytest.fixture(scope="module")
-def file_with_morph(registered_addon, tmp_path_factory):
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    bake()
-    return kept(tmp_path_factory.mktemp("morph"))
-
-
 @pytest.fixture
-def morph(empty_scene, file_with_morph):
-    begun(file_with_morph)
+def morph(empty_scene, scene_with):
+    scene_with(bake)
     return next(collection for collection in bpy.data.collections if "convwass_morph" in collection)
 
 

@@ -16,7 +16,7 @@ from convwass_addon.bridge.node_inputs import node_input
 from convwass_addon.bridge.sequence import MODIFIER
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
-from tests.scene import begun, height_at, kept
+from tests.scene import height_at
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -32,16 +32,13 @@ def bake(**options):
     return bpy.context.object.users_collection[0]
 
 
-@pytest.fixture(scope="module")
-def file_with_player(registered_addon, tmp_path_factory):
-    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+def bake_player():
     bake(output="PLAYER")
-    return kept(tmp_path_factory.mktemp("player"))
 
 
 @pytest.fixture
-def player(empty_scene, file_with_player):
-    begun(file_with_player)
+def player(empty_scene, scene_with):
+    scene_with(bake_player)
     return bpy.context.object
 
 
