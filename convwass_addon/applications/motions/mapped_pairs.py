@@ -149,7 +149,7 @@ def mapped_pair(
         turn = upright_turn_of_points(*marked)
     if turn is None:
         turn = symmetric_turn(one.mesh, other.mesh)
-    # In their plane, flat shapes do not face any way.
+    # In their plane, flat shapes do not face any way. Shape keys map them; flat morphs follow outlines instead.
     is_flat = not len(pairs) and is_level(one.mesh.vertices) and is_level(other.mesh.vertices)
     best = yield from within(_registered(one, other, pairs, settings, control), 0.0, 0.4)
     if turn is not None and not (is_flat and best.score >= TRUSTED):
