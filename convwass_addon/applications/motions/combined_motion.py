@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...geometry.surface_rotations import surface_rotations
 from ...progress import Control, Work, within
 from .guided_motion import GuidedMotion
-from .motion import MovedShape
+from .motion import MovedShape, weights_between
 from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 
 
@@ -113,7 +113,7 @@ def combined_motion(
     """
     warps = {}
     for number, pair in enumerate(pairs):
-        moved = guided.moved([0.5 * (index in pair) for index in range(len(names))])
+        moved = guided.moved(weights_between(len(names), pair, 0.5))
         work = warp_motion(
             [moved[index].mesh for index in pair],
             [names[index] for index in pair],

@@ -70,11 +70,16 @@ class Motion(Protocol):
         ...
 
 
+def weights_between(count: int, pair: tuple[int, int], time: float) -> list[float]:
+    """Return the weights of `count` shapes on the way from one of a pair to the other, at a time from 0 to 1."""
+    weights = [0.0] * count
+    weights[pair[0]], weights[pair[1]] = 1.0 - time, time
+    return weights
+
+
 def arriving(motion: Motion, count: int, one: int, other: int) -> MovedShape:
     """Return one of `count` shapes moved onto another, as far as a motion brings it there."""
-    weights = [0.0] * count
-    weights[one], weights[other] = _LEFT, 1.0 - _LEFT
-    return motion.moved(weights)[one]
+    return motion.moved(weights_between(count, (other, one), _LEFT))[one]
 
 
 def motion_figures(about: Mapping[str, object]) -> dict[str, object]:

@@ -25,7 +25,7 @@ from .combined_motion import CombinedMotion
 from .guided_motion import GuidedMotion
 from .guided_settings import GuidedSettings
 from .laid_meshes import Laid
-from .motion import Motion, MovedShape, arriving
+from .motion import Motion, MovedShape, arriving, weights_between
 from .shape_deformations import posed_deformation, split_deformation
 
 
@@ -149,7 +149,7 @@ def _places(chosen: Motion, guided: GuidedMotion, pairs: Sequence[tuple[int, int
     """Return the places of the chosen motion's vertices on the guided shapes; see :class:`PosedMotion`."""
     found: dict[int, ClosestPoints] = {}
     for pair in pairs:
-        moved = chosen.moved([0.5 * (index in pair) for index in range(len(guided.carriers))])
+        moved = chosen.moved(weights_between(len(guided.carriers), pair, 0.5))
         for index in pair:
             rest, own = guided.carriers[index].rest, moved[index].rest
             if index not in found and own is not rest:

@@ -13,7 +13,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.thicken import solid_or_shell_occupancy
 from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid, distance
-from .motion import Motion
+from .motion import Motion, weights_between
 
 TIMES = (0.25, 0.5, 0.75)
 """Where on the way from one shape to the other the distance is measured."""
@@ -54,7 +54,8 @@ def remaining_share(
     apart = centered_distance([shapes[index] for index in pair], cells, control)
     if apart == 0.0:
         return 0.0
-    return max(_distance(_moved(motion, len(shapes), pair, t), cells, control) for t in TIMES) / apart
+    moved = (motion.moved(weights_between(len(shapes), pair, t)) for t in TIMES)
+    return max(_distance([own[index].mesh for index in pair], cells, control) for own in moved) / apart
 
 
 def centered_distance(shapes: Sequence[TriangleMesh], cells: int, control: Control = UNINTERRUPTED) -> float:
@@ -68,13 +69,6 @@ def centered_distance(shapes: Sequence[TriangleMesh], cells: int, control: Contr
         As for :func:`remaining_share`.
     """
     return _distance([shape.moved(-centroid(shape)) for shape in shapes], cells, control)
-
-
-def _moved(motion: Motion, count: int, pair: tuple[int, int], t: float) -> list[TriangleMesh]:
-    weights = np.zeros(count)
-    weights[list(pair)] = 1.0 - t, t
-    moved = motion.moved(weights)
-    return [moved[index].mesh for index in pair]
 
 
 def _distance(meshes: Sequence[TriangleMesh], cells: int, control: Control) -> float:

@@ -21,6 +21,7 @@ from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
 from ..motions.laid_meshes import Laid
+from ..motions.motion import weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.shape_deformations import ShapeDeformation, split_deformation
 from .agreeing_motion import AgreeingMotion
@@ -33,8 +34,8 @@ from .sheets import Sheet
 _TRIANGLES = 0.028
 # Carriers have at least this number of vertices, and are never coarser than the shapes.
 _VERTICES = 6000
-# Moments at which shapes are checked for overlaps, and cells along the longest side of the grid for that.
-_MOMENTS, _CELLS = (0.75, 0.5, 0.25), 128
+# Times at which shapes are checked for overlaps, and cells along the longest side of the grid for that.
+_TIMES, _CELLS = (0.25, 0.5, 0.75), 128
 # Shapes whose insides would be distorted by more than the first number, or whose outlines match with a lower score than
 # the second one, are transported, if the user chose no motion: a spiral that becomes a wave has 68, a C that becomes
 # a D 32 and a B that becomes an E 23; the score of a spiral to a snowflake is 0.08, that of a heart to a star 0.22.
@@ -167,12 +168,10 @@ def moved_sheets(
 
 
 def _overlap(sheets: Sequence[Sheet], motion: AgreeingMotion, pair: tuple[int, int]) -> float:
-    """Return the largest share of the area of two moved shapes that overlaps itself, at some moments of their way."""
+    """Return the largest share of the area of two moved shapes that overlaps itself, at some times on their way."""
     found = []
-    for share in _MOMENTS:
-        weights = np.zeros(len(sheets))
-        weights[list(pair)] = share, 1.0 - share
-        moved = sheets[pair[0]].moved(motion.moved(weights)[pair[0]])
+    for time in _TIMES:
+        moved = sheets[pair[0]].moved(motion.moved(weights_between(len(sheets), pair, time))[pair[0]])
         low, high = moved.bounds
         spacing = float((high - low).max()) / _CELLS
         cells = tuple(np.ceil((high - low) / spacing).astype(int))

@@ -18,7 +18,7 @@ from ...geometry.ring_nesting import outline_of
 from ...geometry.subdivision import Subdivision, bendable
 from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
-from ..motions.motion import MovedShape
+from ..motions.motion import MovedShape, weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from .even_volume import EvenVolumeMotion
@@ -128,9 +128,7 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
         for mesh, own, carrier in zip(request.shapes, revolutions, flat.guided.carriers, strict=True)
     )
     for pair in request.pairs:
-        weights = np.zeros(len(shapes))
-        weights[list(pair)] = 0.5
-        halfway = flat.moved(weights)
+        halfway = flat.moved(weights_between(len(shapes), pair, 0.5))
         for index in pair:
             if shapes[index].asymmetry(halfway[index].mesh) > _SYMMETRIC * np.ptp(sections[index].bounds, axis=0).max():
                 return None
