@@ -24,6 +24,8 @@ from .normals import cross_coordinates
 _ANCHORING = 1e-4
 # Thinner triangles, by area over squared longest edge, have no gradient of their own.
 _THIN = 1e-9
+# Smaller stretches count as this one, so that their logarithm is finite.
+_LEAST_STRETCH = 1e-6
 
 
 @dataclass(frozen=True)
@@ -77,6 +79,13 @@ def deformation_gradients(
             gradients[:, i, j] = sum(column[i] * row[j] for column, row in zip(columns, rows, strict=True))
     gradients[~regular] = np.eye(3)
     return gradients
+
+
+def logarithmic_stretches(gradients: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the largest absolute logarithmic stretch in every triangle, (m,), from :func:`deformation_gradients`."""
+    # The stretch of the normal is the geometric mean of the other two, and so the middle one.
+    sizes = np.linalg.svd(gradients, compute_uv=False)[:, [0, 2]]
+    return np.abs(np.log(np.maximum(sizes, _LEAST_STRETCH))).max(axis=1)
 
 
 def _frames(points: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:

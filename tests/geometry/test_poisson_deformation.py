@@ -11,7 +11,12 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.poisson_deformation import Links, PoissonDeformation, deformation_gradients
+from convwass_addon.geometry.poisson_deformation import (
+    Links,
+    PoissonDeformation,
+    deformation_gradients,
+    logarithmic_stretches,
+)
 from tests.grids import sheet
 from tests.shapes import ball, box, joined, torus
 
@@ -43,6 +48,15 @@ def test_gradients_of_a_turned_and_stretched_mesh():
     turn = Rotation.from_rotvec((0.3, 1.0, -0.4)).as_matrix()
     found = deformation_gradients(mesh.vertices, 2.0 * mesh.vertices @ turn.T, mesh.faces)
     np.testing.assert_allclose(found, np.tile(2.0 * turn, (len(mesh.faces), 1, 1)), atol=1e-9)
+
+
+@pytest.mark.parametrize("stretches", [(1.0, 3.0), (0.2, 2.0), (0.5, 0.25), (1.0, 1.0), (0.0, 1.0)])
+def test_the_largest_stretch_counts_in_either_direction(stretches):
+    mesh = sheet(7, 5)
+    turn = Rotation.from_rotvec((0.3, 1.0, -0.4)).as_matrix()
+    gradients = deformation_gradients(mesh.vertices, mesh.vertices * (*stretches, 1.0) @ turn.T, mesh.faces)
+    expected = np.abs(np.log(np.maximum(stretches, 1e-6))).max()
+    np.testing.assert_allclose(logarithmic_stretches(gradients), expected, atol=1e-9)
 
 
 def test_any_deformation_is_reconstructed_from_its_gradients():

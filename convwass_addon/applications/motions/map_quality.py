@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
-from ...geometry.poisson_deformation import deformation_gradients
+from ...geometry.poisson_deformation import deformation_gradients, logarithmic_stretches
 from .carriers import Carrier
 from .shape_deformations import ShapeDeformation
 
@@ -71,11 +71,8 @@ def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation) -> Ma
 
 def stretches(source: Carrier, there: ShapeDeformation) -> NDArray[np.float64]:
     """Return the largest absolute logarithmic stretch of every triangle of a deformed shape, (m,)."""
-    # The third column is a normal, which is scaled like the others.
-    gradients = deformation_gradients(source.mesh.vertices, there.points, source.mesh.faces) / there.scale
-    sizes = np.linalg.svd(gradients, compute_uv=False)
-    logarithms = np.log(np.maximum(np.stack([sizes[:, 0], sizes[:, 2]], axis=1), 1e-6))
-    return np.abs(logarithms).max(axis=1)
+    gradients = deformation_gradients(source.mesh.vertices, there.points, source.mesh.faces)
+    return logarithmic_stretches(gradients / there.scale)
 
 
 def _folded(source: Carrier, target: Carrier, there: ShapeDeformation) -> NDArray[np.bool_]:
