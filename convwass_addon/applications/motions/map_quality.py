@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
+from ...geometry.normals import triangle_normals
 from ...geometry.poisson_deformation import deformation_gradients, logarithmic_stretches
 from .carriers import Carrier
 from .shape_deformations import ShapeDeformation
@@ -78,10 +79,5 @@ def stretches(source: Carrier, there: ShapeDeformation) -> NDArray[np.float64]:
 def _folded(source: Carrier, target: Carrier, there: ShapeDeformation) -> NDArray[np.bool_]:
     """Return the triangles that are oriented opposite to the surface at their first corner, (m,)."""
     faces = source.mesh.faces
-    normals = np.cross(*_sides(there.points[faces]))
-    facing = np.cross(*_sides(target.mesh.corners[there.images.triangles[faces[:, 0]]]))
-    return np.einsum("nd,nd->n", normals, facing) < 0
-
-
-def _sides(corners: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    surface = target.mesh.corners[there.images.triangles[faces[:, 0]]]
+    return (triangle_normals(there.points[faces]) * triangle_normals(surface)).sum(axis=1) < 0

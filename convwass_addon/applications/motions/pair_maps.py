@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh, is_level
 from ...geometry.mirror_planes import MirrorPlanes
+from ...geometry.normals import triangle_normals
 from ...progress import Control, Work, within
 from ..soft_maps.map_sides import MapSide
 from ..soft_maps.map_solving import soft_map_steps
@@ -264,9 +265,7 @@ def _confidence(mesh: TriangleMesh, other: TriangleMesh, points: PointMap) -> fl
     """Return the mean confidence by area, counting zero for triangles that are flipped."""
     known = points.found[mesh.faces].all(axis=1)
     images = np.where(points.found[:, None], points.positions(other), 0.0)[mesh.faces]
-    normals = np.cross(images[:, 1] - images[:, 0], images[:, 2] - images[:, 0])
-    sides = other.corners[np.maximum(points.faces[mesh.faces[:, 0]], 0)]
-    facing = np.cross(sides[:, 1] - sides[:, 0], sides[:, 2] - sides[:, 0])
-    upright = known & (np.einsum("nd,nd->n", normals, facing) >= 0)
+    surface = other.corners[np.maximum(points.faces[mesh.faces[:, 0]], 0)]
+    upright = known & ((triangle_normals(images) * triangle_normals(surface)).sum(axis=1) >= 0)
     confidence = points.confidence.astype(np.float64)[mesh.faces].mean(axis=1)
     return float((mesh.face_areas * confidence * upright).sum() / mesh.area)
