@@ -158,16 +158,42 @@ def mapped_pair(
             best = max(best, turned, key=_rank)
     if len(pairs) or best.score >= TRUSTED:
         return best
-    turns = [] if is_flat else _facing_turns(one.mesh, other.mesh, best) if turn is None else [turn]
+    survey = _or_surveyed(best, one, other, turn, is_flat, control)
+    return (yield from within(survey, 0.4 if turn is None else 0.8, 1.0))
+
+
+def _or_surveyed(
+    best: MappedPair, one: Carrier, other: Carrier, turn: NDArray[np.float64] | None, is_flat: bool, control: Control
+) -> Work[MappedPair]:
+    """Return a pair, or what is clearly better: the shapes registered from the best of rough maps, if those are tried.
+
+    Parameters
+    ----------
+    best : MappedPair
+        The best registrations so far.
+    one, other : Carrier
+        The shapes.
+    turn : (3, 3) float64 or None
+        The turn of the first shape that has been tried.
+    is_flat : bool
+        Whether both shapes lie in a plane.
+    control : Control
+        Stops the work.
+    """
+    if is_flat:
+        turns = []
+    elif turn is None:
+        turns = _facing_turns(one.mesh, other.mesh, best)
+    else:
+        turns = [turn]
     # A letter may fold on its way to another, which is worse than a slightly lower score.
     folds = is_flat and best.detour > _FOLDING
     is_poor = folds or best.is_turned_over or best.score < (DOUBTED if best.symmetry is None else _FAIR)
-    has_limbs = not (is_compact(one.mesh) or is_compact(other.mesh))
-    if not (is_poor and has_limbs) and (turn is not None or not turns):
+    may_face_away = turn is None and turns
+    if not may_face_away and not (is_poor and _have_limbs(one.mesh, other.mesh)):
         return best
-    survey = _registered_from_survey(one, other, [None, *turns], control)
     try:
-        surveyed = yield from within(survey, 0.4 if turn is None else 0.8, 1.0)
+        surveyed = yield from _registered_from_survey(one, other, [None, *turns], control)
     except InputError:
         # Between coarser meshes, there may be no map.
         return best
@@ -176,6 +202,10 @@ def mapped_pair(
     if folds and surveyed.detour < _FOLDING:
         needed = _CLEARLY * best.merit
     return surveyed if surveyed.merit > needed else best
+
+
+def _have_limbs(*shapes: TriangleMesh) -> bool:
+    return not any(is_compact(shape) for shape in shapes)
 
 
 def _may_turn(standing: MappedPair, turned: MappedPair) -> bool:
