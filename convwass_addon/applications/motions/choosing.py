@@ -199,30 +199,37 @@ def _automatic(request: MotionRequest, control: Control) -> Work[MotionChoice]:
             raise
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "FAILED", None, failure=str(error))
-    score = _score(guided)
-    if score >= (_SURE if merges else TRUSTED):
+    if _score(guided) >= (_SURE if merges else TRUSTED):
         return _mapped("FITS", guided)
-    detour = max(pair.detour for pair in guided.pairs.values())
+    return (yield from within(_by_uncertain_map(guided, merges, request, control), _GUIDED_SHARE, 1.0))
+
+
+def _by_uncertain_map(
+    guided: GuidedMotion, merges: bool, request: MotionRequest, control: Control
+) -> Work[MotionChoice]:
+    """Return the guided motion of an uncertain map, perhaps completed by a warp, or a warp or transport instead of it.
+
+    The map `merges` limbs with something if one shape of every pair has none.
+    """
+    score, detour = _score(guided), max(pair.detour for pair in guided.pairs.values())
     far = detour > _DETOUR
     # Where bodies divide or join far from each other, a map tears something.
     divides = any(_bodies(request.shapes[one]) != _bodies(request.shapes[other]) for one, other in request.pairs)
     unfit = merges or (far and divides and not request.guides)
     alone = replace(_mapped("PARTLY", guided), detour=detour)
     if not unfit and score < _UNSURE:
-        yield Progress(_GUIDED_SHARE, Sentence("Moving the shapes"))
+        yield Progress(0.0, Sentence("Moving the shapes"))
         smooth = _lying_smoothly(alone, request, control)
         if smooth is not None:
             return smooth
     if unfit or score < DOUBTED:
         unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
-        return (yield from within(_unmapped(unmoved, request, control), _GUIDED_SHARE, 1.0))
+        return (yield from _unmapped(unmoved, request, control))
     if (score < _UNSURE or _crumpling(guided) > _MUCH_CRUMPLED) and not request.guides:
-        better = _perhaps_warped_instead
-    elif far:
+        return (yield from _unless_failing(_perhaps_warped_instead, alone, request, control))
+    if far:
         return alone
-    else:
-        better = _perhaps_warped
-    return (yield from within(_unless_failing(better, alone, request, control), _GUIDED_SHARE, 1.0))
+    return (yield from _unless_failing(_perhaps_warped, alone, request, control))
 
 
 def _mapped(reason: str, guided: GuidedMotion) -> MotionChoice:

@@ -167,18 +167,7 @@ def _or_surveyed(
 ) -> Work[MappedPair]:
     """Return a pair, or what is clearly better: the shapes registered from the best of rough maps, if those are tried.
 
-    Parameters
-    ----------
-    best : MappedPair
-        The best registrations so far.
-    one, other : Carrier
-        The shapes.
-    turn : (3, 3) float64 or None
-        The turn of the first shape that has been tried.
-    is_flat : bool
-        Whether both shapes lie in a plane.
-    control : Control
-        Stops the work.
+    The first shape has been turned by `turn`, (3, 3), unless that is None.
     """
     if is_flat:
         turns = []
