@@ -16,7 +16,7 @@ from ...geometry.coverage import coverage
 from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control
-from ..motions.carriers import carrier_of
+from ..motions.carriers import Carrier, carrier_of
 from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
@@ -148,16 +148,10 @@ def moved_sheets(
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
     distortion = 0.0
     for (one, other), match in matches.items():
-        ends = carriers[one], carriers[other]
-        there = filled_outline(ends[0].mesh, match, control)
-        home = filled_outline(ends[1].mesh, match.swapped(), control)
-        distortion = max(distortion, there.distortion, home.distortion)
-        ours, theirs = labels[one], _counterparts(match)[labels[other]]
-        images = _images(there, ours, ends[1].mesh, theirs, control)
-        deformations[one, other] = split_deformation(*ends, _laid(there), None, control, images)
-        images = _images(home, theirs, ends[0].mesh, ours, control)
-        back = split_deformation(*ends[::-1], _laid(home), deformations[one, other], control, images)
-        deformations[other, one] = back
+        ends, own = (carriers[one], carriers[other]), (labels[one], labels[other])
+        there, back, distorted = _deformed(ends, own, match, control)
+        deformations[one, other], deformations[other, one] = there, back
+        distortion = max(distortion, distorted)
     known = {pair: _figures(match) for pair, match in matches.items()}
     motion = AgreeingMotion(GuidedMotion(carriers, deformations, known, settings))
     turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
@@ -165,6 +159,24 @@ def moved_sheets(
     overlap = max((_overlap(sheets, motion, pair) for pair in matches), default=0.0)
     vanishing = max((vanishing_share(match.first, match.second) for match in matches.values()), default=0.0)
     return MovedSheets(sheets, choice, distortion, overlap, vanishing, max(len(shape.regions) for shape in shapes))
+
+
+def _deformed(
+    ends: tuple[Carrier, Carrier],
+    labels: tuple[NDArray[np.int64], NDArray[np.int64]],
+    match: ShapePair,
+    control: Control,
+) -> tuple[ShapeDeformation, ShapeDeformation, float]:
+    """Deform two shapes to match each other, region by region; also return the distortion."""
+    one, other = ends
+    ours, theirs = labels[0], _counterparts(match)[labels[1]]
+    filled = filled_outline(one.mesh, match, control)
+    there = split_deformation(
+        one, other, _laid(filled), None, control, _images(filled, ours, other.mesh, theirs, control)
+    )
+    home = filled_outline(other.mesh, match.swapped(), control)
+    back = split_deformation(other, one, _laid(home), there, control, _images(home, theirs, one.mesh, ours, control))
+    return there, back, max(filled.distortion, home.distortion)
 
 
 def _overlap(sheets: Sequence[Sheet], motion: AgreeingMotion, pair: tuple[int, int]) -> float:
