@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Mean value coordinates: points as weighted averages of the vertices of a closed mesh.
+"""Mean value coordinates: points as weighted averages of the vertices of a closed mesh, or of a polygon.
 
-Ju, Schaefer and Warren, "Mean value coordinates for closed triangular meshes", 2005.
+M. Floater, "Mean value coordinates", Computer Aided Geometric Design 20(1), 2003; Ju, Schaefer and Warren, "Mean value
+coordinates for closed triangular meshes", 2005.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from .closest_points import ClosestPointFinder
 from .mesh import TriangleMesh
+from .plane_angles import signed_angles
 
 # Pairs of a point and a triangle processed together; each needs a few hundred bytes.
 _PAIRS = 1 << 17
@@ -21,6 +23,8 @@ _PAIRS = 1 << 17
 _ON_SURFACE = 1e-9
 # A triangle is seen edge-on, and has no weight, if the determinant of the directions to its corners is below this.
 _EDGE_ON = 1e-9
+# Largest angle, in radians, at which a point sees a side of a polygon; at pi it is on the side.
+_STRAIGHT = 3.1
 # Newton's method for positive coordinates: steps, and the error of the mean, relative to the mesh's size, at which it
 # stops.
 _NEWTON_STEPS = 60
@@ -85,6 +89,30 @@ def _summed(weights: NDArray[np.float64], mesh: TriangleMesh) -> NDArray[np.floa
     """Sum the weights of the triangles' corners, (k, m, 3), per vertex, (k, n)."""
     corners = mesh.faces.ravel()
     return np.stack([np.bincount(corners, row.ravel(), len(mesh.vertices)) for row in weights])
+
+
+def polygon_coordinates(points: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return weights of the corners of a polygon whose weighted mean is each point; close to a side, nearly.
+
+    Parameters
+    ----------
+    points : (k, 2)
+        Points inside.
+    corners : (n, 2)
+        Corners in order, clockwise or counterclockwise.
+
+    Returns
+    -------
+    (k, n) float64
+        Each row sums to 1.
+    """
+    toward = corners - points[:, None]
+    least = np.finfo(np.float64).eps * np.ptp(corners, axis=0).max()
+    away = np.maximum(np.linalg.norm(toward, axis=2), least)
+    angles = signed_angles(toward, np.roll(toward, -1, axis=1))
+    tangents = np.tan(0.5 * np.clip(angles, -_STRAIGHT, _STRAIGHT))
+    weights = (tangents + np.roll(tangents, 1, axis=1)) / away
+    return weights / weights.sum(axis=1, keepdims=True)
 
 
 def positive_coordinates(

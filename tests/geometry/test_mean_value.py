@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
-from convwass_addon.geometry.mean_value import mean_value_coordinates, positive_coordinates
+from convwass_addon.geometry.mean_value import mean_value_coordinates, polygon_coordinates, positive_coordinates
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.solid_angles import winding_numbers
 from tests.shapes import ball, box, joined, torus
@@ -24,6 +24,25 @@ def test_a_tetrahedron_has_barycentric_coordinates(numbers):
     shares = np.array(numbers) / np.sum(numbers)
     found = mean_value_coordinates(shares @ _TETRAHEDRON.vertices, _TETRAHEDRON)
     np.testing.assert_allclose(found[0], shares, atol=1e-7)
+
+
+@given(st.lists(st.floats(0.1, 1.0), min_size=3, max_size=3), st.booleans())
+def test_a_triangle_has_barycentric_coordinates(numbers, clockwise):
+    shares = np.array(numbers) / np.sum(numbers)
+    corners = np.array([(0.0, 0.0), (2.0, 0.0), (0.5, 1.0)])
+    order = slice(None, None, -1 if clockwise else 1)
+    found = polygon_coordinates((shares @ corners)[None], corners[order])
+    np.testing.assert_allclose(found[0, order], shares, atol=1e-9)
+
+
+def test_points_in_a_polygon_are_reproduced():
+    """Also where it is not convex, so that some weights are negative."""
+    corners = np.array([(0.0, 0.0), (3.0, 0.0), (3.0, 1.0), (1.0, 1.0), (1.0, 3.0), (0.0, 3.0)])
+    points = np.array([(0.5, 0.5), (2.5, 0.5), (0.5, 2.5), (0.9, 0.9)])
+    found = polygon_coordinates(points, corners)
+    assert found.min() < 0
+    np.testing.assert_allclose(found.sum(axis=1), 1.0)
+    np.testing.assert_allclose(found @ corners, points, atol=1e-9)
 
 
 @pytest.mark.parametrize("mesh", [box(angles=(0.3, 0.5, 0.1)), ball(points=300), torus()], ids=["box", "ball", "torus"])

@@ -13,7 +13,8 @@ from scipy.optimize import linear_sum_assignment
 
 from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.curve_maps import CurveMap, even_map
-from ...geometry.plane_angles import best_turn, signed_angles
+from ...geometry.mean_value import polygon_coordinates
+from ...geometry.plane_angles import best_turn
 from .matched_outlines import MatchedOutlines, matched_outlines, placed_outlines
 from .outline_curves import OutlineCurve
 from .outlined_shape import OutlinedShape
@@ -23,8 +24,6 @@ CurveMatcher = Callable[[OutlineCurve, OutlineCurve], list[MatchedOutlines]]
 
 # Samples of an outline by which the inside is mapped.
 _SAMPLES = 256
-# Largest angle, in radians, at which a point sees an edge of the outline; at pi it is on the edge.
-_STRAIGHT = 3.1
 # Largest difference of points of similar curves, relative to their length.
 _SIMILAR = 1e-9
 # Samples of a hole by which its turn is measured.
@@ -214,8 +213,6 @@ def _with_lone_hole(pair: ShapePair, hole: int, region: int, inside: _InsideMap)
 class _InsideMap:
     """Maps what is inside a curve to the inside of another one, as their outlines are mapped.
 
-    M. Floater, "Mean value coordinates", Computer Aided Geometric Design 20(1), 2003.
-
     Attributes
     ----------
     curve, other : ClosedCurve
@@ -231,12 +228,7 @@ class _InsideMap:
     def at(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the images of points, (k, 2)."""
         places = np.linspace(0.0, self.curve.length, _SAMPLES, endpoint=False)
-        toward = self.curve.at(places) - points[:, None]
-        away = np.maximum(np.linalg.norm(toward, axis=2), np.finfo(np.float64).eps * self.curve.length)
-        angles = signed_angles(toward, np.roll(toward, -1, axis=1))
-        tangents = np.tan(0.5 * np.clip(angles, -_STRAIGHT, _STRAIGHT))
-        weights = (tangents + np.roll(tangents, 1, axis=1)) / away
-        return weights @ self.other.at(self.around(places)) / weights.sum(axis=1, keepdims=True)
+        return polygon_coordinates(points, self.curve.at(places)) @ self.other.at(self.around(places))
 
     def turn(self, hole: ClosedCurve) -> float:
         """Return the angle in radians by which a curve inside turns."""
