@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 
 from .planar_fill import Boundary
 from .plane_angles import signed_angles
-from .ring_nesting import boundary_rings
 
 # Pairs of a point and an edge processed together, few enough for the processor's cache.
 _AT_ONCE = 1 << 15
@@ -137,11 +136,6 @@ def opened_curve(outer: ClosedCurve, hole: ClosedCurve, places: tuple[float, flo
         begin, end = place + 0.5 * width, place - 0.5 * width + curve.length
         parts.append(curve.at(curve.spread(begin, end, curve.starts[:-1], np.inf)))
     return ClosedCurve(np.concatenate(parts))
-
-
-def boundary_curves(boundary: Boundary) -> list[ClosedCurve]:
-    """Return the closed curves of a boundary: counterclockwise around regions, clockwise around holes."""
-    return [ClosedCurve(ring) for ring in boundary_rings(boundary)]
 
 
 def boundary_of(curves: Sequence[ClosedCurve]) -> Boundary:

@@ -17,9 +17,10 @@ from convwass_addon.applications.morphs.layouts import Blend, path_blends
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.outlines.sheets import Sheet
 from convwass_addon.errors import InputError
-from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_curves
+from convwass_addon.geometry.closed_curves import ClosedCurve
 from convwass_addon.geometry.coverage import coverage
 from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps
 from tests.flat_shapes import ellipse, rectangle
@@ -168,7 +169,7 @@ def test_letters_of_words_move_one_by_one(words):
     rest = direction(ClosedCurve(HOOK))
     for part in choice.motion.moved([0.5, 0.5]):
         for own in part:
-            curves = boundary_curves(own.boundary)
+            curves = [ClosedCurve(ring) for ring in boundary_rings(own.boundary)]
             assert len(curves) == (4 if words == "mass" else 1)
             assert [direction(curve) for curve in curves] == pytest.approx([rest + 0.5 * TILT] * len(curves), abs=2.0)
 

@@ -17,10 +17,10 @@ from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outline_pairs import matched_shapes
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.sliding_outlines import least_distorted
-from convwass_addon.geometry.closed_curves import boundary_curves, boundary_of
 from convwass_addon.geometry.coverage import coverage
 from convwass_addon.geometry.outlines import ring_area
 from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED
 from tests.flat_shapes import ellipse, rectangle
 
@@ -64,7 +64,7 @@ def overlap(one, other):
 def mirrored(boundary, center=0.0):
     """A boundary reflected about a vertical line."""
     return filled_boundary(
-        [(curve.points * (-1.0, 1.0) + (2.0 * center, 0.0))[::-1] for curve in boundary_curves(boundary)], "non-zero"
+        [(ring * (-1.0, 1.0) + (2.0 * center, 0.0))[::-1] for ring in boundary_rings(boundary)], "non-zero"
     )
 
 
@@ -101,7 +101,7 @@ ROUND = ellipse((0.9, 0.75), (0.35, 0.35))
 
 def hole_of(boundary):
     """The area of its only hole."""
-    (hole,) = (-area for area in (ring_area(curve.points) for curve in boundary_curves(boundary)) if area < 0)
+    (hole,) = (-area for area in map(ring_area, boundary_rings(boundary)) if area < 0)
     return hole
 
 
@@ -255,7 +255,7 @@ def checkered(pitch):
 def test_regions_that_touch_at_corners_come_apart():
     for time, shapes in moved(checkered(1.0), checkered(1.5), *TIMES):
         for own in shapes:
-            assert [ring_area(curve.points) for curve in boundary_curves(own)] == pytest.approx([1.0] * 5, rel=0.03)
+            assert [ring_area(ring) for ring in boundary_rings(own)] == pytest.approx([1.0] * 5, rel=0.03)
             assert overlap(own, checkered(1.0 + 0.5 * time)) > 0.97
 
 
@@ -332,4 +332,4 @@ def test_traced_outlines_with_many_corners_are_matched():
     rough = ellipse(corners=900) * (1.0 + 0.01 * np.random.default_rng(0).random((900, 1)))
     one, other = halfway(filled(rough), filled(star()))
     assert overlap(one, other) > 0.97
-    assert boundary_of(boundary_curves(one)).area == pytest.approx(one.area)
+    assert sum(map(ring_area, boundary_rings(one))) == pytest.approx(one.area)

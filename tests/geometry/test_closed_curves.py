@@ -1,15 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Closed polygons by arc length: places, corners, and the curves of a boundary."""
+"""Closed polygons by arc length: places, corners and resampling."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_curves, boundary_of
-from convwass_addon.geometry.outlines import ring_area
-from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.closed_curves import ClosedCurve
 from tests.flat_shapes import ellipse, rectangle
 
 OBLONG = ClosedCurve(rectangle((0.0, 0.0), (3.0, 1.0)))
@@ -52,21 +50,3 @@ def test_resampled_curves_keep_knots_and_have_short_edges():
     finer = circle.with_places(knots)
     assert len(finer.points) == len(circle.points) + 2
     assert finer.length == pytest.approx(circle.length)
-
-
-def test_a_boundary_consists_of_closed_curves():
-    rings = [rectangle((0, 0), (4, 4)), rectangle((1, 1), (2, 2))[::-1], rectangle((6, 0), (7, 1))]
-    curves = boundary_curves(filled_boundary(rings, "non-zero"))
-    assert sorted(ring_area(curve.points) for curve in curves) == pytest.approx([-1.0, 1.0, 16.0])
-    assert boundary_of(curves).area == pytest.approx(16.0)
-
-
-@pytest.mark.parametrize("angle", np.radians([0.0, 90.0, 180.0, 270.0]))
-def test_regions_that_touch_at_a_corner_have_their_own_curves(angle):
-    """Also if a curve begins there."""
-    c, s = np.cos(angle), np.sin(angle)
-    rings = (
-        np.array(ring) @ np.array([[c, s], [-s, c]]) for ring in ([(0, 0), (2, -2), (2, -1)], [(0, 0), (2, 1), (3, 3)])
-    )
-    curves = boundary_curves(filled_boundary(list(rings), "non-zero"))
-    assert sorted(ring_area(curve.points) for curve in curves) == pytest.approx([1.0, 1.5])

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from convwass_addon.geometry.outlines import FlatRegion, ring_area
-from convwass_addon.geometry.planar_fill import filled_boundary
-from convwass_addon.geometry.ring_nesting import is_within, keyholed, outline_of, without_slivers
+from convwass_addon.geometry.planar_fill import Boundary, filled_boundary
+from convwass_addon.geometry.ring_nesting import boundary_rings, is_within, keyholed, outline_of, without_slivers
 from tests.flat_shapes import ellipse, rectangle
 
 
@@ -54,3 +54,21 @@ def test_points_inside_a_ring_are_recognized():
     ring = ellipse(radii=(2, 1))
     assert is_within(np.array([1.9, 0.1]), ring)
     assert not is_within(np.array([1.9, 0.9]), ring)
+
+
+def test_a_boundary_consists_of_rings():
+    rings = [rectangle((0, 0), (4, 4)), rectangle((1, 1), (2, 2))[::-1], rectangle((6, 0), (7, 1))]
+    found = boundary_rings(filled_boundary(rings, "non-zero"))
+    assert sorted(map(ring_area, found)) == pytest.approx([-1.0, 1.0, 16.0])
+    assert Boundary.of_rings(found).area == pytest.approx(16.0)
+
+
+@pytest.mark.parametrize("angle", np.radians([0.0, 90.0, 180.0, 270.0]))
+def test_regions_that_touch_at_a_corner_have_their_own_rings(angle):
+    """Also if a ring begins there."""
+    c, s = np.cos(angle), np.sin(angle)
+    rings = (
+        np.array(ring) @ np.array([[c, s], [-s, c]]) for ring in ([(0, 0), (2, -2), (2, -1)], [(0, 0), (2, 1), (3, 3)])
+    )
+    found = boundary_rings(filled_boundary(list(rings), "non-zero"))
+    assert sorted(map(ring_area, found)) == pytest.approx([1.0, 1.5])

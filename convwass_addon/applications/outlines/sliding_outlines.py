@@ -119,13 +119,13 @@ class _Slide:
         return replace(self.pair, map=CurveMap(places, images, lengths))
 
 
-def with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
+def _with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
     """Return the match of two shapes after the outline of one has slid along that of the other one."""
     if not match.swings:
         return match
     # A canonical order, so that a pair has the same result whatever the order of the shapes.
     if _length(match.first) < _length(match.second):
-        return with_slid_outlines(match.swapped(), control).swapped()
+        return _with_slid_outlines(match.swapped(), control).swapped()
     mesh = _coarse_mesh(match)
     unit, rim, size = UnitShape.of(mesh), Rim.of(mesh, match.first), float(np.sqrt(mesh.area))
     start = filled_outline(mesh, match, control).points
@@ -151,7 +151,7 @@ def with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
 
 def least_distorted(matches: Sequence[ShapePair], control: Control) -> ShapePair:
     """Slide matched outlines; return the match that distorts the inside of a shape clearly less than those before."""
-    best, *others = (with_slid_outlines(match, control) for match in matches)
+    best, *others = (_with_slid_outlines(match, control) for match in matches)
     if not others:
         return best
     least = _distortion(best, control)
