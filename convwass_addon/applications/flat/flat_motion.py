@@ -55,10 +55,7 @@ class MovedPart:
         if self.shape is None:
             return points - self.shift
         # Its triangles may be finer than those of the sheet.
-        rest = self.shape.rest
-        return AttachedPoints.of(points, self.shape.vertices, rest.faces, self.shape.finder).on(
-            rest.vertices, rest.faces
-        )
+        return AttachedPoints.of(points, self.shape.mesh, self.shape.finder).on(self.shape.rest)
 
 
 @dataclass(frozen=True)

@@ -78,7 +78,7 @@ class RevolvedShape:
         profile = np.column_stack([found.across.radii(points), points[:, 1]])
         places = _on_outline(found.section, profile)
         both = np.concatenate([places, places * _MIRROR])
-        sides = AttachedPoints.of(both, section.vertices, section.faces, ClosestPointFinder(section.corners))
+        sides = AttachedPoints.of(both, section, ClosestPointFinder(section.corners))
         shares = np.divide(radii, places[:, 0], out=np.ones_like(radii), where=places[:, 0] > 0.0).clip(*_SAG)
         offsets = np.column_stack([radii, points[:, 1]]) - places * np.column_stack([shares, np.ones_like(shares)])
         return cls(divided, sides, shares, offsets, (away * (1.0, 0.0, 1.0)) @ frame, frame[1])
@@ -97,7 +97,7 @@ class RevolvedShape:
         return float(np.linalg.norm(right - mirrored, axis=1).max())
 
     def _sides(self, moved: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        right, left = np.split(self.sides.on(moved.vertices, moved.faces), 2)
+        right, left = np.split(self.sides.on(moved), 2)
         return right, left * _MIRROR
 
 

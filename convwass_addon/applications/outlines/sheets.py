@@ -51,7 +51,7 @@ class Sheet:
         """Attach a boundary to triangles that approximately fill it."""
         fine = boundary.divided(_BOUNDARY * np.sqrt(boundary.area))
         finder = ClosestPointFinder(mesh.corners)
-        attached = (AttachedPoints.of(points, mesh.vertices, mesh.faces, finder) for points in (fine.starts, fine.ends))
+        attached = (AttachedPoints.of(points, mesh, finder) for points in (fine.starts, fine.ends))
         return cls(mesh, fine, *attached)
 
     @classmethod
@@ -70,8 +70,8 @@ class Sheet:
 
     def moved(self, shape: MovedShape) -> Boundary:
         """Return the boundary of the moved sheet."""
-        moved = shape.vertices[: len(self.mesh.vertices)]
-        return Boundary(self.starts.on(moved, self.mesh.faces), self.ends.on(moved, self.mesh.faces))
+        moved = TriangleMesh(shape.vertices[: len(self.mesh.vertices)], self.mesh.faces)
+        return Boundary(self.starts.on(moved), self.ends.on(moved))
 
 
 @dataclass(frozen=True)
@@ -90,16 +90,10 @@ class AttachedPoints:
     shares: NDArray[np.float64]
 
     @classmethod
-    def of(
-        cls,
-        points: NDArray[np.float64],
-        vertices: NDArray[np.float64],
-        faces: NDArray[np.int64],
-        finder: ClosestPointFinder,
-    ) -> AttachedPoints:
-        """Attach points, (n, 2), to triangles in the plane; `finder` knows these triangles."""
+    def of(cls, points: NDArray[np.float64], mesh: TriangleMesh, finder: ClosestPointFinder) -> AttachedPoints:
+        """Attach points, (n, 2), to the triangles of a mesh in the plane; `finder` finds points on it."""
         triangles = finder.find(np.column_stack([points, np.zeros(len(points))])).triangles
-        corners = vertices[faces[triangles]][..., :2]
+        corners = mesh.corners[triangles][..., :2]
         # Columns are the edges from the first corner; for a degenerate triangle, its center is used.
         sides = np.stack([corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]], axis=2)
         flat = np.abs(np.linalg.det(sides)) <= 1e-9 * np.square(sides).sum(axis=(1, 2))
@@ -108,6 +102,6 @@ class AttachedPoints:
         others[flat] = 1.0 / 3.0
         return cls(triangles, np.column_stack([1.0 - others.sum(axis=1), others]))
 
-    def on(self, vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the points, (n, 2), for moved vertices, (m, 3)."""
-        return np.einsum("nc,ncd->nd", self.shares, vertices[faces[self.triangles]][..., :2])
+    def on(self, moved: TriangleMesh) -> NDArray[np.float64]:
+        """Return the points, (n, 2), on the moved mesh."""
+        return np.einsum("nc,ncd->nd", self.shares, moved.corners[self.triangles][..., :2])
