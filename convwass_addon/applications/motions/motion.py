@@ -77,6 +77,11 @@ def weights_between(count: int, pair: tuple[int, int], time: float) -> list[floa
     return weights
 
 
+def unmoved(motion: Motion, count: int, index: int) -> MovedShape:
+    """Return one of `count` shapes alone: at rest, with the triangles that a motion gives it."""
+    return motion.moved([float(other == index) for other in range(count)])[index]
+
+
 def arriving(motion: Motion, count: int, one: int, other: int) -> MovedShape:
     """Return one of `count` shapes moved onto another, as far as a motion brings it there."""
     return motion.moved(weights_between(count, (other, one), _LEFT))[one]

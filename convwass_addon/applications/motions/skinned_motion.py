@@ -17,7 +17,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.outer_skin import outer_skin
 from ...geometry.subdivision import Subdivision, bendable
 from ...progress import Control
-from .motion import Motion, MovedShape
+from .motion import Motion, MovedShape, unmoved
 from .motion_request import MotionRequest
 
 
@@ -105,6 +105,5 @@ def following(motion: Motion, shapes: Sequence[TriangleMesh], skins: Sequence[Tr
     followers = {}
     for index, (shape, skin) in enumerate(zip(shapes, skins, strict=True)):
         if skin is not shape:
-            alone = [float(other == index) for other in range(len(shapes))]
-            followers[index] = Follower.of(shape, motion.moved(alone)[index].rest)
+            followers[index] = Follower.of(shape, unmoved(motion, len(shapes), index).rest)
     return SkinnedMotion(motion, followers) if followers else motion

@@ -15,7 +15,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
-from .motion import Motion, MovedShape, arriving
+from .motion import Motion, MovedShape, arriving, unmoved
 
 # Two shapes stand on one floor if their lowest points differ by at most this, in mean diagonals of their bounds. Up to
 # twice the difference, blends follow the floor less and less.
@@ -129,8 +129,7 @@ def standing_motion(motion: Motion, count: int, pairs: Sequence[tuple[int, int]]
     """
     if not pairs:
         return motion
-    weights = np.eye(count)
-    rests = {index: motion.moved(weights[index])[index] for index in np.unique(pairs).tolist()}
+    rests = {index: unmoved(motion, count, index) for index in np.unique(pairs).tolist()}
     floors = {index: _lowest(rest) for index, rest in rests.items()}
     diagonal = float(np.mean([rest.mesh.diagonal for rest in rests.values()]))
     shares = {

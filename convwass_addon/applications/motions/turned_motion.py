@@ -21,7 +21,7 @@ from ...geometry.rotation_fields import rotation_matrices, rotation_vectors
 from ...progress import Control
 from .coherence import way_at
 from .limbs import is_compact
-from .motion import Motion, MovedShape
+from .motion import Motion, MovedShape, unmoved
 from .motion_choice import MotionChoice
 from .motion_request import MotionRequest
 from .remaining_distance import centered_distance
@@ -68,8 +68,7 @@ class TurnedMotion:
         turns, centers = np.stack([move.rotation for move in moves]), np.stack([move.center for move in moves])
         rests = []
         for index, (turn, center) in enumerate(zip(turns, centers, strict=True)):
-            alone = [float(other == index) for other in range(len(moves))]
-            rest = motion.moved(alone)[index].rest
+            rest = unmoved(motion, len(moves), index).rest
             rests.append(TriangleMesh((rest.vertices - center) @ turn + center, rest.faces))
         return cls(motion, tuple(rests), turns, centers, way)
 
