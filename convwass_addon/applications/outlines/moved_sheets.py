@@ -196,7 +196,7 @@ def _figures(match: ShapePair) -> GuidedPair:
     """Return the figures of a match; of several regions, those of the worst and of the one that turned most."""
     work = max(pair.cost for pair in match.pairs)
     turn = max((pair.turn for pair in match.pairs), key=abs)
-    return GuidedPair(float(np.exp(-work)), 0, 1.0, float(np.degrees(turn)))
+    return GuidedPair(score=float(np.exp(-work)), guides_left_out=0, detour=1.0, turn=float(np.degrees(turn)))
 
 
 def _sheet(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]]) -> Sheet:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -118,18 +118,23 @@ class OutlinedShape:
         return OutlineCurve(self.curves[index], boundary_of(self.rim(around)), self.center(index))
 
     def divided(self, pieces: Sequence[Sequence[Boundary]]) -> OutlinedShape:
-        """Return the shape with each of its regions divided into pieces; without, or with one, it stays as it is."""
+        """Return the shape with each of its regions divided into pieces; one with a single piece stays as it is."""
+        parts: list[OutlinedShape] = []
+        for region, own in zip(self.regions, pieces, strict=True):
+            if len(own) == 1:
+                parts.append(self._only(region))
+            else:
+                parts.extend(OutlinedShape.of(piece.moved(_PIECE * piece.center, 1.0 - _PIECE)) for piece in own)
+        return self._of(parts)
+
+    def _of(self, parts: Iterable[OutlinedShape]) -> OutlinedShape:
+        """Return the shape with the regions of parts instead."""
         curves: list[ClosedCurve] = []
         regions: list[OutlinedRegion] = []
-        for region, own in zip(self.regions, pieces, strict=True):
-            if len(own) <= 1:
-                parts = [self._only(region)]
-            else:
-                parts = [OutlinedShape.of(piece.moved(_PIECE * piece.center, 1.0 - _PIECE)) for piece in own]
-            for part in parts:
-                regions.extend(each.moved(len(curves)) for each in part.regions)
-                curves.extend(part.curves)
-        return OutlinedShape(self.filled, tuple(curves), tuple(regions))
+        for part in parts:
+            regions.extend(each.moved(len(curves)) for each in part.regions)
+            curves.extend(part.curves)
+        return replace(self, curves=tuple(curves), regions=tuple(regions))
 
     def _only(self, region: OutlinedRegion) -> OutlinedShape:
         """Return the shape without all other regions."""
@@ -158,11 +163,10 @@ class OutlinedShape:
         """
         region = self.regions[index]
         outer = opened_curve(self.curves[region.outer], self.curves[hole], places, _SLIT * self.size)
-        curves = (*self.curves, outer)
         holes = tuple(own for own in region.holes if own != hole)
-        changed = replace(region, outer=len(self.curves), holes=holes)
-        whole = OutlinedShape(self.filled, curves, (*self.regions[:index], changed, *self.regions[index + 1 :]))
-        return whole.divided([()] * len(self.regions))
+        whole = self._changed(index, replace(region, outer=len(self.curves), holes=holes), [outer])
+        # Without the curves that the slit has connected.
+        return self._of(whole._only(own) for own in whole.regions)
 
     def with_point(self, hole: ClosedCurve, place: NDArray[np.float64], region: int) -> OutlinedShape | None:
         """Return the shape with a tiny copy of another shape's hole in a region, near a place; None without room."""
@@ -178,9 +182,12 @@ class OutlinedShape:
         if not free.any():
             return None
         spot = cells[free][np.square(cells[free] - place).sum(axis=1).argmin()]
-        grown = replace(own, points=(*own.points, len(self.curves)))
-        regions = (*self.regions[:region], grown, *self.regions[region + 1 :])
-        return replace(self, curves=(*self.curves, *self._tiny([hole], spot)), regions=regions)
+        return self._changed(region, replace(own, points=(*own.points, len(self.curves))), self._tiny([hole], spot))
+
+    def _changed(self, index: int, region: OutlinedRegion, added: Sequence[ClosedCurve]) -> OutlinedShape:
+        """Return the shape with another region in the place of one, and with more curves."""
+        regions = (*self.regions[:index], region, *self.regions[index + 1 :])
+        return replace(self, curves=(*self.curves, *added), regions=regions)
 
     def _tiny(self, rim: Sequence[ClosedCurve], place: NDArray[np.float64]) -> list[ClosedCurve]:
         """Return tiny copies of curves, of which the first is around the others, at a place."""
