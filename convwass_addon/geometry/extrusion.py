@@ -116,4 +116,4 @@ def _extrusion(mesh: TriangleMesh, frame: NDArray[np.float64]) -> Extrusion | No
         other = plane_section(corners, low + height * (high - low))
         if not len(other.starts) or overlap(section, other, _CELLS) < _SAME:
             return None
-    return Extrusion(section.united(()), low, high)
+    return Extrusion(section.resolved(), low, high)

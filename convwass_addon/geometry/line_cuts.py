@@ -41,7 +41,7 @@ def cut_at_share(boundary: Boundary, normal: NDArray[np.float64], share: float) 
         return beyond_line(boundary, -along, -offset).area - wanted
 
     offset = float(brentq(missing, low, high, xtol=1e-4 * _ON_LINE * (high - low)))
-    return beyond_line(boundary, -along, -offset).united(()), beyond_line(boundary, along, offset).united(())
+    return beyond_line(boundary, -along, -offset).resolved(), beyond_line(boundary, along, offset).resolved()
 
 
 def beyond_line(boundary: Boundary, along: NDArray[np.float64], offset: float) -> Boundary:

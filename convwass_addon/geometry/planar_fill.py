@@ -106,9 +106,13 @@ class Boundary:
             found[part] = np.bincount(row[beyond], minlength=len(part)) % 2 == 1
         return found
 
+    def resolved(self) -> Boundary:
+        """Return the boundary of the filled area, for edges that may cross, coincide or lie inside it."""
+        return _resolved(self, "non-zero")
+
     def united(self, others: Sequence[Boundary]) -> Boundary:
         """Return the boundary of the union with other filled areas."""
-        return _resolved(Boundary.joined([self, *others]), "non-zero")
+        return Boundary.joined([self, *others]).resolved()
 
 
 def filled_boundary(rings: Sequence[NDArray[np.float64]], rule: Rule) -> Boundary:

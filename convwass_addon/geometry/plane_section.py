@@ -23,7 +23,7 @@ def plane_section(corners: NDArray[np.float64], height: float) -> Boundary:
     Returns
     -------
     Boundary
-        Edges of the solid's section. Parts of solids that overlap are not resolved; see :meth:`.Boundary.united`.
+        Edges of the solid's section. Parts of solids that overlap are not resolved; see :meth:`.Boundary.resolved`.
     """
     above = corners[..., 2] > height
     crossing = above.any(axis=1) & ~above.all(axis=1)
