@@ -77,8 +77,8 @@ class MappedPair:
     map : PairMap
         The map between the shapes, with the score of the registrations if these were not started from it.
     symmetry : float or None
-        Share of the surface on which the registrations keep left and right, from 0 to 1; None with guides, for shapes
-        without a common mirror plane, and where no map was needed.
+        Share of the surface on which the registrations keep left and right, from 0 to 1; None for shapes without a
+        common mirror plane, with guides that contradict it, and where no map was needed.
     detour : float
         Length of the registrations over the Wasserstein distance; see :func:`.map_detour.map_detour`.
     turn : float
@@ -119,10 +119,11 @@ def mapped_pair(
 
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
-    bent limb may seem to face another way. Without guides, flat shapes that do not map beyond doubt as they stand are
-    turned if they do so then, or clearly better, above all upside down: a w turns to become an m, but a bolt does not
-    turn to become a drop. Where the score is poor, flat shapes fold, or shapes with limbs are turned over or seem to
-    face opposite ways, they are also registered from the best of several rough maps.
+    bent limb may seem to face another way. Guides on symmetric shapes also count for the other side, and may leave no
+    doubt about the turn. Without guides, flat shapes that do not map beyond doubt as they stand are turned if they do
+    so then, or clearly better, above all upside down: a w turns to become an m, but a bolt does not turn to become a
+    drop. Where the score is poor, flat shapes fold, or shapes with limbs are turned over or seem to face opposite ways,
+    they are also registered from the best of several rough maps.
 
     Parameters
     ----------
