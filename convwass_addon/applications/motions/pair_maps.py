@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,14 +143,15 @@ def _with_guides(
     control: Control,
     groups: tuple[Groups, Groups] | None,
 ) -> Work[PairMap]:
-    """Solve the map from the guides, also together with coinciding points, and return the better one."""
+    """Solve the map from the guides, also together with coinciding points and without groups; return the best one."""
     starts = [pairs]
     if len(seeds):
         starts.append(np.concatenate([pairs, _beside(seeds, pairs, first, second)]))
+    ways = list(product([groups, None] if groups else [None], starts))
     tried = []
-    for number, start in enumerate(starts):
-        begin, end = number / len(starts), (number + 1) / len(starts)
-        found = yield from within(_solved(first, second, start, settings, control, groups), begin, end)
+    for number, (own, start) in enumerate(ways):
+        begin, end = number / len(ways), (number + 1) / len(ways)
+        found = yield from within(_solved(first, second, start, settings, control, own), begin, end)
         tried.append(replace(found, pairs=pairs))
         if tried[-1].score >= _BEYOND_DOUBT:
             break

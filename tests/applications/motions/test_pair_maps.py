@@ -16,6 +16,7 @@ from convwass_addon.applications.motions.pair_maps import PairMap, pair_map
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.grids import figure
 from tests.shapes import ball
 
 NO_PAIRS = np.empty((0, 2), np.int64)
@@ -107,3 +108,26 @@ def test_the_map_without_guides_follows_those_that_it_does_not_contradict(monkey
     found = drained(pair_map(*carriers, pairs, SoftMapSettings(), UNINTERRUPTED))
     assert found.score == 0.8
     np.testing.assert_array_equal(found.pairs, pairs[followed])
+
+
+@pytest.mark.parametrize(
+    ("sided", "free", "expected", "count"), [(0.3, 0.6, 0.6, 2), (0.6, 0.3, 0.6, 2), (0.95, 0.97, 0.95, 1)]
+)
+def test_guides_may_contradict_the_heights_or_sides_of_a_body(monkeypatch, sided, free, expected, count):
+    """So the map is also solved without them, unless it leaves no doubt with them."""
+    pairs = np.array([(1, 2)])
+    scores = []
+
+    def solved(_first, _second, given, _settings, _control, groups=None, *_others):
+        yield from ()
+        if len(given):
+            scores.append(free if groups is None else sided)
+        return PairMap("found", given, scores[-1] if len(given) else 0.0)
+
+    monkeypatch.setattr(pair_maps, "_solved", solved)
+    monkeypatch.setattr(pair_maps, "_missed", lambda *_arguments: np.zeros(1))
+    monkeypatch.setattr(pair_maps, "coinciding_places", lambda *_meshes: NO_PAIRS)
+    carriers = [carrier_of(figure(10)[0], "figure", NO_PAIRS[:, 0], 5000, UNINTERRUPTED) for _ in range(2)]
+    sides = MirroredSides.of(*(own.mesh for own in carriers))
+    found = drained(pair_map(*carriers, pairs, SoftMapSettings(), UNINTERRUPTED, sides))
+    assert (found.score, len(scores)) == (expected, count)
