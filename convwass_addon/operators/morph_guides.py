@@ -50,7 +50,7 @@ class _EditsGuides:
 
 
 class CONVWASS_OT_add_morph_guide(PicksPoints, _EditsGuides, bpy.types.Operator):
-    """Click on the same point of each shape, repeatedly until Esc; blends then bring these points together"""
+    """Click on the same points of all shapes until Esc; blends join them. On symmetric shapes, one side is enough"""
 
     bl_idname = "convwass.add_morph_guide"
     bl_label = "Add Guide"
