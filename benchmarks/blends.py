@@ -20,6 +20,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.parts import SplitShapes
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.applications.morphs.volumes import Lattice, voxelized
+from convwass_addon.applications.motions.guides import Guide
 from convwass_addon.bridge.imports import import_objects
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -127,9 +128,11 @@ def baked(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) 
     return [TriangleMesh(mesh.vertices / spacing, mesh.faces) for mesh in meshes]
 
 
-def baked_frames(shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings) -> list[MorphFrame]:
+def baked_frames(
+    shapes: Sequence[TriangleMesh], frames: int, settings: MorphSettings, guides: Sequence[Guide] = ()
+) -> list[MorphFrame]:
     """Bake a path from the first shape to the second; return all frames, in the space of the shapes."""
     names = [f"shape {index}" for index in range(len(shapes))]
-    steps = morph(shapes, names, path_blends(len(shapes), frames), settings)
+    steps = morph(shapes, names, path_blends(len(shapes), frames), settings, guides=guides)
     # A frame may be yielded more than once.
     return list({frame.blend: frame for frame in payloads(steps, MorphFrame)}.values())
