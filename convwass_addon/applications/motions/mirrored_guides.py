@@ -73,8 +73,9 @@ class MirroredGuides:
         if not len(images):
             return cls(pairs)
         here, there = (_beside(*own) for own in zip((one, other), best, pairs.T, strict=True))
-        turn = _turn_between(best[0].normal, best[1].normal * (1.0 if here @ there >= 0.0 else -1.0))
-        are_sure = parallel < np.cos(_SMALL) and np.ptp((here * there)[here * there != 0.0]) == 0.0
+        same = here * there
+        turn = _turn_between(best[0].normal, best[1].normal * (1.0 if same.sum() >= 0.0 else -1.0))
+        are_sure = parallel < np.cos(_SMALL) and not same.min() < 0.0 < same.max()
         return cls(np.concatenate([pairs, images]), turn, bool(are_sure))
 
 

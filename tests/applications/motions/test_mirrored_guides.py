@@ -48,6 +48,13 @@ def test_a_hand_on_the_other_hand_turns_a_figure_around():
     assert not found.are_askew
 
 
+def test_guides_that_contradict_each_other_leave_doubt_about_the_turn():
+    """A hand tells one side, a foot the other one."""
+    found = guides(turned(0.0), turned(90.0), (HAND, HAND), (FOOT, MIRROR[FOOT]))
+    assert len(found.pairs) == 4
+    assert not found.are_askew
+
+
 def test_guides_in_the_plane_tell_nothing():
     found = guides(turned(0.0), turned(90.0), (HEAD, HEAD))
     np.testing.assert_array_equal(found.pairs, [(HEAD, HEAD)])
