@@ -23,6 +23,7 @@ from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
 from convwass_addon.bridge.morphs import job
 from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
 from convwass_addon.cli import morph_baking, program
 from convwass_addon.errors import Cancelled, ConvwassError
@@ -292,7 +293,7 @@ def test_one_mesh_gets_images_of_both_looks(shapes, tmp_path, capfd, monkeypatch
 
     monkeypatch.setattr(shape_key_job, "key_paths", moved)
     coat = bpy.data.materials.new("Coat")
-    coat.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (1.0, 0.0, 0.0, 1.0)
+    own_tree(coat).nodes["Principled BSDF"].inputs["Base Color"].default_value = (1.0, 0.0, 0.0, 1.0)
     bpy.data.objects["Cube"].data.materials.append(coat)
     bpy.ops.wm.save_as_mainfile(filepath=str(shapes / "all.blend"))
     words = ["morph", *(f"{shapes / 'all.blend'}:{name}" for name in ("Cube", "Ball"))]
