@@ -52,8 +52,8 @@ class MirroredGuides:
     def of(cls, one: Carrier, other: Carrier, pairs: NDArray[np.int64]) -> MirroredGuides:
         """Add the mirror images of guides that are beside both planes, unless there is a guide near one of their ends.
 
-        The shapes may face different ways. Of several planes, those are taken that add most images, or else those that
-        are most nearly parallel. Flat shapes get no images.
+        The shapes may face different ways. Of several planes, those are taken that most guides agree with, or else
+        those that are most nearly parallel. Flat shapes get no images.
 
         Parameters
         ----------
@@ -65,18 +65,62 @@ class MirroredGuides:
         # In their plane, flat shapes do not face any way.
         if not len(pairs) or (is_level(one.mesh.vertices) and is_level(other.mesh.vertices)):
             return cls(pairs)
-        best, images, parallel = None, pairs[:0], 0.0
-        for planes in product(mirror_planes(one.mesh), mirror_planes(other.mesh)):
-            own, cosine = _images((one, other), planes, pairs), abs(planes[0].normal @ planes[1].normal)
-            if (len(own), cosine) > (len(images), parallel):
-                best, images, parallel = planes, own, cosine
-        if not len(images):
+        tried = product(mirror_planes(one.mesh), mirror_planes(other.mesh))
+        found = [_Reflection.of((one, other), planes, pairs) for planes in tried]
+        best = max(found, key=lambda own: (own.agrees.sum(), own.parallel), default=None)
+        if best is None or not best.agrees.any():
             return cls(pairs)
-        here, there = (_beside(*own) for own in zip((one, other), best, pairs.T, strict=True))
-        same = here * there
-        turn = _turn_between(best[0].normal, best[1].normal * (1.0 if same.sum() >= 0.0 else -1.0))
-        are_sure = parallel < np.cos(_SMALL) and not same.min() < 0.0 < same.max()
-        return cls(np.concatenate([pairs, images]), turn, bool(are_sure))
+        sides = best.sides[best.agrees]
+        normal, other_normal = (plane.normal for plane in best.planes)
+        turn = _turn_between(normal, other_normal * (1.0 if sides.sum() >= 0.0 else -1.0))
+        are_sure = best.parallel < np.cos(_SMALL) and not sides.min() < 0.0 < sides.max()
+        return cls(np.concatenate([pairs, best.added]), turn, bool(are_sure))
+
+
+@dataclass(frozen=True)
+class _Reflection:
+    """Guides on two shapes, reflected in a plane of each.
+
+    Attributes
+    ----------
+    planes : (MirrorPlane, MirrorPlane)
+        The planes.
+    sides : (k,) float64
+        1 for guides whose ends are on the same sides of both planes, as their normals tell, -1 for opposite sides, and
+        0 if an end is not beside its plane.
+    agrees : (k,) bool
+        Whether guides are beside both planes, and their images are other guides, or apart from all.
+    added : (m, 2) int64
+        The images that are apart from all guides.
+    """
+
+    planes: tuple[MirrorPlane, MirrorPlane]
+    sides: NDArray[np.float64]
+    agrees: NDArray[np.bool_]
+    added: NDArray[np.int64]
+
+    @classmethod
+    def of(
+        cls, shapes: tuple[Carrier, Carrier], planes: tuple[MirrorPlane, MirrorPlane], pairs: NDArray[np.int64]
+    ) -> _Reflection:
+        """Reflect guides, (k, 2)."""
+        sides, is_there, images, same = np.ones(len(pairs)), np.ones(len(pairs), bool), np.empty_like(pairs), []
+        for k, (shape, plane) in enumerate(zip(shapes, planes, strict=True)):
+            points, used = shape.mesh.vertices[pairs[:, k]], np.unique(shape.mesh.faces)
+            mirrored = plane.mirrored(points)
+            away, nearest = point_tree(shape.mesh.vertices[used]).query(mirrored)
+            images[:, k] = used[nearest]
+            is_there &= away < _ON_SHAPE * shape.size
+            same.append(np.linalg.norm(mirrored[:, None] - points, axis=2) < _SAME * shape.size)
+            sides *= _beside(shape, plane, pairs[:, k])
+        are_new = (sides != 0.0) & is_there & ~(same[0] | same[1]).any(axis=1)
+        are_known = (sides != 0.0) & (same[0] & same[1]).any(axis=1)
+        return cls(planes, sides, are_new | are_known, images[are_new])
+
+    @property
+    def parallel(self) -> float:
+        """How nearly parallel the planes are as the shapes stand, from 0 to 1."""
+        return float(abs(self.planes[0].normal @ self.planes[1].normal))
 
 
 def agreeing_sides(one: Carrier, other: Carrier, pairs: NDArray[np.int64]) -> MirroredSides | None:
@@ -98,18 +142,3 @@ def _beside(shape: Carrier, plane: MirrorPlane, vertices: NDArray[np.int64]) -> 
     """Return on which side of a plane vertices are, (k,): -1, 0 or 1."""
     heights = plane.heights(shape.mesh.vertices[vertices]) / shape.size
     return np.sign(heights) * (np.abs(heights) > _BESIDE)
-
-
-def _images(
-    shapes: tuple[Carrier, Carrier], planes: tuple[MirrorPlane, MirrorPlane], pairs: NDArray[np.int64]
-) -> NDArray[np.int64]:
-    """Return the mirror images of pairs, as far as there are no pairs near them, (m, 2)."""
-    chosen, images = np.ones(len(pairs), bool), np.empty_like(pairs)
-    for k, (shape, plane) in enumerate(zip(shapes, planes, strict=True)):
-        points, used = shape.mesh.vertices[pairs[:, k]], np.unique(shape.mesh.faces)
-        mirrored = plane.mirrored(points)
-        away, nearest = point_tree(shape.mesh.vertices[used]).query(mirrored)
-        images[:, k] = used[nearest]
-        apart = np.linalg.norm(mirrored[:, None] - points, axis=2).min(axis=1)
-        chosen &= (away < _ON_SHAPE * shape.size) & (apart > _SAME * shape.size)
-    return images[chosen]

@@ -42,6 +42,15 @@ def test_one_hand_tells_where_the_other_one_is_and_which_way_a_figure_faces(degr
     assert found.are_askew == (degrees in (90.0, -60.0))
 
 
+@pytest.mark.parametrize("degrees", [90.0, -60.0])
+def test_both_hands_tell_as_much_as_one(degrees):
+    given = [(HAND, HAND), (MIRROR[HAND], MIRROR[HAND])]
+    found = guides(turned(0.0), turned(degrees), *given)
+    np.testing.assert_array_equal(found.pairs, given)
+    np.testing.assert_allclose(found.turn, rotation_about_z(np.radians(degrees)), atol=1e-9)
+    assert found.are_askew
+
+
 def test_a_hand_on_the_other_hand_turns_a_figure_around():
     found = guides(turned(0.0), turned(0.0), (HAND, MIRROR[HAND]))
     np.testing.assert_allclose(found.turn, rotation_about_z(np.pi), atol=1e-9)
