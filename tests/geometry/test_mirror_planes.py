@@ -66,3 +66,10 @@ def test_a_plank_has_two_planes_and_a_ball_none():
     first, second = mirror_planes(turned(box((0.5, 2.0, 4.0)), 30.0))
     assert first.normal @ second.normal == pytest.approx(0.0, abs=1e-9)
     assert mirror_planes(ball()) == []
+
+
+def test_a_figure_that_is_not_clearly_symmetric_has_no_plane():
+    """It is symmetric enough for a common plane."""
+    holding = joined(FIGURE, box((0.3, 0.3, 1.2), (1.0, 0.0, 0.6)))
+    assert mirror_planes(holding) == []
+    assert common_mirror_planes(FIGURE, holding) is not None
