@@ -98,7 +98,7 @@ def scene_copies(names: Sequence[ObjectName], scenes: Sequence[bpy.types.Scene])
     dict of ObjectName to bpy.types.Object
         Empty if one of the objects is in these scenes, or if not all that still exist have a copy.
     """
-    if len(bpy.data.scenes) == 1 or not scenes:
+    if not scenes:
         return {}
     originals = {name: obj for name, obj in zip(names, objects_named(names), strict=True) if obj is not None}
     if any(scene in obj.users_scene for obj in originals.values() for scene in scenes):

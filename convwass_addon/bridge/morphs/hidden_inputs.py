@@ -13,10 +13,10 @@ from functools import reduce
 import bpy
 
 from ...errors import ConvwassError
-from ..object_names import ObjectName, objects_named, scene_copies
+from ..object_names import ObjectName, objects_named
 from ..shape_sources import OBJECTS, shape_source
 from ..visibility import layers_with
-from .stored import MORPH_KEY, scenes_of, stored_morph
+from .stored import MORPH_KEY, copied_inputs, stored_morph
 
 HIDDEN_KEY = "convwass_hidden"
 """Custom property of a morph's collection or of an object with shape keys: JSON of what its bake has hidden."""
@@ -176,15 +176,15 @@ def _hidden_by(morph: bpy.types.ID) -> list[HiddenObject]:
         # Its shapes are in another file, where they may have the names of objects of this one.
         return []
     try:
-        return _in_scenes([_read(entry) for entry in json.loads(morph[HIDDEN_KEY])], scenes_of(morph))
+        return _in_scenes([_read(entry) for entry in json.loads(morph[HIDDEN_KEY])], morph)
     except (LookupError, TypeError, ValueError, RecursionError):
         layers = {_names(layer) for scene in bpy.data.scenes for layer in scene.view_layers}
         return [HiddenObject(ObjectName.of(part), True, tuple(layers)) for part in _parts(morph)]
 
 
-def _in_scenes(hidden: list[HiddenObject], scenes: Sequence[bpy.types.Scene]) -> list[HiddenObject]:
+def _in_scenes(hidden: list[HiddenObject], morph: bpy.types.ID) -> list[HiddenObject]:
     """Return what a morph hides in its scenes, which may be full copies of the one in which it was baked."""
-    copies = scene_copies([own.name for own in hidden], scenes)
+    copies = copied_inputs(morph, [own.name for own in hidden])
     return [_of_copy(own, copies[own.name]) if own.name in copies else own for own in hidden]
 
 

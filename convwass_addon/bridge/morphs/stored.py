@@ -107,19 +107,27 @@ def stored_morph(block: bpy.types.Collection | bpy.types.Object) -> StoredMorph:
             "The collection {name} is not a morph; choose one that was made by Bake Morph.", name=block.name
         )
     with refusing_damage(block.name):
-        return _in_scenes(_checked(json.loads(text, parse_constant=_no_number)), scenes_of(block))
+        return _in_scenes(_checked(json.loads(text, parse_constant=_no_number)), block)
 
 
-def scenes_of(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.types.Scene]:
+def copied_inputs(
+    block: bpy.types.Collection | bpy.types.Object, names: Sequence[ObjectName]
+) -> dict[ObjectName, bpy.types.Object]:
+    """Return the copies that objects of a morph have where its scene is a full copy; see :func:`.scene_copies`."""
+    # Most files have one scene, and descriptions are read whenever a panel is drawn.
+    return {} if len(bpy.data.scenes) == 1 else scene_copies(names, _scenes_of(block))
+
+
+def _scenes_of(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.types.Scene]:
     """Return the scenes that contain a morph."""
     if isinstance(block, bpy.types.Object):
         return list(block.users_scene)
     return [scene for scene in bpy.data.scenes if block in scene.collection.children_recursive]
 
 
-def _in_scenes(morph: StoredMorph, scenes: Sequence[bpy.types.Scene]) -> StoredMorph:
-    """Return the description of a morph for scenes, which may be full copies of the one in which it was baked."""
-    copies = scene_copies(morph.names, scenes)
+def _in_scenes(morph: StoredMorph, block: bpy.types.Collection | bpy.types.Object) -> StoredMorph:
+    """Return the description of a morph for its scenes, which may be full copies of the one in which it was baked."""
+    copies = copied_inputs(block, morph.names)
     if not copies:
         return morph
     names = [ObjectName.of(copies[name]) if name in copies else name for name in morph.names]
