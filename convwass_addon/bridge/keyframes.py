@@ -65,16 +65,20 @@ def key_scale(obj: bpy.types.Object, action: bpy.types.Action, axis: int, keys: 
 
 def is_shown(obj: bpy.types.Object, frame: float) -> bool:
     """Return whether an object is rendered at a scene frame, by its keys or else by its current setting."""
-    bag = channels_of(obj)
-    curve = bag.fcurves.find("hide_render") if bag else None
+    curve = _render_curve(obj)
     return curve.evaluate(frame) < 0.5 if curve and not curve.mute else not obj.hide_render
 
 
 def shown_from(obj: bpy.types.Object) -> float | None:
     """Return the time of the first key that shows an object in renders, or None."""
-    bag = channels_of(obj)
-    curve = bag.fcurves.find("hide_render") if bag else None
+    curve = _render_curve(obj)
     return next((point.co.x for point in curve.keyframe_points if point.co.y < 0.5), None) if curve else None
+
+
+def _render_curve(obj: bpy.types.Object) -> bpy.types.FCurve | None:
+    """Return the keys of whether an object is hidden in renders, or None."""
+    bag = channels_of(obj)
+    return bag.fcurves.find("hide_render") if bag else None
 
 
 def take_key_times(before: bpy.types.Object, after: bpy.types.Object) -> None:

@@ -240,7 +240,8 @@ def guided_motion(
         deformations[ordered], deformations[ordered[::-1]] = there, back
         quality = map_quality(one, other, there).or_worse(map_quality(other, one, back))
         score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
-        left_out = sum(place not in best.map.pairs.tolist() for place in places.tolist())
+        followed = best.map.pairs.tolist()
+        left_out = sum(place not in followed for place in places.tolist())
         known[pair] = GuidedPair(score, left_out, best.detour, best.turn, quality.crumpling)
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)

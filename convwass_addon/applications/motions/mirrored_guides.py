@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import is_level
 from ...geometry.mirror_planes import MirrorPlane, mirror_planes
+from ...geometry.plane_angles import signed_angles
 from ...geometry.point_tree import point_tree
 from ...geometry.upright_turns import rotation_about_z
 from .carriers import Carrier
@@ -134,7 +135,7 @@ def agreeing_sides(one: Carrier, other: Carrier, pairs: NDArray[np.int64]) -> Mi
 
 def _turn_between(normal: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64] | None:
     """Return the rotation about the z axis from one horizontal direction to another, unless it is small."""
-    angle = np.arctan2(normal[0] * other[1] - normal[1] * other[0], normal @ other)
+    angle = signed_angles(normal[:2], other[:2])
     return rotation_about_z(angle) if abs(angle) > _SMALL else None
 
 

@@ -12,6 +12,7 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
+from ...geometry.affine import transformed_points
 from ..element_values import element_values
 
 Point = tuple[float, float, float]
@@ -115,8 +116,8 @@ def _searched(obj: bpy.types.Object, place: Place) -> int | None:
     local = element_values(obj.data.vertices, "co", 3).astype(np.float64)
     if not len(local):
         return None
-    matrix = np.array(obj.matrix_world, dtype=np.float64)
-    tried = (_nearest(local, place.local), _nearest(local @ matrix[:3, :3].T + matrix[:3, 3], place.world))
+    world = transformed_points(local, obj.matrix_world)
+    tried = (_nearest(local, place.local), _nearest(world, place.world))
     return next((vertex for reach in (_SAME, _NEAR) for vertex, distance in tried if distance <= reach), None)
 
 
