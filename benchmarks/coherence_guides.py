@@ -103,14 +103,24 @@ def _in_a_plane(points: NDArray[np.float64], count: int) -> NDArray[np.int64]:
     return np.array(min(combinations(range(len(points)), count), key=thickness))
 
 
-def _mapped(ends: Ends, clicked: Sequence[tuple[int, int]]) -> tuple[GuidedMotion, dict[str, float]] | str:
-    guides: list[Guide] = [
+def guides_at_tips(ends: Ends, clicked: Sequence[tuple[int, int]]) -> list[Guide]:
+    """Return guides at tips of a pair, given as indices of tips on the first and the second shape."""
+    return [
         {0: _vertex(ends.first.vertices, ends.tips[0, one]), 1: _vertex(ends.second.vertices, ends.tips[1, other])}
         for one, other in clicked
     ]
+
+
+def motion_with_guides(ends: Ends, clicked: Sequence[tuple[int, int]]) -> GuidedMotion:
+    """Map a pair with guides at tips."""
+    guides = guides_at_tips(ends, clicked)
+    return drained(guided_motion([ends.first, ends.second], ["first", "second"], [(0, 1)], guides=guides))
+
+
+def _mapped(ends: Ends, clicked: Sequence[tuple[int, int]]) -> tuple[GuidedMotion, dict[str, float]] | str:
     clock = Clock()
     try:
-        motion = drained(guided_motion([ends.first, ends.second], ["first", "second"], [(0, 1)], guides=guides))
+        motion = motion_with_guides(ends, clicked)
     except ConvwassError as error:
         return str(error)
     return motion, clock.read()

@@ -14,11 +14,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from convwass_addon.applications.motions.guided_motion import GuidedMotion, guided_motion
+from convwass_addon.applications.motions.guided_motion import GuidedMotion
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.progress import drained
 
 from .clock import Clock
+from .coherence_guides import motion_with_guides
 from .coherence_pairs import CoherencePair, Ends
 from .processes import measured
 
@@ -74,7 +74,7 @@ def line(pair: str, kind: str, found: dict[str, object]) -> str:
 
 def turned(ends: Ends) -> dict[str, dict[str, object]]:
     """Map a pair of people, the second of whom is turned by 180 degrees, with every kind of guides."""
-    known = _mapped(ends, ())
+    known = motion_with_guides(ends, ())
     center = ends.second.vertices.mean(axis=0)
     half_turn = np.diag([-1.0, -1.0, 1.0])
 
@@ -90,7 +90,7 @@ def turned(ends: Ends) -> dict[str, dict[str, object]]:
     found = {}
     for kind, clicked in GUIDES.items():
         clock = Clock()
-        motion = _mapped(around, clicked)
+        motion = motion_with_guides(around, clicked)
         seconds = clock.read()
         off = _errors(motion, starts.vertices, images)
         wrong = [around.tips[0, tip] for one, other in clicked if one != other for tip in (one, other)]
@@ -103,14 +103,6 @@ def turned(ends: Ends) -> dict[str, dict[str, object]]:
             **seconds,
         }
     return found
-
-
-def _mapped(ends: Ends, clicked: Sequence[tuple[int, int]]) -> GuidedMotion:
-    guides = [
-        {0: _vertex(ends.first, ends.tips[0, one]), 1: _vertex(ends.second, ends.tips[1, other])}
-        for one, other in clicked
-    ]
-    return drained(guided_motion([ends.first, ends.second], ["first", "second"], [(0, 1)], guides=guides))
 
 
 def _errors(motion: GuidedMotion, starts: NDArray[np.float64], images: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -130,7 +122,3 @@ def _figures(off: NDArray[np.float64], mesh: TriangleMesh, wrong: Sequence[NDArr
         "wrong": float(shares[off > _WRONG].sum()),
         "beyond": float(beyond[off > _WRONG].sum() / beyond.sum()),
     }
-
-
-def _vertex(mesh: TriangleMesh, place: NDArray[np.float64]) -> int:
-    return int(np.linalg.norm(mesh.vertices - place, axis=1).argmin())

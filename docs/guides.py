@@ -11,36 +11,31 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from motions import FRAMES, PICTURES, Block, labeled, rendered
+from motions import Block, baked, drawn, save
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.geometry.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.bipeds import MAN, Posture, biped
-from benchmarks.blends import baked_frames
+from benchmarks.coherence_guides import guides_at_tips
+from benchmarks.coherence_pairs import Ends
 from benchmarks.quadrupeds import DOG, STANDING, quadruped
 
-# Pixels, quality of JPEG, and light paths per pixel.
-_WIDTH, _QUALITY, _SAMPLES = 1370, 85, 12
+# Light paths per pixel.
+_SAMPLES = 12
 
 
 def main() -> None:
     """Bake and render both rows."""
     dog, man = quadruped(DOG, STANDING, 22), biped(MAN, Posture(), 20)
-    shapes = dog.sculpture.mesh(), man.sculpture.mesh()
-    guide = {0: _nearest(shapes[0], dog.fore[0][-1]), 1: _nearest(shapes[1], man.arms[0][-1])}
-    rows = []
-    for guides in ([], [guide]):
-        frames = baked_frames(shapes, FRAMES - 1, MorphSettings(resolution=100), guides)
-        rows.append([shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames])
-    picture = labeled(rendered(rows, _WIDTH, _SAMPLES), Block("dog to man", ("no guide", "one guide")))
-    picture.save(PICTURES / "guides.jpg", quality=_QUALITY, optimize=True, progressive=True)
-
-
-def _nearest(mesh: TriangleMesh, place: np.ndarray) -> int:
-    return int(np.linalg.norm(mesh.vertices - place, axis=1).argmin())
+    tips = np.array([[dog.fore[0][-1]], [man.arms[0][-1]]])
+    ends = Ends(dog.sculpture.mesh(), man.sculpture.mesh(), tips=tips)
+    rows = [
+        baked((ends.first, ends.second), MorphSettings(resolution=100), guides_at_tips(ends, clicked))
+        for clicked in ([], [(0, 0)])
+    ]
+    save(drawn(rows, Block("dog to man", ("no guide", "one guide")), _SAMPLES), "guides")
 
 
 if __name__ == "__main__":

@@ -21,6 +21,7 @@ from clay import clay, frame_object
 from PIL import Image, ImageDraw, ImageFont
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.motions.guides import Guide
 from convwass_addon.bridge.morphs.contact_sheet import render_contact_sheet
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, WEIGHTS_KEY
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -108,11 +109,8 @@ def main() -> None:
         for block in pictures[name]:
             bake = kept_row if options.kept else baked_row
             rows = [bake(block.pair, motion, options.cells) for motion in block.motions]
-            if len(rows) == 1:
-                blocks.append(rendered(rows, _WIDTH, options.samples))
-            else:
-                blocks.append(labeled(rendered(rows, _WIDTH - _GUTTER, options.samples), block))
-        stacked(blocks).save(PICTURES / f"{name}.jpg", quality=_QUALITY, optimize=True, progressive=True)
+            blocks.append(drawn(rows, block, options.samples))
+        save(stacked(blocks), name)
 
 
 def baked_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
@@ -120,8 +118,14 @@ def baked_row(pair: str, motion: str, cells: int) -> list[TriangleMesh]:
     print(f"{pair}: {motion}", flush=True)
     (chosen,) = pairs_named([pair], None)
     ends = chosen.ends()
-    shapes = (ends.first, ends.second)
-    frames = baked_frames(shapes, FRAMES - 1, MorphSettings(resolution=cells, motion=motion))
+    return baked((ends.first, ends.second), MorphSettings(resolution=cells, motion=motion))
+
+
+def baked(
+    shapes: tuple[TriangleMesh, TriangleMesh], settings: MorphSettings, guides: Sequence[Guide] = ()
+) -> list[TriangleMesh]:
+    """Bake the frames of a row from one shape to another, both included."""
+    frames = baked_frames(shapes, FRAMES - 1, settings, guides)
     return [shapes[frame.blend.source] if frame.mesh is None else frame.mesh for frame in frames]
 
 
@@ -154,6 +158,18 @@ def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int, samples: int) -
         path = drained(render_contact_sheet(collection, Path(folder) / "sheet.png", width=width, samples=samples))
         with Image.open(path) as picture:
             return picture.convert("RGB")
+
+
+def drawn(rows: Sequence[Sequence[TriangleMesh]], block: Block, samples: int) -> Image.Image:
+    """Render the rows of a pair; several have labels."""
+    if len(rows) == 1:
+        return rendered(rows, _WIDTH, samples)
+    return labeled(rendered(rows, _WIDTH - _GUTTER, samples), block)
+
+
+def save(picture: Image.Image, name: str) -> None:
+    """Write a picture to the folder of pictures."""
+    picture.save(PICTURES / f"{name}.jpg", quality=_QUALITY, optimize=True, progressive=True)
 
 
 def labeled(sheet: Image.Image, block: Block) -> Image.Image:
