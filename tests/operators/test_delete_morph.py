@@ -10,17 +10,13 @@ import pytest
 from convwass_addon.bridge.morphs.hidden_inputs import HIDDEN_KEY
 from convwass_addon.bridge.morphs.stored import MORPH_KEY, frame_objects, stored_inputs, stored_settings
 from convwass_addon.bridge.one_mesh.records import SWAP_KEY
+from tests.operators.morphs import add
 
 
 @pytest.fixture
 def shapes(empty_scene):
     """Two spheres, A and B."""
-    made = []
-    for name, x in (("A", 0.0), ("B", 3.0)):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2, location=(x, 0, 0))
-        bpy.context.object.name = name
-        made.append(bpy.context.object)
-    return made
+    return [add("ico_sphere", name, subdivisions=2, location=(x, 0, 0)) for name, x in (("A", 0.0), ("B", 3.0))]
 
 
 def bake(inputs="A,B", **options):

@@ -12,6 +12,7 @@ from convwass_addon.bridge.object_names import object_of
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_object
+from tests.operators.morphs import add
 from tests.operators.running import inventory
 from tests.scene import select_only
 
@@ -334,11 +335,10 @@ def positions(obj, vertex):
 @pytest.fixture
 def balls(empty_scene):
     """Two spheres with a guide at their poles and another one, both baked."""
-    found = []
-    for name, place in (("One", 0.0), ("Two", 4.0)):
-        bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=3, location=(place, 0.0, 0.0))
-        bpy.context.object.name = name
-        found.append(bpy.context.object)
+    found = [
+        add("ico_sphere", name, subdivisions=3, location=(place, 0.0, 0.0))
+        for name, place in (("One", 0.0), ("Two", 4.0))
+    ]
     for obj in found:
         obj.select_set(True)
     bpy.ops.convwass.add_morph_guide(label="pole", points='{"One": 11, "Two": 11}')
