@@ -17,10 +17,10 @@ from bpy.props import (
     StringProperty,
 )
 
-from ..bridge.morphs.guide_places import Place, has_vertex, vertex_now
 from ..bridge.morphs.morph_guides import NamedGuide
 from ..bridge.object_names import object_of, unique_name
 from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
+from ..bridge.vertex_places import Place, has_vertex, vertex_now
 from ..sentence import Sentence
 from .registration import registration
 
@@ -33,15 +33,16 @@ class CONVWASS_PG_guide_point(bpy.types.PropertyGroup):
     count: IntProperty(name="Count", description="Number of vertices of the mesh then; 0 if unknown", min=0)
     local: FloatVectorProperty(name="Local", description="Position of the vertex then, in local space")
     world: FloatVectorProperty(name="World", description="Position of the vertex then, in world space")
+    edges: IntProperty(name="Edges", description="Checksum of the edges of the mesh then; 0 if unknown", min=0)
 
     @property
     def place(self) -> Place | None:
         """Where the vertex was; None in files of earlier versions."""
-        return Place(self.count, tuple(self.local), tuple(self.world)) if self.count else None
+        return Place(self.count, tuple(self.local), tuple(self.world), self.edges) if self.count else None
 
     @property
     def vertex_now(self) -> int | None:
-        """The vertex that is there now, or None; see :func:`.guide_places.vertex_now`."""
+        """The vertex that is there now, or None; see :func:`.vertex_places.vertex_now`."""
         return vertex_now(self.object, self.vertex, self.place)
 
     def put(self, obj: bpy.types.Object, vertex: int, place: Place | None = None) -> None:
@@ -50,7 +51,7 @@ class CONVWASS_PG_guide_point(bpy.types.PropertyGroup):
         if place is None and has_vertex(obj, vertex):
             place = Place.of(obj, vertex)
         if place is not None:
-            self.count, self.local, self.world = place.count, place.local, place.world
+            self.count, self.local, self.world, self.edges = place.count, place.local, place.world, place.edges
 
 
 class CONVWASS_PG_guide(bpy.types.PropertyGroup):

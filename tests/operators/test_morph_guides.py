@@ -1,10 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
 import json
+import math
 
 import bpy
 import numpy as np
 import pytest
+from mathutils import Matrix
 
 from convwass_addon.bridge.morphs.morph_guides import guides_of_shapes, parsed_guides
 from convwass_addon.bridge.morphs.stored import stored_morph
@@ -320,6 +322,15 @@ def edited(obj, change):
     bm.free()
 
 
+def reversed_order(bm):
+    bm.verts.sort(key=lambda vertex: -vertex.index)
+
+
+def without_an_edge(bm):
+    bm.edges.ensure_lookup_table()
+    bm.edges.remove(bm.edges[0])
+
+
 def without(*vertices):
     def change(bm):
         for vertex in [bm.verts[own] for own in vertices]:
@@ -387,6 +398,23 @@ def test_a_guide_stays_on_a_vertex_that_is_moved_before_others_are_deleted(balls
     assert bake(motion="TRANSPORT", hide_inputs=False) == {"FINISHED"}
     edited(one, without(*range(5)))
     assert positions(one, item.vertices[one])[2] == pytest.approx(1.9, abs=0.06)
+
+
+def test_a_guide_stays_where_it_was_clicked_when_vertices_are_sorted(balls):
+    one, (item,) = balls[0], guides().items
+    pole = positions(one, 11)
+    edited(one, reversed_order)
+    assert item.vertices[one] == len(one.data.vertices) - 12
+    assert positions(one, item.vertices[one]) == pole
+
+
+def test_a_guide_keeps_its_vertex_when_a_symmetric_shape_is_turned_or_loses_an_edge(balls):
+    one, (item,) = balls[0], guides().items
+    one.data.transform(Matrix.Rotation(math.pi, 4, "X"))
+    assert item.vertices[one] == 11
+    edited(one, without_an_edge)
+    one.data.transform(Matrix.Translation((0.0, 0.0, 9.0)))
+    assert item.vertices[one] == 11
 
 
 def test_a_guide_whose_vertex_is_deleted_is_at_the_nearest_one(balls):

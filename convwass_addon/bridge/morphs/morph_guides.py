@@ -18,7 +18,7 @@ from ..object_names import object_of, unique_name
 from ..surface_marks import bone_marks, empty_marks, group_marks
 from ..surfaces import surface_mesh
 from ..vertex_groups import group_names
-from .guide_places import Place, has_vertex, vertex_now
+from ..vertex_places import Place, has_vertex, vertex_now
 
 if TYPE_CHECKING:
     from ...applications.motions.guides import Guide

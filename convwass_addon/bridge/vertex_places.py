@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the vertices of guides were chosen, to find them again after vertices were added or deleted."""
+"""Where vertices were chosen, to find them again after others were added, deleted or sorted."""
 
 from __future__ import annotations
 
 import math
+import zlib
 from dataclasses import dataclass
 
 import bpy
@@ -12,8 +13,8 @@ import numpy as np
 from mathutils import Vector
 from numpy.typing import NDArray
 
-from ...geometry.affine import transformed_points
-from ..element_values import element_values
+from ..geometry.affine import transformed_points
+from .element_values import element_values
 
 Point = tuple[float, float, float]
 
@@ -34,22 +35,26 @@ class Place:
         Its position before modifiers, in local space.
     world : (float, float, float)
         The same in world space, which stays when a transform is applied.
+    edges : int
+        Checksum of the edges of its mesh, which changes if vertices get other numbers; 0 if unknown.
     """
 
     count: int
     local: Point
     world: Point
+    edges: int = 0
 
     @classmethod
     def of(cls, obj: bpy.types.Object, vertex: int) -> Place:
         """Return where a vertex of a mesh object is."""
         local = obj.data.vertices[vertex].co
-        return cls(len(obj.data.vertices), tuple(local), tuple(obj.matrix_world @ local))
+        return cls(len(obj.data.vertices), tuple(local), tuple(obj.matrix_world @ local), _edges_checksum(obj.data))
 
     @classmethod
     def of_entry(cls, entry: dict[str, object]) -> Place:
         """Return a place from its `vars`; raises Python's own errors if they are damaged."""
-        found = cls(int(entry["count"]), *(tuple(map(float, entry[space])) for space in ("local", "world")))
+        points = (tuple(map(float, entry[space])) for space in ("local", "world"))
+        found = cls(int(entry["count"]), *points, int(entry.get("edges", 0)))
         if not all(len(own) == 3 and all(map(math.isfinite, own)) for own in (found.local, found.world)):
             raise ValueError("a place of a guide has no three coordinates")
         return found
@@ -63,8 +68,9 @@ def has_vertex(obj: bpy.types.Object, vertex: int) -> bool:
 def vertex_now(obj: bpy.types.Object, vertex: int, place: Place | None) -> int | None:
     """Return the vertex that is now where another one was chosen.
 
-    While a mesh has as many vertices as then, its vertices have the same numbers, also if they were moved. Otherwise it
-    is the vertex at the old position, or else the nearest one.
+    While a mesh has as many vertices as then and the same edges, its vertices have the same numbers, also if they were
+    moved. Otherwise it is the vertex at the old position, or else the nearest one, or with as many vertices as then the
+    one of the same number.
 
     Parameters
     ----------
@@ -80,12 +86,16 @@ def vertex_now(obj: bpy.types.Object, vertex: int, place: Place | None) -> int |
     int or None
         None if there is no vertex, or none near.
     """
-    if place is None or obj.type != "MESH" or len(obj.data.vertices) == place.count:
-        return vertex if has_vertex(obj, vertex) else None
-    key = (obj.session_uid, place)
+    own = vertex if has_vertex(obj, vertex) else None
+    if place is None or obj.type != "MESH":
+        return own
+    keeps_count = len(obj.data.vertices) == place.count
+    if keeps_count and (own is None or tuple(obj.data.vertices[vertex].co) == place.local):
+        return own
+    key = (obj.session_uid, vertex, place)
     found = _FOUND.get(key)
     if found is None or not found.is_still_there(obj):
-        found = _FOUND[key] = _Found.near(obj, place)
+        found = _FOUND[key] = _Found.of(obj, _searched(obj, place, vertex if keeps_count else None))
     return found.vertex
 
 
@@ -98,8 +108,7 @@ class _Found:
     co: Vector | None
 
     @classmethod
-    def near(cls, obj: bpy.types.Object, place: Place) -> _Found:
-        vertex = _searched(obj, place)
+    def of(cls, obj: bpy.types.Object, vertex: int | None) -> _Found:
         co = None if vertex is None else obj.data.vertices[vertex].co.copy()
         return cls(vertex, len(obj.data.vertices), co)
 
@@ -108,17 +117,28 @@ class _Found:
         return len(vertices) == self.count and (self.vertex is None or vertices[self.vertex].co == self.co)
 
 
-_FOUND: dict[tuple[int, Place], _Found] = {}
+_FOUND: dict[tuple[int, int, Place], _Found] = {}
 
 
-def _searched(obj: bpy.types.Object, place: Place) -> int | None:
-    """Return the vertex at a place in local space, or else in world space, or else the nearest one that is near."""
+def _searched(obj: bpy.types.Object, place: Place, numbered: int | None) -> int | None:
+    """Return the vertex at a place in local space, or else in world space, or else the nearest one that is near.
+
+    If the mesh has as many vertices as before, another one than that of the same number must be exactly there.
+    """
+    if numbered is not None and place.edges in (0, _edges_checksum(obj.data)):
+        return numbered
     local = element_values(obj.data.vertices, "co", 3).astype(np.float64)
     if not len(local):
         return None
     world = transformed_points(local, obj.matrix_world)
     tried = (_nearest(local, place.local), _nearest(world, place.world))
-    return next((vertex for reach in (_SAME, _NEAR) for vertex, distance in tried if distance <= reach), None)
+    reaches = (_SAME, _NEAR) if numbered is None else (_SAME,)
+    return next((vertex for reach in reaches for vertex, distance in tried if distance <= reach), numbered)
+
+
+def _edges_checksum(mesh: bpy.types.Mesh) -> int:
+    """Return a checksum of the vertices of all edges in their order, which fits a property of Blender."""
+    return zlib.crc32(element_values(mesh.edges, "vertices", 2, np.int32)) & 0x7FFFFFFF
 
 
 def _nearest(points: NDArray[np.float64], place: Point) -> tuple[int, float]:
