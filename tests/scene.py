@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import bmesh
 import bpy
 
 from convwass_addon.bridge.objects import triangle_mesh
@@ -34,3 +35,25 @@ def height_at(obj, frame):
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
     heights = [(obj.matrix_world @ vertex.co).z for vertex in mesh.vertices]
     return max(heights) - min(heights)
+
+
+def edited(obj, change):
+    """Change the mesh of an object as in Edit Mode."""
+    bm = bmesh.new()
+    bm.from_mesh(obj.data)
+    bm.verts.ensure_lookup_table()
+    change(bm)
+    bm.to_mesh(obj.data)
+    bm.free()
+
+
+def reversed_order(bm):
+    bm.verts.sort(key=lambda vertex: -vertex.index)
+
+
+def without(*vertices):
+    def change(bm):
+        for vertex in [bm.verts[own] for own in vertices]:
+            bm.verts.remove(vertex)
+
+    return change

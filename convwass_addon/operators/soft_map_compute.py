@@ -18,6 +18,7 @@ from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable
+from ..bridge.vertex_places import has_vertex
 from ..errors import InputError
 from ..progress import Control, Progress, Work
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
@@ -116,24 +117,37 @@ def chosen_pairs(own: CONVWASS_PG_soft_map, text: str) -> NDArray[np.int64]:
     Raises
     ------
     InputError
-        The text is invalid, or a vertex on the list does not exist.
+        The text is invalid, or a vertex on the list is not there any more.
     """
     words = text.replace(",", " ").split()
     if words:
         return _written_pairs(words)
+    own.renew()
     for number, pair in enumerate(own.pairs, start=1):
-        for obj, vertex in ((own.source, pair.source_vertex), (own.target, pair.target_vertex)):
-            if pair.enabled and pair.is_complete and vertex >= len(obj.data.vertices):
-                raise InputError(
-                    "Pair {number} refers to vertex {vertex}, but {object} has {count} vertices; remove the pair, or "
-                    "choose it again.",
-                    number=number,
-                    vertex=vertex,
-                    object=obj.name,
-                    count=len(obj.data.vertices),
-                )
+        numbers = (pair.source_vertex, pair.target_vertex)
+        for obj, vertex, now in zip((own.source, own.target), numbers, own.vertices_now(pair), strict=True):
+            if pair.enabled and pair.is_complete and now is None:
+                raise _lost(number, obj, vertex)
     listed = [(pair.source_vertex, pair.target_vertex) for pair in own.used_pairs]
     return np.array(listed, dtype=np.int64).reshape(-1, 2)
+
+
+def _lost(number: int, obj: bpy.types.Object, vertex: int) -> InputError:
+    """Return the error about a pair whose vertex on an object is not there any more."""
+    if has_vertex(obj, vertex):
+        return InputError(
+            "Pair {number} was on a part of {object} that was deleted; remove the pair, or choose it again.",
+            number=number,
+            object=obj.name,
+        )
+    return InputError(
+        "Pair {number} refers to vertex {vertex}, but {object} has {count} vertices; remove the pair, or choose it "
+        "again.",
+        number=number,
+        vertex=vertex,
+        object=obj.name,
+        count=len(obj.data.vertices),
+    )
 
 
 def _written_pairs(words: list[str]) -> NDArray[np.int64]:

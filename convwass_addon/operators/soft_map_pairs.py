@@ -197,10 +197,7 @@ class CONVWASS_OT_swap_map_objects(OnMapObjects, bpy.types.Operator):
     bl_label = "Swap Source and Target"
 
     def execute(self, context):
-        own = context.scene.convwass_soft_map
-        own.source, own.target = own.target, own.source
-        for pair in own.pairs:
-            pair.source_vertex, pair.target_vertex = pair.target_vertex, pair.source_vertex
+        context.scene.convwass_soft_map.swap()
         return {"FINISHED"}
 
 

@@ -90,7 +90,7 @@ class PicksPair(PicksPoints):
 def require_free(own: CONVWASS_PG_soft_map, vertex: int, is_source: bool) -> None:
     """Raise InputError if a vertex of the source or target is already in a pair."""
     for number, pair in enumerate(own.pairs, start=1):
-        if pair.enabled and pair.is_complete and vertex == (pair.source_vertex if is_source else pair.target_vertex):
+        if pair.enabled and pair.is_complete and vertex == own.vertices_now(pair)[0 if is_source else 1]:
             raise InputError(
                 "Vertex {vertex} of {object} is already in pair {number}; remove that pair first.",
                 vertex=vertex,

@@ -42,9 +42,10 @@ class CONVWASS_UL_map_pairs(bpy.types.UIList):
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
         row = layout.row(align=True)
         shown = draw_numbered(row, item, index)
-        for name in ("source_vertex", "target_vertex"):
+        for name, now in zip(("source_vertex", "target_vertex"), data.vertices_now(item), strict=True):
             vertex = shown.row(align=True)
             vertex.ui_units_x = 2.4
+            vertex.alert = item.is_complete and now is None
             vertex.prop(item, name, text="")
         row.operator(CONVWASS_OT_remove_map_pair.bl_idname, text="", icon="X", emboss=False).index = index
 

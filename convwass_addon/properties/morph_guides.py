@@ -11,7 +11,6 @@ import bpy
 from bpy.props import (
     BoolProperty,
     CollectionProperty,
-    FloatVectorProperty,
     IntProperty,
     PointerProperty,
     StringProperty,
@@ -23,22 +22,14 @@ from ..bridge.soft_maps.pair_labels import LabeledVertex, PairLabels
 from ..bridge.vertex_places import Place, has_vertex, vertex_now
 from ..sentence import Sentence
 from .registration import registration
+from .vertex_places import PlaceProperties
 
 
-class CONVWASS_PG_guide_point(bpy.types.PropertyGroup):
+class CONVWASS_PG_guide_point(PlaceProperties, bpy.types.PropertyGroup):
     """A vertex of a shape."""
 
     object: PointerProperty(name="Shape", description="Object that the point is on", type=bpy.types.Object)
     vertex: IntProperty(name="Vertex", description="Number of the vertex when it was chosen", min=0)
-    count: IntProperty(name="Count", description="Number of vertices of the mesh then; 0 if unknown", min=0)
-    local: FloatVectorProperty(name="Local", description="Position of the vertex then, in local space")
-    world: FloatVectorProperty(name="World", description="Position of the vertex then, in world space")
-    edges: IntProperty(name="Edges", description="Checksum of the edges of the mesh then; 0 if unknown", min=0)
-
-    @property
-    def place(self) -> Place | None:
-        """Where the vertex was; None in files of earlier versions."""
-        return Place(self.count, tuple(self.local), tuple(self.world), self.edges) if self.count else None
 
     @property
     def vertex_now(self) -> int | None:
@@ -51,7 +42,7 @@ class CONVWASS_PG_guide_point(bpy.types.PropertyGroup):
         if place is None and has_vertex(obj, vertex):
             place = Place.of(obj, vertex)
         if place is not None:
-            self.count, self.local, self.world, self.edges = place.count, place.local, place.world, place.edges
+            self.place = place
 
 
 class CONVWASS_PG_guide(bpy.types.PropertyGroup):

@@ -16,7 +16,7 @@ from convwass_addon.errors import InputError
 from tests.linked_objects import linked_object
 from tests.operators.morphs import add
 from tests.operators.running import inventory
-from tests.scene import select_only
+from tests.scene import edited, reversed_order, select_only, without
 
 
 @pytest.fixture
@@ -310,35 +310,6 @@ def test_flat_shapes_take_no_guides(cubes):
     assert stored_guides() == []
 
 
-def edited(obj, change):
-    """Change the mesh of an object as in Edit Mode."""
-    import bmesh
-
-    bm = bmesh.new()
-    bm.from_mesh(obj.data)
-    bm.verts.ensure_lookup_table()
-    change(bm)
-    bm.to_mesh(obj.data)
-    bm.free()
-
-
-def reversed_order(bm):
-    bm.verts.sort(key=lambda vertex: -vertex.index)
-
-
-def without_an_edge(bm):
-    bm.edges.ensure_lookup_table()
-    bm.edges.remove(bm.edges[0])
-
-
-def without(*vertices):
-    def change(bm):
-        for vertex in [bm.verts[own] for own in vertices]:
-            bm.verts.remove(vertex)
-
-    return change
-
-
 def positions(obj, vertex):
     return tuple(round(own, 4) for own in obj.data.vertices[vertex].co)
 
@@ -406,6 +377,11 @@ def test_a_guide_stays_where_it_was_clicked_when_vertices_are_sorted(balls):
     edited(one, reversed_order)
     assert item.vertices[one] == len(one.data.vertices) - 12
     assert positions(one, item.vertices[one]) == pole
+
+
+def without_an_edge(bm):
+    bm.edges.ensure_lookup_table()
+    bm.edges.remove(bm.edges[0])
 
 
 def test_a_guide_keeps_its_vertex_when_a_symmetric_shape_is_turned_or_loses_an_edge(balls):

@@ -11,11 +11,14 @@ import pytest
 from mathutils import Matrix, Vector
 
 from convwass_addon.bridge import surfaces
+from convwass_addon.errors import InputError
 from convwass_addon.operators import picking, soft_map_pick
+from convwass_addon.operators.soft_map_compute import chosen_pairs
 from convwass_addon.operators.soft_map_pairs import CONVWASS_OT_add_map_pair
 from convwass_addon.properties.soft_maps import labeled_vertices
 from tests.operators.running import ESCAPE, TIMER, Pressed, call, pretend_window, window_context
 from tests.operators.soft_maps import choose, own, select, sphere
+from tests.scene import edited, reversed_order, without
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -144,6 +147,36 @@ def test_sides_change_places(pair):
     call("swap_map_objects")
     assert (own().source, own().target) == (pair[1], pair[0])
     assert listed() == [("", 7, 3)]
+
+
+@pytest.mark.parametrize("change", [without(*range(5)), reversed_order], ids=["deleted", "sorted"])
+def test_pairs_stay_where_they_were_chosen_when_vertices_are_deleted_or_sorted(pair, change):
+    before = [pair[side].data.vertices[vertex].co.copy() for side, vertex in ((0, 30), (1, 70))]
+    call("add_map_pair", source_vertex=30, target_vertex=70)
+    edited(pair[1], change)
+    call("swap_map_objects")
+    edited(pair[0], change)
+    assert own().vertices_now(own().pairs[0]) == tuple(label.vertex for label in labeled_vertices(bpy.context))
+    with pytest.raises(RuntimeError, match="is already in pair 1"):
+        call("add_map_pair", source_vertex=own().vertices_now(own().pairs[0])[0], target_vertex=1)
+    ((target, source),) = chosen_pairs(own(), "")
+    assert [pair[0].data.vertices[source].co, pair[1].data.vertices[target].co] == before
+    assert listed() == [("", target, source)]
+
+
+def test_another_object_has_pairs_at_its_vertices_of_the_same_numbers(pair):
+    call("add_map_pair", source_vertex=30, target_vertex=70)
+    own().source = sphere("Dog", segments=12, ring_count=6)
+    assert chosen_pairs(own(), "").tolist() == [[30, 70]]
+
+
+def test_a_pair_on_a_part_that_is_deleted_is_shown_and_named(pair):
+    call("add_map_pair", source_vertex=0, target_vertex=70)
+    upper = [vertex.index for vertex in pair[0].data.vertices if vertex.co.z * pair[0].data.vertices[0].co.z > 0.0]
+    edited(pair[0], without(*upper))
+    assert own().vertices_now(own().pairs[0]) == (None, 70)
+    with pytest.raises(InputError, match="Pair 1 was on a part of Cow that was deleted; remove the pair, or"):
+        chosen_pairs(own(), "")
 
 
 NAMES = ("add_map_pair", "map_pairs_from_groups", "map_pairs_from_empties", "swap_map_objects")
