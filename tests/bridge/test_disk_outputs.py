@@ -80,6 +80,19 @@ def test_every_frame_shows_its_shape(collection, tmp_path, kind):
     assert output.size == sum(file.stat().st_size for file in output.files) > 0
 
 
+def test_a_volume_is_where_the_parent_of_its_frames_is_at_their_time(bare_scene, collection, tmp_path):
+    empty = bpy.data.objects.new("Place", None)
+    bare_scene.collection.objects.link(empty)
+    for frame, height in ((3, 10.0), (5, 20.0)):
+        empty.location.z = height
+        empty.keyframe_insert("location", frame=frame)
+    for obj in frame_objects(collection):
+        obj.parent = empty
+    output = drained(as_volume(collection, tmp_path))
+    assert np.mean(shown_heights(output.shown, 3)) == pytest.approx(10.0, abs=0.05)
+    assert np.mean(shown_heights(output.shown, 5)) == pytest.approx(22.0, abs=0.05)
+
+
 @pytest.mark.parametrize("first", [-12, -2])
 @pytest.mark.parametrize("kind", OUTPUTS)
 def test_every_frame_before_0_shows_its_shape(bare_scene, make_object, octahedron, tmp_path, kind, first):

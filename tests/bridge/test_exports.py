@@ -17,7 +17,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
 from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.imports import import_objects
-from convwass_addon.bridge.keyframes import curves_of
+from convwass_addon.bridge.keyframes import curves_of, make_linear
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
@@ -240,6 +240,55 @@ def test_frames_are_where_their_parent_is(collection, tmp_path, bare_scene, name
     np.testing.assert_allclose(middles[:, 0], 7.0, atol=1e-5)
     # Every frame is read.
     np.testing.assert_allclose(middles[:, 2], [0.0, 1.0, 2.0, 3.0], atol=1e-5)
+
+
+@pytest.mark.parametrize("name", ["stl", "gltf", *ANIMATIONS])
+def test_frames_are_where_their_parent_is_at_their_time(collection, tmp_path, bare_scene, name, inventory):
+    """Also where one frame is shown while its parent moves on."""
+    empty = bpy.data.objects.new("Place", None)
+    bare_scene.collection.objects.link(empty)
+    key_travel(empty)
+    frames = frame_objects(collection)
+    for obj in frames:
+        obj.parent = empty
+    if name != "stl":
+        show_instead(frames[1], frames[2])
+    before = inventory()
+    files = export_frames(collection, tmp_path / "rise", name)
+    assert inventory() == before and bare_scene.frame_current == 3
+    middles = corners_of(files).mean(axis=1)
+    np.testing.assert_allclose(middles[:, 0], [10.0, 11.0, 12.0, 13.0], atol=1e-5)
+    np.testing.assert_allclose(middles[:, 2], [0.0, 1.0, 2.0 if name == "stl" else 1.0, 3.0], atol=1e-5)
+
+
+def key_travel(obj):
+    """Let an object move along X by one from frame to frame, from 10 at frame 3."""
+    for frame, place in ((3, 10.0), (6, 13.0)):
+        obj.location.x = place
+        obj.keyframe_insert("location", index=0, frame=frame)
+    make_linear(obj)
+
+
+def show_instead(obj, other):
+    """Show a frame object longer, in place of the next one."""
+    for curve in curves_of(obj):
+        curve.keyframe_points[-1].co.x += 1.0
+    for curve in curves_of(other):
+        for point in curve.keyframe_points:
+            point.co.y = 1.0
+
+
+@pytest.mark.parametrize("name", FORMATS)
+def test_frames_are_as_their_modifiers_make_them(collection, tmp_path, name):
+    for obj in frame_objects(collection):
+        modifier = obj.modifiers.new("Rise", "DISPLACE")
+        modifier.direction, modifier.mid_level, modifier.strength = "Z", 0.0, 5.0
+    files = export_frames(collection, tmp_path / "rise", name)
+    if name == "vat":
+        table = json.loads(files[0].read_text())
+        assert table["bounds"]["high"][1] == pytest.approx(8.5, abs=0.1)
+    else:
+        np.testing.assert_allclose(corners_of(files).mean(axis=1)[:, 2], [5.0, 6.0, 7.0, 8.0], atol=1e-5)
 
 
 def push_down(obj, later):

@@ -20,7 +20,6 @@ from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..element_values import element_values
 from ..files import checked_target
-from ..matrix_checks import require_finite
 from ..numbered_files import numbered_paths
 from ..objects import world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
@@ -29,10 +28,10 @@ from ..operator_errors import reason
 from ..scene_writing import require_written, write_alembic, write_still_gltf, write_usd
 from ..scratch_scene import scratch_animation, scratch_scene
 from ..sequence import mesh_sequence
-from ..visibility import shown_at, update_places
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, shows_color_attribute, shows_object_color
+from .still_frames import StillFrames, still_frames
 from .stored import frame_objects, shown_frames
 
 # Exported bytes per vertex, corner and face with colors, normals, UV maps and velocities, and for the file header.
@@ -105,21 +104,20 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     frames = frame_objects(collection)
     if not frames:
         raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
-    update_places(frames, bpy.context.evaluated_depsgraph_get())
-    for obj in frames:
-        require_finite(obj.name, np.array(obj.matrix_world))
-    if chosen.write_frames is not None:
-        return chosen.write_frames(frames, target, _frames_per_second(frames, shown_frames(collection)))
-    if chosen.animated:
-        _export_animation(frames, shown_frames(collection), target, chosen)
-        return [target]
-    if chosen.write_steps is not None and shown_frames(collection):
-        _export_steps(frames, shown_frames(collection), target, chosen)
-        return [target]
-    files = numbered_paths(target.parent, f"{target.stem}_", target.suffix, range(1, len(frames) + 1))
-    for obj, file in zip(frames, files, strict=True):
-        _export_still(obj, file, chosen)
-    return files
+    span = shown_frames(collection)
+    with still_frames(frames, span) as still:
+        if chosen.write_frames is not None:
+            return chosen.write_frames(still.first, target, _frames_per_second(frames, span))
+        if chosen.animated:
+            _export_animation(still, span, target, chosen)
+            return [target]
+        if chosen.write_steps is not None and span:
+            _export_steps(still, target, chosen)
+            return [target]
+        files = numbered_paths(target.parent, f"{target.stem}_", target.suffix, range(1, len(frames) + 1))
+        for obj, file in zip(still.first, files, strict=True):
+            _export_still(obj, file, chosen)
+        return files
 
 
 def format_of(path: Path) -> str:
@@ -171,24 +169,22 @@ def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
             bpy.data.batch_remove([still, still.data])
 
 
-def _export_animation(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
+def _export_animation(still: StillFrames, span: range, file: Path, chosen: _Format) -> None:
     """Export the frame objects as one mesh over scene frames; without animation, in their current state."""
-    numbers = span or [bpy.context.scene.frame_current]
-    require_space(file.parent, _exported_bytes(frames))
-    shown = shown_at(frames, numbers)
-    with _colored_copies(frames, chosen.write_colors) as copies:
-        groups = [tuple(copies[obj] for obj in group) for group in shown]
-        with mesh_sequence(bpy.path.clean_name(file.stem), groups, numbers[0]):
+    require_space(file.parent, _exported_bytes(still.all))
+    with _colored_copies(still.all, chosen.write_colors) as copies:
+        groups = [tuple(copies[obj] for obj in group) for group in still.shown]
+        first = span[0] if span else bpy.context.scene.frame_current
+        with mesh_sequence(bpy.path.clean_name(file.stem), groups, first):
             _write(file, chosen)
 
 
-def _export_steps(frames: list[bpy.types.Object], span: range, file: Path, chosen: _Format) -> None:
+def _export_steps(still: StillFrames, file: Path, chosen: _Format) -> None:
     """Write the frame objects of a path as nodes that take turns."""
-    require_space(file.parent, _exported_bytes(frames))
-    shown = shown_at(frames, span)
+    require_space(file.parent, _exported_bytes(still.all))
     with (
-        scratch_animation(0, len(span)) as scene,
-        scaled_stand_ins(frames, shown, file.stem) as copies,
+        scratch_animation(0, len(still.shown)) as scene,
+        scaled_stand_ins(still.all, still.shown, file.stem) as copies,
         _plain_materials(copies),
     ):
         for copy in copies:

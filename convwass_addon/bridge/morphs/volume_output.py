@@ -22,9 +22,10 @@ from ...sentence import Sentence
 from ..numbered_files import file_number, numbered_paths
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
-from ..visibility import layers_with, shown_at
+from ..visibility import layers_with
 from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender, remember_readers
 from .materials import morph_material
+from .still_frames import still_frames
 from .stored import frame_objects, shown_frames, stored_morph
 
 GRID_NAME = "density"
@@ -81,9 +82,8 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     frames = frame_objects(collection)
     if not frames:
         raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    meshes = dict(zip(frames, triangle_meshes(frames, depsgraph), strict=True))
-    spacing = _spacing(list(meshes.values()), stored_morph(collection).settings)
+    scene_frames, every, shown = _timeline(collection, frames)
+    spacing = _spacing(every, stored_morph(collection).settings)
     if spacing < _LEAST_SPACING:
         raise InputError(
             "{name} is too small for volumes: its cells would be {spacing:.1e} wide, but must be {least:.1e} or wider. "
@@ -92,11 +92,10 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
             spacing=spacing,
             least=_LEAST_SPACING,
         )
-    scene_frames, shown = _timeline(collection, frames)
     numbers = [file_number(frame, scene_frames[0]) for frame in scene_frames]
     files = numbered_paths(folder, f"{folder.name}_", ".vdb", numbers)
-    for done, (file, objects) in enumerate(zip(files, shown, strict=True), 1):
-        _write(openvdb, file, [meshes[obj] for obj in objects], spacing)
+    for done, (file, meshes) in enumerate(zip(files, shown, strict=True), 1):
+        _write(openvdb, file, meshes, spacing)
         yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
         control.check()
     # Before Blender 5, Volume to Mesh places values at the corners of their cells.
@@ -113,13 +112,14 @@ def _spacing(meshes: Sequence[TriangleMesh], settings: dict[str, object]) -> flo
 
 def _timeline(
     collection: bpy.types.Collection, frames: list[bpy.types.Object]
-) -> tuple[range, list[tuple[bpy.types.Object, ...]]]:
-    """Return the scene frames of a morph with the visible objects at each; a sheet is one frame with all objects."""
-    span = shown_frames(collection)
-    if not span:
-        now = bpy.context.scene.frame_current
-        return range(now, now + 1), [tuple(frames)]
-    return span, shown_at(frames, span)
+) -> tuple[range, list[TriangleMesh], list[list[TriangleMesh]]]:
+    """Return the scene frames of a morph, its meshes, and those visible at each; a sheet is one frame with all."""
+    span, now = shown_frames(collection), bpy.context.scene.frame_current
+    with still_frames(frames, span) as still:
+        objects = still.all
+        meshes = dict(zip(objects, triangle_meshes(objects, bpy.context.evaluated_depsgraph_get()), strict=True))
+        shown = [[meshes[obj] for obj in group] for group in (still.shown if span else [still.first])]
+    return span or range(now, now + 1), list(meshes.values()), shown
 
 
 def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spacing: float) -> None:
