@@ -224,6 +224,20 @@ def test_parallel_shapes_share_axes_and_others_keep_their_own():
     assert area(second) == pytest.approx(drawn_area(other), rel=5e-3)
 
 
+def test_shapes_that_are_tilted_about_two_axes_lie_in_a_plane(make_object):
+    """Unless they are symmetric, the middle of their bounds does not."""
+    tilt = Euler((1.2, 0.3, 0.5)).to_matrix().to_4x4()
+    letter, corner = text("F"), make_object("Corner", np.eye(3), faces=[(0, 1, 2)])
+    letter.matrix_world = corner.matrix_world = Matrix.Translation((4, 5, 6)) @ tilt
+    bpy.context.view_layer.update()
+    assert is_flat(corner, bpy.context.evaluated_depsgraph_get())
+    for flat in read(letter, corner):
+        points = flat.read.points - flat.plane.origin
+        np.testing.assert_allclose(points @ flat.plane.axes[:, 2], 0.0, atol=1e-6)
+        assert np.abs(points).max() < 1.5
+    assert area(read(letter)[0]) == pytest.approx(drawn_area(letter), rel=5e-3)
+
+
 def test_planes_turn_the_short_way():
     ends = [Plane(np.zeros(3), np.array(Euler((angle, 0, 0)).to_matrix())) for angle in (0.0, np.pi / 2)]
     middle = blended_plane(ends, (0.5, 0.5))

@@ -57,22 +57,24 @@ def plane_of(points: NDArray[np.float64], matrix: NDArray[np.float64]) -> Plane 
     Returns
     -------
     Plane or None
-        Centered on the bounds of the points; None if points deviate by more than a thousandth of their extent.
+        Its origin is in the middle of the points; None if these deviate by more than a thousandth of their extent.
     """
     middle = 0.5 * (points.min(axis=0) + points.max(axis=0))
     about = points - middle
     extent = float(np.abs(about).max())
     own = _frame(matrix[:3, 0], matrix[:3, 1])
-    if own is None or np.abs(about @ own[:, 2]).max() > FLATNESS * extent:
+    if own is None or not _is_level(about @ own[:, 2], extent):
         # A subset of a long list is enough to determine the plane.
-        _, _, directions = np.linalg.svd(about[:: 1 + len(about) // 20_000], full_matrices=False)
+        _, _, directions = np.linalg.svd((about - about.mean(axis=0))[:: 1 + len(about) // 20_000], full_matrices=False)
         normal = directions[2] if len(directions) > 2 else np.cross(directions[0], directions[-1])
         if normal @ matrix[:3, 2] < 0:
             normal = -normal
         own = _upright(normal, matrix)
-    if own is None or np.abs(about @ own[:, 2]).max() > FLATNESS * extent:
+    if own is None or not _is_level(about @ own[:, 2], extent):
         return None
-    return Plane(middle, own)
+    # The middle of the bounds of a tilted shape is not in its plane.
+    heights = about @ own[:, 2]
+    return Plane(middle + 0.5 * (heights.min() + heights.max()) * own[:, 2], own)
 
 
 def common_planes(planes: Sequence[Plane]) -> list[Plane]:
@@ -102,6 +104,11 @@ def blended_plane(planes: Sequence[Plane], weights: Sequence[float]) -> Plane:
     if total.magnitude < 1e-6:
         total = turns[int(np.argmax(weights))]
     return Plane(origin, np.array(total.normalized().to_matrix(), dtype=np.float64))
+
+
+def _is_level(heights: NDArray[np.float64], extent: float) -> bool:
+    """Return whether points are in one plane, by their heights above a parallel one."""
+    return bool(0.5 * np.ptp(heights) <= FLATNESS * extent)
 
 
 def _upright(normal: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64] | None:
