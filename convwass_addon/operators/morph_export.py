@@ -65,6 +65,7 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
         return {"FINISHED"}
 
     def _written(self, context: bpy.types.Context) -> list[Path]:
+        from ..bridge.flat.frames_as_meshes import require_no_drawings
         from ..bridge.morphs.exports import export_frames, format_of
         from ..bridge.morphs.seen_frames import seen_frames
         from ..bridge.one_mesh.key_files import export_shape_keys
@@ -75,6 +76,7 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
         if isinstance(subject, bpy.types.Object):
             return export_shape_keys(subject, path)
         file_format = format_of(path)
+        require_no_drawings(subject)
         seen = drained(seen_frames(subject, active_object(context)))
         try:
             return export_frames(seen.morph, path, file_format)

@@ -443,11 +443,32 @@ def test_drawings_of_a_sheet_are_objects_of_their_own():
     assert np.ptp([obj.matrix_world.translation.y for obj in frames]) > 1.0
 
 
-def test_operators_for_meshes_refuse_drawings():
+def test_operators_for_meshes_refuse_drawings(tmp_path):
     select_only(text("A"), text("B", 3.0))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK)
     with pytest.raises(RuntimeError, match="bake it again with meshes"):
         bpy.ops.convwass.make_player()
+    with pytest.raises(RuntimeError, match="bake it again with meshes"):
+        bpy.ops.convwass.export_morph(filepath=str(tmp_path / "drawings.abc"))
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", [".obj", ".abc"])
+def test_curves_are_exported_as_what_they_fill(tmp_path, suffix):
+    select_only(colored(text("A"), RED), colored(text("B", 3.0), RED))
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    area, before = enclosed(frame_objects(baked_morph())[1]), census()
+    assert bpy.ops.convwass.export_morph(filepath=str(tmp_path / f"letters{suffix}")) == {"FINISHED"}
+    assert census() == before
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    if suffix == ".obj":
+        bpy.ops.wm.obj_import(filepath=str(tmp_path / "letters_0002.obj"))
+    else:
+        bpy.ops.wm.alembic_import(filepath=str(tmp_path / "letters.abc"), as_background_job=False)
+    bpy.context.scene.frame_set(2)
+    (obj,) = (obj for obj in bpy.context.scene.objects if obj.type == "MESH")
+    mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    assert sum(face.area for face in mesh.polygons) == pytest.approx(area, rel=1e-3)
 
 
 def test_a_drawing_is_drawn_again_without_leaving_materials():

@@ -76,16 +76,21 @@ def _meshes_of(frames: list[bpy.types.Object]) -> list[bpy.types.Mesh]:
     depsgraph = bpy.context.evaluated_depsgraph_get()
     meshes = []
     for obj, copy in zip(frames, copies, strict=True):
-        evaluated = copy.evaluated_get(depsgraph)
-        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-        mesh.name = obj.name
+        meshes.append(mesh_of_frame(obj, copy.evaluated_get(depsgraph), depsgraph))
+        meshes[-1].name = obj.name
+    bpy.data.batch_remove(copies)
+    return meshes
+
+
+def mesh_of_frame(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh:
+    """Return a new mesh of what a frame object shows, which may be a curve or a text, with its colors."""
+    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    if obj.type != "MESH":
         colors = region_colors(obj)
         if colors:
             paint_mesh(mesh, colors)
         assign_default_material(mesh)
-        meshes.append(mesh)
-    bpy.data.batch_remove(copies)
-    return meshes
+    return mesh
 
 
 def _standing_for(obj: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The frame objects of a morph as they are seen at their times: moved with parents, and with modifiers."""
+"""The frame objects of a morph as meshes that are seen at their times: moved with parents, and with modifiers."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from ..animation_time import returning, show_time, time_of_frame
 from ..element_values import element_values
+from ..flat.frames_as_meshes import mesh_of_frame
 from ..keyframes import VISIBILITY_PATHS, curves_of
 from ..matrix_checks import require_finite
 from ..objects import take_own_materials, transform_mesh
@@ -21,7 +22,7 @@ from ..visibility import shown_at, shown_objects, update_places
 
 @dataclass(frozen=True)
 class StillFrames:
-    """Objects that neither move nor have modifiers.
+    """Mesh objects that neither move nor have modifiers.
 
     Attributes
     ----------
@@ -42,7 +43,7 @@ class StillFrames:
 
 @contextmanager
 def still_frames(frames: Sequence[bpy.types.Object], times: Sequence[float]) -> Iterator[StillFrames]:
-    """Provide frame objects as they are seen: those that move or have modifiers as copies in world space.
+    """Provide frame objects as they are seen: those that move, have modifiers or are curves as copies in world space.
 
     Parameters
     ----------
@@ -112,7 +113,7 @@ def _copy(obj: bpy.types.Object) -> bpy.types.Object:
     evaluated = obj.evaluated_get(depsgraph)
     matrix = evaluated.matrix_world.copy()
     require_finite(obj.name, np.array(matrix))
-    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+    mesh = mesh_of_frame(obj, evaluated, depsgraph)
     take_own_materials(mesh, obj)
     transform_mesh(mesh, matrix)
     copy = bpy.data.objects.new(obj.name, mesh)
@@ -121,8 +122,9 @@ def _copy(obj: bpy.types.Object) -> bpy.types.Object:
 
 
 def _may_change(obj: bpy.types.Object) -> bool:
-    """Return whether an object is shown in other ways than its mesh at a fixed place."""
+    """Return whether an object shows something else than its own mesh at a fixed place."""
     data = obj.animation_data
     curves = [] if data is None else [*curves_of(obj), *data.drivers]
     animated = any(curve.data_path not in VISIBILITY_PATHS for curve in curves) or bool(data and data.nla_tracks)
-    return bool(animated or obj.parent or obj.constraints or obj.modifiers or obj.data.shape_keys)
+    others = obj.parent or obj.constraints or obj.modifiers
+    return bool(obj.type != "MESH" or animated or others or obj.data.shape_keys)
