@@ -433,6 +433,13 @@ def test_a_drawing_may_begin_before_frame_0():
     assert list(drawings(obj)) == [-2, -1, 0, 1]
 
 
+def test_a_drawing_is_shown_before_it_changes():
+    select_only(text("A"), text("B", 3.0))
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", flat_output="DRAWING", **QUICK, start="CUSTOM", frame_start=8)
+    (obj,) = frame_objects(baked_morph())
+    assert list(drawings(obj)) == [1, 9, 10, 11]
+
+
 def test_drawings_of_a_sheet_are_objects_of_their_own():
     select_only(*(text(sign, 5.0 * index) for index, sign in enumerate("ABC")))
     bpy.ops.convwass.bake_morph(

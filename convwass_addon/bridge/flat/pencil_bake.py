@@ -43,7 +43,9 @@ class PencilBake(FlatBake):
             obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
             self._drawing = Handle.of("objects", obj)
         obj = self._living(self._drawing)
-        self._draw(obj, frame, self._scene_frame(index))
+        number = self._scene_frame(index)
+        # A drawing is not shown before its first keyframe.
+        self._draw(obj, frame, number if index else min(number, self._living(self._scene).frame_start))
         return obj
 
     def _made(self, frame: FittedFrame, name: str) -> bpy.types.Object:
