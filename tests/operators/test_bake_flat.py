@@ -121,6 +121,34 @@ def test_sheared_drawings_are_shown_at_the_ends():
     assert flat_area(found) == pytest.approx(flat_area(expected), rel=1e-3)
 
 
+def test_drawings_are_shown_as_they_are_now_and_with_the_parents_of_their_layers():
+    first, last = drawing([square(2.0)], [1]), drawing([square(3.0)], [1])
+    layer = first.data.layers[0]
+    redraw(first, 3, drawing([square(4.0)], [1]))
+    redraw(last, 9, drawing([square(1.0)], [1]))
+    rig = linked("Rig", None)
+    rig.location, rig.scale.x, layer.parent = (20.0, 0.0, 5.0), 2.0, rig
+    bpy.context.scene.frame_set(3)
+    select_only(first, last)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", start="CURRENT", **QUICK)
+    rig.location.z = 50.0
+    frames = frame_objects(baked_morph())
+    for number, obj, size, place in ((1, frames[0], (8, 4), (20, 5)), (12, frames[-1], (3, 3), (0, 0))):
+        bpy.context.scene.frame_set(number)
+        (flat,) = flat_objects([obj], bpy.context.evaluated_depsgraph_get())
+        low, high = (pick(flat.read.points, axis=0)[[0, 2]] for pick in (np.min, np.max))
+        np.testing.assert_allclose((high - low, (high + low) / 2), (size, place), atol=1e-5)
+
+
+def redraw(obj, number, other):
+    """Add a keyframe with the strokes of another drawing."""
+    points = [point.position[:] for point in other.data.layers[0].frames[0].drawing.strokes[0].points]
+    stroke = obj.data.layers[0].frames.copy(1, number).drawing.strokes[0]
+    for point, place in zip(stroke.points, points, strict=True):
+        point.position = place
+    bpy.data.objects.remove(other)
+
+
 def test_letters_travel_to_letters():
     first, last = text("IO"), text("OI", 0.0)
     select_only(first, last)

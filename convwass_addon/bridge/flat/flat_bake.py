@@ -22,7 +22,7 @@ from ..visibility import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
 from .flat_paint import assign_region_materials, paint_mesh, unused_materials
-from .flat_pencils import place_drawing
+from .flat_pencils import freeze_drawing
 from .flat_rings import blended_style
 from .planes import blended_plane
 
@@ -65,7 +65,8 @@ class FlatBake(MorphBake):
         """
         check_first_frame(first_frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        copies = [_frozen(obj, flat, kind, depsgraph) for obj, flat in zip(inputs, flats, strict=True)]
+        start = min(first_frame, scene.frame_start)
+        copies = [_frozen(obj, flat, kind, depsgraph, start) for obj, flat in zip(inputs, flats, strict=True)]
         shapes = [_described(*each) for each in zip(inputs, copies, flats, strict=True)]
         bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
         bake._copies = [Handle.of("objects", copy) for copy in copies]
@@ -133,8 +134,13 @@ class FlatBake(MorphBake):
         bpy.data.batch_remove(unused_materials())
 
 
-def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: bpy.types.Depsgraph) -> bpy.types.Object:
-    """Copy an input in its current state, as an object of the same type or as a mesh, which takes a shear."""
+def _frozen(
+    obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: bpy.types.Depsgraph, start: int
+) -> bpy.types.Object:
+    """Copy an input in its current state, as an object of the same type or as a mesh, which takes a shear.
+
+    Drawings are shown from a start frame on.
+    """
     if obj.type == "EMPTY" or (obj.type == "GREASEPENCIL" and kind == "MESH"):
         copy = _of_rings(obj, flat)
         return _as_mesh_object(copy) if kind == "MESH" else copy
@@ -147,7 +153,7 @@ def _frozen(obj: bpy.types.Object, flat: MovedFlat, kind: FlatKind, depsgraph: b
         else:
             copy = _own_copy(obj)
             if obj.type == "GREASEPENCIL":
-                place_drawing(copy, place)
+                freeze_drawing(copy, evaluated, flat.move, start)
             else:
                 copy.matrix_world = place
     copy.color = obj.color

@@ -14,12 +14,13 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..element_values import element_values
-from ..objects import is_sheared
 from .flat_rings import FlatRings
 from .flat_splines import cubic_points
 
 # Blender's curve type for Bezier curves, and points per segment.
 _BEZIER, _STEPS = 2, 16
+# Largest difference of a transform from none that single precision makes.
+_UNMOVED = 1e-5
 
 
 def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRings:
@@ -33,8 +34,7 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     rings, slots, fills = [], [], []
     known: dict[tuple[int, int], int] = {}
-    for number, (own, drawing) in enumerate(_drawings(evaluated.data)):
-        place = matrix @ own
+    for number, (place, drawing) in enumerate(_drawings(evaluated)):
         for index, stroke in enumerate(drawing.strokes):
             fill = _fill_of(obj, stroke, index)
             if fill is None or len(stroke.points) < 3:
@@ -50,28 +50,51 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
     return FlatRings(rings, matrix, "non-zero", None, tuple(slots), fills=tuple(fills))
 
 
-def place_drawing(obj: bpy.types.Object, matrix: Matrix) -> None:
-    """Place a drawing in the world; what a location, a rotation and a scale cannot express is done to its strokes.
+def freeze_drawing(
+    obj: bpy.types.Object, evaluated: bpy.types.Object, move: NDArray[np.float64], first_frame: int
+) -> None:
+    """Let the copy of a drawing show in every frame what the drawing shows now, moved in the world.
+
+    What a location, a rotation and a scale cannot express is done to its strokes.
 
     Parameters
     ----------
     obj : bpy.types.Object
-        A Grease Pencil object without a parent, and with data of its own.
-    matrix : Matrix
-        The world matrix.
+        The copy, without a parent, and with data of its own.
+    evaluated : bpy.types.Object
+        The evaluated drawing.
+    move : (4, 4)
+        World space.
+    first_frame : int
+        The copy is shown from this frame on.
     """
-    obj.matrix_world = matrix
-    if not is_sheared(matrix):
-        return
-    plain, wanted = (np.array(own, dtype=np.float64) for own in (obj.matrix_basis, matrix))
-    shear, done = np.linalg.solve(plain, wanted), set()
+    world = np.array(evaluated.matrix_world, dtype=np.float64)
+    obj.matrix_world = Matrix((move @ world).tolist())
+    basis = np.array(obj.matrix_basis, dtype=np.float64)
     for layer in obj.data.layers:
-        own = np.array(layer.matrix_local, dtype=np.float64)
-        # Several keyframes may show one drawing.
-        drawings = {frame.drawing.as_pointer(): frame.drawing for frame in layer.frames if frame.drawing is not None}
-        for key in drawings.keys() - done:
-            _transform(drawings[key], np.linalg.solve(own, shear @ own))
-        done |= drawings.keys()
+        layer.parent = None
+        before = evaluated.data.layers.get(layer.name)
+        if before is None:
+            continue
+        own = basis @ np.array(layer.matrix_local, dtype=np.float64)
+        way = np.linalg.solve(own, move @ _place_of(before, world))
+        for drawing in _kept_drawings(layer, before.current_frame(), first_frame):
+            if np.abs(way - np.eye(4)).max() > _UNMOVED:
+                _transform(drawing, way)
+
+
+def _kept_drawings(layer: object, shown: object | None, first_frame: int) -> list[object]:
+    """Remove all keyframes of a layer but the one that is shown, from a first frame on; return what it draws then."""
+    drawings = {frame.drawing.as_pointer(): frame.drawing for frame in layer.frames if frame.drawing is not None}
+    if len(drawings) < len(layer.frames):
+        # In copies, Blender removes a drawing that several keyframes show with the first of them.
+        return list(drawings.values())
+    number = None if shown is None else shown.frame_number
+    for other in [frame.frame_number for frame in layer.frames if frame.frame_number != number]:
+        layer.frames.remove(other)
+    if number is not None and number > first_frame:
+        layer.frames.move(number, first_frame)
+    return [frame.drawing for frame in layer.frames]
 
 
 def _transform(drawing: object, matrix: NDArray[np.float64]) -> None:
@@ -98,12 +121,26 @@ def _points_of(stroke: object) -> NDArray[np.float64]:
     return curve.swapaxes(0, 1).reshape(-1, 3)
 
 
-def _drawings(data: bpy.types.ID) -> Iterator[tuple[NDArray[np.float64], object]]:
-    """Yield the drawing and the transform, (4, 4), of every visible layer."""
-    for layer in data.layers:
+def _drawings(evaluated: bpy.types.Object) -> Iterator[tuple[NDArray[np.float64], object]]:
+    """Yield the drawing of every visible layer, and its transform to world space, (4, 4)."""
+    world = np.array(evaluated.matrix_world, dtype=np.float64)
+    for layer in evaluated.data.layers:
         frame = layer.current_frame()
         if not layer.hide and frame is not None and frame.drawing is not None:
-            yield np.array(layer.matrix_local, dtype=np.float64), frame.drawing
+            yield _place_of(layer, world), frame.drawing
+
+
+def _place_of(layer: object, world: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the transform of an evaluated layer to world space, (4, 4), which follows its parent if it has one."""
+    parent = layer.parent
+    own = np.array(layer.matrix_local, dtype=np.float64)
+    if parent is None:
+        return world @ own
+    space = parent.matrix_world
+    bone = parent.pose.bones.get(layer.parent_bone) if parent.pose is not None else None
+    if bone is not None:
+        space = space @ bone.matrix
+    return np.array(space @ layer.matrix_parent_inverse, dtype=np.float64) @ own
 
 
 def _fill_of(obj: bpy.types.Object, stroke: object, index: int) -> int | None:
