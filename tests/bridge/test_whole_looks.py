@@ -207,6 +207,21 @@ def test_frames_start_with_the_look_of_an_object_that_was_turned_and_scaled(bare
         assert np.abs(picture(bare_scene, tmp_path, frame) - expected).mean() < 0.02
 
 
+def tinted(name):
+    made = material(name)
+    shown(made, "ShaderNodeObjectInfo")
+    return made
+
+
+def test_all_frames_have_the_colors_of_the_objects(bare_scene, make_object, tmp_path):
+    inputs = [add_ball(make_object, name, tinted(name), points=200) for name in "AB"]
+    inputs[0].color, inputs[1].color = (0.1, 0.6, 0.3, 1.0), (0.9, 0.2, 0.7, 1.0)
+    frames = frame_objects(bake(bare_scene, inputs))
+    for frame, color in zip(frames, [(0.1, 0.6, 0.3), (0.5, 0.4, 0.5), (0.9, 0.2, 0.7)], strict=True):
+        seen = picture(bare_scene, tmp_path, frame)[SIZE // 2, SIZE // 2]
+        np.testing.assert_allclose(seen, color, atol=0.02)
+
+
 def test_the_parts_of_a_shape_keep_their_own_spaces(bare_scene, make_object):
     """Two balls form a shape; each is its own unit ball around the origin."""
     inputs = []
