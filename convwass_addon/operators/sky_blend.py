@@ -108,8 +108,8 @@ class SkyJob:
         self.files.discard()
 
     def notices(self) -> list[Sentence]:
-        """Return a notice if a sky has no sun to move."""
-        if all(end.lamps for end in self.ends):
+        """Return a notice if only one sky has suns, which then cannot move."""
+        if len({bool(end.lamps) for end in self.ends}) < 2:
             return []
         return [Sentence("One of the skies has no sun, so the suns of the other one fade instead of moving.")]
 

@@ -161,10 +161,13 @@ def test_worlds_whose_images_were_replaced_are_named(worlds, capfd):
     assert "show the new images, too, which have replaced theirs: Sky 0-1" in capfd.readouterr().out
 
 
-def test_a_sky_without_a_sun_is_reported(worlds, tmp_path):
+def test_a_sky_without_a_sun_is_reported_if_the_other_one_has_one(worlds, tmp_path, capfd):
     write_sky(tmp_path / "in.1.exr", np.full((64, 128, 3), 0.3, np.float32))
     bpy.data.worlds["1"].node_tree.nodes["Environment Texture"].image.reload()
     assert blend(worlds, frame_end=5) == {"FINISHED"}
+    assert "One of the skies has no sun" in capfd.readouterr().out
+    assert blend(worlds, frame_end=5, worlds="1, 1") == {"FINISHED"}
+    assert "has no sun" not in capfd.readouterr().out
 
 
 @pytest.mark.parametrize(("value", "problem"), [(0.0, "has no light"), (np.nan, "has pixels that are no numbers")])
