@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.flat.choosing import asks_for_flat
 from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_objects import is_flat
 from convwass_addon.bridge.joined_shapes import joined_shape
@@ -339,6 +340,27 @@ def test_a_curve_is_flat_until_nodes_give_it_depth(add):
     assert is_flat(obj, depsgraph)
     output_of(obj, ("GeometryNodeExtrudeMesh", {}))
     assert not is_flat(obj, depsgraph)
+
+
+@pytest.mark.parametrize("by", ["depth", "object"])
+def test_a_tube_along_an_open_curve_is_solid(add, by):
+    bpy.ops.curve.primitive_bezier_circle_add(radius=0.1)
+    profile = bpy.context.object
+    bpy.ops.curve.primitive_nurbs_path_add()
+    obj, depsgraph = bpy.context.object, bpy.context.evaluated_depsgraph_get()
+    assert is_flat(obj, depsgraph) and looks_flat(obj)
+    obj.data.use_fill_caps = True
+    if by == "depth":
+        obj.data.bevel_depth, obj.data.bevel_resolution = 0.1, 12
+    else:
+        obj.data.bevel_mode, obj.data.bevel_object = "OBJECT", profile
+    bpy.context.view_layer.update()
+    assert not is_flat(obj, depsgraph) and not looks_flat(obj)
+    assert not asks_for_flat([obj, obj], depsgraph, 0.0)
+    assert read(obj).volume == pytest.approx(0.01 * pi * 4.0, rel=0.05)
+    # Closed ones are flat shapes with a bevel.
+    obj.data.splines[0].use_cyclic_u = True
+    assert is_flat(obj, depsgraph) and looks_flat(obj)
 
 
 def test_a_curve_with_thickness_is_solid(add):

@@ -7,10 +7,12 @@ from __future__ import annotations
 import bpy
 
 FLAT_KINDS = ("FONT", "CURVE", "GREASEPENCIL")
-"""Object types that are flat, besides image Empties, unless modifiers make them solid."""
+"""Object types that are flat, besides image Empties, unless modifiers or a bevel make them solid."""
 
 # Modifiers that can make a solid of a flat curve or text.
 _GIVE_DEPTH = ("NODES", "REMESH", "SCREW", "SOLIDIFY")
+# Distance relative to the size of a curve below which the ends of an open spline touch.
+_TOUCHING = 1e-5
 
 
 def is_shape(obj: bpy.types.Object) -> bool:
@@ -29,7 +31,7 @@ def looks_flat(obj: bpy.types.Object) -> bool:
     is_thin = sizes[2] > 0 and sizes[0] <= 1e-4 * sizes[2]
     if obj.type == "MESH" or (may_become_solid(obj) and not has_own_depth(obj)):
         return is_thin
-    return is_drawn_flat(obj)
+    return is_drawn_flat(obj) and not is_tube(obj)
 
 
 def may_become_solid(obj: bpy.types.Object) -> bool:
@@ -39,7 +41,23 @@ def may_become_solid(obj: bpy.types.Object) -> bool:
 
 def has_own_depth(obj: bpy.types.Object) -> bool:
     """Return whether a curve or text is extruded or beveled."""
-    return obj.data.extrude > 0 or obj.data.bevel_depth > 0
+    return obj.data.extrude > 0 or _is_beveled(obj.data)
+
+
+def _is_beveled(curve: bpy.types.Curve) -> bool:
+    return curve.bevel_object is not None if curve.bevel_mode == "OBJECT" else curve.bevel_depth > 0
+
+
+def is_tube(obj: bpy.types.Object) -> bool:
+    """Return whether an object is a curve of open splines with a bevel, which fills no area but has a volume."""
+    splines = obj.data.splines if obj.type == "CURVE" and _is_beveled(obj.data) else ()
+    reach = _TOUCHING * max(obj.dimensions)
+    return len(splines) > 0 and all(_is_open(spline, reach) for spline in splines)
+
+
+def _is_open(spline: bpy.types.Spline, reach: float) -> bool:
+    points = spline.bezier_points if spline.type == "BEZIER" else spline.points
+    return not spline.use_cyclic_u and (len(points) < 4 or (points[0].co - points[-1].co).length > reach)
 
 
 def is_image(obj: bpy.types.Object) -> bool:

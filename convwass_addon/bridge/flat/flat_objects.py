@@ -19,7 +19,7 @@ from ..morphs.materials import base_color, input_color
 from ..nodes_output import nodes_output
 from ..visibility import evaluated_object
 from .flat_images import image_rings
-from .flat_kinds import has_own_depth, is_drawn_flat, may_become_solid
+from .flat_kinds import has_own_depth, is_drawn_flat, is_tube, may_become_solid
 from .flat_meshes import is_flat_mesh, mesh_rings
 from .flat_pencils import pencil_rings
 from .flat_rings import FlatRings
@@ -31,9 +31,9 @@ _SQUASHED = 1e-6
 
 
 def is_flat(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
-    """Return whether an object is flat: by type unless nodes make it solid, or because its mesh is in one plane."""
+    """Return whether an object is flat: by type unless it is made solid, or because its mesh is in one plane."""
     if obj.type != "MESH":
-        return is_drawn_flat(obj) and not _is_made_solid(obj, depsgraph)
+        return is_drawn_flat(obj) and not is_tube(obj) and not _is_made_solid(obj, depsgraph)
     with evaluated_object(obj, depsgraph) as evaluated:
         return is_flat_mesh(evaluated)
 
