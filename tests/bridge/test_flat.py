@@ -75,6 +75,15 @@ def test_a_text_fills_what_blender_fills(body):
     assert area(read(text(body))[0]) == pytest.approx(drawn_area(bpy.context.scene.objects[0]), rel=5e-3)
 
 
+def test_underlines_belong_to_their_letters():
+    obj = text("Öl")
+    for sign in obj.data.body_format:
+        sign.use_underline = True
+    (flat,) = read(obj)
+    assert area(flat) == pytest.approx(drawn_area(obj), rel=5e-3)
+    assert sorted(flat.shape.letters) == [0, 0, 0, 0, 0, 1, 1]
+
+
 def test_letters_are_numbered_in_reading_order():
     (flat,) = read(text("a B\ni8"))
     numbers = np.array(flat.shape.letters)

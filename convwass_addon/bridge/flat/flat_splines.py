@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import unicodedata
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import bpy
 import numpy as np
@@ -22,6 +22,8 @@ from .flat_rings import CurveStyle, FlatRings
 _LEAST_STEPS, _MOST_STEPS = 24, 64
 # Distance relative to the extent below which the ends of an open spline touch.
 _TOUCHING = 1e-5
+# What Blender adds to the number of a character for the spline of its underline.
+_UNDERLINE = 1000
 # A character that no font defines.
 _NOBODYS = "\ue001"
 # Characters up to this code are available in almost all fonts.
@@ -52,12 +54,12 @@ def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: b
     try:
         curve = evaluated.to_curve(depsgraph, apply_modifiers=True)
         splines = list(curve.splines)
-        drawn = _drawn_signs(splines) if is_text else {}
+        drawn = _drawn_signs(_glyphs(splines)) if is_text else {}
         matrix = np.array(evaluated.matrix_world, dtype=np.float64)
         found = [(spline, sampled_spline(spline)) for spline in splines]
         closed = [(spline, ring) for spline, ring in found if ring is not None and len(ring) >= 3]
         style = _style(obj.data, matrix)
-        letters = tuple(spline.character_index for spline, _ in closed) if is_text else None
+        letters = tuple(_letter_of(spline) for spline, _ in closed) if is_text else None
         slots = tuple(spline.material_index for spline, _ in closed)
     finally:
         evaluated.to_curve_clear()
@@ -152,6 +154,16 @@ def _style(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveStyle:
     )
 
 
+def _glyphs(splines: Iterable[bpy.types.Spline]) -> list[bpy.types.Spline]:
+    """Return the splines of a text without underlines."""
+    return [spline for spline in splines if spline.type == "BEZIER"]
+
+
+def _letter_of(spline: bpy.types.Spline) -> int:
+    """Return the character that a spline of a text belongs to; underlines have other numbers."""
+    return spline.character_index - (_UNDERLINE if spline.type == "POLY" else 0)
+
+
 def _drawn_signs(splines: Sequence[bpy.types.Spline]) -> dict[int, _Sign]:
     """Glyph outlines of a text by character index."""
     grouped: dict[int, list[bpy.types.Spline]] = {}
@@ -190,7 +202,7 @@ def _box_of(text: bpy.types.TextCurve) -> _Sign | None:
         bpy.context.scene.collection.objects.link(obj)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         found = obj.evaluated_get(depsgraph)
-        splines = list(found.to_curve(depsgraph).splines)
+        splines = _glyphs(found.to_curve(depsgraph).splines)
         return _shape_of(splines) if splines else None
     finally:
         bpy.data.batch_remove([obj, copy])
