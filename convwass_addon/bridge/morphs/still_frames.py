@@ -88,8 +88,10 @@ def _copied(
     still, scene = [], bpy.context.scene
     with returning(scene):
         for group, time in zip(shown, times, strict=True):
-            show_time(scene, time)
-            for obj in [obj for obj in group if obj in copies]:
+            changing = [obj for obj in group if obj in copies]
+            if changing:
+                show_time(scene, time)
+            for obj in changing:
                 _add(copies[obj], _copy(obj))
             still.append(tuple(copies[obj][-1] if obj in copies else obj for obj in group))
     return still
