@@ -278,6 +278,18 @@ def show_instead(obj, other):
             point.co.y = 1.0
 
 
+def test_changes_of_edit_mode_are_exported(collection, tmp_path):
+    obj = frame_objects(collection)[0]
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.transform.translate(value=(0.0, 0.0, 5.0))
+    files = export_frames(collection, tmp_path / "rise", "stl")
+    assert obj.mode == "EDIT"
+    bpy.ops.object.mode_set(mode="OBJECT")
+    np.testing.assert_allclose(corners_of(files).mean(axis=1)[:, 2], [5.0, 1.0, 2.0, 3.0], atol=1e-5)
+
+
 @pytest.mark.parametrize("name", FORMATS)
 def test_frames_are_as_their_modifiers_make_them(collection, tmp_path, name):
     for obj in frame_objects(collection):

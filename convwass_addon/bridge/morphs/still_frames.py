@@ -61,6 +61,8 @@ def still_frames(frames: Sequence[bpy.types.Object], times: Sequence[float]) -> 
     times = list(times) or [time_of_frame(scene, scene.frame_current_final)]
     update_places(frames, bpy.context.evaluated_depsgraph_get())
     for obj in frames:
+        if obj.mode == "EDIT":
+            obj.update_from_editmode()
         require_finite(obj.name, np.array(obj.matrix_world))
     shown = shown_at(frames, times)
     changing = [obj for obj in frames if _may_change(obj)]
