@@ -140,6 +140,16 @@ def test_drawings_are_shown_as_they_are_now_and_with_the_parents_of_their_layers
         np.testing.assert_allclose((high - low, (high + low) / 2), (size, place), atol=1e-5)
 
 
+def test_drawings_that_a_modifier_retimes_stay_so():
+    first, last = drawing([square(2.0)], [1]), drawing([square(3.0)], [1])
+    redraw(first, 9, drawing([square(4.0)], [1]))
+    modifier = first.modifiers.new("Fixed", "GREASE_PENCIL_TIME")
+    modifier.mode, modifier.offset = "FIX", 9
+    select_only(first, last)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    assert filled(frame_objects(baked_morph())[0], 1).area == pytest.approx(16.0)
+
+
 def redraw(obj, number, other):
     """Add a keyframe with the strokes of another drawing."""
     points = [point.position[:] for point in other.data.layers[0].frames[0].drawing.strokes[0].points]

@@ -71,6 +71,7 @@ def freeze_drawing(
     world = np.array(evaluated.matrix_world, dtype=np.float64)
     obj.matrix_world = Matrix((move @ world).tolist())
     basis = np.array(obj.matrix_basis, dtype=np.float64)
+    retimed = any(modifier.type == "GREASE_PENCIL_TIME" for modifier in obj.modifiers)
     for layer in obj.data.layers:
         layer.parent = None
         before = evaluated.data.layers.get(layer.name)
@@ -78,23 +79,30 @@ def freeze_drawing(
             continue
         own = basis @ np.array(layer.matrix_local, dtype=np.float64)
         way = np.linalg.solve(own, move @ _place_of(before, world))
-        for drawing in _kept_drawings(layer, before.current_frame(), first_frame):
+        drawings = _drawings_of(layer) if retimed else _kept_drawings(layer, before.current_frame(), first_frame)
+        for drawing in drawings:
             if np.abs(way - np.eye(4)).max() > _UNMOVED:
                 _transform(drawing, way)
 
 
 def _kept_drawings(layer: object, shown: object | None, first_frame: int) -> list[object]:
     """Remove all keyframes of a layer but the one that is shown, from a first frame on; return what it draws then."""
-    drawings = {frame.drawing.as_pointer(): frame.drawing for frame in layer.frames if frame.drawing is not None}
+    drawings = _drawings_of(layer)
     if len(drawings) < len(layer.frames):
         # In copies, Blender removes a drawing that several keyframes show with the first of them.
-        return list(drawings.values())
+        return drawings
     number = None if shown is None else shown.frame_number
     for other in [frame.frame_number for frame in layer.frames if frame.frame_number != number]:
         layer.frames.remove(other)
     if number is not None and number > first_frame:
         layer.frames.move(number, first_frame)
-    return [frame.drawing for frame in layer.frames]
+    return _drawings_of(layer)
+
+
+def _drawings_of(layer: object) -> list[object]:
+    """Return the drawings of all keyframes of a layer, without duplicates."""
+    drawings = (frame.drawing for frame in layer.frames)
+    return list({drawing.as_pointer(): drawing for drawing in drawings if drawing is not None}.values())
 
 
 def _transform(drawing: object, matrix: NDArray[np.float64]) -> None:
