@@ -86,9 +86,8 @@ def view_at(window: bpy.types.Window, x: int, y: int) -> bpy.types.Region | None
     """Return the 3D view at a position in a window; None if there is none, or it is covered."""
     for area in window.screen.areas:
         under = [region for region in area.regions if _holds(region, x, y)] if area.type == "VIEW_3D" else []
-        views = [region for region in under if region.type == "WINDOW"]
-        if views and not any(region.type in ("UI", "TOOLS") for region in under):
-            return views[0]
+        if under and all(region.type == "WINDOW" for region in under):
+            return under[0]
     return None
 
 

@@ -301,8 +301,9 @@ def test_picking_can_be_given_up(view, monkeypatch):
     np.testing.assert_array_equal(read_group(obj, "A"), before)
 
 
-def test_sidebars_over_a_view_are_not_clicked_through(view):
-    over = SimpleNamespace(type="UI", x=200, y=50, width=100, height=200)
+@pytest.mark.parametrize("kind", ["UI", "TOOLS", "HEADER", "TOOL_HEADER", "HUD", "ASSET_SHELF"])
+def test_what_lies_over_a_view_is_not_clicked_through(view, kind):
+    over = SimpleNamespace(type=kind, x=200, y=50, width=100, height=200)
     window = SimpleNamespace(screen=SimpleNamespace(areas=[SimpleNamespace(type="VIEW_3D", regions=[view, over])]))
     assert picking.view_at(window, 150, 100) is view
     assert picking.view_at(window, 250, 100) is None
