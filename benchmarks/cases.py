@@ -112,9 +112,8 @@ def path(cells: int, frames: int) -> dict[str, object]:
     with watch.stage("read"):
         inputs = read_shapes()
         blends = path_blends(len(inputs), frames)
-        depsgraph = bpy.context.evaluated_depsgraph_get()
         settings = MorphSettings(resolution=cells, motion="transport")
-        job = MorphJob(bpy.context.scene, depsgraph, inputs, blends, settings, {"layout": "PATH", "frames": frames}, 1)
+        job = MorphJob(inputs, blends, settings, {"layout": "PATH", "frames": frames}, 1)
     blend_solver.barycenter = watch.timed("solve", blend_solver.barycenter)
     blending.extract_surface = watch.timed("surface", blending.extract_surface)
     steps = job.steps()

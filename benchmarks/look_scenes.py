@@ -138,9 +138,7 @@ def baked(
     motion: str = "automatic",
 ) -> list[bpy.types.Object]:
     """Bake a morph with one thread, and return its frames, visible at all times."""
-    scene = bpy.context.scene
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    job = MorphJob(scene, depsgraph, inputs, blends, MorphSettings(cells, motion=motion), {"looks": looks}, 1)
+    job = MorphJob(inputs, blends, MorphSettings(cells, motion=motion), {"looks": looks}, 1)
     for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     frames = frame_objects(job.finish(hide_inputs=False))

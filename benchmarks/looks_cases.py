@@ -110,7 +110,7 @@ def start(cells: int) -> dict[str, object]:
 
 def seconds(cells: int) -> dict[str, object]:
     """Transfer and write the looks of frames: whole materials with a UV map each, and colors only."""
-    scene = empty_scene()
+    empty_scene()
     inputs = [textured_sphere(checkered_material("Sphere")), textured_cube(checkered_material("Cube"))]
     depsgraph, blends = bpy.context.evaluated_depsgraph_get(), path_blends(2, 4)
     shapes = [triangle_mesh(obj, depsgraph) for obj in inputs]
@@ -118,8 +118,8 @@ def seconds(cells: int) -> dict[str, object]:
     reports = [report for report in work if isinstance(report.payload, MorphFrame) and report.payload.mesh is not None]
     found: dict[str, object] = {"triangles": max(len(report.payload.mesh.faces) for report in reports)}
     for looks in ("COLORS", "FADE"):
-        bake = MorphBake.begin(scene, inputs, blends, {}, 1)
-        carrying = Carrying(scene, bake.inputs, bake.frozen, blends, looks)
+        bake = MorphBake.begin(inputs, blends, {}, 1)
+        carrying = Carrying(bake.inputs, bake.frozen, blends, looks)
         carried = []
         begin = time.process_time()
         carried += [report.payload for report in carrying.looked_up(iter(reports))]

@@ -57,9 +57,8 @@ def baked(ends: Ends, cells: int, motion: str) -> bpy.types.Collection:
         inputs.append(obj)
     bpy.context.view_layer.update()
     settings = MorphSettings(resolution=cells, motion=motion)
-    depsgraph = bpy.context.evaluated_depsgraph_get()
     options = {"layout": "PATH", "frames": _STEPS}
-    job = MorphJob(bpy.context.scene, depsgraph, inputs, path_blends(2, _STEPS), settings, options, 1)
+    job = MorphJob(inputs, path_blends(2, _STEPS), settings, options, 1)
     for report in job.steps():
         job.write(report)
     return job.finish(hide_inputs=True)

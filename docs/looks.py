@@ -58,8 +58,8 @@ def _row(looks: str, cells: int, folder: Path) -> Image.Image:
     unwrap(cow)
     assign(cow, quilted())
     bpy.context.view_layer.update()
-    settings, depsgraph = MorphSettings(cells), bpy.context.evaluated_depsgraph_get()
-    job = MorphJob(bpy.context.scene, depsgraph, [horse, cow], path_blends(2, 4), settings, {"looks": looks}, 1)
+    settings = MorphSettings(cells)
+    job = MorphJob([horse, cow], path_blends(2, 4), settings, {"looks": looks}, 1)
     for step in job.steps(computation=Computation(cache=FrameCache(folder / "cache"))):
         job.write(step)
     morph = job.finish(hide_inputs=True)

@@ -15,21 +15,21 @@ TRAVEL = 4.0
 """Distance between the first and the last ball, in radii."""
 
 
-def bake(scene, make_object, meshes, blends, solved):
+def bake(make_object, meshes, blends, solved):
     """Bake shapes, and the blends that `solved` makes from weights."""
     shapes = [make_object(name) for name in "ABCD"[: len(meshes)]]
     for shape, mesh in zip(shapes, meshes, strict=True):
         write_mesh(shape.data, mesh)
-    made = MorphBake.begin(scene, shapes, blends, {"resolution": CELLS}, FIRST)
+    made = MorphBake.begin(shapes, blends, {"resolution": CELLS}, FIRST)
     for blend in blends:
         made.add(MorphFrame(blend, None if blend.source is not None else solved(blend.weights), {}))
     return made.finish(hide_inputs=True)
 
 
-def moving_ball(scene, make_object):
+def moving_ball(make_object):
     """Bake a ball of radius 1 that moves along X by `TRAVEL` in `FRAMES` frames, starting at `FIRST`."""
 
     def solved(weights):
         return ball(center=(TRAVEL * weights[1], 0.0, 0.0), points=2500)
 
-    return bake(scene, make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
+    return bake(make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)

@@ -83,11 +83,10 @@ def prepared_job(
     for index, obj in enumerate(inputs):
         if not any(slot.material for slot in obj.material_slots):
             obj.color = _PALETTE[index % len(_PALETTE)]
-    scene = bpy.context.scene
     kind = FlatJob if isinstance(settings, FlatSettings) else MorphJob
     if stored.get("flat_output") == "PICTURE":
         kind = PictureJob
-    return kind(scene, bpy.context.evaluated_depsgraph_get(), inputs, blends, settings, stored, scene.frame_start)
+    return kind(inputs, blends, settings, stored, bpy.context.scene.frame_start)
 
 
 def run_job(job: MorphJob | FlatJob | PictureJob, computing: Computing, take: Callable[[Progress[Any]], None]) -> None:

@@ -44,12 +44,11 @@ def with_shape_keys(
     refuse_one_mesh(inputs)
     exported = checked_key_target(options.export) if options.export else None
     textures = _texture_settings(options, target)
-    depsgraph, scene = bpy.context.evaluated_depsgraph_get(), bpy.context.scene
-    guides = guides_asked_for(options.guides, options.shapes, inputs, depsgraph)
+    guides = guides_asked_for(options.guides, options.shapes, inputs, bpy.context.evaluated_depsgraph_get())
     request = replace(request, guides=[guide.as_dict() for guide in guides])
     if request.two_meshes:
         return _with_two_meshes(inputs, options, request, settings, target)
-    job = ShapeKeyJob(scene, depsgraph, inputs, request, settings, scene.frame_start)
+    job = ShapeKeyJob(inputs, request, settings, bpy.context.scene.frame_start)
     (obj,) = _finished(job, options.workers)
     record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
     besides = []
@@ -78,8 +77,7 @@ def _with_two_meshes(
     given = [name for name in _OF_ONE_MESH if getattr(options, name)]
     if given:
         raise InputError("--two-meshes makes two objects; leave out --{option}.", option=given[0])
-    scene = bpy.context.scene
-    job = SwapJob(scene, bpy.context.evaluated_depsgraph_get(), inputs, request, settings, scene.frame_start)
+    job = SwapJob(inputs, request, settings, bpy.context.scene.frame_start)
     made = _finished(job, options.workers)
     record = {"objects": [obj.name for obj in made], "coherence": settings.coherence, **job.found.record()}
     return Answer.of_files(record, [save_blend(target)])

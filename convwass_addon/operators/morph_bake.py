@@ -96,14 +96,14 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         self._replaced = self._named()
         chosen = self._chosen(context)
         guides = self._guides(context, chosen.objects)
-        depsgraph, first_frame = context.evaluated_depsgraph_get(), self.first_frame(context.scene)
+        first_frame = self.first_frame(context.scene)
         if self.output == "SHAPE_KEYS":
-            return self._shape_keys(context, chosen.objects, guides, first_frame)
+            return self._shape_keys(chosen.objects, guides, first_frame)
         request = self.request(chosen.weights if self.layout == "BLEND" else None)
         request.check_output()
         blends = request.blends(len(chosen.objects))
         are_plain = all(is_plain(shape_source(obj, self.grouping)) for obj in chosen.objects)
-        are_flat = are_plain and asks_for_flat(chosen.objects, depsgraph, self.thickness)
+        are_flat = are_plain and asks_for_flat(chosen.objects, context.evaluated_depsgraph_get(), self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")
         refuse_following(are_flat and self.follow == "FOLLOW")
         self._require_folder()
@@ -116,10 +116,10 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
             settings = self.flat_settings()
             pictures = partial(PictureJob, replaces=self.replaced(), folder_of=own_folder)
             flat_job = pictures if kind == "PICTURE" else FlatJob
-            return flat_job(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+            return flat_job(chosen.objects, blends, settings, options, first_frame)
         settings = self.solver_settings()
         options = replace(request, guides=[guide.as_dict() for guide in guides]).as_dict()
-        return MorphJob(context.scene, depsgraph, chosen.objects, blends, settings, options, first_frame)
+        return MorphJob(chosen.objects, blends, settings, options, first_frame)
 
     def _chosen(self, context: bpy.types.Context) -> ChosenInputs:
         """Return the shapes to morph; raises InputError as `chosen_inputs`."""
@@ -150,15 +150,15 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         return None if block is None else Handle.of(kind, block)
 
     def _shape_keys(
-        self, context: bpy.types.Context, objects: list[bpy.types.Object], guides: list[NamedGuide], first_frame: int
+        self, objects: list[bpy.types.Object], guides: list[NamedGuide], first_frame: int
     ) -> ShapeKeyJob | SwapJob:
         from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
         from ..bridge.one_mesh.swap_job import SwapJob
 
         refuse_one_mesh(objects)
         request = replace(self.request(), layout=self.used_layout, guides=[guide.as_dict() for guide in guides])
-        depsgraph, job = context.evaluated_depsgraph_get(), SwapJob if self.two_meshes else ShapeKeyJob
-        return job(context.scene, depsgraph, objects, request, self.solver_settings(), first_frame)
+        job = SwapJob if self.two_meshes else ShapeKeyJob
+        return job(objects, request, self.solver_settings(), first_frame)
 
     def _guides(self, context: bpy.types.Context, objects: list[bpy.types.Object]) -> list[NamedGuide]:
         """Return the guides on the shapes; raises InputError if the argument names other objects."""

@@ -48,11 +48,11 @@ def octahedron() -> TriangleMesh:
 
 
 @pytest.fixture
-def moving(bare_scene, make_object):
+def moving(make_object):
     """Bake a ball that moves; see `moving_balls`."""
     from tests.moving_balls import moving_ball
 
-    return moving_ball(bare_scene, make_object)
+    return moving_ball(make_object)
 
 
 @pytest.fixture
@@ -78,12 +78,11 @@ def _octahedron() -> TriangleMesh:
 
 
 def _make_player():
-    import bpy
 
     from convwass_addon.bridge.morphs.player import make_player
     from tests.moving_balls import moving_ball
 
-    make_player(moving_ball(bpy.context.scene, _make_object), between="INTERPOLATED").name = "Player"
+    make_player(moving_ball(_make_object), between="INTERPOLATED").name = "Player"
 
 
 def _make_object(name, vertices=None, edges=(), faces=None):

@@ -73,12 +73,10 @@ def appearance_of(obj, depsgraph):
     return read_appearance(frozen_copy(obj, depsgraph), tuple(obj.color), [group.name for group in obj.vertex_groups])
 
 
-def bake(scene, inputs, steps=2, options=None, **settings):
-    import bpy
+def bake(inputs, steps=2, options=None, **settings):
 
-    depsgraph = bpy.context.evaluated_depsgraph_get()
     settings = MorphSettings(32, motion="transport", **settings)
-    job = MorphJob(scene, depsgraph, inputs, path_blends(2, steps), settings, options or {}, 1)
+    job = MorphJob(inputs, path_blends(2, steps), settings, options or {}, 1)
     for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     return job.finish(hide_inputs=True)
@@ -195,20 +193,20 @@ def test_large_images_are_halved_until_they_are_small(make_object, depsgraph):
     np.testing.assert_array_equal(appearance.paints[0].pixels[:, :, 0], [[0, 0, 1, 1]] * 2)
 
 
-def test_vertex_groups_become_attributes_if_all_inputs_have_them(bare_scene, make_object):
+def test_vertex_groups_become_attributes_if_all_inputs_have_them(make_object):
     inputs = [add_shape(make_object, name, ball(radius, points=300)) for name, radius in (("A", 1.0), ("B", 0.8))]
     for obj in inputs:
         head = obj.vertex_groups.new(name="Head")
         head.add([vertex.index for vertex in obj.data.vertices if vertex.co.z > 0], 0.5, "REPLACE")
     inputs[0].vertex_groups.new(name="Only Here").add([0], 1.0, "REPLACE")
-    mesh = frame_objects(bake(bare_scene, inputs))[1].data
+    mesh = frame_objects(bake(inputs))[1].data
     points = values(mesh, "position", "vector", 3)
     np.testing.assert_allclose(values(mesh, "Head")[points[:, 2] > 0.2], 0.5, atol=1e-5)
     assert values(mesh, "Head")[points[:, 2] < -0.2].max() == 0
     assert "Only Here" not in mesh.attributes
 
 
-def test_colors_travel_with_the_matter(bare_scene, make_object):
+def test_colors_travel_with_the_matter(make_object):
     """The distance between two balls changes; each keeps its color."""
     inputs = []
     for name, gap, colors in (("Near", 0.3, (RED, GREEN)), ("Far", 0.9, (RED, WHITE))):
@@ -217,7 +215,7 @@ def test_colors_travel_with_the_matter(bare_scene, make_object):
         for polygon in obj.data.polygons:
             polygon.material_index = int(polygon.center.x > 0)
         inputs.append(obj)
-    mesh = frame_objects(bake(bare_scene, inputs))[1].data
+    mesh = frame_objects(bake(inputs))[1].data
     right = values(mesh, "position", "vector", 3)[:, 0] > 0
     expected = np.where(right[:, None], (0.5, 1, 0.5, 1), RED)
     np.testing.assert_allclose(values(mesh, "Color", "color", 4), expected, atol=0.005)
@@ -262,7 +260,7 @@ def test_frames_look_like_their_inputs_near_them(bare_scene, make_object, tmp_pa
     """Neither color nor roughness jumps where the morph begins: the first frame has a material of its own."""
     one = add_shape(make_object, "One", ball(points=600), material("Mirror", (0.8, 0.2, 0.1, 1), 0.1))
     other = add_shape(make_object, "Other", ball(points=600), material("Chalk", (0.1, 0.3, 0.9, 1), 0.9))
-    frames = frame_objects(bake(bare_scene, [one, other], steps=24))
+    frames = frame_objects(bake([one, other], steps=24))
     colors = []
     for number in (1, 2):
         bare_scene.frame_set(number)
@@ -288,7 +286,7 @@ def test_light_that_inputs_emit_is_mixed(bare_scene, make_object, tmp_path):
     output = next(node for node in green.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
     green.node_tree.links.new(emission.outputs["Emission"], output.inputs["Surface"])
     inputs = [add_shape(make_object, "A", ball(points=300), red), add_shape(make_object, "B", ball(points=300), green)]
-    half = frame_objects(bake(bare_scene, inputs))[1]
+    half = frame_objects(bake(inputs))[1]
     principled(half.data.materials[0]).inputs["Specular IOR Level"].default_value = 0.0
     for link in list(principled(half.data.materials[0]).inputs["Specular IOR Level"].links):
         half.data.materials[0].node_tree.links.remove(link)
@@ -297,7 +295,7 @@ def test_light_that_inputs_emit_is_mixed(bare_scene, make_object, tmp_path):
 
 
 @pytest.mark.parametrize("faces", ["TRIANGLES", "QUADS"])
-def test_frames_keep_the_slots_of_their_inputs(bare_scene, make_object, faces):
+def test_frames_keep_the_slots_of_their_inputs(make_object, faces):
     """In two pairs of balls, the right balls have their own slot, which is emissive in one input."""
     inputs = []
     for name, own in (("Near", glowing("Lamp", WHITE, 2.0)), ("Far", material("Bulb"))):
@@ -306,14 +304,14 @@ def test_frames_keep_the_slots_of_their_inputs(bare_scene, make_object, faces):
         for polygon in obj.data.polygons:
             polygon.material_index = int(polygon.center.x > 0)
         inputs.append(obj)
-    mesh = frame_objects(bake(bare_scene, inputs, options={"faces": faces}))[1].data
+    mesh = frame_objects(bake(inputs, options={"faces": faces}))[1].data
     assert [own.name for own in mesh.materials] == ["Morph Near and Far", "Morph Lamp and Bulb"]
     lit = [principled(own).inputs["Emission Strength"].default_value for own in mesh.materials]
     assert lit == [0.0, 1.0]
     assert all(polygon.material_index == int(polygon.center.x > 0) for polygon in mesh.polygons)
 
 
-def test_materials_that_frames_do_not_show_are_named(bare_scene, make_object):
+def test_materials_that_frames_do_not_show_are_named(make_object):
     """A procedural color, a normal map and a texture of the roughness in one input; another one is plain."""
     noisy = material("Noisy")
     linked(noisy, "ShaderNodeTexNoise")
@@ -327,7 +325,7 @@ def test_materials_that_frames_do_not_show_are_named(bare_scene, make_object):
     for polygon in shape.data.polygons:
         polygon.material_index = int(polygon.center.z > 0)
     plain = add_shape(make_object, "B", ball(points=300), glowing("Lamp", RED, 2.0))
-    notes = stored_diagnostics(bake(bare_scene, [shape, plain], options={"looks": "COLORS"}))
+    notes = stored_diagnostics(bake([shape, plain], options={"looks": "COLORS"}))
     assert [(note.kind, note.values["materials"]) for note in notes] == [
         ("LOOK_PROCEDURAL", "Noisy"),
         ("LOOK_NORMALS", "Rough"),
@@ -367,19 +365,19 @@ def test_ignored_features_of_a_material_are_listed(make_object, depsgraph, kind,
     assert [note.kind for note in notes] == expected
 
 
-def test_an_input_that_is_painted_and_has_no_material_wears_that_of_the_frames(bare_scene, make_object):
+def test_an_input_that_is_painted_and_has_no_material_wears_that_of_the_frames(make_object):
     painted = add_shape(make_object, "Painted", ball(points=300))
     paint(painted, np.tile((0.2, 0.4, 0.6, 1), (len(painted.data.vertices), 1)))
     bare = add_shape(make_object, "Bare", ball(0.8, points=300))
-    frames = frame_objects(bake(bare_scene, [painted, bare]))
+    frames = frame_objects(bake([painted, bare]))
     assert frames[0].data.materials[0] == frames[1].data.materials[0]
     assert frames[2].data.materials[0] != frames[1].data.materials[0]
     np.testing.assert_allclose(values(frames[0].data, "Color", "color", 4), [(0.2, 0.4, 0.6, 1)] * 300, atol=1e-6)
 
 
-def test_without_carrying_frames_are_bare(bare_scene, make_object):
+def test_without_carrying_frames_are_bare(make_object):
     inputs = [add_shape(make_object, name, ball(points=300)) for name in "AB"]
-    mesh = frame_objects(bake(bare_scene, inputs, carry=False))[1].data
+    mesh = frame_objects(bake(inputs, carry=False))[1].data
     assert not {"Color", "velocity", "look_1", "source_weight_1"} & set(mesh.attributes.keys())
 
 
@@ -397,9 +395,9 @@ def test_normals_of_an_input_are_those_that_renders_show(make_object, depsgraph,
 
 
 @pytest.mark.parametrize("faces", ["TRIANGLES", "QUADS"])
-def test_blends_of_flat_shapes_are_flat(bare_scene, make_object, faces):
+def test_blends_of_flat_shapes_are_flat(make_object, faces):
     boxes = [add_shape(make_object, name, box(size)) for name, size in (("A", (1, 1, 1.5)), ("B", (1.5, 1, 1)))]
-    first = frame_objects(bake(bare_scene, boxes, 2, {"faces": faces}, detail=1.0))[1].data
+    first = frame_objects(bake(boxes, 2, {"faces": faces}, detail=1.0))[1].data
     assert first.normals_domain == "CORNER"
     corners, facing = np.empty(3 * len(first.loops), np.float32), np.empty(3 * len(first.polygons), np.float32)
     first.corner_normals.foreach_get("vector", corners)
@@ -410,28 +408,28 @@ def test_blends_of_flat_shapes_are_flat(bare_scene, make_object, faces):
     assert np.degrees(np.arccos(np.quantile(agreement, 0.1))) < 2.0
 
 
-def test_blends_without_detail_are_smooth(bare_scene, make_object):
+def test_blends_without_detail_are_smooth(make_object):
     boxes = [add_shape(make_object, name, box(size)) for name, size in (("A", (1, 1, 1.5)), ("B", (1.5, 1, 1)))]
-    first = frame_objects(bake(bare_scene, boxes, 2))[1].data
+    first = frame_objects(bake(boxes, 2))[1].data
     assert not first.has_custom_normals
     assert not first.attributes.get("sharp_face")
 
 
-def test_a_discarded_bake_leaves_nothing_behind(bare_scene, make_object, depsgraph, inventory):
+def test_a_discarded_bake_leaves_nothing_behind(make_object, inventory):
     inputs = [add_shape(make_object, name, ball(points=300), material(name)) for name in "AB"]
     before = inventory()
-    job = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), MorphSettings(32, motion="transport"), {}, 1)
+    job = MorphJob(inputs, path_blends(2, 2), MorphSettings(32, motion="transport"), {}, 1)
     for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     job.discard()
     assert inventory() == before
 
 
-def test_usd_has_the_carried_colors(bare_scene, make_object, tmp_path):
+def test_usd_has_the_carried_colors(make_object, tmp_path):
     import bpy
 
     inputs = two_balls(make_object)
-    (file,) = export_frames(bake(bare_scene, inputs), tmp_path / "colors", "usd")
+    (file,) = export_frames(bake(inputs), tmp_path / "colors", "usd")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.wm.usd_import(filepath=str(file))
     bpy.context.scene.frame_set(2)
@@ -452,10 +450,10 @@ def test_groups_do_not_replace_attributes(make_object):
     assert (values(obj.data, "Color", "color", 4) == 1).all()
 
 
-def test_stills_have_the_mean_color(bare_scene, make_object, tmp_path):
+def test_stills_have_the_mean_color(make_object, tmp_path):
     import bpy
 
-    files = export_frames(bake(bare_scene, two_balls(make_object)), tmp_path / "still", "obj")
+    files = export_frames(bake(two_balls(make_object)), tmp_path / "still", "obj")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.wm.obj_import(filepath=str(files[1]))
     (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
@@ -464,10 +462,10 @@ def test_stills_have_the_mean_color(bare_scene, make_object, tmp_path):
 
 
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
-def test_gltf_has_the_color_of_every_vertex(bare_scene, make_object, tmp_path):
+def test_gltf_has_the_color_of_every_vertex(make_object, tmp_path):
     import bpy
 
-    (file,) = export_frames(bake(bare_scene, two_balls(make_object)), tmp_path / "still", "gltf")
+    (file,) = export_frames(bake(two_balls(make_object)), tmp_path / "still", "gltf")
     bpy.ops.wm.read_factory_settings(use_empty=True)
     bpy.ops.import_scene.gltf(filepath=str(file))
     colors = seen_colors(bpy.data.objects["still_0002"].data, WHITE)[:, :3]

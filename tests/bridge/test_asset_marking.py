@@ -22,14 +22,14 @@ from tests.moving_balls import bake
 
 
 @pytest.fixture
-def collection(bare_scene, make_object, octahedron):
+def collection(make_object, octahedron):
     """Bake an octahedron that rises from 0 to 4."""
     shapes = [make_object(name) for name in "AB"]
     shapes[1].location.z = 4.0
     for shape in shapes:
         shape.color = (1.0, 0.0, 0.0, 1.0)
     blends = path_blends(2, 4)
-    made = MorphBake.begin(bare_scene, shapes, blends, {"resolution": 32}, 1)
+    made = MorphBake.begin(shapes, blends, {"resolution": 32}, 1)
     for blend in blends:
         mesh = None if blend.source is not None else octahedron.moved((0.0, 0.0, float(blend.frame)))
         made.add(MorphFrame(blend, mesh, {}))
@@ -78,11 +78,11 @@ def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
     assert seen == pytest.approx([1.0, 3.0], abs=1e-3)
 
 
-def test_a_pad_comes_with_the_collection_and_works_in_another_file(bare_scene, make_object, octahedron, tmp_path):
+def test_a_pad_comes_with_the_collection_and_works_in_another_file(make_object, octahedron, tmp_path):
     def solved(weights):
         return octahedron.moved((0.0, 0.0, 16.0 * weights[0]))
 
-    collection = bake(bare_scene, make_object, [octahedron] * 4, grid_blends(4, 3), solved)
+    collection = bake(make_object, [octahedron] * 4, grid_blends(4, 3), solved)
     pad = make_blend_pad(collection)
     names = pad.handle.name, pad.result.name
     corner = tuple(pad.pad.data.vertices[4].co)

@@ -26,7 +26,7 @@ def frame(bare_scene, make_object):
     shapes[1].location.x = TRAVEL
     bpy.context.view_layer.update()
     settings = MorphSettings(32, motion="transport")
-    job = MorphJob(bare_scene, bpy.context.evaluated_depsgraph_get(), shapes, BLENDS, settings, {}, 1)
+    job = MorphJob(shapes, BLENDS, settings, {}, 1)
     for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     made = frame_objects(job.finish(hide_inputs=True))[1]

@@ -62,11 +62,11 @@ def morph_frames(octahedron):
 
 
 @pytest.fixture
-def baked(bare_scene, inputs, morph_frames):
+def baked(inputs, morph_frames):
     """Give a function that bakes blends, or only the first few of them."""
 
     def make(blends, count=None, first_frame=10, hide_inputs=True):
-        bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, first_frame)
+        bake = MorphBake.begin(inputs, blends, SETTINGS, first_frame)
         for frame in morph_frames(blends)[:count]:
             bake.add(frame)
         return bake.finish(hide_inputs=hide_inputs)
@@ -108,7 +108,7 @@ def test_stopping_keeps_finished_frames(bare_scene, baked):
 
 def test_a_frame_takes_the_place_of_its_preview(bare_scene, inputs, morph_frames, octahedron):
     blends = path_blends(2, 4)
-    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
     for frame in morph_frames(blends):
         bake.preview(frame)
     collection = bare_scene.collection.children[0]
@@ -125,7 +125,7 @@ def test_a_frame_takes_the_place_of_its_preview(bare_scene, inputs, morph_frames
 
 def test_a_frame_that_comes_again_takes_the_place_of_the_one_before(bare_scene, inputs, morph_frames):
     blends = path_blends(2, 4)
-    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
     frames = morph_frames(blends)
     for frame in frames:
         bake.add(frame)
@@ -139,7 +139,7 @@ def test_a_frame_that_comes_again_takes_the_place_of_the_one_before(bare_scene, 
 def test_previews_do_not_outlive_an_early_stop(bare_scene, inputs, morph_frames, inventory):
     before, blends = inventory(), path_blends(2, 4)
     for count in (0, 3):
-        bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+        bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
         for frame in morph_frames(blends):
             bake.preview(frame)
         for frame in morph_frames(blends)[:count]:
@@ -156,7 +156,7 @@ def test_previews_do_not_outlive_an_early_stop(bare_scene, inputs, morph_frames,
 
 def test_frame_deleted_meanwhile_leaves_no_gap(bare_scene, inputs, morph_frames):
     blends = path_blends(2, 4)
-    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
     objects = [bake.add(frame) for frame in morph_frames(blends)]
     bpy.data.objects.remove(objects[2])
     collection = bake.finish(hide_inputs=True)
@@ -175,9 +175,9 @@ def test_ends_are_the_inputs_themselves(baked, inputs, depsgraph):
     assert [material.name for material in last.data.materials] == [MATERIAL_NAME]
 
 
-def test_ends_are_as_they_were_at_the_beginning(bare_scene, inputs, morph_frames, depsgraph):
+def test_ends_are_as_they_were_at_the_beginning(inputs, morph_frames, depsgraph):
     blends = path_blends(2, 4)
-    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
     inputs[0].location = (100, 0, 0)
     bpy.data.objects.remove(inputs[1])
     first, *_, last = [bake.add(frame) for frame in morph_frames(blends)]
@@ -212,10 +212,10 @@ def test_baking_again_from_hidden_inputs(baked, inputs, bare_scene):
     assert len(bpy.data.materials) == 2
 
 
-def test_shape_that_comes_twice_is_copied_once(bare_scene, inputs, morph_frames):
+def test_shape_that_comes_twice_is_copied_once(inputs, morph_frames):
     a, b = inputs
     blends = path_blends(3, 2)
-    bake = MorphBake.begin(bare_scene, [a, b, a], blends, SETTINGS, 1)
+    bake = MorphBake.begin([a, b, a], blends, SETTINGS, 1)
     for frame in morph_frames(blends):
         bake.add(frame)
     assert bake.finish(hide_inputs=True).name == "Morph A to B to A"
@@ -227,7 +227,7 @@ def test_sheet_frames_are_arranged_in_a_grid(bare_scene, make_object, morph_fram
         shape.location = (-7 * place, place, 0)
     blends = grid_blends(4, 3)
     bare_scene.frame_set(42)
-    bake = MorphBake.begin(bare_scene, shapes, blends, SETTINGS, 1)
+    bake = MorphBake.begin(shapes, blends, SETTINGS, 1)
     frames = [frame for frame in morph_frames(blends) if frame.mesh is None]
     corners = np.array(
         [np.mean([v.co[:] for v in obj.data.vertices], axis=0) + obj.location for obj in map(bake.add, frames)]
@@ -248,12 +248,12 @@ def test_single_blend_stays_in_place(baked):
 
 
 @pytest.mark.parametrize(("faces", "corners"), [("TRIANGLES", [3] * 12), ("QUADS", [4] * 6), (None, [3] * 12)])
-def test_frames_are_made_of_the_faces_asked_for(bare_scene, inputs, faces, corners):
+def test_frames_are_made_of_the_faces_asked_for(inputs, faces, corners):
     points = [(x, y, z) for z in (0, 1) for y in (0, 1) for x in (0, 1)]
     quads = np.array([(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)])
     cube = TriangleMesh.from_arrays(points, quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3))
     blend = single_blend([0.5, 0.5], 2)[0]
-    bake = MorphBake.begin(bare_scene, inputs, [blend], {**SETTINGS, **({"faces": faces} if faces else {})}, 1)
+    bake = MorphBake.begin(inputs, [blend], {**SETTINGS, **({"faces": faces} if faces else {})}, 1)
     bake.preview(MorphFrame(blend, cube, {}))
     mesh = bake.add(MorphFrame(blend, cube, RECORD)).data
     assert [len(polygon.vertices) for polygon in mesh.polygons] == corners
@@ -267,7 +267,7 @@ def test_discard_leaves_nothing_behind(bare_scene, inputs, morph_frames, invento
     before, frames = inventory(), (bare_scene.frame_start, bare_scene.frame_end, bare_scene.frame_current)
     blends = path_blends(2, 4)
     for count in (0, 1, 4):
-        bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+        bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
         for frame in morph_frames(blends)[:count]:
             bake.add(frame)
         bake.discard()
@@ -276,9 +276,9 @@ def test_discard_leaves_nothing_behind(bare_scene, inputs, morph_frames, invento
         assert not any(obj.hide_render for obj in inputs)
 
 
-def test_finish_without_frames(bare_scene, inputs, inventory):
+def test_finish_without_frames(inputs, inventory):
     before = inventory()
-    bake = MorphBake.begin(bare_scene, inputs, path_blends(2, 4), SETTINGS, 10)
+    bake = MorphBake.begin(inputs, path_blends(2, 4), SETTINGS, 10)
     with pytest.raises(ConvwassError, match="No frame was finished"):
         bake.finish(hide_inputs=True)
     assert inventory() == before
@@ -291,25 +291,25 @@ def test_unused_copies_do_not_stay(baked, inventory):
 
 
 @pytest.mark.parametrize("first_frame", [-2_000_000, 2_000_000])
-def test_first_frame_out_of_range(bare_scene, inputs, inventory, first_frame):
+def test_first_frame_out_of_range(inputs, inventory, first_frame):
     before = inventory()
     with pytest.raises(InputError, match="first frame"):
-        MorphBake.begin(bare_scene, inputs, path_blends(2, 4), SETTINGS, first_frame)
+        MorphBake.begin(inputs, path_blends(2, 4), SETTINGS, first_frame)
     assert inventory() == before
 
 
-def test_input_without_faces_leaves_nothing_behind(bare_scene, inputs, make_object, inventory):
+def test_input_without_faces_leaves_nothing_behind(inputs, make_object, inventory):
     empty = make_object("Empty", [], faces=[])
     before = inventory()
     with pytest.raises(InputError, match="Empty"):
-        MorphBake.begin(bare_scene, [*inputs, empty], path_blends(3, 4), SETTINGS, 1)
+        MorphBake.begin([*inputs, empty], path_blends(3, 4), SETTINGS, 1)
     assert inventory() == before
 
 
-def test_collection_deleted_meanwhile(bare_scene, inputs, morph_frames, inventory):
+def test_collection_deleted_meanwhile(inputs, morph_frames, inventory):
     before = inventory()
     blends = path_blends(2, 4)
-    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
     first, second, *_ = morph_frames(blends)
     bake.add(first)
     bpy.data.collections.remove(bpy.data.collections["Morph A to B"])
@@ -321,12 +321,12 @@ def test_collection_deleted_meanwhile(bare_scene, inputs, morph_frames, inventor
     assert inventory() == before
 
 
-def test_undone_meanwhile(bare_scene, inputs, morph_frames, inventory):
+def test_undone_meanwhile(inputs, morph_frames, inventory):
     bpy.context.preferences.edit.use_global_undo = True
     bpy.ops.ed.undo_push(message="Before")
     before = inventory()
     blends = path_blends(2, 4)
-    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
     bake.add(morph_frames(blends)[0])
     bpy.ops.ed.undo_push(message="Something else")
     bpy.ops.ed.undo()
@@ -336,9 +336,9 @@ def test_undone_meanwhile(bare_scene, inputs, morph_frames, inventory):
     assert inventory() == before
 
 
-def test_undo_of_something_else_does_no_harm(bare_scene, inputs, morph_frames):
+def test_undo_of_something_else_does_no_harm(inputs, morph_frames):
     blends = path_blends(2, 4)
-    bake = MorphBake.begin(bare_scene, inputs, blends, SETTINGS, 10)
+    bake = MorphBake.begin(inputs, blends, SETTINGS, 10)
     frames = morph_frames(blends)
     for frame in frames[:3]:
         bake.add(frame)

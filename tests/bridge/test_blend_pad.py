@@ -28,7 +28,7 @@ SHEETS = {"grid": grid_blends(4, 5), "triangle": triangle_blends(3, 4)}
 
 
 @pytest.fixture
-def bake(bare_scene, make_object, octahedron):
+def bake(make_object, octahedron):
     """Give a function that bakes a sheet of shapes that stand apart, with the weights in the color."""
 
     def make(blends, count=None):
@@ -36,7 +36,7 @@ def bake(bare_scene, make_object, octahedron):
         for place, shape in enumerate(shapes):
             shape.location = (5 * place, place, 0)
             shape.color = [float(place == channel) for channel in range(4)]
-        made = MorphBake.begin(bare_scene, shapes, blends, {"resolution": 32}, 1)
+        made = MorphBake.begin(shapes, blends, {"resolution": 32}, 1)
         for blend in blends[:count]:
             middle = np.array(blend.weights) @ np.array([shape.location for shape in shapes])
             made.add(MorphFrame(blend, None if blend.source is not None else octahedron.moved(middle), {}))

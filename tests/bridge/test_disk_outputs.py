@@ -37,10 +37,10 @@ from convwass_addon.progress import Control, drained
 CELL = 5.0 / 64
 
 
-def bake(scene, make_object, mesh, blends, shapes, first=3):
+def bake(make_object, mesh, blends, shapes, first=3):
     """Bake octahedra that rise by one with every frame."""
     objects = [make_object(name) for name in shapes]
-    made = MorphBake.begin(scene, objects, blends, {"resolution": 64}, first)
+    made = MorphBake.begin(objects, blends, {"resolution": 64}, first)
     for number, blend in enumerate(blends):
         own = None if blend.source is not None else mesh.moved((0, 0, number))
         made.add(MorphFrame(blend, own, {}))
@@ -48,8 +48,8 @@ def bake(scene, make_object, mesh, blends, shapes, first=3):
 
 
 @pytest.fixture
-def collection(bare_scene, make_object, octahedron):
-    return bake(bare_scene, make_object, octahedron, path_blends(2, 3), "AB")
+def collection(make_object, octahedron):
+    return bake(make_object, octahedron, path_blends(2, 3), "AB")
 
 
 def shown_heights(obj, frame):
@@ -95,17 +95,17 @@ def test_a_volume_is_where_the_parent_of_its_frames_is_at_their_time(bare_scene,
 
 @pytest.mark.parametrize("first", [-12, -2])
 @pytest.mark.parametrize("kind", OUTPUTS)
-def test_every_frame_before_0_shows_its_shape(bare_scene, make_object, octahedron, tmp_path, kind, first):
+def test_every_frame_before_0_shows_its_shape(make_object, octahedron, tmp_path, kind, first):
     write, within = OUTPUTS[kind]
-    output = write(bake(bare_scene, make_object, octahedron, path_blends(2, 3), "AB", first), tmp_path)
+    output = write(bake(make_object, octahedron, path_blends(2, 3), "AB", first), tmp_path)
     for number, height in ((-2, 0), (0, 0), (1, 1), (2, 2), (3, 0), (20, 0)):
         assert shown_heights(output.shown, first + number)[1] == pytest.approx(height + 1, abs=within), number
 
 
-def test_files_past_frame_9999_are_one_sequence(bare_scene, make_object, octahedron, tmp_path):
+def test_files_past_frame_9999_are_one_sequence(make_object, octahedron, tmp_path):
     objects = [make_object(name) for name in "AB"]
     blends = path_blends(2, 3)
-    made = MorphBake.begin(bare_scene, objects, blends, {"resolution": 64}, 9998)
+    made = MorphBake.begin(objects, blends, {"resolution": 64}, 9998)
     for number, blend in enumerate(blends):
         made.add(MorphFrame(blend, None if blend.source is not None else octahedron.moved((0, 0, number)), {}))
     output = drained(as_volume(made.finish(hide_inputs=True), tmp_path))
@@ -137,8 +137,8 @@ def test_the_smoothing_of_a_volume_stays_editable(collection, tmp_path):
     assert reach[0] > reach[1] > reach[2] > 1
 
 
-def test_a_sheet_is_one_volume_of_all(bare_scene, make_object, octahedron, tmp_path):
-    sheet = bake(bare_scene, make_object, octahedron, triangle_blends(3, 2), "ABC")
+def test_a_sheet_is_one_volume_of_all(make_object, octahedron, tmp_path):
+    sheet = bake(make_object, octahedron, triangle_blends(3, 2), "ABC")
     output = drained(as_volume(sheet, tmp_path))
     assert len(output.files) == 1
     mesh = triangle_mesh(output.shown, bpy.context.evaluated_depsgraph_get())
@@ -172,9 +172,9 @@ print("shown")
 
 
 @pytest.mark.parametrize("kind", OUTPUTS)
-def test_deleting_the_morph_leaves_only_the_files(bare_scene, make_object, octahedron, tmp_path, inventory, kind):
+def test_deleting_the_morph_leaves_only_the_files(make_object, octahedron, tmp_path, inventory, kind):
     before = inventory()
-    collection = bake(bare_scene, make_object, octahedron, path_blends(2, 2), "AB")
+    collection = bake(make_object, octahedron, path_blends(2, 2), "AB")
     output = OUTPUTS[kind][0](collection, tmp_path)
     assert output.shown in disk_outputs(collection)
     remove_bake(collection)

@@ -36,13 +36,13 @@ ANIMATIONS = [name for name, chosen in FORMATS.items() if chosen.animated]
 
 
 @pytest.fixture
-def collection(bare_scene, make_object, octahedron):
+def collection(make_object, octahedron):
     """Bake frames 3 to 6 of octahedra that rise and grow by one triangle fan each."""
     a, b = make_object("A"), make_object("B")
     b.location, a.color, b.color = (0, 0, 3), (1, 0, 0, 1), (0, 0, 1, 1)
     b.modifiers.new("Subdivision", "SUBSURF").levels = 1
     blends = path_blends(2, 3)
-    bake = MorphBake.begin(bare_scene, [a, b], blends, {"resolution": 24}, 3)
+    bake = MorphBake.begin([a, b], blends, {"resolution": 24}, 3)
     for blend in blends:
         mesh = None if blend.source is not None else octahedron.moved((0, 0, blend.frame))
         bake.add(MorphFrame(blend, mesh, {}))
@@ -427,9 +427,9 @@ def test_usd_has_the_colors(collection, tmp_path):
 
 
 @pytest.mark.parametrize("name", [name for name in FORMATS if name != "vat"])
-def test_sheet(bare_scene, make_object, octahedron, tmp_path, name):
+def test_sheet(make_object, octahedron, tmp_path, name):
     blends = triangle_blends(3, 3)
-    bake = MorphBake.begin(bare_scene, [make_object(shape) for shape in "ABC"], blends, {"resolution": 24}, 1)
+    bake = MorphBake.begin([make_object(shape) for shape in "ABC"], blends, {"resolution": 24}, 1)
     for blend in blends:
         bake.add(MorphFrame(blend, None if blend.source is not None else octahedron, {}))
     files = export_frames(bake.finish(hide_inputs=True), tmp_path, name)

@@ -124,17 +124,17 @@ def test_groups_survive_being_read_from_a_file(make_object, tmp_path, depsgraph)
     assert by_name(labeled_mesh(obj, bpy.context.evaluated_depsgraph_get(), "vertex-groups")) == expected
 
 
-def job_of(scene, depsgraph, objects, parts):
+def job_of(objects, parts):
     settings = MorphSettings(motion="transport", resolution=40, parts=parts)
-    return MorphJob(scene, depsgraph, objects, path_blends(2, 2), settings, {}, 1)
+    return MorphJob(objects, path_blends(2, 2), settings, {}, 1)
 
 
-def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
+def test_a_job_lets_parts_travel(make_object):
     """Upside down: each half of the octahedron moves to the other side, so that both are in the middle halfway."""
     objects = [halved(make_object, "A"), halved(make_object, "B", "bottom", "top")]
     extents = {}
     for parts in ("none", "vertex-groups"):
-        job = job_of(bare_scene, depsgraph, objects, parts)
+        job = job_of(objects, parts)
         for step in job.steps(computation=Computation(workers=1)):
             job.write(step)
             if step.payload and step.payload.mesh:
@@ -145,9 +145,9 @@ def test_a_job_lets_parts_travel(bare_scene, make_object, depsgraph):
     assert extents["vertex-groups"] < 0.75 * extents["none"]
 
 
-def test_a_job_reports_parts_that_it_left_out(bare_scene, make_object, depsgraph):
+def test_a_job_reports_parts_that_it_left_out(make_object):
     objects = [halved(make_object, "A"), halved(make_object, "B", "top", "belly")]
-    job = job_of(bare_scene, depsgraph, objects, "vertex-groups")
+    job = job_of(objects, "vertex-groups")
     for step in job.steps(computation=Computation(workers=1)):
         job.write(step)
     assert [str(notice) for notice in job.notices] == [
@@ -157,9 +157,9 @@ def test_a_job_reports_parts_that_it_left_out(bare_scene, make_object, depsgraph
     job.discard()
 
 
-def test_a_job_without_common_parts_leaves_nothing_behind(bare_scene, make_object, depsgraph, inventory):
+def test_a_job_without_common_parts_leaves_nothing_behind(make_object, inventory):
     objects = [halved(make_object, "A"), make_object("B")]
     before = inventory()
     with pytest.raises(InputError, match=r"A has bottom, top; B has none"):
-        job_of(bare_scene, depsgraph, objects, "vertex-groups")
+        job_of(objects, "vertex-groups")
     assert inventory() == before

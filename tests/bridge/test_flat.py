@@ -365,8 +365,7 @@ def test_drawings_without_fills_are_refused():
 def test_a_stopped_job_keeps_finished_frames():
     letters = [text("A"), text("B")]
     settings = FlatSettings(resolution=128, motion="transport")
-    depsgraph = bpy.context.evaluated_depsgraph_get()
-    job = FlatJob(bpy.context.scene, depsgraph, letters, path_blends(2, 9), settings, {}, 1)
+    job = FlatJob(letters, path_blends(2, 9), settings, {}, 1)
     control, frames = Control(), 0
     with pytest.raises(Cancelled):
         for step in job.steps(control, Computation(workers=1)):
@@ -384,11 +383,8 @@ def test_a_stopped_job_keeps_finished_frames():
 def test_a_discarded_job_leaves_nothing_behind(inventory):
     letters = [text("A"), text("B")]
     before = inventory()
-    depsgraph = bpy.context.evaluated_depsgraph_get()
     for kind in ("CURVE", "MESH"):
         job = FlatJob(
-            bpy.context.scene,
-            depsgraph,
             letters,
             path_blends(2, 2),
             FlatSettings(resolution=128, motion="transport"),

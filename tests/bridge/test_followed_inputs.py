@@ -46,11 +46,10 @@ def hat(movers, make_object):
     return hat
 
 
-def job(scene, inputs, blends=None, **options):
-    depsgraph = bpy.context.evaluated_depsgraph_get()
+def job(inputs, blends=None, **options):
     settings = MorphSettings(24, motion="transport")
     options = {"follow": "FOLLOW", **options}
-    return MorphJob(scene, depsgraph, inputs, blends or path_blends(len(inputs), 3), settings, options, FIRST)
+    return MorphJob(inputs, blends or path_blends(len(inputs), 3), settings, options, FIRST)
 
 
 def finished(made):
@@ -74,11 +73,11 @@ def seen(scene, frame):
 def test_moving_objects_become_moving_objects(bare_scene, movers, inventory):
     bare_scene.frame_set(7)
     before = inventory()
-    made = job(bare_scene, movers)
+    made = job(movers)
     assert bare_scene.frame_current == 7
     made.discard()
     assert inventory() == before
-    morph = finished(job(bare_scene, movers))
+    morph = finished(job(movers))
     for frame in (FIRST + 1, FIRST + 2):
         share, moved = (frame - FIRST) / 3, frame - FIRST
         center = seen(bare_scene, frame).mean(axis=0)
@@ -89,7 +88,7 @@ def test_moving_objects_become_moving_objects(bare_scene, movers, inventory):
 def test_stretched_time_shows_what_was_followed(bare_scene, movers):
     bare_scene.render.frame_map_old, bare_scene.render.frame_map_new = 100, 200
     bare_scene.frame_set(7, subframe=0.5)
-    made = job(bare_scene, movers)
+    made = job(movers)
     assert (bare_scene.frame_current, bare_scene.frame_subframe) == (7, 0.5)
     finished(made)
     # One unit in each of the times 11 and 12, which are shown in frames 22 and 24.
@@ -101,7 +100,7 @@ def test_stretched_time_shows_what_was_followed(bare_scene, movers):
 
 @pytest.mark.parametrize("player", [False, True])
 def test_the_ends_play_on(bare_scene, movers, hat, player):
-    morph = finished(job(bare_scene, movers, grouping="PARENTS"))
+    morph = finished(job(movers, grouping="PARENTS"))
     if player:
         make_player(morph)
     for frame in (FIRST - 5, FIRST):
@@ -117,15 +116,15 @@ def test_the_ends_play_on(bare_scene, movers, hat, player):
     assert first.volume == pytest.approx(4 / 3)
 
 
-def test_a_morph_that_is_deleted_takes_its_ends_along(bare_scene, movers, inventory):
+def test_a_morph_that_is_deleted_takes_its_ends_along(movers, inventory):
     before = inventory()
-    remove_bake(finished(job(bare_scene, movers)))
+    remove_bake(finished(job(movers)))
     # Morphs share one material, which is kept.
     assert inventory() - before == {("MATERIAL", "Convwass Morph")}
 
 
 def test_an_input_deleted_during_the_bake_is_kept(bare_scene, movers):
-    made = job(bare_scene, movers)
+    made = job(movers)
     bpy.data.objects.remove(movers[1])
     finished(made)
     for frame in (FIRST + 3, FIRST + 8):
@@ -135,20 +134,20 @@ def test_an_input_deleted_during_the_bake_is_kept(bare_scene, movers):
 def test_shapes_that_are_laid_on_each_other_stay_so(bare_scene, movers):
     """The second one is moved to where the first one is when the bake begins, and moves on from there."""
     bare_scene.frame_set(FIRST + 2)
-    morph = finished(job(bare_scene, movers, alignment="CENTERED"))
+    morph = finished(job(movers, alignment="CENTERED"))
     np.testing.assert_allclose(seen(bare_scene, FIRST + 5).mean(axis=0), [2, 0, 3], atol=1e-4)
     assert len(frame_objects(morph)) == 4
 
 
 def test_an_intermediate_shape_is_shown_in_its_current_pose(bare_scene, movers, make_object):
-    finished(job(bare_scene, [*movers, make_object("Last")]))
+    finished(job([*movers, make_object("Last")]))
     np.testing.assert_allclose(seen(bare_scene, FIRST + 3).mean(axis=0), [0, 0, 3], atol=1e-4)
 
 
 def test_inputs_that_cannot_be_followed_are_refused(bare_scene, movers, make_object, inventory):
     before = inventory()
     with pytest.raises(InputError, match="Only an animation can follow"):
-        job(bare_scene, [*movers, make_object("C"), make_object("D")], grid_blends(4, 2))
+        job([*movers, make_object("C"), make_object("D")], grid_blends(4, 2))
     movers[0].modifiers.new("Vanishing", "MASK").vertex_group = movers[0].vertex_groups.new(name="None").name
     movers[0].modifiers[0].show_viewport = False
     movers[0].modifiers[0].keyframe_insert("show_viewport", frame=FIRST)
@@ -156,12 +155,12 @@ def test_inputs_that_cannot_be_followed_are_refused(bare_scene, movers, make_obj
     movers[0].modifiers[0].keyframe_insert("show_viewport", frame=FIRST + 2)
     bare_scene.frame_set(FIRST)
     with pytest.raises(InputError, match=f"In frame {FIRST + 2}: Right"):
-        job(bare_scene, movers)
+        job(movers)
     movers[0].modifiers.clear()
     driver = movers[1].driver_add("location", 1).driver
     driver.type, driver.expression = "SCRIPTED", "nothing_of_this_name + 1"
     bpy.context.view_layer.update()
     with pytest.raises(InputError, match="The driver of location on Up has an error"):
-        job(bare_scene, movers)
+        job(movers)
     assert {kind for kind, _ in inventory() - before} <= {"OBJECT", "MESH", "ACTION"}
     assert not [name for kind, name in inventory() if kind == "COLLECTION"]

@@ -98,13 +98,13 @@ def test_a_moving_ball_is_at_its_position(player):
         assert np.allclose(mesh.vertices.mean(axis=0), (TRAVEL * value, 0, 0), atol=0.03 * cell)
 
 
-def test_balls_of_a_tenth_of_a_millimeter_are_shown(bare_scene, make_object):
+def test_balls_of_a_tenth_of_a_millimeter_are_shown(make_object):
     """OpenVDB has no grids with cells as small as those of the fields."""
 
     def solved(weights):
         return ball(radius=1e-4, center=(1e-4 * weights[1], 0, 0), points=800)
 
-    morph = bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
+    morph = bake(make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
     player, cell = still_player(morph), 2e-4 / CELLS
     morph_value(player).set(0.5)
     off = np.linalg.norm(shown(player).vertices - (0.5e-4, 0, 0), axis=1) - 1e-4
@@ -143,9 +143,7 @@ def test_a_growing_ball_moves_along_its_normals(bare_scene, make_object):
     def solved(weights):
         return ball(radius=weights[0] + 1.5 * weights[1], points=800)
 
-    player = still_player(
-        bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved)
-    )
+    player = still_player(bake(make_object, [solved((1, 0)), solved((0, 1))], path_blends(2, FRAMES), solved))
     morph_value(player).set(0.4)
     mesh = shown(player)
     radii = np.linalg.norm(mesh.vertices, axis=1)
@@ -191,7 +189,7 @@ def test_parts_that_move_by_more_than_they_are_thick_stay(bare_scene, make_objec
         return joined(ball(points=800), ball(0.2, place(weights), points=300))
 
     blends = path_blends(2, FRAMES)
-    collection = bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], blends, solved)
+    collection = bake(make_object, [solved((1, 0)), solved((0, 1))], blends, solved)
     pace = 3.0 / FRAMES * bare_scene.render.fps
     for obj in frame_objects(collection)[1:-1]:
         velocity = [(pace * (vertex.co.y > 1.2), 0.0, 0.0) for vertex in obj.data.vertices]
@@ -282,14 +280,14 @@ print("FOUND" + json.dumps(found) + "FOUND")
 )
 
 
-def test_a_file_plays_elsewhere_where_balls_part(bare_scene, make_object, tmp_path):
+def test_a_file_plays_elsewhere_where_balls_part(make_object, tmp_path):
     """Two balls come out of one another, in a Blender without the add-on: every moment is that of the balls."""
 
     def solved(weights):
         return two_balls(0.5 + 0.9 * weights[1])
 
     blends = path_blends(2, STEPS)
-    collection = bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], blends, solved)
+    collection = bake(make_object, [solved((1, 0)), solved((0, 1))], blends, solved)
     make_player(collection, between="INTERPOLATED")
     file = tmp_path / "played.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(file))
@@ -303,14 +301,14 @@ def test_a_file_plays_elsewhere_where_balls_part(bare_scene, make_object, tmp_pa
 
 
 @pytest.mark.parametrize("weights", [(0.2, 0.5, 0.3), (0.55, 0.15, 0.3)])
-def test_a_pad_mixes_three_blends(bare_scene, make_object, weights):
+def test_a_pad_mixes_three_blends(make_object, weights):
     radii = np.array([1.0, 1.3, 0.7])
 
     def solved(weights):
         return ball(radius=float(radii @ weights), points=800)
 
     corners = [solved(row) for row in np.eye(3)]
-    collection = bake(bare_scene, make_object, corners, triangle_blends(3, 4), solved)
+    collection = bake(make_object, corners, triangle_blends(3, 4), solved)
     pad = make_blend_pad(collection, between="INTERPOLATED")
     points = np.array([vertex.co for vertex in pad.pad.data.vertices])
     last = [obj["convwass_weights"] for obj in frame_objects(collection)]
@@ -331,7 +329,7 @@ def test_a_moving_handle_gives_a_pad_its_velocity(bare_scene, make_object):
     def solved(weights):
         return ball(radius=float(radii @ weights), points=800)
 
-    collection = bake(bare_scene, make_object, [solved(row) for row in np.eye(3)], triangle_blends(3, 3), solved)
+    collection = bake(make_object, [solved(row) for row in np.eye(3)], triangle_blends(3, 3), solved)
     pad = make_blend_pad(collection, between="INTERPOLATED")
     with pytest.raises(InputError, match="no keyframes"):
         key_handle_velocity(collection)
@@ -369,14 +367,14 @@ def test_a_moving_handle_gives_a_pad_its_velocity(bare_scene, make_object):
         assert off.mean() <= 0.1 * abs(pace)
 
 
-def test_moments_enclose_the_volume_of_their_blends(bare_scene, make_object):
+def test_moments_enclose_the_volume_of_their_blends(make_object):
     """Thin rods on a coarse grid, where surfaces drawn from mixed fields lose volume."""
 
     def solved(weights):
         return box((2.0, 0.35, 0.3 + 0.2 * weights[1]))
 
     blends = path_blends(2, FRAMES)
-    player = still_player(bake(bare_scene, make_object, [solved((1, 0)), solved((0, 1))], blends, solved))
+    player = still_player(bake(make_object, [solved((1, 0)), solved((0, 1))], blends, solved))
     for value, lays in ((0.3, True), (0.5, False)):
         morph_value(player).set(value)
         detail(player).set(lays)

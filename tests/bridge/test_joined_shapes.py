@@ -435,7 +435,7 @@ def test_collections_are_morphed_and_restored(bare_scene, add, inventory):
     options = {"grouping": "COLLECTIONS"}
 
     def job():
-        made = MorphJob(bare_scene, depsgraph, inputs, path_blends(2, 2), settings, options, 1)
+        made = MorphJob(inputs, path_blends(2, 2), settings, options, 1)
         for step in made.steps(computation=Computation(workers=1)):
             made.write(step)
         return made

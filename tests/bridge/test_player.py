@@ -53,17 +53,17 @@ exec(LOOK)
 
 
 @pytest.fixture
-def collection(bare_scene, make_object, octahedron):
+def collection(make_object, octahedron):
     """Bake octahedra that rise from 0 to 8 past three shapes, red, white and blue, from frame 10 to 18."""
     shapes = [make_object(name) for name in "ABC"]
     shapes[0].color, shapes[2].color = (1, 0, 0, 1), (0, 0, 1, 1)
     for height, shape in zip((0, 4, 8), shapes, strict=True):
         shape.location.z = height
-    return bake(bare_scene, shapes, path_blends(3, STEPS), octahedron)
+    return bake(shapes, path_blends(3, STEPS), octahedron)
 
 
-def bake(scene, shapes, blends, octahedron, count=None):
-    made = MorphBake.begin(scene, shapes, blends, {"resolution": 32}, FIRST)
+def bake(shapes, blends, octahedron, count=None):
+    made = MorphBake.begin(shapes, blends, {"resolution": 32}, FIRST)
     for blend in blends[:count]:
         mesh = None if blend.source is not None else octahedron.moved((0, 0, RISE * (blend.frame or 0)))
         made.add(MorphFrame(blend, mesh, {}))
@@ -101,10 +101,10 @@ def test_it_shows_the_same_as_the_objects(collection):
     assert stand_ins(collection) == [player]
 
 
-def test_a_player_keeps_the_time_of_frames_that_are_held(bare_scene, make_object, octahedron):
+def test_a_player_keeps_the_time_of_frames_that_are_held(make_object, octahedron):
     shapes = [make_object(name) for name in "AB"]
     shapes[1].location.z = 2 * STEPS
-    path = bake(bare_scene, shapes, path_blends(2, 2 * STEPS, 2), octahedron)
+    path = bake(shapes, path_blends(2, 2 * STEPS, 2), octahedron)
     frames = range(FIRST - 1, FIRST + 2 * STEPS + 2)
     before = heights(frames)
     player = make_player(path)
@@ -241,10 +241,10 @@ def test_attributes_come_along(collection):
 
 
 @pytest.mark.parametrize("count", [2, 4, 7])
-def test_an_early_stop_plays_the_finished_frames(bare_scene, make_object, octahedron, count):
+def test_an_early_stop_plays_the_finished_frames(make_object, octahedron, count):
     shapes = [make_object(name) for name in "AB"]
     shapes[1].location.z = 8 * RISE
-    collection = bake(bare_scene, shapes, path_blends(2, 8), octahedron, count)
+    collection = bake(shapes, path_blends(2, 8), octahedron, count)
     make_player(collection)
     frames = range(FIRST - 1, FIRST + 12)
     assert heights(frames) == [[RISE * min(max(frame - FIRST, 0), count - 1)] for frame in frames]
@@ -377,8 +377,8 @@ def test_a_second_player_is_refused(collection):
     ],
     ids=["sheet", "single"],
 )
-def test_only_paths_are_played(bare_scene, make_object, octahedron, blends, message, inventory):
-    collection = bake(bare_scene, [make_object(name) for name in "ABC"], blends, octahedron)
+def test_only_paths_are_played(make_object, octahedron, blends, message, inventory):
+    collection = bake([make_object(name) for name in "ABC"], blends, octahedron)
     before = inventory()
     with pytest.raises(InputError, match=message):
         make_player(collection)

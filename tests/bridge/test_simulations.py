@@ -27,10 +27,10 @@ def frames():
 
 
 @pytest.fixture
-def frame(bare_scene, make_object, frames):
+def frame(make_object, frames):
     """The middle frame of a ball that becomes a torus, at a height of 5."""
     objects = [make_object(name, mesh.vertices, faces=mesh.faces) for name, mesh in zip("AB", SHAPES, strict=True)]
-    made = MorphBake.begin(bare_scene, objects, BLENDS, {"resolution": 20}, 1)
+    made = MorphBake.begin(objects, BLENDS, {"resolution": 20}, 1)
     for found in frames:
         made.add(found)
     obj = made.finish(hide_inputs=True).objects[1]

@@ -24,7 +24,6 @@ PIXELS, WIDTH = 128, 8.0
 
 
 def bake_a_moving_ball(scene, make_object, fps, fps_base=1.0, places=(-DISTANCE / 2, DISTANCE / 2), **settings):
-    import bpy
 
     scene.render.fps, scene.render.fps_base = fps, fps_base
     inputs = []
@@ -32,8 +31,6 @@ def bake_a_moving_ball(scene, make_object, fps, fps_base=1.0, places=(-DISTANCE 
         mesh = ball(RADIUS, (place, 0, 0), 400)
         inputs.append(make_object(f"Ball {number}", mesh.vertices, (), mesh.faces))
     job = MorphJob(
-        scene,
-        bpy.context.evaluated_depsgraph_get(),
         inputs,
         path_blends(len(places), STEPS),
         MorphSettings(motion="transport", resolution=32, **settings),

@@ -25,13 +25,11 @@ from tests.shapes import ball
 SIZE = 24
 
 
-def bake(scene, inputs, steps=2, wanted=(), **options):
+def bake(inputs, steps=2, wanted=(), **options):
     import bpy
 
     bpy.context.view_layer.update()
     job = MorphJob(
-        scene,
-        bpy.context.evaluated_depsgraph_get(),
         inputs,
         [path_blends(2, steps)[number] for number in wanted or range(steps + 1)],
         MorphSettings(32, motion="transport"),
@@ -124,9 +122,9 @@ def picture(scene, tmp_path, obj):
 
 
 @pytest.mark.parametrize("faces", ["TRIANGLES", "QUADS"])
-def test_frames_carry_the_uv_maps_of_their_inputs(bare_scene, make_object, faces):
+def test_frames_carry_the_uv_maps_of_their_inputs(make_object, faces):
     inputs = [add_ball(make_object, name, checkered(name)) for name in "AB"]
-    mesh = frame_objects(bake(bare_scene, inputs, faces=faces))[1].data
+    mesh = frame_objects(bake(inputs, faces=faces))[1].data
     assert [layer.name for layer in mesh.uv_layers] == ["uv_1_From Above", "uv_2_From Above"]
     assert mesh.uv_layers.active.name == "uv_1_From Above"
     truth = from_above(mesh)
@@ -144,7 +142,7 @@ def squares(pixels):
 
 def test_a_texture_is_as_sharp_as_on_the_input(bare_scene, make_object, tmp_path):
     inputs = [add_ball(make_object, name, checkered("Checkered")) for name in "AB"]
-    frames = frame_objects(bake(bare_scene, inputs, steps=4))
+    frames = frame_objects(bake(inputs, steps=4))
     for obj in inputs:
         obj.hide_set(False)
     expected = picture(bare_scene, tmp_path, inputs[0])
@@ -200,7 +198,7 @@ def test_frames_start_with_the_look_of_an_object_that_was_turned_and_scaled(bare
         heat.data.foreach_set("value", np.array([vertex.co.x for vertex in obj.data.vertices], np.float32))
         for polygon in obj.data.polygons:
             polygon.use_smooth = True
-    frames = frame_objects(bake(bare_scene, inputs, steps=24, wanted=[0, 1, -1]))
+    frames = frame_objects(bake(inputs, steps=24, wanted=[0, 1, -1]))
     expected = picture(bare_scene, tmp_path, inputs[0])
     assert expected.std() > 0.05
     for frame in frames[:2]:
@@ -216,20 +214,20 @@ def tinted(name):
 def test_all_frames_have_the_colors_of_the_objects(bare_scene, make_object, tmp_path):
     inputs = [add_ball(make_object, name, tinted(name), points=200) for name in "AB"]
     inputs[0].color, inputs[1].color = (0.1, 0.6, 0.3, 1.0), (0.9, 0.2, 0.7, 1.0)
-    frames = frame_objects(bake(bare_scene, inputs))
+    frames = frame_objects(bake(inputs))
     for frame, color in zip(frames, [(0.1, 0.6, 0.3), (0.5, 0.4, 0.5), (0.9, 0.2, 0.7)], strict=True):
         seen = picture(bare_scene, tmp_path, frame)[SIZE // 2, SIZE // 2]
         np.testing.assert_allclose(seen, color, atol=0.02)
 
 
-def test_the_parts_of_a_shape_keep_their_own_spaces(bare_scene, make_object):
+def test_the_parts_of_a_shape_keep_their_own_spaces(make_object):
     """Two balls form a shape; each is its own unit ball around the origin."""
     inputs = []
     for name in "AB":
         ball_, child = (add_ball(make_object, name + part, procedural(name), with_uvs=False) for part in "12")
         child.parent, child.location.x = ball_, 2.5
         inputs.append(ball_)
-    mesh = frame_objects(bake(bare_scene, inputs, grouping="PARENTS"))[1].data
+    mesh = frame_objects(bake(inputs, grouping="PARENTS"))[1].data
     positions = np.empty(3 * len(mesh.vertices), np.float32)
     mesh.attributes["rest_position_1"].data.foreach_get("vector", positions)
     np.testing.assert_allclose(np.linalg.norm(positions.reshape(-1, 3), axis=1), 1.0, atol=0.05)
@@ -241,7 +239,7 @@ def test_a_front_and_patches_have_sharp_edges_and_their_share_of_the_surface(bar
     for obj, color in zip(inputs, [(1, 0, 0, 1), (0, 1, 0, 1)], strict=True):
         obj.data.materials[0].node_tree.nodes["Glow"].inputs["Color"].default_value = color
         obj.rotation_euler.x = np.pi / 2  # seen from the side
-    frames = frame_objects(bake(bare_scene, inputs, steps=4, looks=how))
+    frames = frame_objects(bake(inputs, steps=4, looks=how))
     greens = [picture(bare_scene, tmp_path, frame)[..., 1] for frame in frames]
     assert greens[0].max() < 0.01
     assert greens[-1].min() > 0.99
@@ -257,7 +255,7 @@ def test_a_player_shows_the_nearest_blend_with_its_whole_materials(bare_scene, m
     inputs = [add_ball(make_object, name, checkered(name, squares)) for name, squares in (("A", 8), ("B", 5))]
     for obj in inputs:
         obj.rotation_euler.x = np.pi / 2
-    collection = bake(bare_scene, inputs, looks="FRONT")
+    collection = bake(inputs, looks="FRONT")
     expected = picture(bare_scene, tmp_path, frame_objects(collection)[1])
     player = make_player(collection)
     bare_scene.frame_set(2)
@@ -268,7 +266,7 @@ def test_a_player_shows_the_nearest_blend_with_its_whole_materials(bare_scene, m
 
 def test_an_interpolating_player_shows_whole_materials_between_blends(bare_scene, make_object, tmp_path):
     inputs = [add_ball(make_object, name, checkered(name)) for name in "AB"]
-    collection = bake(bare_scene, inputs, steps=4)
+    collection = bake(inputs, steps=4)
     expected = picture(bare_scene, tmp_path, frame_objects(collection)[2])
     player = make_player(collection, between="INTERPOLATED")
     for frame, subframe in ((3, 0.0), (3, 0.4)):
@@ -278,7 +276,7 @@ def test_an_interpolating_player_shows_whole_materials_between_blends(bare_scene
         assert np.abs(found - expected).mean() < 0.06
 
 
-def test_plain_materials_are_mixed_as_one_shader(bare_scene, make_object):
+def test_plain_materials_are_mixed_as_one_shader(make_object):
     """Without textures, values are enough; frames stay small."""
     import bpy
 
@@ -287,7 +285,7 @@ def test_plain_materials_are_mixed_as_one_shader(bare_scene, make_object):
         made = bpy.data.materials.new(name)
         own_tree(made)
         inputs.append(add_ball(make_object, name, made))
-    mesh = frame_objects(bake(bare_scene, inputs))[1].data
+    mesh = frame_objects(bake(inputs))[1].data
     assert not mesh.uv_layers
     assert not [tree for tree in bpy.data.node_groups if is_carrying(tree)]
 
@@ -312,34 +310,34 @@ def test_beside_a_texture_a_material_without_a_group_shows_its_values(method):
     assert [coat.default_value for coat in coats if not coat.is_linked] == [0.375]
 
 
-def test_whole_materials_are_not_reported_as_dropped_and_removed_with_the_morph(bare_scene, make_object):
+def test_whole_materials_are_not_reported_as_dropped_and_removed_with_the_morph(make_object):
     import bpy
 
     inputs = [add_ball(make_object, "A", checkered()), add_ball(make_object, "B", procedural("B"))]
     groups = set(bpy.data.node_groups)
-    collection = bake(bare_scene, inputs)
+    collection = bake(inputs)
     assert [note.kind for note in stored_diagnostics(collection) if note.kind.startswith("LOOK")] == []
     assert [tree for tree in bpy.data.node_groups if is_carrying(tree)]
     remove_bake(collection)
     assert set(bpy.data.node_groups) == groups
 
 
-def test_volumes_and_normal_maps_of_other_spaces_are_reported(bare_scene, make_object):
+def test_volumes_and_normal_maps_of_other_spaces_are_reported(make_object):
     foggy, bumpy = checkered("Foggy"), checkered("Bumpy")
     volume = foggy.node_tree.nodes.new("ShaderNodeVolumePrincipled")
     foggy.node_tree.links.new(volume.outputs[0], foggy.node_tree.nodes["Material Output"].inputs["Volume"])
     bumpy.node_tree.nodes.new("ShaderNodeNormalMap").space = "OBJECT"
-    notes = stored_diagnostics(bake(bare_scene, [add_ball(make_object, "A", foggy), add_ball(make_object, "B", bumpy)]))
+    notes = stored_diagnostics(bake([add_ball(make_object, "A", foggy), add_ball(make_object, "B", bumpy)]))
     kinds = [(note.kind, note.values["materials"]) for note in notes if note.kind.startswith("LOOK")]
     assert kinds == [("LOOK_VOLUME", "Foggy"), ("LOOK_SPACE", "Bumpy")]
 
 
 @pytest.mark.parametrize("ending", ["glb", "usdc", "abc"])
-def test_exports_keep_the_uv_maps(bare_scene, make_object, tmp_path, ending):
+def test_exports_keep_the_uv_maps(make_object, tmp_path, ending):
     """The UVs are those from above in every frame, of a ball that stays where it is."""
     import bpy
 
-    collection = bake(bare_scene, [add_ball(make_object, name, checkered(name), points=300) for name in "AB"])
+    collection = bake([add_ball(make_object, name, checkered(name), points=300) for name in "AB"])
     kind = {"glb": "gltf", "usdc": "usd", "abc": "alembic"}[ending]
     (file,) = export_frames(collection, tmp_path / f"morph.{ending}", kind)
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)

@@ -314,9 +314,10 @@ def _full_collection():
 
 def test_animated_shapes_are_named_with_the_frame_that_is_taken():
     one, _ = two_shapes()
-    assert animation_notices([one], 7) == []
+    assert animation_notices([one]) == []
     one.keyframe_insert("location", frame=1)
-    (notice,) = animation_notices([one], 7)
+    bpy.context.scene.frame_set(7)
+    (notice,) = animation_notices([one])
     assert (notice.values["names"], notice.values["frame"]) == (one.name, 7)
     bent = bpy.data.objects.new("Bent", bpy.data.meshes.new("Bent"))
     modifier = bent.modifiers.new("Hook", "HOOK")

@@ -223,11 +223,8 @@ def test_the_frame_that_is_looked_at_is_previewed_first(monkeypatch, current, nu
     monkeypatch.setattr(job, "morph", lambda *args, **options: asked.update(options))
     bpy.context.scene.frame_set(current)
     for blends, expected in ((path_blends(2, 6), number), (single_blend([1, 1], 2), 0)):
-        depsgraph = bpy.context.evaluated_depsgraph_get()
         shapes = bpy.context.selected_objects
-        baking = job.MorphJob(
-            bpy.context.scene, depsgraph, shapes, blends, MorphSettings(motion="transport", resolution=24), {}, 1
-        )
+        baking = job.MorphJob(shapes, blends, MorphSettings(motion="transport", resolution=24), {}, 1)
         baking.steps(computation=Computation(previews=True))
         assert asked["computation"].looked_at == expected
 

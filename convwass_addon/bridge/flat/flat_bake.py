@@ -39,7 +39,6 @@ class FlatBake(MorphBake):
     @classmethod
     def begin_flat(
         cls,
-        scene: bpy.types.Scene,
         inputs: Sequence[bpy.types.Object],
         blends: Sequence[Blend],
         settings: dict[str, object],
@@ -51,7 +50,7 @@ class FlatBake(MorphBake):
 
         Parameters
         ----------
-        scene, inputs, blends, settings, first_frame
+        inputs, blends, settings, first_frame
             As for :meth:`.bake.MorphBake.begin`.
         flats : sequence of MovedFlat
             The inputs as they were read.
@@ -68,7 +67,7 @@ class FlatBake(MorphBake):
         start = min(first_frame, scene.frame_start)
         copies = [_frozen(obj, flat, kind, depsgraph, start) for obj, flat in zip(inputs, flats, strict=True)]
         shapes = [_described(*each) for each in zip(inputs, copies, flats, strict=True)]
-        bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
+        bake = cls._opened(inputs, shapes, blends, settings, first_frame)
         bake._copies = [Handle.of("objects", copy) for copy in copies]
         bake._flats, bake._kind = tuple(flats), kind
         bake._material = _shared_material(inputs)

@@ -31,7 +31,7 @@ class FlatJob(WritesFlatFrames):
 
     Parameters
     ----------
-    scene, depsgraph, inputs, blends, options, first_frame
+    inputs, blends, options, first_frame
         As for :class:`.job.MorphJob`; `options` also contains `flat_output`: "CURVE", "MESH" or "DRAWING".
     settings : FlatSettings
         Settings of the morph.
@@ -44,8 +44,6 @@ class FlatJob(WritesFlatFrames):
 
     def __init__(
         self,
-        scene: bpy.types.Scene,
-        depsgraph: bpy.types.Depsgraph,
         inputs: Sequence[bpy.types.Object],
         blends: Sequence[Blend],
         settings: FlatSettings,
@@ -56,9 +54,9 @@ class FlatJob(WritesFlatFrames):
             raise InputError("A morph needs at least two shapes; select or name another one.")
         self.records: list[dict[str, object]] = []
         self._names = [obj.name for obj in inputs]
-        read = flat_objects(inputs, depsgraph)
+        read = flat_objects(inputs, bpy.context.evaluated_depsgraph_get())
         self._notices = [flat.read.notice for flat in read if flat.read.notice is not None]
-        self._notices += animation_notices(inputs, scene.frame_current)
+        self._notices += animation_notices(inputs)
         alignment, scaling = (str(options.get(name, "PLACED")) for name in ("alignment", "scaling"))
         flats = moved_flats(read, alignment, scaling)
         self._shapes = [flat.shape for flat in flats]
@@ -68,7 +66,7 @@ class FlatJob(WritesFlatFrames):
         self.kind: FlatKind = chosen if chosen in get_args(FlatKind) else "CURVE"
         stored = {**settings.as_dict(), **options, "flat": True}
         bake = PencilBake if self.kind == "DRAWING" else FlatBake
-        self._bake = bake.begin_flat(scene, inputs, blends, stored, first_frame, flats, self.kind)
+        self._bake = bake.begin_flat(inputs, blends, stored, first_frame, flats, self.kind)
 
     def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Compute the frames without accessing Blender's data; see :func:`.flat_morph.flat_morph`."""

@@ -49,7 +49,6 @@ class PictureBake(MorphBake):
     @classmethod
     def begin_pictures(
         cls,
-        scene: bpy.types.Scene,
         inputs: Sequence[bpy.types.Object],
         blends: Sequence[Blend],
         settings: dict[str, object],
@@ -72,7 +71,7 @@ class PictureBake(MorphBake):
         if blends[0].frame is None and len(blends) > 1:
             raise InputError("Pictures require an animation or a single blend; choose another layout, or other frames.")
         shapes = [_described(obj, gray) for obj, gray in zip(inputs, grays, strict=True)]
-        bake = cls._opened(scene, inputs, shapes, blends, settings, first_frame)
+        bake = cls._opened(inputs, shapes, blends, settings, first_frame)
         bake._grays, bake._drafts = tuple(grays), DraftFiles()
         bake._replaces = None if replaces is None else Handle.of("collections", replaces)
         try:

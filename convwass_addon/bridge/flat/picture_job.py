@@ -33,7 +33,7 @@ class PictureJob(WritesFlatFrames):
 
     Parameters
     ----------
-    scene, depsgraph, inputs, blends, settings, options, first_frame
+    inputs, blends, settings, options, first_frame
         As for :class:`.flat_job.FlatJob`; `options` also contains `grays`, "IMAGES", "DENSITY" or "THRESHOLD", and
         `folder`.
     replaces : bpy.types.Collection, optional
@@ -52,8 +52,6 @@ class PictureJob(WritesFlatFrames):
 
     def __init__(
         self,
-        scene: bpy.types.Scene,
-        depsgraph: bpy.types.Depsgraph,
         inputs: Sequence[bpy.types.Object],
         blends: Sequence[Blend],
         settings: FlatSettings,
@@ -67,15 +65,13 @@ class PictureJob(WritesFlatFrames):
         self.records: list[dict[str, object]] = []
         self.notices: list[Sentence] = []
         self._names = [obj.name for obj in inputs]
-        self._inputs = gray_inputs(inputs, depsgraph)
+        self._inputs = gray_inputs(inputs, bpy.context.evaluated_depsgraph_get())
         self._blends = blends
         # Carrying is needed for the colors of ink.
         self._settings = replace(settings, output="densities", carry=True)
         self._grays = str(options.get("grays") or "IMAGES").lower()
         stored = {**settings.as_dict(), **options, "flat": True}
-        self._bake = PictureBake.begin_pictures(
-            scene, inputs, blends, stored, first_frame, self._inputs, replaces, folder_of
-        )
+        self._bake = PictureBake.begin_pictures(inputs, blends, stored, first_frame, self._inputs, replaces, folder_of)
 
     def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Compute the frames without accessing Blender's data; see :meth:`.flat_job.FlatJob.steps`."""

@@ -15,12 +15,12 @@ _SIMULATED = ("CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "OCEAN", "BUILD", 
 _FROM_FILES = ("MESH_SEQUENCE_CACHE", "MESH_CACHE")
 
 
-def animation_notices(inputs: Sequence[bpy.types.Object], frame: int) -> list[Sentence]:
-    """Return a notice that animated inputs are used in their shape at a single frame."""
+def animation_notices(inputs: Sequence[bpy.types.Object]) -> list[Sentence]:
+    """Return a notice that animated inputs are used in their shape at the current frame."""
     names = [obj.name for obj in inputs if is_animated(obj)]
     if not names:
         return []
-    values = {"names": ", ".join(names), "frame": frame}
+    values = {"names": ", ".join(names), "frame": bpy.context.scene.frame_current}
     return [Sentence("The morph uses the animated {names} as they are in frame {frame}.", values)]
 
 

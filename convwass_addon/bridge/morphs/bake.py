@@ -61,19 +61,16 @@ class MorphBake:
     @classmethod
     def begin(
         cls,
-        scene: bpy.types.Scene,
         inputs: Sequence[bpy.types.Object],
         blends: Sequence[Blend],
         settings: dict[str, object],
         first_frame: int,
         moves: Sequence[RigidMove] | None = None,
     ) -> MorphBake:
-        """Create the collection, and copies of the inputs in their current state.
+        """Create the collection at the top level of the current scene, and copies of the inputs in their current state.
 
         Parameters
         ----------
-        scene : bpy.types.Scene
-            The current scene; the new collection is added at its top level.
         inputs : sequence of bpy.types.Object
             The shapes, including hidden ones; for shapes of several objects, the Empty that represents them.
         blends : sequence of Blend
@@ -94,12 +91,11 @@ class MorphBake:
         grouping = settings.get("grouping", OBJECTS)
         sources = [shape_source(obj, grouping) for obj in inputs]
         shapes = frozen_inputs(sources, moves or [None] * len(inputs))
-        return cls._opened(scene, inputs, shapes, blends, settings, first_frame)
+        return cls._opened(inputs, shapes, blends, settings, first_frame)
 
     @classmethod
     def _opened(
         cls,
-        scene: bpy.types.Scene,
         inputs: Sequence[bpy.types.Object],
         shapes: list[FrozenInput],
         blends: Sequence[Blend],
@@ -109,10 +105,10 @@ class MorphBake:
         """Create the collection with the description of the morph."""
         joint = " to " if blends[0].frame is not None else " and "
         collection = bpy.data.collections.new("Morph " + joint.join(shape.name for shape in shapes))
-        scene.collection.children.link(collection)
+        bpy.context.scene.collection.children.link(collection)
         libraries = [library_of(obj) for obj in inputs]
         stored = StoredMorph([obj.name for obj in inputs], settings, first_frame, [], libraries)
-        bake = cls(scene, collection, shapes, blends, stored)
+        bake = cls(collection, shapes, blends, stored)
         store(collection, bake._stored)
         # Inputs that are followed are others in every frame.
         followed = settings.get("follow") == "FOLLOW"
@@ -126,14 +122,9 @@ class MorphBake:
         self._inputs = [replace(own, shown=Handle.of("meshes", mesh)) for own, mesh in copies]
 
     def __init__(
-        self,
-        scene: bpy.types.Scene,
-        collection: bpy.types.Collection,
-        shapes: list[FrozenInput],
-        blends: Sequence[Blend],
-        stored: StoredMorph,
+        self, collection: bpy.types.Collection, shapes: list[FrozenInput], blends: Sequence[Blend], stored: StoredMorph
     ) -> None:
-        self._scene = Handle.of("scenes", scene)
+        self._scene = Handle.of("scenes", bpy.context.scene)
         self._collection = Handle.of("collections", collection)
         self._inputs = shapes
         self._blends = tuple(blends)

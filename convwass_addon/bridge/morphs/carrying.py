@@ -54,8 +54,6 @@ class Carrying:
 
     Parameters
     ----------
-    scene : bpy.types.Scene
-        Provides the frame rate for velocities.
     inputs : sequence of FrozenInput
         The shapes.
     frozen : sequence of bpy.types.Mesh
@@ -76,7 +74,6 @@ class Carrying:
 
     def __init__(
         self,
-        scene: bpy.types.Scene,
         inputs: Sequence[FrozenInput],
         frozen: Sequence[bpy.types.Mesh],
         blends: Sequence[Blend],
@@ -91,7 +88,7 @@ class Carrying:
         self._shadings = [read_shading(mesh) for mesh in frozen]
         names = [own.name for own in inputs]
         self.dropped = dropped_notes(names, prepared.dropped)
-        per_second = times_per_second(scene)
+        per_second = times_per_second(bpy.context.scene)
         self._rates = {blend: rate * per_second for blend, rate in rates_of(blends).items()}
         self._shown = [own.shown for own in inputs]
         self._frozen = [Handle.of("meshes", mesh) for mesh in frozen]

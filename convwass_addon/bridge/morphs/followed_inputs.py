@@ -65,7 +65,6 @@ class _Reading:
 
 
 def followed_inputs(
-    scene: bpy.types.Scene,
     sources: Sequence[ShapeSource],
     blends: Sequence[Blend],
     moves: Sequence[RigidMove] | None,
@@ -75,8 +74,6 @@ def followed_inputs(
 
     Parameters
     ----------
-    scene : bpy.types.Scene
-        The current scene.
     sources : sequence of ShapeSource
         The inputs.
     blends : sequence of Blend
@@ -96,7 +93,7 @@ def followed_inputs(
             "Only an animation can follow its inputs: set Layout to Animation, or Inputs to At Bake Frame."
         )
     _refuse_failing_drivers(sources)
-    readings = [_Reading() for _ in sources]
+    scene, readings = bpy.context.scene, [_Reading() for _ in sources]
     stations: dict[int, bpy.types.Mesh] = {}
     try:
         with returning(scene), progress_at_mouse() as show:

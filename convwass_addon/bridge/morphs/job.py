@@ -30,14 +30,10 @@ from .shape_reading import read_shapes
 
 
 class MorphJob:
-    """Bakes a morph. All methods except :meth:`steps` must be called on the main thread.
+    """Bakes a morph in the current scene. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
-    scene : bpy.types.Scene
-        The scene to add the morph to.
-    depsgraph : bpy.types.Depsgraph
-        Used to evaluate the modifiers of the inputs.
     inputs : sequence of bpy.types.Object
         The shapes in order.
     blends : sequence of Blend
@@ -59,8 +55,6 @@ class MorphJob:
 
     def __init__(
         self,
-        scene: bpy.types.Scene,
-        depsgraph: bpy.types.Depsgraph,
         inputs: Sequence[bpy.types.Object],
         blends: Sequence[Blend],
         settings: MorphSettings,
@@ -74,22 +68,22 @@ class MorphJob:
         self._follows = options.get("follow") == FOLLOW
         self._animated = []
         if not self._follows:
-            self._animated = animation_notices([part for one in sources for part in one.parts], scene.frame_current)
-        read = read_shapes(inputs, depsgraph, settings, options)
+            self._animated = animation_notices([part for one in sources for part in one.parts])
+        read = read_shapes(inputs, bpy.context.evaluated_depsgraph_get(), settings, options)
         self._names, self._shapes, self._labels, self._guides = read.names, read.meshes, read.labels, read.guides
         self._blends = blends
         self._settings = settings
-        self._looked_at = _looked_at(blends, scene.frame_current_final - first_frame)
-        followed = followed_inputs(scene, sources, blends, read.moves, first_frame) if self._follows else None
+        self._looked_at = _looked_at(blends, bpy.context.scene.frame_current_final - first_frame)
+        followed = followed_inputs(sources, blends, read.moves, first_frame) if self._follows else None
         self._animation = None if followed is None else followed.animation
         self._moves = read.moves
-        self._bake = MorphBake.begin(scene, inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
+        self._bake = MorphBake.begin(inputs, blends, {**settings.as_dict(), **options}, first_frame, read.moves)
         if followed is not None:
             self._bake.show_copies(followed.stations)
         self._carrying = None
         if settings.carry:
             looks, quads = options.get("looks", FADE), options.get("faces") == "QUADS"
-            self._carrying = Carrying(scene, self._bake.inputs, self._bake.frozen, blends, looks, quads)
+            self._carrying = Carrying(self._bake.inputs, self._bake.frozen, blends, looks, quads)
 
     def steps(self, control: Control = UNINTERRUPTED, computation: Computation = USUAL_COMPUTATION) -> Work[None]:
         """Return the computation, which does not access Blender's data. See :func:`.morph.morph`."""

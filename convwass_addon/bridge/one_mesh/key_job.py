@@ -28,12 +28,10 @@ from .shape_keys import animate_sliders
 
 
 class KeyJob:
-    """Base of jobs that make shape keys; they add the meshes that get keys to `_bases`.
+    """Base of jobs that make shape keys in the current scene; they add the meshes that get keys to `_bases`.
 
     Parameters
     ----------
-    scene : bpy.types.Scene
-        The scene to add objects to.
     inputs : sequence of bpy.types.Object
         The shapes, of which the first ones get keys.
     request : MorphRequest
@@ -45,23 +43,18 @@ class KeyJob:
     """
 
     def __init__(
-        self,
-        scene: bpy.types.Scene,
-        inputs: Sequence[bpy.types.Object],
-        request: MorphRequest,
-        settings: MorphSettings,
-        first_frame: int,
+        self, inputs: Sequence[bpy.types.Object], request: MorphRequest, settings: MorphSettings, first_frame: int
     ) -> None:
         self._names = [obj.name for obj in inputs]
         self._stored = described_bake(inputs, request, settings, first_frame)
         self._signatures = [signature(shape_source(obj)) for obj in inputs]
         self._frames, self._first = request.frames, first_frame
-        self._scene = Handle.of("scenes", scene)
+        self._scene = Handle.of("scenes", bpy.context.scene)
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
         self._bases: list[KeyBasis] = []
         keyed = inputs[: 2 if request.two_meshes else 1]
         self.notices = [notice for obj in keyed for notice in pose_notices(obj)]
-        self.notices.extend(animation_notices(inputs, scene.frame_current))
+        self.notices.extend(animation_notices(inputs))
 
     def _notice_instances(self, inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
         """Add a notice for each shape that shows instances, which have no vertices of its mesh."""

@@ -34,10 +34,6 @@ class ShapeKeyJob(KeyJob):
 
     Parameters
     ----------
-    scene : bpy.types.Scene
-        The scene to add the object to.
-    depsgraph : bpy.types.Depsgraph
-        Used to evaluate the modifiers of the inputs.
     inputs : sequence of bpy.types.Object
         The mesh, and the shapes to morph it into.
     request : MorphRequest
@@ -54,15 +50,10 @@ class ShapeKeyJob(KeyJob):
     """
 
     def __init__(
-        self,
-        scene: bpy.types.Scene,
-        depsgraph: bpy.types.Depsgraph,
-        inputs: Sequence[bpy.types.Object],
-        request: MorphRequest,
-        settings: MorphSettings,
-        first_frame: int,
+        self, inputs: Sequence[bpy.types.Object], request: MorphRequest, settings: MorphSettings, first_frame: int
     ) -> None:
-        super().__init__(scene, inputs, replace(request, two_meshes=False), settings, first_frame)
+        super().__init__(inputs, replace(request, two_meshes=False), settings, first_frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
         with armature_last(inputs[0]):
             self._notice_instances(inputs, depsgraph)
             others = [triangle_mesh(obj, depsgraph) for obj in inputs[1:]]

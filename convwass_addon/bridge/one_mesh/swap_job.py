@@ -34,10 +34,6 @@ class SwapJob(KeyJob):
 
     Parameters
     ----------
-    scene : bpy.types.Scene
-        The scene to add the objects to.
-    depsgraph : bpy.types.Depsgraph
-        Used to evaluate the modifiers of the inputs.
     inputs : sequence of bpy.types.Object
         The two shapes.
     request : MorphRequest
@@ -54,19 +50,14 @@ class SwapJob(KeyJob):
     """
 
     def __init__(
-        self,
-        scene: bpy.types.Scene,
-        depsgraph: bpy.types.Depsgraph,
-        inputs: Sequence[bpy.types.Object],
-        request: MorphRequest,
-        settings: MorphSettings,
-        first_frame: int,
+        self, inputs: Sequence[bpy.types.Object], request: MorphRequest, settings: MorphSettings, first_frame: int
     ) -> None:
         if len(inputs) != 2:
             raise InputError("Two Meshes needs two shapes; there are {count}.", count=len(inputs))
         if request.symmetric:
             raise InputError("Symmetric needs one mesh for both shapes; switch it or Two Meshes off.")
-        super().__init__(scene, inputs, replace(request, two_meshes=True), settings, first_frame)
+        super().__init__(inputs, replace(request, two_meshes=True), settings, first_frame)
+        depsgraph = bpy.context.evaluated_depsgraph_get()
         with armature_last(inputs[0]), armature_last(inputs[1]):
             self._notice_instances(inputs, depsgraph)
             try:
