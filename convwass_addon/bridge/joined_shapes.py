@@ -12,7 +12,7 @@ import bpy
 from ..errors import InputError
 from .element_values import element_values, write_attribute
 from .mesh_checks import not_a_mesh
-from .node_math import named_attribute, new_node, stored_attribute, without_attribute
+from .node_math import joined, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
 from .objects import MESHED, frozen_copy
@@ -85,11 +85,7 @@ def shown_live(tree: bpy.types.NodeTree, parts: Sequence[bpy.types.Object]) -> b
     """
     if any((part.type not in ("MESH", "META") and not shows_collection(part)) or has_copies(part) for part in parts):
         return None
-    join = tree.nodes.new("GeometryNodeJoinGeometry")
-    # The last link comes first.
-    for part in reversed(parts):
-        tree.links.new(_realized(tree, _as_instance(tree, part)), join.inputs["Geometry"])
-    return join.outputs["Geometry"]
+    return joined(tree, [_realized(tree, _as_instance(tree, part)) for part in parts])
 
 
 def needs_joining(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
@@ -120,12 +116,9 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStac
     """Return a new mesh of all parts; the stack removes temporary data."""
     tree = frame_group(source.name)
     stack.callback(bpy.data.node_groups.remove, tree)
-    join = tree.nodes.new("GeometryNodeJoinGeometry")
     pieces = [_piece(tree, part, depsgraph, stack) for part in source.parts]
-    # The last link comes first.
-    for piece in reversed([piece for piece in pieces if piece is not None]):
-        tree.links.new(piece, join.inputs["Geometry"])
-    tree.links.new(join.outputs["Geometry"], tree.nodes.new("NodeGroupOutput").inputs["Geometry"])
+    whole = joined(tree, [piece for piece in pieces if piece is not None])
+    new_node(tree, "NodeGroupOutput", {"Geometry": whole})
     probe = _linked(bpy.data.meshes.new(source.name), depsgraph, stack)
     probe.modifiers.new(MODIFIER, "NODES").node_group = tree
     depsgraph.update()
@@ -163,17 +156,17 @@ def _with_copies(
     stack: ExitStack,
 ) -> bpy.types.NodeSocket | None:
     """Return the mesh of a part joined with its copies; see :func:`.object_copies.copies_of`."""
-    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    found = []
     for copies in copies_of(part, depsgraph):
         mesh = _own_mesh(copies.original, depsgraph)
         if mesh is None:
             continue
         source, places = _linked(mesh, depsgraph, stack), _linked(copies.as_points(), depsgraph, stack)
         instances = copied(tree, _geometry_of(tree, places), _geometry_of(tree, source))
-        tree.links.new(_realized(tree, instances), join.inputs["Geometry"])
+        found.insert(0, _realized(tree, instances))
     if own is not None and part.show_instancer_for_render:
-        tree.links.new(own, join.inputs["Geometry"])
-    return join.outputs["Geometry"]
+        found.insert(0, own)
+    return joined(tree, found)
 
 
 def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh | None:
@@ -249,11 +242,7 @@ def _solids(tree: bpy.types.NodeTree, part: bpy.types.Object, made: NodesOutput)
         found.append(_solid_of(tree, "POINTCLOUD", kinds["Point Cloud"]))
     if made.volume:
         found.append(_surface_of_volume(tree, part))
-    join = tree.nodes.new("GeometryNodeJoinGeometry")
-    # The last link comes first.
-    for geometry in reversed(found):
-        tree.links.new(geometry, join.inputs["Geometry"])
-    return join.outputs["Geometry"]
+    return joined(tree, found)
 
 
 def _solid_of(tree: bpy.types.NodeTree, kind: str, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:

@@ -46,6 +46,11 @@ def math_node(tree: bpy.types.NodeTree, operation: str, *values: bpy.types.NodeS
     return node.outputs[0]
 
 
+def clamped(tree: bpy.types.NodeTree, value: bpy.types.NodeSocket, low: float, high: Value) -> bpy.types.NodeSocket:
+    """Return a number that is neither below nor above two limits."""
+    return math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", value, high), low)
+
+
 def vector_math_node(tree: bpy.types.NodeTree, operation: str, *values: Value) -> bpy.types.NodeSocket:
     """Return the result of an operation of Blender's Vector Math node, such as "DOT_PRODUCT"; of "SCALE" too."""
     node = tree.nodes.new("ShaderNodeVectorMath")
@@ -111,6 +116,15 @@ def switch(
     """Return one of two values of a kind, such as "GEOMETRY": the second where the condition holds."""
     inputs = {"Switch": condition, "False": otherwise, "True": chosen}
     return new_node(tree, "GeometryNodeSwitch", inputs, input_type=kind).outputs["Output"]
+
+
+def joined(tree: bpy.types.NodeTree, geometries: Sequence[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
+    """Return geometries as one, in their order."""
+    node = tree.nodes.new("GeometryNodeJoinGeometry")
+    # The last link comes first.
+    for geometry in reversed(geometries):
+        tree.links.new(geometry, node.inputs["Geometry"])
+    return node.outputs["Geometry"]
 
 
 def sum_over(

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 
 from .morphs.frame_attributes import VELOCITY
-from .node_math import feed, new_node, stored_attribute, switch
+from .node_math import feed, joined, new_node, stored_attribute, switch
 from .scratch_scene import scratch_animation
 
 MODIFIER = "Frames"
@@ -209,20 +209,14 @@ def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) 
     Blender 5 uses the name of the other object's mesh, and exporters then write a new mesh for each frame. A join uses
     the name of its first part: the table, which is deleted again afterwards.
     """
-    join = tree.nodes.new("GeometryNodeJoinGeometry")
-    tree.links.new(geometry, join.inputs["Geometry"])
-    # The last link comes first.
-    tree.links.new(own_geometry(tree), join.inputs["Geometry"])
+    both = joined(tree, [own_geometry(tree), geometry])
     inputs = {"A": tree.nodes.new("GeometryNodeInputIndex").outputs["Index"], "B": rows}
     is_table = new_node(tree, "FunctionNodeCompare", inputs, data_type="INT", operation="LESS_THAN").outputs["Result"]
-    inputs = {"Geometry": join.outputs["Geometry"], "Selection": is_table}
+    inputs = {"Geometry": both, "Selection": is_table}
     shown = new_node(tree, "GeometryNodeDeleteGeometry", inputs).outputs["Geometry"]
     new_node(tree, "NodeGroupOutput", {"Geometry": shown})
 
 
 def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> bpy.types.NodeSocket:
     """Return the geometry of all objects."""
-    joint = tree.nodes.new("GeometryNodeJoinGeometry")
-    for obj in objects:
-        tree.links.new(object_info(tree, obj).outputs["Geometry"], joint.inputs["Geometry"])
-    return joint.outputs["Geometry"]
+    return joined(tree, [object_info(tree, obj).outputs["Geometry"] for obj in reversed(objects)])

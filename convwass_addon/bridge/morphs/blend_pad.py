@@ -18,7 +18,7 @@ from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ...progress import Work, drained
 from ..element_values import element_values
-from ..node_math import math_node, new_node, switch
+from ..node_math import joined, math_node, new_node, switch
 from ..pad_handles import pad_handle, pad_label, pad_lines
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
@@ -252,7 +252,7 @@ def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:
 def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
     """Add small copies of the inputs next to their names."""
     tree = frame_group("Blend Corners")
-    join = tree.nodes.new("GeometryNodeJoinGeometry")
+    shown = []
     scale = COPY * sheet.side / sheet.size
     corners = [sheet.frames[corner] for corner in sheet.corners]
     for place, (corner, foot) in enumerate(zip(sheet.corners, sheet.feet, strict=True)):
@@ -266,9 +266,8 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
         }
         small = new_node(tree, "GeometryNodeTransform", inputs)
         color = color_of(tree, number.outputs["Integer"], corners)
-        shown = colored(tree, small.outputs["Geometry"], color, corners)
-        tree.links.new(shown, join.inputs["Geometry"])
-    output(tree, join.outputs["Geometry"], 1)
+        shown.append(colored(tree, small.outputs["Geometry"], color, corners))
+    output(tree, joined(tree, shown), 1)
     copies = table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, corners))
     copies.parent = pad
     copies.hide_render = copies.hide_select = True

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 
-from ..node_math import math_node, sum_over, vector_math_node
+from ..node_math import clamped, math_node, sum_over, vector_math_node
 from .field_sampler import position_node, set_position
 
 
@@ -36,5 +36,5 @@ def with_volume(
     enclosed = sum_over(tree, mesh, math_node(tree, "MULTIPLY", height, math_node(tree, "DIVIDE", area, 3.0)), "FACE")
     surface = math_node(tree, "MAXIMUM", sum_over(tree, mesh, area, "FACE"), 1e-12)
     way = math_node(tree, "DIVIDE", math_node(tree, "SUBTRACT", volume, enclosed), surface)
-    way = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", way, farthest), -farthest)
+    way = clamped(tree, way, -farthest, farthest)
     return set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", normal, way))

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..node_math import (
+    clamped,
     feed,
     math_node,
     named_attribute,
@@ -156,7 +157,7 @@ class FieldMixture:
         excess = math_node(tree, "SUBTRACT", sum_over(tree, self._geometry, inside), wanted)
         count = math_node(tree, "MAXIMUM", sum_over(tree, self._geometry, near), 1.0)
         level = math_node(tree, "DIVIDE", excess, count)
-        return math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", level, 0.5), -0.5)
+        return clamped(tree, level, -0.5, 0.5)
 
     def _index(self) -> bpy.types.NodeSocket:
         """Return the index of the sample at the position in cells."""
@@ -176,7 +177,7 @@ class FieldMixture:
             lengths = vector_math_node(tree, "DOT_PRODUCT", found.gradient, found.gradient)
             missing = math_node(tree, "SUBTRACT", self.level, found.value)
             step = math_node(tree, "DIVIDE", missing, math_node(tree, "MAXIMUM", lengths, _LEAST_SLOPE**2))
-            step = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", step, _LONGEST_STEP), -_LONGEST_STEP)
+            step = clamped(tree, step, -_LONGEST_STEP, _LONGEST_STEP)
             step = math_node(tree, "MULTIPLY", step, self._grid.spacing)
             mesh = set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", found.gradient, step))
         return mesh

@@ -8,7 +8,16 @@ from collections.abc import Sequence
 
 import bpy
 
-from ..node_math import math_node, named_attribute, new_node, total, vector_math_node, weighted_sum, weighted_vectors
+from ..node_math import (
+    clamped,
+    math_node,
+    named_attribute,
+    new_node,
+    total,
+    vector_math_node,
+    weighted_sum,
+    weighted_vectors,
+)
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index
 from .stored_fields import OFFSET
@@ -141,7 +150,7 @@ class LaidMixture:
         known = math_node(tree, "MULTIPLY", near, straight)
         field = self._mixture.sampled_term(term, position_node(tree))
         missing = math_node(tree, "SUBTRACT", math_node(tree, "DIVIDE", above, self._spacing), field)
-        missing = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", missing, _MOST_CORRECTED), -_MOST_CORRECTED)
+        missing = clamped(tree, missing, -_MOST_CORRECTED, _MOST_CORRECTED)
         return math_node(tree, "MULTIPLY", missing, known)
 
 

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 import bpy
 import numpy as np
 
-from ..node_math import math_node, new_node, sum_over, switch
+from ..node_math import clamped, math_node, new_node, sum_over, switch
 from ..sequence import object_info, pick, transformed
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
@@ -110,8 +110,7 @@ def _neighbors(
     """Return the blends before and after a value, with their weights."""
     along = new_node(tree, "ShaderNodeSeparateXYZ", {0: position_node(tree)}).outputs["X"]
     passed = math_node(tree, "SUBTRACT", 1.0, math_node(tree, "LESS_THAN", value, along))
-    index = math_node(tree, "SUBTRACT", sum_over(tree, steps, passed), 1.0)
-    index = math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", index, count - 2.0), 0.0)
+    index = clamped(tree, math_node(tree, "SUBTRACT", sum_over(tree, steps, passed), 1.0), 0.0, count - 2.0)
     following = math_node(tree, "ADD", index, 1.0)
     low, high = (sample_index(tree, steps, "FLOAT", along, place) for place in (index, following))
     share = math_node(tree, "DIVIDE", math_node(tree, "SUBTRACT", value, low), math_node(tree, "SUBTRACT", high, low))

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..node_math import math_node, new_node, switch, vector_math_node
+from ..node_math import clamped, math_node, new_node, switch, vector_math_node
 from ..sequence import object_info
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
@@ -155,12 +155,12 @@ def _place_on_sheet(tree: bpy.types.NodeTree, lattice: SheetLattice, place: bpy.
     """Return the row and column of a position on the pad, clamped to the sheet."""
     first = (float(lattice.first[0]), 0.0, float(lattice.first[2]))
     free = _along_sheet(tree, lattice, vector_math_node(tree, "SUBTRACT", place, first))
-    row = _clamped(tree, free.row, float(lattice.last))
+    row = clamped(tree, free.row, 0.0, float(lattice.last))
     if not lattice.is_triangle:
-        return _SheetPlace(row, _clamped(tree, free.column, float(lattice.last)))
+        return _SheetPlace(row, clamped(tree, free.column, 0.0, float(lattice.last)))
     # Rows begin half a step to the left of the row above.
     shift = math_node(tree, "MULTIPLY", math_node(tree, "SUBTRACT", row, free.row), 0.5)
-    return _SheetPlace(row, _clamped(tree, math_node(tree, "ADD", free.column, shift), row))
+    return _SheetPlace(row, clamped(tree, math_node(tree, "ADD", free.column, shift), 0.0, row))
 
 
 def _along_sheet(tree: bpy.types.NodeTree, lattice: SheetLattice, vector: bpy.types.NodeSocket) -> _SheetPlace:
@@ -169,12 +169,6 @@ def _along_sheet(tree: bpy.types.NodeTree, lattice: SheetLattice, vector: bpy.ty
     row = math_node(tree, "DIVIDE", axes.outputs["Z"], -lattice.rise * lattice.step)
     column = math_node(tree, "DIVIDE", axes.outputs["X"], lattice.step)
     return _SheetPlace(row, math_node(tree, "MULTIPLY_ADD", row, 0.5, column) if lattice.is_triangle else column)
-
-
-def _clamped(
-    tree: bpy.types.NodeTree, number: bpy.types.NodeSocket, most: bpy.types.NodeSocket | float
-) -> bpy.types.NodeSocket:
-    return math_node(tree, "MAXIMUM", math_node(tree, "MINIMUM", number, most), 0.0)
 
 
 def _number(
