@@ -11,7 +11,6 @@ import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import BoolProperty, StringProperty
-from numpy.typing import NDArray
 
 from ..applications.densities.density_settings import DensitySettings
 from ..bridge.densities.result_groups import require_unpainted, write_result
@@ -30,7 +29,7 @@ from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
 from .reporting import tell
 
 if TYPE_CHECKING:
-    from ..applications.densities.density_measures import DensityDistance, DistanceTable
+    from ..applications.densities.density_measures import DistanceTable
     from ..applications.densities.surface_densities import Surface
     from ..applications.densities.vertex_distances import VertexDistances
 
@@ -55,16 +54,24 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
     )
 
     def _begin(self, context):
-        from ..applications.densities.density_measures import MEASURING_SUBSTEPS
+        from ..applications.densities.density_measures import MEASURING_SUBSTEPS, measuring_steps
 
         obj = context.object
         first, second = chosen_pair(obj)
-        self._names = self.first or first, self.second or second
-        if not all(self._names):
+        self._names = names = self.first or first, self.second or second
+        if not all(names):
             raise InputError("Choose two groups to measure.")
-        pair = read_groups(obj, self._names)
+        pair, debias = read_groups(obj, names), self.debias
         settings = DensitySettings(**values_of(self, DensitySettings, ON_SURFACE), substeps=MEASURING_SUBSTEPS)
-        return DensityJob(context, obj, settings, partial(_distance_steps, pair, self._names, self.debias, settings))
+        match = settings.pieces == "match"
+        return DensityJob(
+            context,
+            obj,
+            settings,
+            lambda surface, control: measuring_steps(
+                *pair, surface, names, debias=debias, match_pieces=match, control=control
+            ),
+        )
 
     def _title(self):
         return rpt_("Measuring")
@@ -79,20 +86,6 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
             text = rpt_("{:s} (eq. (10): {:.4g})").format(text, result.squared)
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *_inexact(result.converged)])
         return {"FINISHED"}
-
-
-def _distance_steps(
-    pair: NDArray[np.float64],
-    names: tuple[str, str],
-    debias: bool,
-    settings: DensitySettings,
-    surface: Surface,
-    control: Control,
-) -> Work[DensityDistance]:
-    from ..applications.densities.density_measures import measuring_steps
-
-    match = settings.pieces == "match"
-    return measuring_steps(*pair, surface, names, debias=debias, match_pieces=match, control=control)
 
 
 def _inexact(converged: bool) -> list[Sentence]:
@@ -113,7 +106,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
     blur: property_of(DensitySettings, "blur")
 
     def _begin(self, context):
-        from ..applications.densities.density_measures import MEASURING_SUBSTEPS
+        from ..applications.densities.density_measures import MEASURING_SUBSTEPS, distance_table_steps
 
         obj = context.object
         named = split_names(self.groups, group_names(obj))
@@ -125,7 +118,12 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
         if len(names) < 2:
             raise InputError("Measuring requires at least two groups; paint another one.")
         settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
-        return DensityJob(context, obj, settings, partial(_table_steps, weights, names))
+        return DensityJob(
+            context,
+            obj,
+            settings,
+            lambda surface, control: distance_table_steps(weights, names, surface, control=control),
+        )
 
     def _title(self):
         return rpt_("Measuring")
@@ -141,14 +139,6 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
         message = rpt_("Distances between {:d} groups are in the text {:s}").format(count, text.name)
         tell(self, message, ignored_notice(job.ignored), warnings)
         return {"FINISHED"}
-
-
-def _table_steps(
-    weights: NDArray[np.float64], names: list[str], surface: Surface, control: Control
-) -> Work[DistanceTable]:
-    from ..applications.densities.density_measures import distance_table_steps
-
-    return distance_table_steps(weights, names, surface, control=control)
 
 
 def _written(table: DistanceTable) -> str:

@@ -189,29 +189,21 @@ class CONVWASS_OT_drop_density(OnVertices, _PaintDensity, OnMesh, bpy.types.Oper
         return self.group or (chosen_group(obj, "") if obj.vertex_groups.active else "Mass")
 
     def _change(self, obj, name):
+        from ..applications.densities.density_tools import diffused, unit_mass
+        from ..applications.densities.surface_densities import distribution
+
         weights = read_group(obj, name) if name in obj.vertex_groups else np.zeros(len(obj.data.vertices))
-        return partial(_dropped, weights, self.chosen_vertices(obj), self.radius, self.share, name)
+        vertices, radius, share = self.chosen_vertices(obj), self.radius, self.share
 
+        def changed(surface: Surface, control: Control) -> NDArray[np.float64]:
+            dropped = unit_mass(vertices, surface)
+            if radius > 0.0:
+                dropped = diffused(dropped, surface, radius, name, control)
+            if share == 1.0 or not weights.any():
+                return dropped
+            return share * dropped + (1.0 - share) * distribution(weights, surface, name)
 
-def _dropped(
-    weights: NDArray[np.float64],
-    vertices: list[int],
-    radius: float,
-    share: float,
-    name: str,
-    surface: Surface,
-    control: Control,
-) -> NDArray[np.float64]:
-    """Return a density with a share of its mass dropped on some vertices."""
-    from ..applications.densities.density_tools import diffused, unit_mass
-    from ..applications.densities.surface_densities import distribution
-
-    dropped = unit_mass(vertices, surface)
-    if radius > 0.0:
-        dropped = diffused(dropped, surface, radius, name, control)
-    if share == 1.0 or not weights.any():
-        return dropped
-    return share * dropped + (1.0 - share) * distribution(weights, surface, name)
+        return changed
 
 
 classes = (

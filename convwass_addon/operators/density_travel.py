@@ -6,8 +6,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Sequence
-from functools import partial
-from typing import TYPE_CHECKING
 
 import bpy
 import numpy as np
@@ -25,7 +23,6 @@ from ..bridge.mesh_checks import writable_mesh
 from ..bridge.morphs.stored import FIRST_FRAMES
 from ..bridge.vertex_groups import group_names, read_groups, require_unlocked
 from ..errors import InputError
-from ..progress import Control
 from ..properties.densities import PathProperties, TravelProperties
 from ..sentence import Sentence
 from .density_job import DensityJob, WritingDensityOperator, slack_notices
@@ -33,9 +30,6 @@ from .density_stops import StopArguments, named_stops
 from .density_targets import OnGroups
 from .mesh_targets import ignored_notice
 from .reporting import tell
-
-if TYPE_CHECKING:
-    from ..applications.densities.surface_densities import Surface
 
 _WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})
 
@@ -67,16 +61,21 @@ class CONVWASS_OT_interpolate_density(
     )
 
     def _begin(self, context):
+        from ..applications.densities.density_paths import path_steps
+
         obj = context.object
         writable_mesh(obj)
         stops = named_stops(self.chosen_stops(context, self.steps, self.frames, "", self.first, self.second))
         _require_frames(stops.frames)
         require_free(obj, self.density)
-        self._stops, self._settings = stops, self.density_settings(self.steps)
-        weights = read_groups(obj, stops.names)
-        solve = partial(_path, weights, stops.names, stops.frames, self._settings)
-        self._stored = path_request(obj, weights, self._settings, self.request(), stops.frames)
-        return DensityJob(context, obj, self._settings, solve)
+        weights, settings = read_groups(obj, stops.names), self.density_settings(self.steps)
+        self._stops, self._stored = stops, path_request(obj, weights, settings, self.request(), stops.frames)
+        return DensityJob(
+            context,
+            obj,
+            settings,
+            lambda surface, control: path_steps(weights, stops.names, surface, settings, stops.frames, control),
+        )
 
     def _title(self):
         return rpt_("Interpolating density")
@@ -113,12 +112,6 @@ def _require_frames(frames: Sequence[float]) -> None:
         )
 
 
-def _path(weights, names, frames, settings, surface: Surface, control: Control):
-    from ..applications.densities.density_paths import path_steps
-
-    return path_steps(weights, names, surface, settings, frames, control)
-
-
 class CONVWASS_OT_blend_densities(
     TravelProperties, StopArguments, WritingDensityOperator, OnGroups, bpy.types.Operator
 ):
@@ -137,14 +130,20 @@ class CONVWASS_OT_blend_densities(
     group: StringProperty(name="Group", description="Name of the vertex group to write", default="Blend", maxlen=63)
 
     def _begin(self, context):
+        from ..applications.densities.density_paths import blend_steps
+
         obj = context.object
         writable_mesh(obj)
         require_unlocked(obj, [self.group or "Blend"])
         require_unpainted(obj, self.group or "Blend")
         stops = named_stops(self.chosen_stops(context, 1, "", self.weights))
-        settings = self.density_settings()
-        solve = partial(_blend, read_groups(obj, stops.names), stops.names, stops.weights, settings)
-        return DensityJob(context, obj, settings, solve)
+        weights, settings = read_groups(obj, stops.names), self.density_settings()
+        return DensityJob(
+            context,
+            obj,
+            settings,
+            lambda surface, control: blend_steps(weights, stops.names, stops.weights, surface, settings, control),
+        )
 
     def _title(self):
         return rpt_("Blending groups")
@@ -158,12 +157,6 @@ class CONVWASS_OT_blend_densities(
         text = rpt_("The blend is in the vertex group {:s}").format(group.name)
         tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
         return {"FINISHED"}
-
-
-def _blend(weights, names, shares, settings, surface: Surface, control: Control):
-    from ..applications.densities.density_paths import blend_steps
-
-    return blend_steps(weights, names, shares, surface, settings, control)
 
 
 class CONVWASS_OT_propagate_densities(
@@ -184,6 +177,8 @@ class CONVWASS_OT_propagate_densities(
     )
 
     def _begin(self, context):
+        from ..applications.densities.density_graphs import propagation_steps
+
         obj = context.object
         writable_mesh(obj)
         stops = self.chosen_stops(context, 1)
@@ -199,8 +194,12 @@ class CONVWASS_OT_propagate_densities(
         _require_fillable(obj, self._filled.values())
         settings = self.density_settings()
         pairs = _pairs(self.edges or obj.convwass_density.edges) or [(n, n + 1) for n in range(count - 1)]
-        solve = partial(_graph, pairs, fixed, names, settings)
-        return DensityJob(context, obj, settings, solve)
+        return DensityJob(
+            context,
+            obj,
+            settings,
+            lambda surface, control: propagation_steps(pairs, fixed, surface, settings, names, control=control),
+        )
 
     def _title(self):
         return rpt_("Filling in groups")
@@ -233,12 +232,6 @@ def _require_fillable(obj: bpy.types.Object, names: Iterable[str]) -> None:
     require_unlocked(obj, names)
     for name in names:
         require_unpainted(obj, name)
-
-
-def _graph(pairs, fixed, names, settings, surface: Surface, control: Control):
-    from ..applications.densities.density_graphs import propagation_steps
-
-    return propagation_steps(pairs, fixed, surface, settings, names, control=control)
 
 
 def _pairs(text: str) -> list[tuple[int, int]]:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import partial
 
 import bpy
@@ -13,25 +12,20 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 from numpy.typing import NDArray
 
-from ..applications.soft_maps.map_sides import MapSide
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.soft_maps.mapped_meshes import standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable
 from ..bridge.vertex_places import has_vertex
 from ..errors import InputError
-from ..progress import Control, Progress, Work
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
-from ..sentence import Sentence
 from .background import BackgroundOperator
 from .mesh_targets import ignored_notice
 from .reporting import reporting_errors, tell
-from .soft_map_job import RepairJob, SoftMapJob, equal_groups
+from .soft_map_job import RepairJob, SoftMapJob, Solve, equal_groups
 from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_objects, reshaped_notices
 
 _WAYS = ("forward", "backward")
-
-_Solver = Callable[[NDArray[np.int64], SoftMapSettings, MapSide, MapSide, Control], Work[SurfaceMap]]
 
 
 class _ComputesMap(SoftMapProperties, BackgroundOperator):
@@ -49,10 +43,10 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
         own = context.scene.convwass_soft_map
         require_storable(own.source)
         self._pairs = chosen_pairs(own, self.pairs)
-        solve = partial(self._solver(), self._pairs, self.soft_map_settings())
+        solve = self._solver(self._pairs, self.soft_map_settings())
         return SoftMapJob(context, own.source, own.target, self._groups(own), solve)
 
-    def _solver(self) -> _Solver:
+    def _solver(self, pairs: NDArray[np.int64], settings: SoftMapSettings) -> Solve:
         """Return the function that computes the map; it does not access Blender's data."""
         raise NotImplementedError
 
@@ -92,23 +86,16 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
             return False
         return True
 
-    def _solver(self):
-        return _computed
+    def _solver(self, pairs, settings):
+        from ..applications.soft_maps.map_solving import soft_map_steps
+
+        return lambda source, target, control: soft_map_steps(source, target, pairs, settings, control)
 
     def _groups(self, own):
         return equal_groups(own.source, own.target) if self.use_groups else []
 
     def _title(self):
         return rpt_("Computing soft map")
-
-
-def _computed(
-    pairs: NDArray[np.int64], settings: SoftMapSettings, source: MapSide, target: MapSide, control: Control
-) -> Work[SurfaceMap]:
-    """Adapt the order of arguments to the application."""
-    from ..applications.soft_maps.map_solving import soft_map_steps
-
-    return soft_map_steps(source, target, pairs, settings, control)
 
 
 def chosen_pairs(own: CONVWASS_PG_soft_map, text: str) -> NDArray[np.int64]:
@@ -177,20 +164,13 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
             return False
         return True
 
-    def _solver(self):
-        return _mirrored
+    def _solver(self, pairs, settings):
+        from ..applications.soft_maps.mirror_maps import mirror_map_steps
+
+        return lambda side, _same, control: mirror_map_steps(side, pairs, settings, control)
 
     def _title(self):
         return rpt_("Computing mirror map")
-
-
-def _mirrored(
-    pairs: NDArray[np.int64], settings: SoftMapSettings, side: MapSide, _same: MapSide, control: Control
-) -> Work[SurfaceMap]:
-    """Adapt the order of arguments to the application."""
-    from ..applications.soft_maps.mirror_maps import mirror_map_steps
-
-    return mirror_map_steps(side, pairs, settings, control)
 
 
 class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Operator):
@@ -211,7 +191,7 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         self._remarks = reshaped_notices(way)
         depsgraph = context.evaluated_depsgraph_get()
         meshes = [standing_mesh(obj, way.side(obj).triangles, depsgraph) for obj in (way.source, way.target)]
-        return RepairJob(way, partial(_repaired, partial(repaired_map, way.stored.found, *meshes, self.threshold)))
+        return RepairJob(way, partial(repaired_map, way.stored.found, *meshes, self.threshold))
 
     def _title(self):
         return rpt_("Repairing soft map")
@@ -223,13 +203,6 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         text = rpt_("Filled in {:d} points from {:s} and {:d} from {:s}")
         tell(self, text.format(counts[0], job.names[0], counts[1], job.names[1]), self._remarks)
         return {"FINISHED"}
-
-
-def _repaired(mend: Callable[[], SurfaceMap], control: Control) -> Work[SurfaceMap]:
-    """Repair a map in one step."""
-    yield Progress(0.0, Sentence("Repairing the map"))
-    control.check()
-    return mend()
 
 
 class CONVWASS_OT_remove_soft_map(OnStoredMap, bpy.types.Operator):

@@ -17,7 +17,8 @@ from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, 
 from ..bridge.surfaces import read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
-from ..progress import UNINTERRUPTED, Control, Work
+from ..progress import UNINTERRUPTED, Control, Progress, Work
+from ..sentence import Sentence
 from .background import Job
 from .soft_map_targets import StoredWay
 
@@ -116,17 +117,19 @@ class RepairJob(_MapJob):
     way : StoredWay
         The map.
     mend : callable
-        ``mend(control)`` returns the work; it does not access Blender's data.
+        ``mend()`` returns the repaired map; it does not access Blender's data.
     """
 
-    def __init__(self, way: StoredWay, mend: Callable[[Control], Work[SurfaceMap]]) -> None:
+    def __init__(self, way: StoredWay, mend: Callable[[], SurfaceMap]) -> None:
         self.before, self._mend = way.stored.found, mend
         self.names = (way.source.name, way.target.name)
         self._objects = (Handle.of("objects", way.source), Handle.of("objects", way.target))
         self._mapped = (way.stored.source, way.stored.target)
 
     def _work(self, control: Control) -> Work[SurfaceMap]:
-        return self._mend(control)
+        yield Progress(0.0, Sentence("Repairing the map"))
+        control.check()
+        return self._mend()
 
 
 def require_same_mesh(obj: bpy.types.Object, side: MappedSide) -> None:
