@@ -82,8 +82,8 @@ class FieldMixture:
     """
 
     def __init__(self, tree: bpy.types.NodeTree, fields: StoredFields, terms: Sequence[Term]) -> None:
-        self._tree, self._fields, self._grid, self.terms = tree, fields, fields.grid, list(terms)
-        self._weights = [term.weight for term in terms]
+        self.tree, self._fields, self._grid, self.terms = tree, fields, fields.grid, list(terms)
+        self.weights = [term.weight for term in terms]
         # Every further node makes all later changes of the tree slower.
         self._attributes: dict[tuple[str, str], bpy.types.NodeSocket] = {}
         self._of_steps: dict[tuple[str, str, int], bpy.types.NodeSocket] = {}
@@ -91,7 +91,7 @@ class FieldMixture:
         self._steps = object_info(tree, fields.steps).outputs["Geometry"]
         own = [self._field_of(term) for term in terms]
         # Stored, because the mixture is used several times.
-        self._geometry = stored_attribute(tree, self._samples, _MIXED, weighted_sum(tree, own, self._weights))
+        self._geometry = stored_attribute(tree, self._samples, _MIXED, weighted_sum(tree, own, self.weights))
         self._mixed = named_attribute(tree, _MIXED)
         self.level = self._level()
 
@@ -105,14 +105,18 @@ class FieldMixture:
         key = (kind, name, term.index.as_pointer())
         if key not in self._of_steps:
             if (kind, name) not in self._attributes:
-                self._attributes[kind, name] = named_attribute(self._tree, name, kind)
+                self._attributes[kind, name] = named_attribute(self.tree, name, kind)
             value = self._attributes[kind, name]
-            self._of_steps[key] = sample_index(self._tree, self._steps, kind, value, term.index)
+            self._of_steps[key] = sample_index(self.tree, self._steps, kind, value, term.index)
         return self._of_steps[key]
+
+    def of_steps(self, kind: str, name: str) -> list[bpy.types.NodeSocket]:
+        """Return the values of all terms from the table; see `of_step`."""
+        return [self.of_step(kind, name, term) for term in self.terms]
 
     def surface(self) -> bpy.types.NodeSocket:
         """Return a quad mesh that encloses the mixed volume, relative to the center of the blends."""
-        tree, grid = self._tree, self._grid
+        tree, grid = self.tree, self._grid
         inputs = {
             "Density": sample_index(tree, self._geometry, "FLOAT", self._mixed, self._index()),
             "Background": -BAND,
@@ -138,7 +142,7 @@ class FieldMixture:
 
     def _field_of(self, term: Term) -> bpy.types.NodeSocket:
         """Return the field of a blend at the samples, in cells."""
-        tree = self._tree
+        tree = self.tree
         name = new_node(tree, "FunctionNodeFormatString", {"Format": FIELD.replace("{}", "{number}")})
         name.format_items.new("INT", "number")
         tree.links.new(term.index, name.inputs["number"])
@@ -149,8 +153,8 @@ class FieldMixture:
 
         The volume is counted as for `VOLUME`, and its derivative is the number of samples within half a cell.
         """
-        tree = self._tree
-        wanted = weighted_sum(tree, [self.of_step("FLOAT", VOLUME, term) for term in self.terms], self._weights)
+        tree = self.tree
+        wanted = weighted_sum(tree, self.of_steps("FLOAT", VOLUME), self.weights)
         inside = math_node(tree, "ADD", self._mixed, 0.5)
         inside.node.use_clamp = True
         near = math_node(tree, "LESS_THAN", math_node(tree, "ABSOLUTE", self._mixed), 0.5)
@@ -161,13 +165,13 @@ class FieldMixture:
 
     def _index(self) -> bpy.types.NodeSocket:
         """Return the index of the sample at the position in cells."""
-        tree = self._tree
+        tree = self.tree
         cell = vector_math_node(tree, "FLOOR", vector_math_node(tree, "ADD", position_node(tree), (0.5, 0.5, 0.5)))
         return vector_math_node(tree, "DOT_PRODUCT", cell, self._grid.strides)
 
     def _evened(self, mesh: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Move vertices to the mean of their neighbors, and back onto the surface by Newton steps."""
-        tree = self._tree
+        tree = self.tree
         inputs = {"Iterations": _EVENING_ROUNDS}
         blur = new_node(tree, "GeometryNodeBlurAttribute", inputs, data_type="FLOAT_VECTOR")
         feed(tree, [next(s for s in blur.inputs if s.enabled)], [position_node(tree)])
@@ -186,5 +190,5 @@ class FieldMixture:
         self, geometry: bpy.types.NodeSocket, field: bpy.types.NodeSocket, position: bpy.types.NodeSocket
     ) -> Sampled:
         inputs = {0: geometry, 1: field, 2: position}
-        node = new_node(self._tree, "GeometryNodeGroup", inputs, node_tree=self._fields.sampler)
+        node = new_node(self.tree, "GeometryNodeGroup", inputs, node_tree=self._fields.sampler)
         return Sampled(node.outputs["Value"], node.outputs["Gradient"])

@@ -17,11 +17,7 @@ _LEAST_SLOPE = 0.2
 
 
 def field_velocity(
-    tree: bpy.types.NodeTree,
-    mixture: FieldMixture,
-    rates: Sequence[bpy.types.NodeSocket],
-    spacing: float,
-    offsets: Sequence[str],
+    mixture: FieldMixture, rates: Sequence[bpy.types.NodeSocket], offsets: Sequence[str]
 ) -> bpy.types.NodeSocket:
     """Return the velocity of points on the surface of a mixture, along their normals and with the center.
 
@@ -30,26 +26,23 @@ def field_velocity(
 
     Parameters
     ----------
-    tree : bpy.types.NodeTree
-        Node group of the new nodes.
     mixture : FieldMixture
         The mixture.
     rates : sequence of bpy.types.NodeSocket
         Change of the weight of every term per second, of sum 0.
-    spacing : float
-        Size of the cells of the fields.
     offsets : sequence of str
         Columns of the table of steps by which the mixture is moved.
     """
+    tree = mixture.tree
     position = position_node(tree)
     values = [mixture.sampled_term(term, position) for term in mixture.terms]
     change = weighted_sum(tree, values, rates)
     gradient = mixture.sampled(position).gradient
     square = vector_math_node(tree, "DOT_PRODUCT", gradient, gradient)
     square = math_node(tree, "MAXIMUM", square, _LEAST_SLOPE**2)
-    speed = math_node(tree, "MULTIPLY", math_node(tree, "DIVIDE", change, square), -spacing)
+    speed = math_node(tree, "MULTIPLY", math_node(tree, "DIVIDE", change, square), -mixture.spacing)
     velocity = vector_math_node(tree, "SCALE", gradient, speed)
     for name in offsets:
-        places = [mixture.of_step("FLOAT_VECTOR", name, term) for term in mixture.terms]
-        velocity = vector_math_node(tree, "ADD", velocity, weighted_vectors(tree, places, rates))
+        moved = weighted_vectors(tree, mixture.of_steps("FLOAT_VECTOR", name), rates)
+        velocity = vector_math_node(tree, "ADD", velocity, moved)
     return velocity

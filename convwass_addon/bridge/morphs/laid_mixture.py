@@ -39,8 +39,6 @@ class LaidMixture:
 
     Parameters
     ----------
-    tree : bpy.types.NodeTree
-        Node group of the new nodes.
     mixture : FieldMixture
         The mixture.
     terms : sequence of Term
@@ -49,14 +47,9 @@ class LaidMixture:
         The mesh of each term, about the center of its blend.
     """
 
-    def __init__(
-        self,
-        tree: bpy.types.NodeTree,
-        mixture: FieldMixture,
-        terms: Sequence[Term],
-        targets: Sequence[bpy.types.NodeSocket],
-    ) -> None:
-        self._tree, self._mixture, self._terms, self._targets = tree, mixture, list(terms), list(targets)
+    def __init__(self, mixture: FieldMixture, terms: Sequence[Term], targets: Sequence[bpy.types.NodeSocket]) -> None:
+        tree = self._tree = mixture.tree
+        self._mixture, self._terms, self._targets = mixture, list(terms), list(targets)
         self._spacing = mixture.spacing
         offsets = [mixture.of_step("FLOAT_VECTOR", OFFSET, term) for term in terms]
         self._places = [vector_math_node(tree, "ADD", position_node(tree), offset) for offset in offsets]

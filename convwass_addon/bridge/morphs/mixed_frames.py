@@ -33,7 +33,7 @@ from .frame_attributes import CUSTOM_NORMAL, LOOKS, SOURCE_WEIGHT, VELOCITY
 from .laid_mixture import LaidMixture
 from .moved_frames import HAS
 from .stored import WEIGHTS_KEY, frame_weights
-from .stored_fields import COLOR, ENCLOSED, Column, StoredFields
+from .stored_fields import COLOR, ENCLOSED, Column
 
 DETAIL = "Detail"
 """Input: whether the surface is projected onto the baked meshes."""
@@ -118,26 +118,25 @@ class MixedFrames:
 
     Attributes
     ----------
-    tree : bpy.types.NodeTree
-        Node group of the new nodes.
-    fields : StoredFields
-        Table of the blends, with the columns of `columns_of`.
+    mixture : FieldMixture
+        Terms of the mixture, of fields with the columns of `columns_of`.
     frames : sequence of bpy.types.Object
         The blends.
     meshes : sequence of bpy.types.NodeSocket
         Meshes of the blends in local space.
-    mixture : FieldMixture
-        Terms of the mixture.
     targets : sequence of bpy.types.NodeSocket or None
         What the surface is projected onto, one mesh per term about the center of its blend; None for the baked meshes.
     """
 
-    tree: bpy.types.NodeTree
-    fields: StoredFields
+    mixture: FieldMixture
     frames: Sequence[bpy.types.Object]
     meshes: Sequence[bpy.types.NodeSocket]
-    mixture: FieldMixture
     targets: Sequence[bpy.types.NodeSocket] | None = None
+
+    @property
+    def tree(self) -> bpy.types.NodeTree:
+        """The node group of the nodes."""
+        return self.mixture.tree
 
     def geometry(
         self,
@@ -162,13 +161,12 @@ class MixedFrames:
         if any(CUSTOM_NORMAL in obj.data.attributes for obj in self.frames):
             on_meshes = self._shaded(on_meshes, laid.normal())
         shown = switch(self.tree, "GEOMETRY", detail, self._smooth(surface), on_meshes)
-        volumes = [self.mixture.of_step("FLOAT", ENCLOSED, term) for term in self.mixture.terms]
-        volume = weighted_sum(self.tree, volumes, self.weights)
-        shown = with_volume(self.tree, shown, volume, _MOST_INFLATED * self.fields.grid.spacing)
+        volume = weighted_sum(self.tree, self.mixture.of_steps("FLOAT", ENCLOSED), self.mixture.weights)
+        shown = with_volume(self.tree, shown, volume, _MOST_INFLATED * self.mixture.spacing)
         for number in range(1, len(self.frames[0][WEIGHTS_KEY]) + 1):
             name = SOURCE_WEIGHT.format(number)
-            own = [self.mixture.of_step("FLOAT", name, term) for term in self.mixture.terms]
-            shown = self.stored(shown, name, "FLOAT", weighted_sum(self.tree, own, self.weights))
+            weight = weighted_sum(self.tree, self.mixture.of_steps("FLOAT", name), self.mixture.weights)
+            shown = stored_attribute(self.tree, shown, name, weight)
         shown = switch(self.tree, "GEOMETRY", detail, shown, self._with_uv_maps(shown))
         names = carried_attributes(self.frames)
         if names:
@@ -176,7 +174,8 @@ class MixedFrames:
         for name, kind in names.items():
             if name != VELOCITY:
                 values = laid.at_points(kind, name, points)
-                shown = self.stored(shown, name, kind, self._mixed(kind, values, self._shares(name)))
+                mixed = self._mixed(kind, values, self._shares(name))
+                shown = stored_attribute(self.tree, shown, name, mixed, kind)
         if pace is None:
             return shown
         if VELOCITY in names:
@@ -184,7 +183,7 @@ class MixedFrames:
             velocity = self._mixed("FLOAT_VECTOR", values, self._shares(VELOCITY))
         if velocity is not None:
             velocity = vector_math_node(self.tree, "SCALE", velocity, pace)
-            shown = self.stored(shown, VELOCITY, "FLOAT_VECTOR", velocity)
+            shown = stored_attribute(self.tree, shown, VELOCITY, velocity, "FLOAT_VECTOR")
         return shown
 
     def _with_uv_maps(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
@@ -194,10 +193,10 @@ class MixedFrames:
             return geometry
         laid = self._laid([self._largest_blend()])
         for name in names:
-            geometry = self.stored(geometry, name, "FLOAT2", laid.at_corners(name), "CORNER")
+            geometry = stored_attribute(self.tree, geometry, name, laid.at_corners(name), "FLOAT2", "CORNER")
         mark = self.tree.nodes.new("ShaderNodeValue")
         mark.outputs[0].default_value = 1.0
-        return self.stored(geometry, LOOKS, "FLOAT", mark.outputs[0])
+        return stored_attribute(self.tree, geometry, LOOKS, mark.outputs[0])
 
     @property
     def color(self) -> bpy.types.NodeSocket:
@@ -215,8 +214,7 @@ class MixedFrames:
 
     def mixed_column(self, kind: str, name: str) -> bpy.types.NodeSocket:
         """Return the mean of vectors or colors in the table of steps."""
-        values = [self.mixture.of_step(kind, name, term) for term in self.mixture.terms]
-        return weighted_vectors(self.tree, values, self.weights)
+        return weighted_vectors(self.tree, self.mixture.of_steps(kind, name), self.mixture.weights)
 
     def with_materials(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return a mesh with the material of the blends; if there are several, with that of the nearest face."""
@@ -234,7 +232,7 @@ class MixedFrames:
         """Return the closest points on the meshes of some terms, by default the baked ones."""
         if targets is None:
             targets = [pick(self.tree, "GEOMETRY", term.index, self.meshes) for term in terms]
-        return LaidMixture(self.tree, self.mixture, terms, targets)
+        return LaidMixture(self.mixture, terms, targets)
 
     def _largest_blend(self) -> Term:
         """Return the term with the largest weight among those that are not unchanged shapes."""
@@ -259,27 +257,11 @@ class MixedFrames:
         inputs = {"Material": material, "Geometry": geometry, "Selection": True if selection is None else selection}
         return new_node(self.tree, "GeometryNodeSetMaterial", inputs).outputs["Geometry"]
 
-    @property
-    def weights(self) -> list[bpy.types.NodeSocket]:
-        """Those of the terms."""
-        return [term.weight for term in self.mixture.terms]
-
-    def stored(
-        self,
-        geometry: bpy.types.NodeSocket,
-        name: str,
-        kind: str,
-        value: bpy.types.NodeSocket,
-        domain: str = "POINT",
-    ) -> bpy.types.NodeSocket:
-        """Return a geometry with an attribute, by default of points."""
-        return stored_attribute(self.tree, geometry, name, value, kind, domain)
-
     def _shares(self, name: str) -> list[bpy.types.NodeSocket]:
         """Return the weights of the meshes for an attribute: 0 for those without it."""
         tree = self.tree
-        has = [self.mixture.of_step("FLOAT", HAS.format(name), term) for term in self.mixture.terms]
-        own = [math_node(tree, "MULTIPLY", one, weight) for one, weight in zip(has, self.weights, strict=True)]
+        has = zip(self.mixture.of_steps("FLOAT", HAS.format(name)), self.mixture.weights, strict=True)
+        own = [math_node(tree, "MULTIPLY", *both) for both in has]
         whole = math_node(tree, "MAXIMUM", total(tree, own), 1e-6)
         return [math_node(tree, "DIVIDE", one, whole) for one in own]
 

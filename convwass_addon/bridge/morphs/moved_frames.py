@@ -24,17 +24,12 @@ HAS = "has {}"
 
 
 def moved_about_centers(
-    tree: bpy.types.NodeTree,
-    mixture: FieldMixture,
-    meshes: Sequence[bpy.types.NodeSocket],
-    seconds: Sequence[bpy.types.NodeSocket],
+    mixture: FieldMixture, meshes: Sequence[bpy.types.NodeSocket], seconds: Sequence[bpy.types.NodeSocket]
 ) -> list[bpy.types.NodeSocket]:
     """Return the mesh of every term of a mixture, deformed to the moment, but with its center left in place.
 
     Parameters
     ----------
-    tree : bpy.types.NodeTree
-        Node group of the new nodes.
     mixture : FieldMixture
         Terms of the mixture.
     meshes : sequence of bpy.types.NodeSocket
@@ -42,8 +37,8 @@ def moved_about_centers(
     seconds : sequence of bpy.types.NodeSocket
         Time from the blend of every term to the moment.
     """
-    centers = [mixture.of_step("FLOAT_VECTOR", OFFSET, term) for term in mixture.terms]
-    center = weighted_vectors(tree, centers, [term.weight for term in mixture.terms])
+    tree, centers = mixture.tree, mixture.of_steps("FLOAT_VECTOR", OFFSET)
+    center = weighted_vectors(tree, centers, mixture.weights)
     # Where only one of two meshes moves, their errors do not cancel: it is better if neither does.
     moving = has_velocity(mixture, mixture.terms[0])
     for term in mixture.terms[1:]:
@@ -58,7 +53,6 @@ def moved_about_centers(
 
 
 def moved_frame(
-    tree: bpy.types.NodeTree,
     mixture: FieldMixture,
     meshes: Sequence[bpy.types.NodeSocket],
     seconds: Sequence[bpy.types.NodeSocket],
@@ -68,7 +62,7 @@ def moved_frame(
 
     For thin parts that move by more than their thickness: mixtures do not show them at all.
     """
-    before, after = mixture.terms
+    tree, (before, after) = mixture.tree, mixture.terms
     later = math_node(
         tree, "MULTIPLY", math_node(tree, "GREATER_THAN", after.weight, 0.5), has_velocity(mixture, after)
     )

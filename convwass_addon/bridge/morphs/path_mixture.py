@@ -71,18 +71,18 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     meshes = [info.outputs["Geometry"] for info in infos]
     terms = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], inputs[VALUE], len(frames))
     mixture = FieldMixture(tree, fields, terms)
-    is_moving, seconds = VELOCITY in carried_attributes(frames), _seconds(tree, mixture, terms)
-    targets = moved_about_centers(tree, mixture, meshes, seconds) if is_moving else None
-    mixed = MixedFrames(tree, fields, frames, meshes, mixture, targets)
+    is_moving, seconds = VELOCITY in carried_attributes(frames), _seconds(mixture)
+    targets = moved_about_centers(mixture, meshes, seconds) if is_moving else None
+    mixed = MixedFrames(mixture, frames, meshes, targets)
     pace = mixture.of_step("FLOAT", PACE, terms[0])
     rates = (math_node(tree, "MULTIPLY", pace, -1.0), pace)
-    velocity = field_velocity(tree, mixture, rates, fields.grid.spacing, [OFFSET])
+    velocity = field_velocity(mixture, rates, [OFFSET])
     shown = mixed.geometry(inputs[DETAIL], velocity, inputs[SPEED])
     shown = set_position(tree, mixed.with_materials(shown), offset=mixed.mixed_column("FLOAT_VECTOR", OFFSET))
     if is_moving:
         known = math_node(tree, "MAXIMUM", *(has_velocity(mixture, term) for term in terms))
         moves = math_node(tree, "MULTIPLY", mixture.of_step("FLOAT", LOSES_PARTS, terms[0]), known)
-        moved = moved_frame(tree, mixture, meshes, seconds, inputs[SPEED])
+        moved = moved_frame(mixture, meshes, seconds, inputs[SPEED])
         shown = switch(tree, "GEOMETRY", moves, shown, moved)
     is_later = math_node(tree, "GREATER_THAN", terms[1].weight, 0.5)
     nearer = switch(tree, "FLOAT", is_later, terms[0].index, terms[1].index)
@@ -94,11 +94,9 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     return tree
 
 
-def _seconds(
-    tree: bpy.types.NodeTree, mixture: FieldMixture, terms: tuple[Term, Term]
-) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
+def _seconds(mixture: FieldMixture) -> tuple[bpy.types.NodeSocket, bpy.types.NodeSocket]:
     """Return the time from the blends before and after a moment to it; the latter is negative."""
-    before, after = terms
+    tree, (before, after) = mixture.tree, mixture.terms
     pace = mixture.of_step("FLOAT", PACE, before)
     backward = math_node(tree, "MULTIPLY", before.weight, -1.0)
     return tuple(math_node(tree, "DIVIDE", share, pace) for share in (after.weight, backward))

@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..node_math import clamped, math_node, new_node, switch, vector_math_node
+from ..node_math import clamped, math_node, new_node, stored_attribute, switch, vector_math_node
 from ..sequence import object_info
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
@@ -85,13 +85,14 @@ def mixed_sheet(
     meshes = [object_info(tree, obj).outputs["Geometry"] for obj in frames]
     cell = _Cell.of(tree, lattice, _place_on_sheet(tree, lattice, place))
     mixture = FieldMixture(tree, fields, cell.terms(tree, lattice))
-    mixed = MixedFrames(tree, fields, frames, meshes, mixture)
+    mixed = MixedFrames(mixture, frames, meshes)
     change = _along_sheet(tree, lattice, handle_velocity)
     rates = cell.rates(tree, change.row, change.column)
-    velocity = field_velocity(tree, mixture, rates, fields.grid.spacing, [OFFSET, _SHOWN])
+    velocity = field_velocity(mixture, rates, [OFFSET, _SHOWN])
     still = mixed.geometry(detail)
     moves = math_node(tree, "GREATER_THAN", vector_math_node(tree, "LENGTH", handle_velocity), 0.0)
-    shown = switch(tree, "GEOMETRY", moves, still, mixed.stored(still, VELOCITY, "FLOAT_VECTOR", velocity))
+    moving = stored_attribute(tree, still, VELOCITY, velocity, "FLOAT_VECTOR")
+    shown = switch(tree, "GEOMETRY", moves, still, moving)
     shown = mixed.with_materials(shown)
     for name in (OFFSET, _SHOWN):
         shown = set_position(tree, shown, offset=mixed.mixed_column("FLOAT_VECTOR", name))
