@@ -12,6 +12,7 @@ import numpy as np
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
 
 from .animation_time import time_of_frame
+from .unused_data import remove_if_unused
 
 VISIBILITY_PATHS = ("hide_viewport", "hide_render")
 
@@ -203,8 +204,7 @@ def clear_animation(block: bpy.types.ID) -> None:
     """Remove the keyframes and drivers of a data-block, and its action unless something else uses it."""
     action = None if block.animation_data is None else block.animation_data.action
     block.animation_data_clear()
-    if action is not None and not action.users:
-        bpy.data.actions.remove(action)
+    remove_if_unused([action])
 
 
 def make_linear(block: bpy.types.ID) -> None:

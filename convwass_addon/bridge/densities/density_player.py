@@ -20,6 +20,7 @@ from ...errors import InputError
 from ..keyframes import EASINGS, channels_of, is_driven, own_action
 from ..mesh_checks import writable_mesh
 from ..node_inputs import NodeInput, node_input
+from ..unused_data import remove_if_unused
 from .density_attributes import remove_color, remove_frames, require_free, write_frames
 from .density_nodes import DENSITY_KEY, NAME, VALUE, density_tree, fill
 from .density_store import StoredDensity, forget_density, store_density, stored_or_new
@@ -103,8 +104,7 @@ def remove_density(obj: bpy.types.Object, name: str = NAME) -> None:
     _unkey(density_value(obj, name))
     tree = modifier.node_group
     obj.modifiers.remove(modifier)
-    if not tree.users:
-        bpy.data.node_groups.remove(tree)
+    remove_if_unused([tree])
     if not _players(mesh, name):
         remove_frames(mesh, name)
         remove_color(mesh, name)
@@ -217,8 +217,7 @@ def _unkey(value: NodeInput) -> None:
     bag.fcurves.remove(_curve(value))
     if not bag.fcurves:
         data.action = None
-        if not action.users:
-            bpy.data.actions.remove(action)
+        remove_if_unused([action])
 
 
 def _curve(value: NodeInput) -> bpy.types.FCurve | None:

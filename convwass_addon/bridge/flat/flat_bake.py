@@ -18,6 +18,7 @@ from ..handles import Handle, found
 from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_first_frame
 from ..morphs.frozen_inputs import FrozenInput
 from ..objects import is_sheared, place_mesh
+from ..unused_data import remove_if_unused
 from ..visibility import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
@@ -128,7 +129,7 @@ class FlatBake(MorphBake):
     def _drop_unused(self) -> None:
         bpy.data.batch_remove(found(self._copies))
         # Removed first, so that the material below is seen as unused.
-        bpy.data.batch_remove([data for data in found([shape.mesh for shape in self._inputs]) if data.users == 0])
+        remove_if_unused(found([shape.mesh for shape in self._inputs]))
         super()._drop_unused()
         bpy.data.batch_remove(unused_materials())
 

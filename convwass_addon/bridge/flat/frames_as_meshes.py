@@ -13,6 +13,7 @@ from ..morphs.bake import assign_default_material
 from ..morphs.stand_ins import stand_ins
 from ..morphs.stored import frame_objects, store, stored_morph
 from ..objects import take_parent
+from ..unused_data import remove_if_unused
 from .flat_paint import paint_mesh, region_colors
 
 
@@ -44,7 +45,7 @@ def turn_into_meshes(collection: bpy.types.Collection) -> None:
         # This also puts it into the collections.
         obj.user_remap(other)
     bpy.data.batch_remove(curves)
-    bpy.data.batch_remove([curve for curve in data if curve.users == 0])
+    remove_if_unused(data)
     for obj, name in zip(others, names, strict=True):
         obj.name = name
     store(collection, replace(morph, settings={**morph.settings, "flat_output": "MESH"}))

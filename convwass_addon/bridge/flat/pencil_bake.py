@@ -15,6 +15,7 @@ from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..morphs.materials import mark_as_frames
 from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY
+from ..unused_data import remove_if_unused
 from .flat_bake import FlatBake, mean_color
 from .flat_curves import FittedFrame
 from .flat_strokes import Fill, fill_material, new_drawing_data, polygon_ring, write_fills
@@ -119,5 +120,4 @@ class PencilBake(FlatBake):
 
     def _drop_unused(self) -> None:
         super()._drop_unused()
-        inks = found([ink for inks in self._inks or [] for ink in inks])
-        bpy.data.batch_remove([material for material in inks if not material.users])
+        remove_if_unused(found([ink for inks in self._inks or [] for ink in inks]))

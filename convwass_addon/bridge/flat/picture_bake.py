@@ -33,6 +33,7 @@ from ..morphs.written_files import drop_surplus, store_written
 from ..node_trees import own_tree
 from ..numbered_files import file_number, numbered_paths
 from ..palettes.image_files import save_pixels
+from ..unused_data import remove_if_unused
 from .gray_inputs import GrayInput
 
 
@@ -164,7 +165,7 @@ class PictureBake(MorphBake):
 
     def _drop_unused(self) -> None:
         super()._drop_unused()
-        bpy.data.batch_remove([data for data in found([shape.mesh for shape in self._inputs]) if not data.users])
+        remove_if_unused(found([shape.mesh for shape in self._inputs]))
 
 
 def pictures_of(collection: bpy.types.Collection) -> list[Path]:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 
 from ..handles import Handle, found
+from ..unused_data import remove_if_unused
 from ..visibility import layers_with
 from .running import running_live
 
@@ -39,7 +40,7 @@ def remove_live_objects(live: bpy.types.Collection | None) -> None:
     materials = [material for material in slots if LIVE_KEY in material]
     bpy.data.batch_remove([*objects, live])
     for blocks in (data, materials):
-        bpy.data.batch_remove([block for block in blocks if block.users == 0])
+        remove_if_unused(blocks)
 
 
 def watch_undo() -> None:

@@ -24,6 +24,7 @@ from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
 from ..objects import write_mesh
 from ..shape_sources import OBJECTS, shape_source
+from ..unused_data import remove_if_unused
 from ..visibility import is_in, layers_with
 from .changes import signature, store_signatures
 from .frozen_inputs import FrozenInput, frozen_inputs
@@ -359,11 +360,11 @@ class MorphBake:
 
     def _drop_unused(self) -> None:
         """Remove prepared data that no frame uses."""
-        copies = [copy for shape in self._inputs for copy in (shape.mesh, shape.shown) if copy is not None]
-        spare = found(copies + ([self._action] if self._action else []))
-        if self._brings_material and MATERIAL_NAME in bpy.data.materials:
-            spare.append(bpy.data.materials[MATERIAL_NAME])
-        bpy.data.batch_remove([block for block in spare if block.users == 0])
+        handles = [self._action, *(copy for shape in self._inputs for copy in (shape.mesh, shape.shown))]
+        spare = [handle.find() for handle in handles if handle is not None]
+        if self._brings_material:
+            spare.append(bpy.data.materials.get(MATERIAL_NAME))
+        remove_if_unused(spare)
 
 
 def check_first_frame(first_frame: int) -> None:

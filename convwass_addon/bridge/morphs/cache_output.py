@@ -12,6 +12,7 @@ import bpy
 from ...errors import ConvwassError, InputError
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
+from ..unused_data import remove_if_unused
 from .disk_output import OUTPUT_KEY, DiskOutput, cache_readers, disk_outputs, for_blender, remember_readers
 from .exports import COLORS, FORMATS, export_frames
 from .materials import attribute_material
@@ -80,7 +81,7 @@ def _reading_as(shown: bpy.types.Object, imported: bpy.types.Object) -> bpy.type
     # The old file must not be removed while it is evaluated.
     bpy.context.evaluated_depsgraph_get().update()
     bpy.data.objects.remove(imported)
-    bpy.data.batch_remove([block for block in spare if block is not None and block.users == 0])
+    remove_if_unused(spare)
     return shown
 
 

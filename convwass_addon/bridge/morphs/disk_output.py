@@ -18,6 +18,7 @@ from ...applications.whole_paths import whole_path
 from ...errors import InputError
 from ..files import absolute_folder, creatable_folder
 from ..linked_data import overriding
+from ..unused_data import remove_if_unused
 
 OUTPUT_KEY = "convwass_output"
 """Custom property of an object that shows a morph from files on disk: "volume" or "cache"."""
@@ -298,9 +299,9 @@ def require_rewritable(morph: bpy.types.Collection) -> None:
 def remove_disk_outputs(morph: bpy.types.Collection) -> None:
     """Remove the objects of :func:`disk_outputs` and data that only they use; the files are kept."""
     objects = disk_outputs(morph)
-    spare = {obj.data for obj in objects if obj.data} | {file for obj in objects for file in _cache_files(obj)}
+    spare = [*(obj.data for obj in objects), *(file for obj in objects for file in _cache_files(obj))]
     bpy.data.batch_remove(objects)
-    bpy.data.batch_remove([block for block in spare if block.users == 0])
+    remove_if_unused(spare)
 
 
 def packed_bytes(objects: Sequence[bpy.types.Object]) -> int:

@@ -12,6 +12,7 @@ import bpy
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..node_math import new_node
+from ..unused_data import remove_if_unused
 from .frame_attributes import COLOR, LOOK, SOURCE_WEIGHT
 from .look_mixing import MixedLook, group_look, show_looks
 from .materials import ROUGHNESS, drop_unused_groups, mark_as_frames, principled_of, take_color_from, wire
@@ -135,7 +136,7 @@ class MixedMaterials:
 
     def drop_unused(self) -> None:
         """Remove materials that no frame uses."""
-        bpy.data.batch_remove([block for block in found(list(self._made.values())) if block.users == 0])
+        remove_if_unused(found(list(self._made.values())))
         drop_unused_groups()
 
     def _make(self, key: tuple[int, ...], name: str) -> None:

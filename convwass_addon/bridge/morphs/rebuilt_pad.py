@@ -13,6 +13,7 @@ from bpy_extras.anim_utils import action_get_channelbag_for_slot
 from mathutils import Matrix, Vector
 
 from ..keyframes import curves_of, own_action
+from ..unused_data import remove_if_unused
 from .blend_pad import PLACE_KEY, make_blend_pad, require_all_blends
 from .pad_velocity import handle_velocity, key_handle_velocity
 from .player_inputs import interpolation
@@ -102,7 +103,7 @@ def _take_over(before: Mapping[object, list[bpy.types.Object]], made: Mapping[ob
     width = _width(before.get("PAD", ()))
     ratio = _width(made["PAD"]) / width if width else 1.0
     pairs = [(before[purpose], new) for purpose, (new,) in made.items() if before.get(purpose)]
-    spare = [obj.data for objects, new in pairs for obj in (*objects, new) if obj.data]
+    spare = [obj.data for objects, new in pairs for obj in (*objects, new)]
     for objects, new in pairs:
         for obj in objects:
             _give(obj, new)
@@ -113,7 +114,7 @@ def _take_over(before: Mapping[object, list[bpy.types.Object]], made: Mapping[ob
     if not math.isclose(ratio, 1.0, rel_tol=_SAME_WIDTH):
         _scale_locations(before.get("EMPTY", ()), ratio)
     bpy.data.batch_remove([new for _, new in pairs])
-    bpy.data.batch_remove({data for data in spare if not data.users})
+    remove_if_unused(spare)
 
 
 def _width(pads: Sequence[bpy.types.Object]) -> float:

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import bpy
 
+from ..unused_data import remove_if_unused, remove_with_data
 from .disk_output import remove_disk_outputs
 from .hidden_inputs import hidden_only_by, show_again
 from .kept_materials import carried_materials
@@ -46,15 +47,13 @@ def remove_frame_objects(frames: list[bpy.types.Object]) -> None:
     """Remove frame objects of a morph, with the materials that only they use."""
     used = carried_materials(frames)
     remove_objects(frames)
-    bpy.data.batch_remove([material for material in used if material.users == 0])
+    remove_if_unused(used)
     drop_unused_groups()
 
 
 def remove_objects(objects: list[bpy.types.Object]) -> None:
-    """Remove frame objects, with meshes and actions that nothing else uses."""
-    data = {obj.data for obj in objects if obj.data}
-    data |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
+    """Remove frame objects, with meshes, actions and node groups that nothing else uses."""
     modifiers = [modifier for obj in objects for modifier in obj.modifiers if modifier.type == "NODES"]
-    data |= {modifier.node_group for modifier in modifiers if modifier.node_group}
-    bpy.data.batch_remove(objects)
-    bpy.data.batch_remove([block for block in data if block.users == 0])
+    groups = [modifier.node_group for modifier in modifiers]
+    remove_with_data(objects)
+    remove_if_unused(groups)

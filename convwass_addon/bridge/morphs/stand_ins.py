@@ -11,6 +11,7 @@ import bpy
 from ...errors import InputError
 from ..linked_data import overriding
 from ..object_names import without_number
+from ..unused_data import remove_if_unused, remove_with_data
 from .stored import FRAMES_KEY, frame_objects, hidden_frames
 
 SHOWS_KEY = "convwass_shows"
@@ -99,11 +100,7 @@ def require_no_pad(collection: bpy.types.Collection) -> None:
 
 def remove_stand_ins(collection: bpy.types.Collection) -> None:
     """Remove the objects that show a morph, and show its frame objects again; data with other users is kept."""
-    objects = stand_ins(collection)
-    spare = [obj.data for obj in objects if obj.data]
-    spare += [obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action]
-    bpy.data.batch_remove(objects)
-    _remove_unused(spare)
+    remove_with_data(stand_ins(collection))
     remove_unused(collection)
     for other in [other for other in bpy.data.collections if other.get(SHOWS_KEY) == collection]:
         if not other.objects and not other.children:
@@ -117,10 +114,7 @@ def remove_unused(collection: bpy.types.Collection) -> None:
     for _ in range(3):
         groups = [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]
         _remove_unused_assets(groups)
-    spare = [obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not obj.users]
-    meshes = [obj.data for obj in spare if obj.data]
-    bpy.data.batch_remove(spare)
-    _remove_unused(meshes)
+    remove_with_data([obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not obj.users])
     _remove_unused_assets([block for block in bpy.data.materials if block.get(SHOWS_KEY) == collection])
 
 
@@ -180,8 +174,4 @@ def _remove_unused_assets(blocks: Iterable[bpy.types.ID]) -> None:
         # Being an asset counts as a user.
         if block.asset_data is not None and block.users == 1:
             block.asset_clear()
-    _remove_unused(blocks)
-
-
-def _remove_unused(blocks: Iterable[bpy.types.ID]) -> None:
-    bpy.data.batch_remove({block for block in blocks if block.users == 0})
+    remove_if_unused(blocks)

@@ -15,6 +15,7 @@ from ...geometry.alignment import RigidMove
 from ...geometry.mesh import TriangleMesh
 from ..handles import Handle
 from ..objects import triangle_mesh
+from ..unused_data import remove_if_unused
 from .remeshed_rest import remeshed_shape
 from .rest_mesh import RestMesh, rest_mesh
 
@@ -66,9 +67,7 @@ class KeyBasis:
 
     def discard(self) -> None:
         """Remove the mesh unless an object uses it."""
-        mesh = self.mesh.find()
-        if mesh is not None and not mesh.users:
-            bpy.data.meshes.remove(mesh)
+        remove_if_unused([self.mesh.find()])
 
     def key_coordinates(self, positions: NDArray[np.float64], move: RigidMove | None) -> NDArray[np.float64]:
         """Return coordinates of keys, (k, n, 3), that lead to positions among aligned shapes, (k, n, 3).

@@ -12,6 +12,7 @@ from ...errors import InputError
 from ...sentence import Sentence
 from ..keyframes import curves_of, driver_targets, remove_curve
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
+from ..unused_data import remove_with_data
 from .attached_parts import detach_parts
 from .key_pad import pads_of, remove_idle_pads
 from .records import BAKE_KEYS, SWAP_KEY, key_records, objects_of
@@ -49,7 +50,7 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
         _read_from(obj, kept)
     for own in [own for own in found if own not in kept.values() and own.parent in kept]:
         own.parent = kept[own.parent]
-    _remove(list(kept))
+    remove_with_data(list(kept))
     remove_idle_pads(pads)
     return found
 
@@ -72,7 +73,7 @@ def delete_keys(keyed: bpy.types.Object) -> tuple[list[Sentence], list[Sentence]
     hidden, pads, objects = hidden_only_by(keyed), _pads(keyed), objects_of(keyed)
     remarks = _detached_notices(detach_parts(objects))
     warnings = _dangling_notices(_followers(objects))
-    _remove(objects)
+    remove_with_data(objects)
     remove_idle_pads(pads)
     show_again(hidden)
     return remarks, warnings
@@ -191,11 +192,3 @@ def _read_from(obj: bpy.types.Object, kept: Mapping[bpy.types.Object, bpy.types.
     for block in (obj, obj.data.shape_keys):
         for target in driver_targets(block):
             target.id = kept.get(target.id, target.id)
-
-
-def _remove(objects: Sequence[bpy.types.Object]) -> None:
-    """Remove objects with meshes and actions that nothing else uses."""
-    spare = {obj.data for obj in objects}
-    spare |= {obj.animation_data.action for obj in objects if obj.animation_data and obj.animation_data.action}
-    bpy.data.batch_remove(list(objects))
-    bpy.data.batch_remove([block for block in spare if block.users == 0])

@@ -21,6 +21,7 @@ from ..element_values import element_values
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
 from ..objects import stand, take_own_materials, triangle_mesh
+from ..unused_data import remove_if_unused
 from ..visibility import evaluated_object
 from .records import SHAPES_KEY, key_names, key_records
 
@@ -102,10 +103,7 @@ class Look:
 
     def discard(self) -> None:
         """Remove the copies."""
-        for surface in (self.onto, self.shape):
-            mesh = None if surface is None else surface.mesh.find()
-            if mesh is not None and not mesh.users:
-                bpy.data.meshes.remove(mesh)
+        remove_if_unused(surface.mesh.find() for surface in (self.onto, self.shape) if surface is not None)
 
 
 def remember_shape(obj: bpy.types.Object, slider: str, shape: bpy.types.Object, placement: NDArray[np.float64]) -> None:

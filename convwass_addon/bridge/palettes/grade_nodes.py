@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...applications.palettes.lookup_table import LookupTable
 from ..last_result import last_result
 from ..node_math import feed, math_node, mixed, new_node
+from ..unused_data import remove_if_unused
 
 Socket = bpy.types.NodeSocket
 
@@ -78,7 +79,7 @@ def _emptied_group(name: str, source: str) -> bpy.types.NodeTree:
         return group
     tables = {node.image for node in group.nodes if node.type == "IMAGE" and node.image is not None}
     group.nodes.clear()
-    bpy.data.batch_remove([image for image in tables if not image.users])
+    remove_if_unused(tables)
     return group
 
 

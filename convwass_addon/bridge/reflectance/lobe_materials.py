@@ -16,6 +16,7 @@ from ..edited_materials import is_edited, remember_made
 from ..keyframes import clear_animation, curves_of, own_action, remove_curve
 from ..last_result import last_result
 from ..node_trees import own_tree
+from ..unused_data import remove_if_unused
 from .frame_span import Frames
 from .lobe_images import lobe_image
 from .lobe_nodes import BLEND, DIFFUSE, GROUP, lobe_group
@@ -130,11 +131,9 @@ def result_material(name: str, kind: str, file: str = "") -> tuple[bpy.types.Mat
     images = _images_of(tree)
     clear_animation(tree)
     tree.nodes.clear()
-    for group in groups:
-        images |= _images_of(group)
-        if not group.users:
-            bpy.data.node_groups.remove(group)
-    _remove_unused(images)
+    images = images.union(*map(_images_of, groups))
+    remove_if_unused(groups)
+    remove_if_unused(images)
     return material, tree
 
 
@@ -209,7 +208,7 @@ def _took_image(group: bpy.types.NodeTree | None, image: bpy.types.Image) -> boo
         return False
     for node in nodes:
         node.image = image
-    _remove_unused(images)
+    remove_if_unused(images)
     return True
 
 
@@ -245,7 +244,7 @@ def _show_group(node: bpy.types.Node, group: bpy.types.NodeTree, *, keep: bool) 
     elif before is not None and not before.users:
         images = set(filter(is_own, _images_of(before)))
         bpy.data.node_groups.remove(before)
-        _remove_unused(images)
+        remove_if_unused(images)
 
 
 def _value(socket: bpy.types.NodeSocket) -> object:
@@ -266,12 +265,6 @@ def _drop_animation(node: bpy.types.Node) -> None:
 
 def _images_of(tree: bpy.types.NodeTree) -> set[bpy.types.Image]:
     return {node.image for node in tree.nodes if node.type == "TEX_IMAGE" and node.image is not None}
-
-
-def _remove_unused(images: set[bpy.types.Image]) -> None:
-    for image in images:
-        if not image.users:
-            bpy.data.images.remove(image)
 
 
 def animate(

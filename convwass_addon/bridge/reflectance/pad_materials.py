@@ -11,6 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ..unused_data import remove_if_unused
 from .lobe_images import fill_image
 from .lobe_materials import (
     RESULT_OF,
@@ -134,8 +135,8 @@ def _read(
         _Fed(scaled.outputs[0], is_scaled).feed(at.inputs[axis], is_placed)
     _Fed(at.outputs["Vector"], is_placed).feed(texture.inputs["Vector"], is_new)
     before, texture.image = texture.image, None
-    if is_own(before) and not before.users:
-        bpy.data.images.remove(before)
+    if is_own(before):
+        remove_if_unused([before])
     image = bpy.data.images.new(name, side, side, alpha=False, float_buffer=True, is_data=True)
     fill_image(image, np.asarray(values, dtype=np.float32).reshape(side, side, 3))
     image[RESULT_OF] = True

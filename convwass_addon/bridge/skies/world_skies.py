@@ -25,6 +25,7 @@ from ..node_trees import own_tree
 from ..numbered_files import file_number
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
+from ..unused_data import remove_if_unused
 from .sky_pixels import read_sky, read_sky_file, resized
 
 RESULT_OF = "convwass_skies"
@@ -180,9 +181,7 @@ def _new_texture(tree: bpy.types.NodeTree) -> bpy.types.Node:
     clear_animation(tree)
     old = {node.image for node in tree.nodes if node.type == "TEX_ENVIRONMENT" and node.image is not None}
     tree.nodes.clear()
-    for image in old:
-        if not image.users:
-            bpy.data.images.remove(image)
+    remove_if_unused(old)
     output = tree.nodes.new("ShaderNodeOutputWorld")
     background = tree.nodes.new("ShaderNodeBackground")
     texture = tree.nodes.new("ShaderNodeTexEnvironment")
