@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.flat.flat_shapes import FlatImage, FlatInput
+from ...applications.palettes.lab_colors import srgb_of_linear
 from ...errors import InputError
 from ..visibility import evaluated_object
 from .flat_images import border_of, figure_of, has_ground, one_tone, pixels_of
@@ -61,7 +62,7 @@ def gray_inputs(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgr
 def _shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> GrayInput:
     (flat,) = flat_objects([obj], depsgraph)
     colors = flat.shape.colors.copy()
-    colors[:, :3] = _encoded(colors[:, :3])
+    colors[:, :3] = srgb_of_linear(np.clip(colors[:, :3], 0.0, 1.0))
     return GrayInput(replace(flat.shape, colors=colors), flat.plane, np.array(_NO_GROUND))
 
 
@@ -111,9 +112,3 @@ def _fullness(name: str, figure: NDArray[np.float32]) -> NDArray[np.float32]:
 def _rgb(pixels: NDArray[np.float32]) -> NDArray[np.float64]:
     colors = pixels[:, :, :3] if pixels.shape[2] > 2 else np.repeat(pixels[:, :, :1], 3, axis=2)
     return np.clip(colors.astype(np.float64), 0.0, 1.0)
-
-
-def _encoded(linear: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Encode linear colors as sRGB."""
-    values = np.clip(linear, 0.0, 1.0)
-    return np.where(values <= 0.0031308, 12.92 * values, 1.055 * values ** (1 / 2.4) - 0.055)

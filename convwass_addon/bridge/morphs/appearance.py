@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.morphs.appearance import Appearance, Carried, Paint, Painted, Plain, Textured
 from ...applications.morphs.shading import FrameNormals, Shading
+from ...applications.palettes.lab_colors import linear_of_srgb
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..element_values import element_values, triangle_corners, write_attribute
@@ -286,15 +287,10 @@ def _pixels(image: bpy.types.Image | None, texture_size: int) -> np.ndarray | No
         return None
     pixels = pixel_values(image)
     if not image.is_float and image.colorspace_settings.name == "sRGB":
-        pixels[..., :3] = _linear(pixels[..., :3])
+        pixels[..., :3] = linear_of_srgb(pixels[..., :3])
     while max(pixels.shape[:2]) > texture_size:
         pixels = _halved(pixels)
     return pixels
-
-
-def _linear(values: np.ndarray) -> np.ndarray:
-    """Decode sRGB."""
-    return np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
 
 
 def _halved(pixels: np.ndarray) -> np.ndarray:

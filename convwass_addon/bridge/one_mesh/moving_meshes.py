@@ -12,15 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...applications.one_mesh.vertex_textures import VertexAnimation, padded_triangles
+from ...applications.palettes.lab_colors import srgb_of_linear
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..animation_time import returning, show_time
 from ..element_values import element_values, triangle_corners
 from ..keyframes import curves_of, driver_targets, key_span, strips_span
 from ..morphs.appearance import seen_colors
-
-# Above this value sRGB is a power law, below it is linear (IEC 61966-2-1).
-_SRGB_KNEE = 0.0031308
 
 
 @dataclass(frozen=True)
@@ -117,9 +115,7 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
 
 def srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
     """Encode scene-linear values for 8-bit images; values outside of 0 to 1 are clipped."""
-    values = np.clip(linear, 0.0, 1.0)
-    curved = 1.055 * np.power(np.maximum(values, _SRGB_KNEE), 1.0 / 2.4) - 0.055
-    return np.where(values <= _SRGB_KNEE, 12.92 * values, curved)
+    return srgb_of_linear(np.clip(linear, 0.0, 1.0))
 
 
 def _read(items: bpy.types.bpy_prop_collection, name: str) -> NDArray[np.float64]:
