@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 from bpy_extras.anim_utils import action_get_channelbag_for_slot
+from numpy.typing import ArrayLike
 
 from .animation_time import time_of_frame
 from .unused_data import remove_if_unused
@@ -56,12 +57,12 @@ def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Seque
         old = bag.fcurves.find(path)
         if old:
             bag.fcurves.remove(old)
-        _write(bag.fcurves.new(path), keys)
+        _hold(bag.fcurves.new(path), keys)
 
 
 def key_scale(obj: bpy.types.Object, action: bpy.types.Action, axis: int, keys: list[tuple[float, float]]) -> None:
     """Key the scale of an object along an axis, which has no keys yet, by (frame, value), each held until the next."""
-    _write(_channels(obj, action).fcurves.new("scale", index=axis), keys)
+    _hold(_channels(obj, action).fcurves.new("scale", index=axis), keys)
 
 
 def is_shown(obj: bpy.types.Object, frame: float) -> bool:
@@ -78,8 +79,7 @@ def shown_from(obj: bpy.types.Object) -> float | None:
 
 def _render_curve(obj: bpy.types.Object) -> bpy.types.FCurve | None:
     """Return the keys of whether an object is hidden in renders, or None."""
-    bag = channels_of(obj)
-    return bag.fcurves.find("hide_render") if bag else None
+    return next(iter(curves_of(obj, "hide_render")), None)
 
 
 def take_key_times(before: bpy.types.Object, after: bpy.types.Object) -> None:
@@ -102,7 +102,7 @@ def keyed_frames(objects: Iterable[bpy.types.Object]) -> range:
     objects = list(objects)
     # In tweak mode, keys are at the times of their strip.
     keyed = [obj for obj in objects if not is_tweaked(obj)]
-    keys = key_span(curve for obj in keyed for curve in curves_of(obj) if curve.data_path in VISIBILITY_PATHS)
+    keys = key_span(curve for obj in keyed for path in VISIBILITY_PATHS for curve in curves_of(obj, path))
     spans = [span for span in (keys, *(strips_span(objects, path) for path in VISIBILITY_PATHS)) if span]
     return range(min(span.start for span in spans), max(span.stop for span in spans)) if spans else range(0)
 
@@ -136,10 +136,10 @@ def channels_of(block: bpy.types.ID) -> bpy.types.ActionChannelbag | None:
     return action_get_channelbag_for_slot(data.action, data.action_slot) if data and data.action else None
 
 
-def curves_of(block: bpy.types.ID) -> list[bpy.types.FCurve]:
-    """Return the F-curves of a data-block, or of a node tree."""
+def curves_of(block: bpy.types.ID, path: str | None = None) -> list[bpy.types.FCurve]:
+    """Return the F-curves of a data-block, or of a node tree; all of them, or those of one property."""
     bag = channels_of(block)
-    return list(bag.fcurves) if bag is not None else []
+    return [] if bag is None else [curve for curve in bag.fcurves if path in (None, curve.data_path)]
 
 
 def is_driven(block: bpy.types.ID, path: str) -> bool:
@@ -188,7 +188,7 @@ def _animates(strip: bpy.types.NlaStrip, path: str | None) -> bool:
 def remove_curve(block: bpy.types.ID, path: str) -> None:
     """Remove the keyframes of a property of a data-block, if it has any."""
     bag = channels_of(block)
-    for curve in [own for own in bag.fcurves if own.data_path == path] if bag is not None else []:
+    for curve in curves_of(block, path):
         bag.fcurves.remove(curve)
 
 
@@ -207,11 +207,28 @@ def clear_animation(block: bpy.types.ID) -> None:
     remove_if_unused([action])
 
 
-def make_linear(block: bpy.types.ID) -> None:
-    """Set linear interpolation for all keys, regardless of the user's default."""
-    for curve in curves_of(block):
+def interpolate(curves: Iterable[bpy.types.FCurve], how: str = "LINEAR") -> None:
+    """Set the interpolation of all keys of some curves, regardless of the user's default."""
+    for curve in curves:
         for point in curve.keyframe_points:
-            point.interpolation = "LINEAR"
+            point.interpolation = how
+        curve.update()
+
+
+def ease(curve: bpy.types.FCurve, easing: str) -> None:
+    """Set the interpolation of all keys of a curve to a kind of `EASINGS`."""
+    for point in curve.keyframe_points:
+        point.easing = "EASE_IN_OUT"
+    interpolate([curve], EASINGS[easing])
+
+
+def set_keys(curve: bpy.types.FCurve, keys: ArrayLike, how: str = "LINEAR") -> None:
+    """Replace the keys of a curve by frames and values, (n, 2)."""
+    points = curve.keyframe_points
+    points.clear()
+    points.add(len(keys))
+    points.foreach_set("co", np.asarray(keys, dtype=np.float32).ravel())
+    interpolate([curve], how)
 
 
 def _channels(obj: bpy.types.Object, action: bpy.types.Action) -> bpy.types.ActionChannelbag:
@@ -241,12 +258,7 @@ def _keys(shown: Sequence[FrameRange]) -> list[tuple[float, float]]:
     return keys or [(0, 0.0 if shown else 1.0)]
 
 
-def _write(curve: bpy.types.FCurve, keys: list[tuple[float, float]]) -> None:
-    """Set the keys of an empty curve, with constant interpolation."""
-    points = curve.keyframe_points
-    points.add(len(keys))
-    points.foreach_set("co", np.array(keys, dtype=np.float32).ravel())
-    for point in points:
-        point.interpolation = "CONSTANT"
+def _hold(curve: bpy.types.FCurve, keys: list[tuple[float, float]]) -> None:
+    """Set the keys of a curve, each held until the next."""
     curve.extrapolation = "CONSTANT"
-    curve.update()
+    set_keys(curve, keys, "CONSTANT")

@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..errors import InputError
+from .keyframes import curves_of
 
 
 @dataclass(frozen=True)
@@ -48,6 +49,14 @@ class NodeInput:
     def set_item(self, items: tuple[str, ...], item: str) -> None:
         """Select an item of a menu, given all `items` in order."""
         self.set(items.index(item) if self.path.startswith("[") else item)
+
+    def curves(self) -> list[bpy.types.FCurve]:
+        """Return the F-curves of the value, one for each of its numbers that has keys."""
+        return curves_of(self.modifier.id_data, self.data_path)
+
+    def curve(self) -> bpy.types.FCurve | None:
+        """Return the F-curve of a value that is one number, or None."""
+        return next(iter(self.curves()), None)
 
 
 def node_input(modifier: bpy.types.NodesModifier, name: str) -> NodeInput:

@@ -13,7 +13,7 @@ import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
-from convwass_addon.bridge.keyframes import curves_of, make_linear
+from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
@@ -38,7 +38,7 @@ def keyed(make_object, octahedron):
     path = KeyPath("Up", (0.5, 1.0), np.stack([rest + ASIDE, rest + UP]), 0.9, 0.0, 0.0, 0.0, 0)
     obj = object_with_keys(source, source.data.copy(), [path], bpy.context.scene)
     animate_sliders(obj, ["Up"], 3, FRAMES)
-    make_linear(obj)
+    interpolate(curves_of(obj))
     return obj
 
 

@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.keyframes import curves_of, is_shown, make_linear
+from convwass_addon.bridge.keyframes import curves_of, interpolate, is_shown
 from convwass_addon.bridge.morphs.dense_bake import bake_player, sample_times
 from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.player_inputs import morph_value, speed
@@ -136,7 +136,7 @@ def test_a_driven_player_plays_its_driver(player):
     for frame in (10, 20):
         slider["amount"] = (frame - 10) / 10
         slider.keyframe_insert('["amount"]', frame=frame)
-    make_linear(slider)
+    interpolate(curves_of(slider))
     assert keyed_span(player) == (10, 20)
     key_speed(player)
     assert np.allclose(values(player, [15])[0], (0.5, FRAMES / 10), atol=1e-4)

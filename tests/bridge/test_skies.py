@@ -14,7 +14,7 @@ from hypothesis import given, strategies as st
 from convwass_addon.applications.skies.lamps import split_lamps
 from convwass_addon.applications.skies.sky_images import light_of
 from convwass_addon.applications.skies.sky_settings import SkySettings
-from convwass_addon.bridge.keyframes import make_linear
+from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.skies import sky_sequence, world_skies
 from convwass_addon.bridge.skies.sky_pixels import read_sky, read_sky_file, resized, turned, write_sky
@@ -101,7 +101,7 @@ def test_an_animated_world_is_read_as_it_is_now_with_time_stretching(bare_scene)
     for time in (0, 20):
         strength.default_value = time
         strength.keyframe_insert("default_value", frame=time)
-    make_linear(tree)
+    interpolate(curves_of(tree))
     bare_scene.render.frame_map_old, bare_scene.render.frame_map_new = 100, 400
     bare_scene.frame_set(26, subframe=0.5)
     np.testing.assert_allclose(world_sky(world, 8), 26.5 / 4, rtol=1e-4)

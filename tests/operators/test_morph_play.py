@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 import pytest
 
-from convwass_addon.bridge.keyframes import make_linear
+from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
 from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
@@ -210,7 +210,7 @@ def moved_by_keys(obj):
     for frame, x in ((1, 0.0), (11, 1.0)):
         obj.location.x = x
         obj.keyframe_insert("location", frame=frame)
-    make_linear(obj)
+    interpolate(curves_of(obj))
     return obj
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
-from ..keyframes import EASINGS, channels_of, is_driven, own_action
+from ..keyframes import channels_of, ease, is_driven, own_action
 from ..mesh_checks import writable_mesh
 from ..node_inputs import NodeInput, node_input
 from ..unused_data import remove_if_unused
@@ -139,7 +139,7 @@ def takes_keys(obj: bpy.types.Object, name: str = NAME) -> bool:
     if name not in played_densities(obj):
         return True
     value = density_value(obj, name)
-    curve = _curve(value)
+    curve = value.curve()
     return not is_driven(obj, value.data_path) and (curve is None or not curve.lock)
 
 
@@ -200,26 +200,17 @@ def _key(value: NodeInput, keys: Sequence[DensityKey], easing: str) -> None:
     for key in keys:
         value.set(float(key.value))
         value.owner.keyframe_insert(value.path, frame=key.frame)
-    curve = _curve(value)
-    for point in curve.keyframe_points:
-        point.interpolation = EASINGS[easing]
-        point.easing = "EASE_IN_OUT"
-    curve.update()
+    ease(value.curve(), easing)
 
 
 def _unkey(value: NodeInput) -> None:
     """Remove the keys of a value; other animation of the object, and that of its linked duplicates, is kept."""
-    if not _curve(value):
+    if value.curve() is None:
         return
     own_action(value.modifier.id_data)
     data = value.modifier.id_data.animation_data
     bag, action = channels_of(value.modifier.id_data), data.action
-    bag.fcurves.remove(_curve(value))
+    bag.fcurves.remove(value.curve())
     if not bag.fcurves:
         data.action = None
         remove_if_unused([action])
-
-
-def _curve(value: NodeInput) -> bpy.types.FCurve | None:
-    bag = channels_of(value.modifier.id_data)
-    return bag.fcurves.find(value.data_path) if bag else None

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..animation_time import returning, show_time, times_per_second
-from ..keyframes import changing_span, curves_of, scene_span
+from ..keyframes import changing_span, curves_of, scene_span, set_keys
 from ..node_inputs import NodeInput, node_input
 from ..visibility import hidden_modifiers, update_places
 from .stand_ins import frames_modifier, stand_ins
@@ -50,7 +50,7 @@ def key_handle_velocity(collection: bpy.types.Collection) -> None:
     if pad is None or handle is None:
         raise InputError("The pad of {name} has lost its handle; bake it again.", name=collection.name)
     scene = bpy.context.scene
-    curves = [curve for curve in curves_of(handle) if curve.data_path == "location" and len(curve.keyframe_points)]
+    curves = [curve for curve in curves_of(handle, "location") if len(curve.keyframe_points)]
     is_keyed = _moves_by_keys_alone(handle, pad)
     span = changing_span(curves, scene) if is_keyed else scene_span(scene, curves)
     frames = np.arange(span.start - 1, span.stop + 1)
@@ -111,12 +111,5 @@ def _seen_places(
 def _write(target: NodeInput, frames: NDArray[np.integer], values: NDArray[np.float64]) -> None:
     """Replace the keys of a vector, (n, 3)."""
     target.owner.keyframe_insert(target.path, frame=int(frames[0]))
-    for curve in curves_of(target.modifier.id_data):
-        if curve.data_path == target.data_path:
-            curve.keyframe_points.clear()
-            curve.keyframe_points.add(len(frames))
-            points = np.stack([frames, values[:, curve.array_index]], axis=1)
-            curve.keyframe_points.foreach_set("co", points.astype(np.float32).ravel())
-            for point in curve.keyframe_points:
-                point.interpolation = "LINEAR"
-            curve.update()
+    for curve in target.curves():
+        set_keys(curve, np.stack([frames, values[:, curve.array_index]], axis=1))

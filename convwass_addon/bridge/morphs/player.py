@@ -15,7 +15,7 @@ import numpy as np
 from ...errors import InputError
 from ...progress import Work, drained
 from ..animation_time import times_per_second
-from ..keyframes import EASINGS, channels_of
+from ..keyframes import ease
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
 from ..sequence import (
@@ -282,8 +282,4 @@ def _key(value: NodeInput, frames: Sequence[bpy.types.Object], first_frame: int,
     for place in sorted(corners):
         value.set(float(values[place]))
         value.owner.keyframe_insert(value.path, frame=first_frame + frame_number(frames[place]))
-    curve = channels_of(value.modifier.id_data).fcurves.find(value.data_path)
-    for point in curve.keyframe_points:
-        point.interpolation = EASINGS[easing]
-        point.easing = "EASE_IN_OUT"
-    curve.update()
+    ease(value.curve(), easing)

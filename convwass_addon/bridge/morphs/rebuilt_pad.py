@@ -52,7 +52,7 @@ def rebuild_pad(collection: bpy.types.Collection) -> None:
     remove_unused(collection)
     drop_numbers(block for block in adopted(collection) if block.session_uid not in known)
     handle = _parts(stand_ins(collection))["EMPTY"][0]
-    if handle_velocity(collection) is not None and any(curve.data_path == "location" for curve in curves_of(handle)):
+    if handle_velocity(collection) is not None and curves_of(handle, "location"):
         key_handle_velocity(collection)
 
 

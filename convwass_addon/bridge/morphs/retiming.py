@@ -4,8 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -22,6 +21,7 @@ from ..keyframes import (
     is_tweaked,
     key_span,
     scene_span,
+    set_keys,
     strips_span,
 )
 from ..node_inputs import NodeInput
@@ -74,7 +74,7 @@ class Key:
     frame: float
     value: float
     interpolation: str = "LINEAR"
-    easing: str = field(default="AUTO")
+    easing: str = "AUTO"
 
 
 def keys_of(timing: Retiming, start: float, shapes: int, now: float) -> list[Key]:
@@ -135,7 +135,7 @@ def retime(player: bpy.types.Object, timing: Retiming) -> range:
         raise InputError(
             "The value of {name} has a driver, which keys would not change; delete the driver first.", name=player.name
         )
-    curve = _curve(player, value)
+    curve = value.curve()
     if curve is not None and curve.lock:
         raise InputError(
             "The keys of the value of {name} are locked; unlock its curve in the Graph Editor first.", name=player.name
@@ -148,7 +148,8 @@ def retime(player: bpy.types.Object, timing: Retiming) -> range:
         )
     start = keyed_span(player)[0] if curve is None else curve.range()[0]
     keys = keys_of(timing, start, last_value(player) + 1, float(value.get()))
-    curve = _written(player, value, [(key.frame, key.value) for key in keys])
+    curve = _keyed_curve(value, keys[0].frame)
+    set_keys(curve, [(key.frame, key.value) for key in keys])
     for point, key in zip(curve.keyframe_points, keys, strict=True):
         point.interpolation, point.easing = key.interpolation, key.easing
     curve.update()
@@ -175,10 +176,7 @@ def key_speed(player: bpy.types.Object) -> None:
     if playback_item(player) == "ONCE":
         values = np.clip(values, 0.0, last_value(player))
     speeds = np.diff(values) / pace(player)
-    written = _written(player, target, np.stack([frames, speeds], axis=1).tolist())
-    for point in written.keyframe_points:
-        point.interpolation = "LINEAR"
-    written.update()
+    set_keys(_keyed_curve(target, int(frames[0])), np.stack([frames, speeds], axis=1))
 
 
 def keyed_span(player: bpy.types.Object) -> tuple[int, int]:
@@ -199,7 +197,7 @@ def sole_curve(player: bpy.types.Object) -> bpy.types.FCurve | None:
     value, data = morph_value(player), player.animation_data
     if data is None or data.nla_tracks or is_driven(player, value.data_path):
         return None
-    curve = _curve(player, value)
+    curve = value.curve()
     return None if curve is None or curve.mute else curve
 
 
@@ -210,7 +208,7 @@ def _span(player: bpy.types.Object) -> range:
         inputs = [target.id for target in driver_targets(player) if target.id is not None]
         return key_span(curve for block in inputs for curve in curves_of(block)) or scene_span(scene)
     # In tweak mode, keys are at the times of their strip.
-    curve = None if is_tweaked(player) else _curve(player, value)
+    curve = None if is_tweaked(player) else value.curve()
     return key_span([] if curve is None else [curve]) or strips_span([player], value.data_path)
 
 
@@ -228,15 +226,7 @@ def _values_at(player: bpy.types.Object, times: NDArray[np.float64]) -> NDArray[
     return np.array(found, dtype=np.float64)
 
 
-def _curve(player: bpy.types.Object, value: NodeInput) -> bpy.types.FCurve | None:
-    return next((curve for curve in curves_of(player) if curve.data_path == value.data_path), None)
-
-
-def _written(player: bpy.types.Object, value: NodeInput, points: Sequence[Sequence[float]]) -> bpy.types.FCurve:
-    """Return the curve of a value, with keys only at points, (n, 2)."""
-    value.owner.keyframe_insert(value.path, frame=points[0][0])
-    curve = _curve(player, value)
-    curve.keyframe_points.clear()
-    curve.keyframe_points.add(len(points))
-    curve.keyframe_points.foreach_set("co", np.asarray(points, np.float32).ravel())
-    return curve
+def _keyed_curve(value: NodeInput, frame: float) -> bpy.types.FCurve:
+    """Return the curve of a value, created with a key at a frame if there is none."""
+    value.owner.keyframe_insert(value.path, frame=frame)
+    return value.curve()

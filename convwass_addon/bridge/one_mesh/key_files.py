@@ -25,7 +25,7 @@ from ...errors import InputError
 from ...sentence import Sentence
 from ..animation_time import returning, show_time
 from ..files import checked_target
-from ..keyframes import make_linear
+from ..keyframes import curves_of, interpolate
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
@@ -146,7 +146,7 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
             if rig is None:
                 _key_places(copy, sampled.places, made[0])
             for block in (keys, copy):
-                make_linear(block)
+                interpolate(curves_of(block))
             scene.frame_set(0)
             yield
         finally:

@@ -144,7 +144,7 @@ def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
         if name in before:
             continue
         add_slider(before, name)
-        for curve in [curve for curve in curves_of(own) if curve.data_path == slider_path(name)]:
+        for curve in curves_of(own, slider_path(name)):
             for point in curve.keyframe_points:
                 before[name] = point.co.y
                 before.keyframe_insert(slider_path(name), frame=point.co.x)

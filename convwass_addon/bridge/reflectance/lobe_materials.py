@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.reflectance.materials import Ggx
 from ..edited_materials import is_edited, remember_made
-from ..keyframes import clear_animation, curves_of, own_action, remove_curve
+from ..keyframes import clear_animation, curves_of, interpolate, own_action, remove_curve
 from ..last_result import last_result
 from ..node_trees import own_tree
 from ..unused_data import remove_if_unused
@@ -279,6 +279,4 @@ def animate(
     for frame, value in zip(frames, values, strict=True):
         socket.default_value = value
         socket.keyframe_insert("default_value", frame=frame)
-    for curve in curves_of(tree):
-        for point in curve.keyframe_points if curve.data_path == path else ():
-            point.interpolation = how
+    interpolate(curves_of(tree, path), how)

@@ -85,7 +85,7 @@ def _leave(socket: bpy.types.NodeSocket, index: int) -> None:
 def _is_as_left(socket: bpy.types.NodeSocket) -> bool:
     """Return whether the user has changed no number of an input."""
     path, left = socket.path_from_id("default_value"), socket.node.get(_LIGHT_AS_LEFT, {})
-    if any(curve.data_path == path for curve in curves_of(socket.id_data)):
+    if curves_of(socket.id_data, path):
         return False
     for index in _OF_SUN[socket.name]:
         curve = _driver_of(socket, index)

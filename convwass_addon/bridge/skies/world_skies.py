@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...applications.whole_paths import whole_path
 from ..image_files import image_path
-from ..keyframes import clear_animation, curves_of, own_action, remove_curve
+from ..keyframes import clear_animation, curves_of, interpolate, own_action, remove_curve
 from ..last_result import last_result
 from ..morphs.disk_output import for_blender
 from ..morphs.stored import FIRST_FRAMES
@@ -136,9 +136,7 @@ def _files(texture: bpy.types.Node) -> list[Path]:
     number = re.search(r"([0-9]+)[^0-9]*$", path.stem)
     if image.source != "SEQUENCE" or number is None:
         return [path]
-    path_of_keys = _number_path(texture)
-    curves = [curve for curve in curves_of(texture.id_data) if curve.data_path == path_of_keys]
-    keys = [key for curve in curves for key in curve.keyframe_points]
+    keys = [key for curve in curves_of(texture.id_data, _number_path(texture)) for key in curve.keyframe_points]
     offsets = [round(key.co[1]) for key in keys] or [user.frame_offset]
     digits = number.end(1) - number.start(1)
     return [
@@ -204,9 +202,7 @@ def _key_numbers(texture: bpy.types.Node, first_frame: int, count: int) -> None:
     for frame in (first_frame, first_frame + count - 1):
         user.frame_offset = file_number(frame, first_frame) - 1
         tree.keyframe_insert(path, frame=frame)
-    for curve in curves_of(tree):
-        for point in curve.keyframe_points if curve.data_path == path else ():
-            point.interpolation = "LINEAR"
+    interpolate(curves_of(tree, path))
 
 
 def _number_path(texture: bpy.types.Node) -> str:
