@@ -8,8 +8,8 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ..errors import InputError
 from .element_values import element_values
+from .mesh_checks import other_kind
 
 _KINDS = ("BYTE_COLOR", "FLOAT_COLOR")
 
@@ -45,11 +45,7 @@ def require_color_name(obj: bpy.types.Object, name: str) -> None:
     """
     attribute = obj.data.attributes.get(name)
     if name in obj.vertex_groups or (attribute is not None and attribute.data_type not in _KINDS):
-        raise InputError(
-            "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
-            object=obj.name,
-            name=name,
-        )
+        raise other_kind(obj, name)
 
 
 def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str = "BYTE_COLOR") -> None:
@@ -78,11 +74,7 @@ def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str 
         attribute = mesh.color_attributes.new(name, kind, "POINT")
         if attribute.name != name:
             mesh.color_attributes.remove(attribute)
-            raise InputError(
-                "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
-                object=obj.name,
-                name=name,
-            )
+            raise other_kind(obj, name)
     values = np.ascontiguousarray(colors, dtype=np.float32)
     if attribute.domain == "CORNER":
         values = values[_corner_vertices(mesh)]

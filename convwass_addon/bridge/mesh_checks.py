@@ -43,6 +43,15 @@ def readable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     return obj.data
 
 
+def other_kind(obj: bpy.types.Object, name: str) -> InputError:
+    """Return the error for a name that something else than the attribute to write already has."""
+    return InputError(
+        "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
+        object=obj.name,
+        name=name,
+    )
+
+
 def other_vertices(obj: bpy.types.Object) -> InputError:
     """Return the error for a mesh that has changed too much during some work."""
     return InputError("The vertices of {object} have changed since the start; start again.", object=obj.name)

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ..errors import InputError
 from .element_values import element_values
+from .mesh_checks import other_kind
 
 _MOST_MAPS = 8
 
@@ -37,11 +38,7 @@ def require_uv_names(obj: bpy.types.Object, names: Sequence[str]) -> None:
     new = [name for name in names if name not in obj.data.uv_layers]
     taken = next((name for name in new if name in obj.data.attributes or name in obj.vertex_groups), None)
     if taken is not None:
-        raise InputError(
-            "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
-            object=obj.name,
-            name=taken,
-        )
+        raise other_kind(obj, taken)
     count = len(obj.data.uv_layers) + len(new)
     if count > _MOST_MAPS:
         raise InputError(

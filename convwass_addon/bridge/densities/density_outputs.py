@@ -10,9 +10,8 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...errors import InputError
 from ..heat_map import heat_colors
-from ..mesh_checks import writable_mesh
+from ..mesh_checks import other_kind, writable_mesh
 from ..node_inputs import node_input
 from ..vertex_groups import as_weights, require_unlocked
 from .density_nodes import COLORS, NAME, color_name
@@ -145,11 +144,7 @@ def _require_colors(obj: bpy.types.Object, name: str) -> None:
     attribute = obj.data.attributes.get(name)
     is_other = attribute is not None and (attribute.domain, attribute.data_type) != ("POINT", "BYTE_COLOR")
     if is_other or name in obj.vertex_groups:
-        raise InputError(
-            "{object} has an attribute or vertex group {name} of another kind; rename it, or choose another name.",
-            object=obj.name,
-            name=name,
-        )
+        raise other_kind(obj, name)
 
 
 def _write_color(obj: bpy.types.Object, name: str, colors: NDArray[np.float64]) -> None:
