@@ -32,7 +32,7 @@ from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, shows_color_attribute, shows_object_color
 from .still_frames import StillFrames, still_frames
-from .stored import frame_objects, shown_frames
+from .stored import shown_frames, some_frame_objects
 
 # Exported bytes per vertex, corner and face with colors, normals, UV maps and velocities, and for the file header.
 _VERTEX, _CORNER, _FACE, _FILE = 48, 40, 8, 1 << 20
@@ -101,9 +101,7 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
         )
     chosen = FORMATS[file_format]
     target = checked_target(_with_suffix(path, chosen, collection.name))
-    frames = frame_objects(collection)
-    if not frames:
-        raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
+    frames = some_frame_objects(collection)
     span = shown_frames(collection)
     with still_frames(frames, span) as still:
         if chosen.write_frames is not None:

@@ -46,7 +46,7 @@ from .stand_ins import (
     set_shown,
     stand_ins,
 )
-from .stored import WEIGHTS_KEY, frame_number, frame_objects, frame_weights, is_solid, starting_frame, stored_morph
+from .stored import WEIGHTS_KEY, frame_number, frame_weights, is_solid, some_frame_objects, starting_frame, stored_morph
 from .stored_fields import field_cells
 
 
@@ -155,9 +155,7 @@ def pace(player: bpy.types.Object) -> float:
 
 def _path_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the frame objects of a path in order."""
-    frames = frame_objects(collection)
-    if not frames:
-        raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
+    frames = some_frame_objects(collection)
     if len(frames) < 2:
         raise InputError(
             "{name} consists of one mesh, so there is nothing to play; bake an animation.", name=collection.name

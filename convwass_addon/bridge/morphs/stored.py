@@ -237,6 +237,14 @@ def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     return [obj for obj in frames if obj in kept and _weight_count(obj) == _weight_count(frames[0])]
 
 
+def some_frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:
+    """Return the frame objects of a morph, of which there is at least one; raises InputError if there is none."""
+    frames = frame_objects(collection)
+    if not frames:
+        raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
+    return frames
+
+
 def release_duplicates(collection: bpy.types.Collection) -> None:
     """Turn duplicates of the frame objects of a morph into ordinary objects."""
     for obj in set(_framelike(collection)).difference(frame_objects(collection)):

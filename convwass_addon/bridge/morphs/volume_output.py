@@ -26,7 +26,7 @@ from ..visibility import layers_with
 from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender, remember_readers
 from .materials import morph_material
 from .still_frames import still_frames
-from .stored import frame_objects, shown_frames, stored_morph
+from .stored import shown_frames, some_frame_objects, stored_morph
 
 GRID_NAME = "density"
 
@@ -79,9 +79,7 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
         raise InputError(
             "Volumes require OpenVDB for Python, which this Blender lacks; use another Blender, or Make Cache."
         )
-    frames = frame_objects(collection)
-    if not frames:
-        raise InputError("The collection {name} contains no frames of a morph; bake one first.", name=collection.name)
+    frames = some_frame_objects(collection)
     scene_frames, every, shown = _timeline(collection, frames)
     spacing = _spacing(every, stored_morph(collection).settings)
     if spacing < _LEAST_SPACING:
