@@ -68,11 +68,21 @@ def writable_mesh(obj: bpy.types.Object) -> bpy.types.Mesh:
     mesh = readable_mesh(obj)
     linked = next((block for block in (obj, mesh) if not block.is_editable), None)
     if linked is not None:
-        raise InputError(
-            "{object} is linked from another file and cannot be changed here; make it local with its data: "
-            "Object > Relations > Make Local.",
-            object=linked.name,
-        )
-    if mesh.is_editmode:
-        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
+        raise linked_elsewhere(linked)
+    require_not_edited(obj)
     return mesh
+
+
+def linked_elsewhere(block: bpy.types.ID) -> InputError:
+    """Return the error for an object or its data in another file."""
+    return InputError(
+        "{object} is linked from another file and cannot be changed here; make it local with its data: "
+        "Object > Relations > Make Local.",
+        object=block.name,
+    )
+
+
+def require_not_edited(obj: bpy.types.Object) -> None:
+    """Raise InputError if the mesh of an object is in Edit Mode."""
+    if obj.data.is_editmode:
+        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ..mesh_checks import linked_elsewhere
 from ..objects import triangle_mesh
 from .armature_graphs import armature_graph
 from .edge_graphs import edge_graph, move_edge_joints
@@ -89,11 +90,7 @@ def is_posed(obj: bpy.types.Object) -> bool:
 def require_movable(obj: bpy.types.Object) -> None:
     """Raise InputError if the joints of a rig cannot be moved."""
     if not (obj.is_editable and obj.data.is_editable):
-        raise InputError(
-            "{object} is linked from another file and cannot be changed here; make it local with its data: "
-            "Object > Relations > Make Local.",
-            object=obj.name,
-        )
+        raise linked_elsewhere(obj)
     if obj.override_library or obj.data.override_library:
         raise InputError(
             "{object} is a library override, whose joints cannot be moved; make it local with its data: "

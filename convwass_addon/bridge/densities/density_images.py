@@ -20,7 +20,7 @@ from ...sentence import Sentence
 from ..element_values import element_values, triangle_corners
 from ..files import absolute_folder, made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
-from ..mesh_checks import readable_mesh
+from ..mesh_checks import readable_mesh, require_not_edited
 from ..morphs.disk_output import for_blender
 from ..numbered_files import numbered_paths
 from .density_nodes import NAME
@@ -192,8 +192,7 @@ def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:
         As `write_step_images`.
     """
     mesh = readable_mesh(obj)
-    if mesh.is_editmode:
-        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
+    require_not_edited(obj)
     layer = _uv_layer(obj, settings.uv_map)
     loops, faces = triangle_corners(mesh, "loops"), triangle_corners(mesh, "vertices")
     uv = element_values(layer.uv, "vector", 2)

@@ -26,6 +26,7 @@ from ...sentence import Sentence
 from ..animation_time import returning, show_time
 from ..files import checked_target
 from ..keyframes import curves_of, interpolate
+from ..mesh_checks import require_not_edited
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..morphs.materials import plain_copy, shows_object_color
@@ -68,8 +69,7 @@ def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
     target = checked_key_target(path)
     if obj.type != "MESH" or obj.data.shape_keys is None:
         raise InputError("{name} has no shape keys.", name=obj.name)
-    if obj.data.is_editmode:
-        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
+    require_not_edited(obj)
     with shown_objects([obj], bpy.context.scene):
         return KEY_FORMATS[target.suffix.lower()](obj, keyed_span(obj), target)
 

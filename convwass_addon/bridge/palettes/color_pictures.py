@@ -13,6 +13,7 @@ from ...applications.palettes.recolor_job import Picture
 from ...errors import InputError
 from ..color_attributes import color_kind, read_colors, require_color_name, show_colors
 from ..element_values import element_values
+from ..mesh_checks import other_vertices, require_not_edited
 from .image_pixels import scene_to_rec709
 
 
@@ -25,8 +26,7 @@ def read_colors_as_picture(obj: bpy.types.Object) -> Picture:
         The object is in Edit Mode, where attributes cannot be read, or has no faces.
     """
     mesh = obj.data
-    if mesh.is_editmode:
-        raise InputError("{object} is in Edit Mode; leave it with Tab, then try again.", object=obj.name)
+    require_not_edited(obj)
     name = mesh.color_attributes.active_color_name
     colors = read_colors(obj, name).astype(np.float32)[:, None]
     highest = 1.0 if color_kind(obj, name) == "BYTE_COLOR" else np.inf
@@ -54,7 +54,7 @@ def write_picture_colors(obj: bpy.types.Object, source: str, name: str, pixels: 
     mesh = obj.data
     like = mesh.color_attributes.get(source)
     if like is None or len(like.data) != len(pixels):
-        raise InputError("The vertices of {object} have changed since the start; start again.", object=obj.name)
+        raise other_vertices(obj)
     kind, domain = like.data_type, like.domain
     present = mesh.color_attributes.get(name)
     if present is not None and (present.data_type, present.domain) != (kind, domain):

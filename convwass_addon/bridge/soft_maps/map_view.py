@@ -14,7 +14,7 @@ from ...geometry.mesh import TriangleMesh
 from ..color_attributes import require_color_name, show_colors, write_colors
 from ..heat_map import heat_colors
 from ..mesh_checks import writable_mesh
-from ..vertex_groups import as_weights, write_group
+from ..vertex_groups import as_weights, require_unlocked, write_group
 
 PLACES = "Soft Map"
 """Color attribute of both objects: position on the source."""
@@ -115,9 +115,7 @@ def write_confidence(source: bpy.types.Object, target: bpy.types.Object, found: 
     """
     for obj in (source, target):
         writable_mesh(obj)
-        group = obj.vertex_groups.get(CONFIDENCE)
-        if group is not None and group.lock_weight:
-            raise InputError("The group {name} is locked; unlock it, or choose another name.", name=CONFIDENCE)
+        require_unlocked(obj, [CONFIDENCE])
     # For a map of a mesh to itself, both are the same group.
     for obj, points in ((target, found.backward), (source, found.forward)):
         write_group(obj, CONFIDENCE, np.clip(points.confidence, 0.0, 1.0))

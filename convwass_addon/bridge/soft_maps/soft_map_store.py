@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ..element_values import element_values
-from ..mesh_checks import readable_mesh
+from ..mesh_checks import linked_elsewhere, readable_mesh
 from .soft_map_bytes import MappedSide, MeshMark, StoredSoftMap, packed, unpacked
 
 MAPS_KEY = "convwass_soft_maps"
@@ -34,11 +34,7 @@ class MapState(Enum):
 def require_storable(source: bpy.types.Object) -> None:
     """Raise InputError if an object cannot store maps: it is linked from another file, or a library override."""
     if not source.is_editable:
-        raise InputError(
-            "{object} is linked from another file and cannot be changed here; make it local with its data: "
-            "Object > Relations > Make Local.",
-            object=source.name,
-        )
+        raise linked_elsewhere(source)
     if source.override_library:
         raise InputError(
             "{object} is a library override, which loses its soft maps when the file is saved; make it local: "
