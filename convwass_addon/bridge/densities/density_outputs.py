@@ -10,6 +10,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..color_attributes import show_colors, write_colors
 from ..heat_map import heat_colors
 from ..mesh_checks import other_kind, writable_mesh
 from ..node_inputs import node_input
@@ -93,11 +94,11 @@ def write_step_colors(obj: bpy.types.Object, densities: ArrayLike, name: str = N
     for own in names:
         _require_colors(obj, own)
     for own, values in zip(names, weights, strict=True):
-        _write_color(obj, own, heat_colors(values))
+        write_colors(obj, own, heat_colors(values))
     for stale in _written(obj, name, COLOR_ATTRIBUTES, names):
         if stale in mesh.attributes:
             mesh.attributes.remove(mesh.attributes[stale])
-    _show(mesh, names[0])
+    show_colors(obj, names[0])
     return names
 
 
@@ -117,8 +118,8 @@ def show_heat_colors(obj: bpy.types.Object, name: str = NAME) -> None:
     own = color_name(name)
     _require_colors(obj, own)
     # Viewports look up the name in the original mesh; the modifier fills in the colors.
-    _write_color(obj, own, heat_colors(np.zeros(len(mesh.vertices))))
-    _show(mesh, own)
+    write_colors(obj, own, heat_colors(np.zeros(len(mesh.vertices))))
+    show_colors(obj, own)
     choice.set(True)
     density_value(obj, name).modifier.id_data.update_tag()
 
@@ -145,14 +146,3 @@ def _require_colors(obj: bpy.types.Object, name: str) -> None:
     is_other = attribute is not None and (attribute.domain, attribute.data_type) != ("POINT", "BYTE_COLOR")
     if is_other or name in obj.vertex_groups:
         raise other_kind(obj, name)
-
-
-def _write_color(obj: bpy.types.Object, name: str, colors: NDArray[np.float64]) -> None:
-    mesh = obj.data
-    attribute = mesh.attributes.get(name) or mesh.attributes.new(name, "BYTE_COLOR", "POINT")
-    attribute.data.foreach_set("color", np.ascontiguousarray(colors, dtype=np.float32).ravel())
-    mesh.update()
-
-
-def _show(mesh: bpy.types.Mesh, name: str) -> None:
-    mesh.color_attributes.active_color_name = name
