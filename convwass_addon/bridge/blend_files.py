@@ -114,6 +114,16 @@ def appended_instances(path: Path, names: Sequence[str]) -> dict[str, bpy.types.
     return shown
 
 
+def several_meshes(file: Path, count: int, available: str | Sentence) -> InputError:
+    """Return the error for a file with another number of meshes than one, given their names."""
+    return InputError(
+        "{file} contains {count} meshes; name one as {file}:NAME, of {available}.",
+        file=file.name,
+        count=count,
+        available=available,
+    )
+
+
 def listed_names(names: Iterable[str]) -> str | Sentence:
     """Join names for a message, shortened to a few."""
     known = sorted(names)

@@ -16,7 +16,7 @@ import bpy
 
 from ..applications.whole_paths import whole_path
 from ..errors import InputError
-from .blend_files import appended_instances, appended_objects, listed_names
+from .blend_files import appended_instances, appended_objects, listed_names, several_meshes
 from .flat.flat_kinds import is_drawn_flat
 from .joined_shapes import joined_shape
 from .mesh_checks import CONVERTIBLE
@@ -59,6 +59,11 @@ class Source:
 
     path: Path
     object_name: str | None
+
+    @property
+    def names(self) -> list[str] | None:
+        """The names to import: that of the object, or None for all."""
+        return [self.object_name] if self.object_name else None
 
 
 @dataclass(frozen=True)
@@ -221,13 +226,7 @@ def _blend_parts(file: Path, names: list[str] | None) -> list[_Part]:
     if not meshes:
         raise _no_mesh(file, [part.objects[0] for part in parts.values()])
     if len(meshes) > 1:
-        available = listed_names(part.name for part in meshes)
-        raise InputError(
-            "{file} contains {count} meshes; name one as {file}:NAME, of {available}.",
-            file=file.name,
-            count=len(meshes),
-            available=available,
-        )
+        raise several_meshes(file, len(meshes), listed_names(part.name for part in meshes))
     return meshes
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from ..applications.densities.density_settings import DensitySettings
 from ..applications.densities.density_tools import unit_mass
 from ..applications.densities.surface_densities import Surface, blur_notice, blur_of, density_surface
-from ..bridge.blend_files import open_blend
+from ..bridge.blend_files import open_blend, several_meshes
 from ..bridge.frame_range import play_among_others, play_whole
 from ..bridge.imports import BLEND, Source, import_objects, parse_source
 from ..bridge.surfaces import read_surface
@@ -104,7 +104,7 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
         obj = opened_object(source)
     else:
         bpy.ops.wm.read_factory_settings(use_empty=True)
-        (obj,) = import_objects(source.path, [source.object_name] if source.object_name else None)
+        (obj,) = import_objects(source.path, source.names)
     read = read_surface(obj, bpy.context.evaluated_depsgraph_get())
     surface = density_surface(read.mesh, settings.blur, settings.substeps)
     return DensityScene(obj, surface, tuple(read.ignored))
@@ -123,12 +123,7 @@ def opened_object(source: Source) -> bpy.types.Object:
         return object_in_scene(source)
     meshes = _meshes_in_scene()
     if len(meshes) != 1:
-        raise InputError(
-            "{file} contains {count} meshes; name one as {file}:NAME, of {available}.",
-            file=source.path.name,
-            count=len(meshes),
-            available=", ".join(meshes) or "none",
-        )
+        raise several_meshes(source.path, len(meshes), ", ".join(meshes) or "none")
     return bpy.context.scene.objects[meshes[0]]
 
 

@@ -63,7 +63,7 @@ def _added(source: Source) -> bpy.types.Object:
         if len(meshes) == 1:
             return meshes[0]
         bpy.data.batch_remove(new)
-    (obj,) = import_objects(source.path, [source.object_name] if source.object_name else None)
+    (obj,) = import_objects(source.path, source.names)
     return obj
 
 

@@ -12,7 +12,7 @@ import bpy
 
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
-from ..blend_files import appended_objects, open_blend
+from ..blend_files import appended_objects, open_blend, several_meshes
 from ..imports import BLEND, READERS, Source, checked_file, import_objects, run_importer
 
 
@@ -44,7 +44,7 @@ def open_body_and_rig(body: Source, rig: Source) -> BodyAndRig:
         The files or objects cannot be used.
     """
     for source in (body, rig):
-        checked_file(source.path, [source.object_name] if source.object_name else None, (*READERS, BLEND))
+        checked_file(source.path, source.names, (*READERS, BLEND))
     opened = next((source.path for source in (body, rig) if _is_blend(source)), None)
     if opened is None:
         bpy.ops.wm.read_factory_settings(use_empty=True)
@@ -64,19 +64,14 @@ def _is_open(source: Source, opened: Path | None) -> bool:
 
 def _found_body(source: Source, opened: Path | None) -> bpy.types.Object:
     if not _is_open(source, opened):
-        (obj,) = import_objects(source.path, [source.object_name] if source.object_name else None)
+        (obj,) = import_objects(source.path, source.names)
         return obj
     meshes = [obj for obj in bpy.context.scene.objects if obj.type == "MESH"]
     if source.object_name is not None:
         return _named(source, bpy.context.scene.objects)
     solid = [obj for obj in meshes if obj.data.polygons or obj.modifiers]
     if len(solid) != 1:
-        raise InputError(
-            "{file} contains {count} meshes; name one as {file}:NAME, of {available}.",
-            file=source.path.name,
-            count=len(solid),
-            available=_names(solid),
-        )
+        raise several_meshes(source.path, len(solid), _names(solid))
     return solid[0]
 
 
@@ -139,7 +134,7 @@ def _names(objects: Iterable[bpy.types.Object]) -> str:
 
 def _appended(source: Source) -> list[bpy.types.Object]:
     """Append the named object, or all objects, of a .blend to the scene."""
-    objects = appended_objects(source.path, [source.object_name] if source.object_name else None)
+    objects = appended_objects(source.path, source.names)
     for obj in objects.values():
         bpy.context.scene.collection.objects.link(obj)
     return list(objects.values())

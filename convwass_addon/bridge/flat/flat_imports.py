@@ -48,7 +48,7 @@ def imported_shape(text: str) -> list[bpy.types.Object]:
         return [_drawing(source.path)]
     if suffix in PICTURES:
         return [_picture(source.path)]
-    names = [source.object_name] if source.object_name else None
+    names = source.names
     checked_file(source.path, names, (*READERS, BLEND, DRAWING, *PICTURES))
     return import_objects(source.path, names)
 
