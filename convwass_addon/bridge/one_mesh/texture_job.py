@@ -192,9 +192,7 @@ class TextureJob:
     def _first(self, look: Look, channel: Channel, baked: _Baked, size: TextureSize) -> NDArray[np.float32]:
         found = np.zeros((size.pixels, size.pixels, 3), np.float32)
         baked.attempt = np.full((size.pixels, size.pixels), -1)
-        mesh = look.onto.mesh.find()
-        if mesh is None:
-            raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
+        mesh = look.onto.found()
         shown = np.zeros(size.pixels**2, dtype=bool)
         shown[texture_pixels(mesh, self._uv_map, size.pixels).places] = True
         # Cycles treats borders of islands slightly differently.
@@ -311,9 +309,7 @@ def _value_of(look: Look, channel: Channel) -> tuple[float, float, float] | None
 
 def _materials(look: Look) -> list[bpy.types.Material | None]:
     """Return the materials that the faces of a look have."""
-    mesh = look.source.mesh.find()
-    if mesh is None:
-        raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
+    mesh = look.source.found()
     slots = element_values(mesh.polygons, "material_index", kind=np.int32)
     count = len(mesh.materials)
     return [mesh.materials[slot] if count else None for slot in np.unique(np.minimum(slots, max(count - 1, 0)))]

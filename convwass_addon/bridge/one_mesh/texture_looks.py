@@ -54,6 +54,13 @@ class Surface:
     world: NDArray[np.float64]
     color: tuple[float, ...]
 
+    def found(self) -> bpy.types.Mesh:
+        """Return the mesh; raises ConvwassError if it was removed by undo."""
+        mesh = self.mesh.find()
+        if mesh is None:
+            raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
+        return mesh
+
     def object_in(self, scene: bpy.types.Scene, name: str) -> bpy.types.Object:
         """Link an object with a copy of the mesh to a scene; it has an Empty as a parent if it is sheared.
 
@@ -62,10 +69,7 @@ class Surface:
         ConvwassError
             The mesh was removed by undo.
         """
-        mesh = self.mesh.find()
-        if mesh is None:
-            raise ConvwassError("The copies of the shapes were removed during the baking; start again.")
-        obj = bpy.data.objects.new(name, mesh.copy())
+        obj = bpy.data.objects.new(name, self.found().copy())
         obj.color = self.color
         stand(obj, Matrix(self.world))
         scene.collection.objects.link(obj)
