@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Literal
 import bpy
 import numpy as np
 from bpy.app.translations import pgettext_rpt as rpt_
-from bpy.props import EnumProperty
 from numpy.typing import NDArray
 
 from ..applications.palettes.palette_settings import RecolorSettings
@@ -19,7 +18,7 @@ from ..bridge.handles import Handle
 from ..bridge.palettes.image_kinds import is_clip
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work, within
-from ..properties.recolor import RecolorProperties
+from ..properties.recolor import RecolorProperties, output_property
 from ..sentence import Sentence
 from .background import BackgroundOperator, Job
 from .recolor_targets import OnImage, chosen_image, image_property, palette_names, read_pictures
@@ -109,24 +108,17 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
     bl_label = "Recolor Image"
 
     image: image_property()
-    output: EnumProperty(
-        name="Output",
-        description="Destination of the result",
-        items=(
-            ("NEW", "New Image", "A new image, packed into the file; the next result replaces it"),
-            ("REPLACE", "Replace", "The image itself; its file is not changed until the image is saved"),
-        ),
-    )
+    output: output_property()
 
     _job: RecolorJob
     _palettes: list[str]
 
     def _begin(self, context):
+        from ..bridge.palettes.image_pixels import require_local
+
         image = chosen_image(context, self.image)
-        if self.output == "REPLACE" and image.library is not None:
-            raise InputError(
-                "{image} is linked from another file and cannot be changed here; make it local.", image=image.name
-            )
+        if self.output == "REPLACE":
+            require_local(image)
         if self.output == "REPLACE" and is_clip(image):
             raise InputError(
                 "{image} is a clip, whose frames cannot be changed; make a new image, or recolor the clip.",

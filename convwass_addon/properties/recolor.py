@@ -35,6 +35,18 @@ def attribute_name_property() -> object:
     )
 
 
+def output_property() -> object:
+    """Return the property for the destination of the recolored pixels of an image."""
+    return EnumProperty(
+        name="Output",
+        description="Destination of the result",
+        items=(
+            ("NEW", "New Image", "A new image, packed into the file; the next result replaces it"),
+            ("REPLACE", "Replace", "The image itself; its file is not changed until the image is saved"),
+        ),
+    )
+
+
 def clip_folder_property() -> object:
     """Return the property for the output folder of a clip."""
     return StringProperty(
@@ -82,14 +94,7 @@ class CONVWASS_PG_recolor(RecolorProperties, bpy.types.PropertyGroup):
     weight_4: _weight()
     mask: _mask("Mask", "Image of the same size, white where colors change; if empty, all colors change")
     palette_mask: _mask("Palette Mask", "Image of the size of the first palette, white where its colors are used")
-    output: EnumProperty(
-        name="Output",
-        description="Destination of the result",
-        items=(
-            ("NEW", "New Image", "A new image, packed into the file; the next result replaces it"),
-            ("REPLACE", "Replace", "The image itself; its file is not changed until the image is saved"),
-        ),
-    )
+    output: output_property()
     clip_folder: clip_folder_property()
     palette_object: PointerProperty(
         name="Palette",

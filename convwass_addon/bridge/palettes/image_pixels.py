@@ -139,6 +139,14 @@ def result_image(source: bpy.types.Image) -> bpy.types.Image:
     return image
 
 
+def require_local(image: bpy.types.Image) -> None:
+    """Raise InputError if an image is linked from another file."""
+    if image.library is not None:
+        raise InputError(
+            "{image} is linked from another file and cannot be changed here; make it local.", image=image.name
+        )
+
+
 def write_pixels(image: bpy.types.Image, pixels: NDArray[np.float32]) -> None:
     """Write pixels, (height, width, 4), to an image of the same size.
 
@@ -147,10 +155,7 @@ def write_pixels(image: bpy.types.Image, pixels: NDArray[np.float32]) -> None:
     InputError
         The size of the image has changed, or it is linked from another file.
     """
-    if image.library is not None:
-        raise InputError(
-            "{image} is linked from another file and cannot be changed here; make it local.", image=image.name
-        )
+    require_local(image)
     if tuple(image.size) != pixels.shape[1::-1]:
         raise InputError("The size of {image} has changed since the start; start again.", image=image.name)
     channels = image.channels
