@@ -150,12 +150,9 @@ def _is_turned(material: bpy.types.Material, node: bpy.types.Node, name: str, lo
     """Return whether the highlight is stretched across the tangent instead of along it."""
     if lobe.is_isotropic:
         return False
-    if node.inputs[name].is_linked:
-        raise InputError(
-            "The anisotropic rotation of {material} is oblique; set it to 0 or a quarter turn.", material=material.name
-        )
-    quarters = 4.0 * float(node.inputs[name].default_value)
-    if abs(quarters - round(quarters)) > _QUARTER_TOLERANCE:
+    socket = node.inputs[name]
+    quarters = 4.0 * float(socket.default_value)
+    if socket.is_linked or abs(quarters - round(quarters)) > _QUARTER_TOLERANCE:
         raise InputError(
             "The anisotropic rotation of {material} is oblique; set it to 0 or a quarter turn.", material=material.name
         )
