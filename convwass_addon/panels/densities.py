@@ -44,18 +44,14 @@ from ..operators.density_travel import (
 from ..operators.mesh_targets import length_text
 from ..properties.densities import CONVWASS_PG_densities, OutputProperties, PathProperties, TravelProperties
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, fill_operator, large_button, with_labels_beside
+from .sidebar import Sidebar, draw_switch, draw_wrapped, fill_operator, large_button, with_labels_beside
 
 
 class CONVWASS_UL_density_stops(bpy.types.UIList):
     """Stops: whether enabled, number, group and frame"""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
-        row = layout.row(align=True)
-        row.use_property_split = False
-        row.prop(item, "enabled", text="")
-        named = row.row(align=True)
-        named.active = item.enabled
+        named = draw_switch(layout.row(align=True), item)
         number = named.row(align=True)
         number.ui_units_x = 0.9
         count = sum(stop.enabled for stop in list(data.stops)[:index])

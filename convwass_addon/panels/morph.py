@@ -29,7 +29,7 @@ from ..properties.morphs import MorphProperties
 from ..solver_presets import SUBFOLDER, CONVWASS_OT_add_solver_preset
 from ..translations import translated
 from .from_schema import draw_settings
-from .sidebar import Sidebar, draw_wrapped, large_button, with_labels_beside
+from .sidebar import Sidebar, draw_switch, draw_wrapped, large_button, with_labels_beside
 
 # Longest list of selected shapes that is shown in full.
 _NAMED = 8
@@ -48,11 +48,7 @@ class CONVWASS_UL_inputs(bpy.types.UIList):
     """Shapes to morph: whether enabled, name, weight in a single blend, and problems"""
 
     def draw_item(self, context, layout, data, item, icon, active_data, active_property, index):
-        row = layout.row(align=True)
-        row.use_property_split = False
-        row.prop(item, "enabled", text="")
-        named = row.row(align=True)
-        named.active = item.enabled
+        named = draw_switch(layout.row(align=True), item)
         if item.object is None:
             named.prop(item, "object", text="")
         else:

@@ -31,12 +31,18 @@ class ImageSidebar:
     bl_category = "Convwass"
 
 
-def draw_numbered(row: bpy.types.UILayout, item: bpy.types.PropertyGroup, index: int) -> bpy.types.UILayout:
-    """Draw switch, number and name of a list item; return the layout for the rest, gray if disabled."""
+def draw_switch(row: bpy.types.UILayout, item: bpy.types.PropertyGroup) -> bpy.types.UILayout:
+    """Draw the switch of a list item; return the layout for the rest, gray if disabled."""
     row.use_property_split = False
     row.prop(item, "enabled", text="")
     shown = row.row(align=True)
     shown.active = item.enabled
+    return shown
+
+
+def draw_numbered(row: bpy.types.UILayout, item: bpy.types.PropertyGroup, index: int) -> bpy.types.UILayout:
+    """Draw switch, number and name of a list item; return the layout for the rest, gray if disabled."""
+    shown = draw_switch(row, item)
     number = shown.row(align=True)
     number.ui_units_x = 1.1
     number.label(text=str(index + 1), translate=False)
