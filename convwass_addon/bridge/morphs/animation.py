@@ -12,7 +12,7 @@ import bpy
 import numpy as np
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...progress import Progress, Work
 from ...sentence import Sentence
 from ..framing import View, broad_view, orbit
 from ..studio import Studio, checked_output, opening, world_points
@@ -23,8 +23,11 @@ from .stored import frame_objects, shown_frames
 ELEVATION = math.radians(18.0)
 POINTS_PER_SHAPE = 1500
 """Number of vertices per shape used to place the camera."""
+FRAMES_PER_SECOND = 24
 PAUSE = 0.4
 """Duration in seconds for which the first and last shape are held."""
+TURN = math.radians(26.0)
+"""Angle by which the camera moves around the shapes."""
 
 
 def render_animation(
@@ -33,10 +36,6 @@ def render_animation(
     *,
     resolution: tuple[int, int] = (480, 360),
     samples: int = 8,
-    step: int = 1,
-    frames_per_second: int = 24,
-    turn: float = math.radians(26.0),
-    control: Control = UNINTERRUPTED,
 ) -> Work[Path]:
     """Render a morph along a path to an MP4 video (H.264).
 
@@ -50,14 +49,6 @@ def render_animation(
         Width and height in pixels, both even.
     samples : int
         Light paths per pixel.
-    step : int
-        Interval between rendered frames of the morph; the last frame is always rendered.
-    frames_per_second : int
-        Frame rate of the video.
-    turn : float
-        Angle in radians by which the camera moves around the shapes.
-    control : Control
-        Stops the work when cancelled; nothing is written then.
 
     Yields
     ------
@@ -72,55 +63,45 @@ def render_animation(
     Raises
     ------
     InputError
-        The folder does not exist, the name does not end in ``.mp4``, width or height is odd, or the collection contains
-        no morph along a path.
+        The folder does not exist, the name does not end in ``.mp4``, or the collection contains no morph along a path.
     ConvwassError
         Blender cannot render, or lacks video output.
     """
     target = checked_output(path, ".mp4")
-    if any(side % 2 for side in resolution):
-        raise InputError(
-            "A video's width and height must be even numbers, not {width} x {height}.",
-            width=resolution[0],
-            height=resolution[1],
-        )
     objects = frame_objects(collection)
     span = shown_frames(collection)
     if not span:
         raise InputError(
             "{name} contains no morph along a path; for a sheet, make a contact sheet instead.", name=collection.name
         )
-    frames = [*span[:-1:step], span[-1]]
-    seen = shown_at(objects, frames)
+    seen = shown_at(objects, span)
     with Studio() as studio, tempfile.TemporaryDirectory(prefix="convwass-") as folder:
         copies = [studio.show(obj) for obj in objects]
         points = [_sample(obj) for obj in objects]
         view = broad_view(points, ELEVATION)
         depth = studio.build(points, view)
         studio.set_quality(resolution, samples)
-        views = [View(view.azimuth + angle, view.elevation) for angle in _swing(turn, len(frames))]
+        views = [View(view.azimuth + angle, view.elevation) for angle in _swing(len(span))]
         poses = orbit(np.concatenate(points), views, opening(resolution))
-        pictures = [Path(folder) / f"{index:05d}.png" for index in range(len(frames))]
+        pictures = [Path(folder) / f"{index:05d}.png" for index in range(len(span))]
         for index, (now, pose) in enumerate(zip(seen, poses, strict=True)):
-            message = Sentence("Rendering frame {done} of {total}", {"done": index + 1, "total": len(frames)})
-            yield Progress(index / (len(frames) + 1), message)
-            control.check()
+            message = Sentence("Rendering frame {done} of {total}", {"done": index + 1, "total": len(span)})
+            yield Progress(index / (len(span) + 1), message)
             for obj, copy in zip(objects, copies, strict=True):
                 copy.hide_render = obj not in now
             studio.look(pose, depth)
             studio.render(pictures[index])
-        yield Progress(len(frames) / (len(frames) + 1), Sentence("Writing the video"))
-        control.check()
-        pause = round(PAUSE * frames_per_second)
+        yield Progress(len(span) / (len(span) + 1), Sentence("Writing the video"))
+        pause = round(PAUSE * FRAMES_PER_SECOND)
         shown = [*pause * pictures[:1], *pictures, *pause * pictures[-1:]]
-        write_video(shown, target, resolution, frames_per_second)
+        write_video(shown, target, resolution, FRAMES_PER_SECOND)
     yield Progress(1.0, Sentence("Wrote {name}", {"name": target.name}))
     return target
 
 
-def _swing(turn: float, count: int) -> np.ndarray:
+def _swing(count: int) -> np.ndarray:
     """Return the camera's angles, (count,), around 0, with a smooth start and end."""
-    return -turn / 2.0 * np.cos(np.linspace(0.0, math.pi, count))
+    return -TURN / 2.0 * np.cos(np.linspace(0.0, math.pi, count))
 
 
 def _sample(obj: bpy.types.Object) -> np.ndarray:
