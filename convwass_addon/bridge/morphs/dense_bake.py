@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...progress import Progress, Work
 from ...sentence import Sentence
 from ..animation_time import returning, show_time
 from ..keyframes import FrameRange, key_visibility
@@ -38,9 +38,7 @@ def sample_times(first: int, last: int, fps: float, rate: float) -> NDArray[np.f
     return first + np.arange(count) * fps / rate
 
 
-def bake_player(
-    player: bpy.types.Object, times: Sequence[float], first_frame: int, control: Control = UNINTERRUPTED
-) -> Work[bpy.types.Collection]:
+def bake_player(player: bpy.types.Object, times: Sequence[float], first_frame: int) -> Work[bpy.types.Collection]:
     """Create a morph with a frame object for every time, shown in consecutive scene frames.
 
     Nothing is solved. Objects that use the player are not changed, so the player is kept, but hidden.
@@ -53,8 +51,6 @@ def bake_player(
         Scene frames, including fractions.
     first_frame : int
         Scene frame of the first object.
-    control : Control
-        Stops the work when cancelled; nothing is left behind then.
 
     Yields
     ------
@@ -83,7 +79,6 @@ def bake_player(
                 made.append(_frame(player, number))
                 done = {"done": number + 1, "total": len(times)}
                 yield Progress((number + 1) / len(times), Sentence("Frame {done} of {total}", done))
-                control.check()
     except BaseException:
         meshes = [obj.data for obj in made]
         bpy.data.batch_remove([*made, *meshes, collection])

@@ -17,7 +17,7 @@ from ...drafts import written_whole
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
-from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...progress import Progress, Work
 from ...sentence import Sentence
 from ..numbered_files import file_number, numbered_paths
 from ..objects import triangle_meshes
@@ -44,7 +44,7 @@ _FALLBACK_RESOLUTION = 100
 _LEAST_SPACING = 1.45e-5
 
 
-def as_volume(collection: bpy.types.Collection, folder: Path, control: Control = UNINTERRUPTED) -> Work[DiskOutput]:
+def as_volume(collection: bpy.types.Collection, folder: Path) -> Work[DiskOutput]:
     """Write a morph as VDB files, one per scene frame, and let objects show them, which are kept if they exist.
 
     A file contains one grid, "density": the covered share of every cell, averaged over a cell. The surface of the frame
@@ -57,8 +57,6 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     folder : Path
         An existing folder, which gives the files their name; those of the same name are replaced, but Blender shows
         their old content until it ends.
-    control : Control
-        Stops the work when cancelled.
 
     Yields
     ------
@@ -95,7 +93,6 @@ def as_volume(collection: bpy.types.Collection, folder: Path, control: Control =
     for done, (file, meshes) in enumerate(zip(files, shown, strict=True), 1):
         _write(openvdb, file, meshes, spacing)
         yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
-        control.check()
     # Before Blender 5, Volume to Mesh places values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
