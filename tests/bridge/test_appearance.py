@@ -11,6 +11,7 @@ from convwass_addon.applications.morphs.appearance import Carried, FaceSlots, Pa
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge.morphs import appearance as appearance_module
 from convwass_addon.bridge.morphs.appearance import read_appearance, read_shading, seen_colors, write_carried
 from convwass_addon.bridge.morphs.dropped_appearance import dropped_notes, dropped_parts
 from convwass_addon.bridge.morphs.exports import export_frames
@@ -182,13 +183,14 @@ def test_unreadable_images_are_replaced_by_the_viewport_color(make_object, depsg
     assert appearance_of(obj, depsgraph).paints == (Plain(BLUE),)
 
 
-def test_large_images_are_halved_until_they_are_small(make_object, depsgraph):
+def test_large_images_are_halved_until_they_are_small(make_object, depsgraph, monkeypatch):
+    monkeypatch.setattr(appearance_module, "_MOST_PIXELS", 4)
     pixels = np.zeros((6, 16, 4), np.float32)
     pixels[:, 8:] = 1.0
     made = material("Large")
     linked(made, "ShaderNodeTexImage").image = image(pixels, is_float=True)
     obj = with_uvs(add_shape(make_object, "Shape", ball(points=100), made))
-    appearance = read_appearance(frozen_copy(obj, depsgraph), WHITE, texture_size=4)
+    appearance = read_appearance(frozen_copy(obj, depsgraph), WHITE)
     assert appearance.paints[0].pixels.shape == (2, 4, 4)
     np.testing.assert_array_equal(appearance.paints[0].pixels[:, :, 0], [[0, 0, 1, 1]] * 2)
 

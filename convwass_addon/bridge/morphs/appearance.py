@@ -29,9 +29,7 @@ _ROUNDED = 1e-2
 _MOST_PIXELS = 1024
 
 
-def read_appearance(
-    mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = (), texture_size: int = _MOST_PIXELS
-) -> Appearance:
+def read_appearance(mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = ()) -> Appearance:
     """Read the base colors and vertex groups of a mesh.
 
     A material has the color of its Principled BSDF: the first image or color attribute linked to it, or its plain
@@ -46,8 +44,6 @@ def read_appearance(
         Color of the object, scene linear.
     group_names : sequence of str
         The object's vertex groups in order.
-    texture_size : int
-        Images are downsampled to at most this size.
     """
     faces, corners, loops = _triangles(mesh)
     slots = list(mesh.materials) or [None]
@@ -56,7 +52,7 @@ def read_appearance(
         corners,
         # A face may have an invalid slot index; Blender then uses the last slot.
         np.minimum(materials, len(slots) - 1),
-        tuple(_paint(mesh, slot, color, faces, loops, texture_size) for slot in slots),
+        tuple(_paint(mesh, slot, color, faces, loops) for slot in slots),
         faces,
         _groups(mesh, group_names),
     )
@@ -220,7 +216,6 @@ def _paint(
     color: Sequence[float],
     faces: np.ndarray,
     loops: np.ndarray,
-    texture_size: int,
 ) -> Paint:
     if material is None:
         attribute = _render_colors(mesh)
@@ -240,7 +235,7 @@ def _paint(
             attribute = mesh.color_attributes.get(name) if name else _render_colors(mesh)
             if attribute is not None:
                 return _painted(attribute, faces, loops)
-        if node.type == "TEX_IMAGE" and (paint := _textured(mesh, node, loops, texture_size)) is not None:
+        if node.type == "TEX_IMAGE" and (paint := _textured(mesh, node, loops)) is not None:
             return paint
     return Plain(tuple(material.diffuse_color))
 
@@ -259,12 +254,12 @@ def _painted(attribute: bpy.types.Attribute, faces: np.ndarray, loops: np.ndarra
     return Painted(colors[faces if attribute.domain == "POINT" else loops])
 
 
-def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray, texture_size: int) -> Textured | None:
+def _textured(mesh: bpy.types.Mesh, node: bpy.types.Node, loops: np.ndarray) -> Textured | None:
     """Return the paint of an image node, or None without an image or a UV map."""
     named = [other.uv_map for other in upstream_nodes(node.inputs["Vector"]) if other.type == "UVMAP"]
     layer = mesh.uv_layers.get(named[0]) if named else None
     layer = render_uv_map(mesh) if layer is None else layer
-    pixels = _pixels(node.image, texture_size)
+    pixels = _pixels(node.image)
     if layer is None or pixels is None:
         return None
     return Textured(pixels, element_values(layer.uv, "vector", 2)[loops], node.extension == "REPEAT")
@@ -275,8 +270,8 @@ def render_uv_map(mesh: bpy.types.Mesh) -> bpy.types.MeshUVLoopLayer | None:
     return next((own for own in mesh.uv_layers if own.active_render), mesh.uv_layers.active)
 
 
-def _pixels(image: bpy.types.Image | None, texture_size: int) -> np.ndarray | None:
-    """Return an image as (h, w, 4) float32 in scene linear colors, downsampled to at most the given size.
+def _pixels(image: bpy.types.Image | None) -> np.ndarray | None:
+    """Return an image as (h, w, 4) float32 in scene linear colors, downsampled to at most `_MOST_PIXELS`.
 
     Only the first tile of a tiled image is used.
     """
@@ -288,7 +283,7 @@ def _pixels(image: bpy.types.Image | None, texture_size: int) -> np.ndarray | No
     pixels = pixel_values(image)
     if not image.is_float and image.colorspace_settings.name == "sRGB":
         pixels[..., :3] = linear_of_srgb(pixels[..., :3])
-    while max(pixels.shape[:2]) > texture_size:
+    while max(pixels.shape[:2]) > _MOST_PIXELS:
         pixels = _halved(pixels)
     return pixels
 
