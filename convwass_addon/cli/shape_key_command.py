@@ -99,7 +99,7 @@ def _finished(job: ShapeKeyJob | SwapJob, workers: int | None) -> list[bpy.types
 
 def _baked_textures(obj: bpy.types.Object, settings: TextureSettings) -> BakedTextures:
     """Bake images of the looks of the shapes, at the start of the animation."""
-    job = TextureJob(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), obj, settings)
+    job = TextureJob(obj, settings)
     try:
         with ProgressBar("Baking textures") as bar:
             bar.result_of(job.steps())

@@ -34,7 +34,7 @@ class CONVWASS_OT_bake_textures(BackgroundOperator, TextureProperties, bpy.types
 
         if not hasattr(bpy.types.Scene, "cycles"):
             raise InputError("Enable the add-on Cycles Render Engine in the preferences; it bakes the images.")
-        return TextureJob(context.scene, context.evaluated_depsgraph_get(), context.object, self.texture_settings())
+        return TextureJob(context.object, self.texture_settings())
 
     def _in_turn(self):
         return True

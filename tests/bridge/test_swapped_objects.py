@@ -101,7 +101,7 @@ def test_the_second_mesh_stands_where_the_first_one_becomes_it(shapes, monkeypat
 def test_a_hidden_mesh_is_exported_as_it_is_at_the_swap(shapes, monkeypatch):
     _, second = bake(monkeypatch, 0.4)
     with shown_objects([second], bpy.context.scene):
-        heights = sampled_vertices(second, bpy.context.scene, range(1, 12)).points[:, :, 2].mean(axis=1)
+        heights = sampled_vertices(second, range(1, 12)).points[:, :, 2].mean(axis=1)
     assert heights[:4] == pytest.approx(1.0, abs=1e-6) and heights[-1] == pytest.approx(0.0, abs=1e-6)
     assert (np.diff(heights[4:]) < 0.0).all()
     assert shown_at(1)[0] == ["Cup Morph"] and shown_at(11)[0] == ["Ball Morph"]

@@ -67,9 +67,7 @@ def ball():
 
 
 def job(obj, **settings):
-    return TextureJob(
-        bpy.context.scene, bpy.context.evaluated_depsgraph_get(), obj, TextureSettings(**{**QUICK, **settings})
-    )
+    return TextureJob(obj, TextureSettings(**{**QUICK, **settings}))
 
 
 def baked(obj, **settings):

@@ -233,7 +233,7 @@ def _write_points(write: Callable[[str], set[str]]) -> Callable[[bpy.types.Objec
 
     def written(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
         render = bpy.context.scene.render
-        moving = sampled_vertices(obj, bpy.context.scene, frames)
+        moving = sampled_vertices(obj, frames)
         meshes = _frame_meshes(obj, moving, render.fps / render.fps_base)
         shown = [bpy.data.objects.new(mesh.name, mesh) for mesh in meshes]
         try:
@@ -263,7 +263,7 @@ def _frame_meshes(obj: bpy.types.Object, moving: MovingVertices, fps: float) -> 
 def _write_textures(obj: bpy.types.Object, frames: range, target: Path) -> list[Path]:
     """Write vertex animation textures."""
     render = bpy.context.scene.render
-    moving = sampled_vertices(obj, bpy.context.scene, frames)
+    moving = sampled_vertices(obj, frames)
     mesh = _without_keys(obj)
     plain = _assign_plain_material(mesh, obj)
     try:

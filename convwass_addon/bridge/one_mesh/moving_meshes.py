@@ -70,7 +70,7 @@ def _with_drivers(obj: bpy.types.Object) -> list[bpy.types.ID]:
     return found
 
 
-def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: range) -> MovingVertices:
+def sampled_vertices(obj: bpy.types.Object, frames: range) -> MovingVertices:
     """Read the vertices of an object, with modifiers, in every frame; restores the current frame of the scene.
 
     The object must be visible in all of them (`shown_objects`).
@@ -80,7 +80,7 @@ def sampled_vertices(obj: bpy.types.Object, scene: bpy.types.Scene, frames: rang
     InputError
         A modifier changes the number of vertices over time.
     """
-    points, normals = [], []
+    scene, points, normals = bpy.context.scene, [], []
     with returning(scene):
         for frame in frames:
             show_time(scene, frame)

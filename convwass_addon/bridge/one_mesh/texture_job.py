@@ -93,8 +93,6 @@ class TextureJob:
 
     Parameters
     ----------
-    scene, depsgraph : bpy.types.Scene, bpy.types.Depsgraph
-        To evaluate the objects.
     obj : bpy.types.Object
         A mesh with shape keys to other shapes.
     settings : TextureSettings
@@ -107,9 +105,7 @@ class TextureJob:
         asked for, or the folder cannot be used.
     """
 
-    def __init__(
-        self, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph, obj: bpy.types.Object, settings: TextureSettings
-    ) -> None:
+    def __init__(self, obj: bpy.types.Object, settings: TextureSettings) -> None:
         writable_mesh(obj)
         if SWAP_KEY in obj and settings.texture_looks != "START":
             raise InputError(
@@ -127,9 +123,9 @@ class TextureJob:
             self._made = made or (self._uv_map if self._uv_map not in obj.data.uv_layers else "")
             self._uvs = loop_uvs(prepared, self._uv_map)
             if settings.texture_looks != "END":
-                self._looks.append(start_look(obj, prepared, scene, depsgraph))
+                self._looks.append(start_look(obj, prepared))
             for slider in {"ALL": sliders, "START": [], "END": sliders[-1:]}[settings.texture_looks]:
-                self._looks.append(end_look(obj, slider, prepared, scene, depsgraph))
+                self._looks.append(end_look(obj, slider, prepared))
             for look in self._looks:
                 self._note_missing_images(look)
             self._values = {channel: [_value_of(look, channel) for look in self._looks] for channel in VALUES}

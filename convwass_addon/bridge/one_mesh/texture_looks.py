@@ -146,20 +146,12 @@ def remembered_shapes(obj: bpy.types.Object) -> dict[str, tuple[bpy.types.Object
     return found
 
 
-def start_look(
-    obj: bpy.types.Object, prepared: bpy.types.Mesh, scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph
-) -> Look:
+def start_look(obj: bpy.types.Object, prepared: bpy.types.Mesh) -> Look:
     """Freeze the undeformed mesh with its own look; parameters as :func:`end_look`."""
-    return Look(obj.name, None, _posed(obj, prepared, None, scene, depsgraph), None, 0.0)
+    return Look(obj.name, None, _posed(obj, prepared, None), None, 0.0)
 
 
-def end_look(
-    obj: bpy.types.Object,
-    slider: str,
-    prepared: bpy.types.Mesh,
-    scene: bpy.types.Scene,
-    depsgraph: bpy.types.Depsgraph,
-) -> Look:
+def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Look:
     """Freeze the mesh where a slider leads to, and the shape there.
 
     Parameters
@@ -170,8 +162,6 @@ def end_look(
         Name of a slider.
     prepared : bpy.types.Mesh
         A copy of its mesh without shape keys and with the UV map for the textures.
-    scene, depsgraph : bpy.types.Scene, bpy.types.Depsgraph
-        To evaluate modifiers.
 
     Raises
     ------
@@ -186,8 +176,9 @@ def end_look(
     if key is None:
         raise InputError("The shape key of {slider} was removed or renamed; bake it again.", slider=slider)
     positions = element_values(key.data, "co", 3)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
     there = triangle_mesh(shape, depsgraph)
-    onto = _posed(obj, prepared, positions, scene, depsgraph)
+    onto = _posed(obj, prepared, positions)
     points = transformed_points(there.vertices, placement)
     diagonal = float(np.linalg.norm(np.ptp(points, axis=0)))
     try:
@@ -221,13 +212,7 @@ def _check_arrival(
         )
 
 
-def _posed(
-    obj: bpy.types.Object,
-    prepared: bpy.types.Mesh,
-    positions: NDArray[np.float32] | None,
-    scene: bpy.types.Scene,
-    depsgraph: bpy.types.Depsgraph,
-) -> Surface:
+def _posed(obj: bpy.types.Object, prepared: bpy.types.Mesh, positions: NDArray[np.float32] | None) -> Surface:
     """Freeze an object with other positions of its vertices, modifiers applied."""
     mesh = prepared.copy()
     if positions is not None:
@@ -235,7 +220,8 @@ def _posed(
     copy = obj.copy()
     copy.animation_data_clear()
     copy.data = mesh
-    scene.collection.objects.link(copy)
+    bpy.context.scene.collection.objects.link(copy)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
     try:
         with evaluated_object(copy, depsgraph) as evaluated:
             frozen = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
