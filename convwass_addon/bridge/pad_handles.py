@@ -67,8 +67,45 @@ def drive_by_handle(driver: bpy.types.Driver, handle: bpy.types.Object, expressi
     driver.expression = expression
 
 
-def pad_label(name: str, text: str, size: float, x: float, z: float, pad: bpy.types.Object) -> bpy.types.Object:
-    """Write a centered text of a size at a place on a pad; the object is not in a collection yet."""
+def pad_labels(
+    names: Sequence[str],
+    corners: NDArray[np.float64],
+    size: float,
+    pad: bpy.types.Object,
+    gaps: tuple[float, float] = (1.1, -1.9),
+    called: str = "{} Label",
+) -> list[bpy.types.Object]:
+    """Write names at the corners of a pad: above the upper ones, below the lower ones.
+
+    Parameters
+    ----------
+    names : sequence of str
+        One name per corner.
+    corners : (n, 3) float64
+        In local space of the pad; X and Z span its plane.
+    size : float
+        Size of the letters.
+    pad : bpy.types.Object
+        Parent of the names, at its origin.
+    gaps : (float, float)
+        Distances of the names from upper and from lower corners, upward, relative to the size.
+    called : str
+        Names of the objects, given those at the corners.
+
+    Returns
+    -------
+    list of bpy.types.Object
+        Not in a collection yet.
+    """
+    shifts = size * np.where(corners[:, 2] > corners[:, 2].mean(), *gaps)
+    return [
+        _label(called.format(name), name, size, x, z + shift, pad)
+        for name, (x, _, z), shift in zip(names, corners, shifts, strict=True)
+    ]
+
+
+def _label(name: str, text: str, size: float, x: float, z: float, pad: bpy.types.Object) -> bpy.types.Object:
+    """Write a centered text at a place on a pad."""
     font = bpy.data.curves.new(text, "FONT")
     font.body, font.size, font.align_x = text, size, "CENTER"
     # Move the text instead of the object: Blender draws a line from every child to its parent.

@@ -70,9 +70,9 @@ class CONVWASS_OT_make_key_pad(bpy.types.Operator):
     def execute(self, context):
         from ..bridge.one_mesh.key_pad import make_key_pad
 
-        made = make_key_pad(context.object, context.scene)
-        select_only(context, [made.handle])
-        tell(self, rpt_("Drag {:s}").format(made.handle.name))
+        handle = make_key_pad(context.object)
+        select_only(context, [handle])
+        tell(self, rpt_("Drag {:s}").format(handle.name))
         return {"FINISHED"}
 
 

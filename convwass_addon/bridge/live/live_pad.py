@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...applications.live.pad_places import pad_corners, pad_height, pad_middle
 from ..handles import Handle
-from ..pad_handles import OUTLINES, pad_handle, pad_label, pad_lines
+from ..pad_handles import OUTLINES, pad_handle, pad_labels, pad_lines
 
 # Side of a pad and distance from the shapes, relative to the largest shape; lengths on the pad, relative to its side.
 _SIDE, _GAP = 1.5, 0.3
@@ -45,7 +45,8 @@ class LivePad:
         pad.location = self._location(bounds, size)
         handle = pad_handle("Live Handle", _HANDLE * self.side, points, pad)
         handle.hide_render = True
-        for obj in (pad, handle, *self._labels(names, points, pad)):
+        labels = pad_labels(names, points, _TEXT * self.side, pad, called="Live Label {}")
+        for obj in (pad, handle, *labels):
             collection.objects.link(obj)
         self._pad, self._handle = Handle.of("objects", pad), Handle.of("objects", handle)
         self.move_to(*pad_middle(self.count))
@@ -92,14 +93,3 @@ class LivePad:
         if self.count == 2:
             return np.array([middle[0], middle[1], low[2] - _GAP * size])
         return np.array([low[0] - _GAP * size - self.side / 2.0, middle[1], low[2] - self._low[2]])
-
-    def _labels(
-        self, names: Sequence[str], points: NDArray[np.float64], pad: bpy.types.Object
-    ) -> list[bpy.types.Object]:
-        """Write the names of the shapes next to their corners."""
-        labels = []
-        for name, point in zip(names, points, strict=True):
-            shift = 1.1 * _TEXT if point[2] > 0.0 else -1.9 * _TEXT
-            place = point[0], point[2] + shift * self.side
-            labels.append(pad_label(f"Live Label {name}", name, _TEXT * self.side, *place, pad))
-        return labels

@@ -19,7 +19,7 @@ from ...errors import InputError
 from ...progress import Work, drained
 from ..element_values import element_values
 from ..node_math import joined, math_node, new_node, switch
-from ..pad_handles import pad_handle, pad_label, pad_lines
+from ..pad_handles import pad_handle, pad_labels, pad_lines
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
@@ -86,10 +86,6 @@ class _Sheet:
     def side(self) -> float:
         return SIDE * self.size
 
-    def is_below(self, number: int) -> bool:
-        """Return whether a blend is at the lower edge of the pad."""
-        return bool(self.points[number, 2] < 0.0)
-
     @property
     def lattice(self) -> SheetLattice:
         is_triangle = len(self.names) == 3
@@ -149,7 +145,8 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST
     pad[PLACE_KEY] = pad.location
     # The initial position is the center.
     handle = _linked(parts, pad_handle("Blend Handle", 0.06 * sheet.side, sheet.points, pad))
-    for drawn in (*_texts(sheet, pad), _copies(sheet, pad)):
+    texts = pad_labels(sheet.names, sheet.points[sheet.corners], TEXT * sheet.side, pad)
+    for drawn in (*texts, _copies(sheet, pad)):
         _linked(parts, drawn)
     result = _linked(parts, _result(sheet, pad, handle, fields))
     result.location = sheet.feet[0]
@@ -239,16 +236,6 @@ def _pad(sheet: _Sheet) -> bpy.types.Object:
     return pad_lines("Blend Pad", sheet.points, edges.tolist())
 
 
-def _texts(sheet: _Sheet, pad: bpy.types.Object) -> list[bpy.types.Object]:
-    """Write the names of the inputs at their corners: above the upper ones, below the lower ones."""
-    texts = []
-    for name, corner in zip(sheet.names, sheet.corners, strict=True):
-        shift = -1.9 * TEXT if sheet.is_below(corner) else 1.1 * TEXT
-        place = sheet.points[corner, 0], sheet.points[corner, 2] + shift * sheet.side
-        texts.append(pad_label(f"{name} Label", name, TEXT * sheet.side, *place, pad))
-    return texts
-
-
 def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
     """Add small copies of the inputs next to their names."""
     tree = frame_group("Blend Corners")
@@ -256,7 +243,7 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
     scale = COPY * sheet.side / sheet.size
     corners = [sheet.frames[corner] for corner in sheet.corners]
     for place, (corner, foot) in enumerate(zip(sheet.corners, sheet.feet, strict=True)):
-        shift = -(2.6 * TEXT + COPY) if sheet.is_below(corner) else 2.4 * TEXT
+        shift = -(2.6 * TEXT + COPY) if sheet.points[corner, 2] < 0.0 else 2.4 * TEXT
         number = new_node(tree, "FunctionNodeInputInt", integer=place)
         lifted = sheet.points[corner] + np.array([0.0, 0.0, shift * sheet.side])
         inputs = {

@@ -6,7 +6,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -17,7 +16,7 @@ from ..keyframes import driver_targets, remove_curve
 from ..mesh_checks import writable_mesh
 from ..morphs.blend_pad import GAP, SIDE, TEXT
 from ..morphs.removal import remove_objects
-from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_label, pad_lines
+from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_labels, pad_lines
 from .records import key_records
 from .shape_keys import slider_path
 
@@ -32,26 +31,10 @@ _TRIANGLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.5, math.sqrt(0.75)]])
 _SQUARE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]])
 
 
-@dataclass(frozen=True)
-class KeyPad:
-    """Result of `make_key_pad`.
+def make_key_pad(obj: bpy.types.Object) -> bpy.types.Object:
+    """Make an Empty on a pad drive the sliders of an object, and return it; their keyframes are removed.
 
-    Attributes
-    ----------
-    pad : bpy.types.Object
-        The visible outline; the other objects are its children.
-    handle : bpy.types.Object
-        The Empty to drag.
-    """
-
-    pad: bpy.types.Object
-    handle: bpy.types.Object
-
-
-def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
-    """Make an Empty on a pad drive the sliders of an object; their keyframes are removed.
-
-    A pad that drives all sliders already is returned unchanged, and one that drives some of them is replaced.
+    The handle of a pad that drives all sliders already is returned, and one that drives some of them is replaced.
 
     Drivers are simple expressions, so the file does not need the add-on. Outside of the pad, the weights of its edge
     are used.
@@ -60,8 +43,6 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     ----------
     obj : bpy.types.Object
         Has shape keys to two or three other shapes.
-    scene : bpy.types.Scene
-        The scene to add the pad to.
 
     Raises
     ------
@@ -73,7 +54,7 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     if len(names) not in (2, 3):
         raise InputError("A pad needs two or three other shapes; {name} has {count}.", name=obj.name, count=len(names))
     before = pads_of(target.id for target in driver_targets(obj))
-    known = _driving_pad(obj, names)
+    known = _driving_handle(obj, names)
     if known is not None:
         return known
     size = max(obj.dimensions)
@@ -84,24 +65,22 @@ def make_key_pad(obj: bpy.types.Object, scene: bpy.types.Scene) -> KeyPad:
     middle = np.array(obj.matrix_world @ _center(obj))
     pad.location = middle - np.array([side + (GAP + 0.5) * size, 0.0, side / 2.0])
     handle = pad_handle("Key Handle", 0.06 * side, points, pad)
-    labels = [_label(text, point, side, pad) for text, point in zip((obj.name, *names), points, strict=True)]
-    for made in (pad, handle, *labels):
+    for made in (pad, handle, *pad_labels((obj.name, *names), points, TEXT * side, pad)):
         made[PAD_KEY] = True
-        scene.collection.objects.link(made)
+        bpy.context.scene.collection.objects.link(made)
     for name, expression in zip(names, _expressions(len(names), side), strict=True):
         _drive(obj, name, handle, expression)
     remove_idle_pads(before)
-    return KeyPad(pad, handle)
+    return handle
 
 
-def _driving_pad(obj: bpy.types.Object, names: Sequence[str]) -> KeyPad | None:
-    """Return the pad whose handle drives all sliders of an object, if there is one."""
+def _driving_handle(obj: bpy.types.Object, names: Sequence[str]) -> bpy.types.Object | None:
+    """Return the handle of a pad that drives all sliders of an object, if there is one."""
     drivers = obj.animation_data.drivers if obj.animation_data else ()
     of_sliders = [curve for curve in drivers if curve.data_path in map(slider_path, names)]
     read = [{target.id for own in curve.driver.variables for target in own.targets} for curve in of_sliders]
     shared = set.intersection(*read) if len(read) == len(names) else set()
-    handle = next((own for own in shared if own is not None and PAD_KEY in own and own.parent is not None), None)
-    return None if handle is None else KeyPad(handle.parent, handle)
+    return next((own for own in shared if own is not None and PAD_KEY in own and own.parent is not None), None)
 
 
 def pads_of(blocks: Iterable[bpy.types.ID | None]) -> list[bpy.types.Object]:
@@ -136,12 +115,6 @@ def _drive(obj: bpy.types.Object, slider: str, handle: bpy.types.Object, express
     # Keyframes of a driven property would have no effect.
     remove_curve(obj, path)
     drive_by_handle(obj.driver_add(path).driver, handle, expression)
-
-
-def _label(text: str, point: np.ndarray, side: float, pad: bpy.types.Object) -> bpy.types.Object:
-    """Write the name of a shape next to its corner."""
-    shift = -1.9 * TEXT * side if point[2] == 0.0 else 1.1 * TEXT * side
-    return pad_label(f"{text} Label", text, TEXT * side, point[0], point[2] + shift, pad)
 
 
 def _center(obj: bpy.types.Object) -> Vector:

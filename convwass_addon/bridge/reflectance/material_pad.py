@@ -15,7 +15,7 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_label, pad_lines
+from ..pad_handles import OUTLINES, drive_by_handle, pad_handle, pad_labels, pad_lines
 
 PAD_OF = "convwass_material_pad"
 """Custom property of the Empty of a pad: the blend that it drives."""
@@ -86,8 +86,8 @@ def material_pad(scene: bpy.types.Scene, name: str, materials: Sequence[str], si
     handle.location = corners.mean(axis=0)
     handle[PAD_OF] = name
     parts.objects.link(handle)
-    for material, corner in zip(materials, corners, strict=True):
-        parts.objects.link(_label(material, corner, lattice))
+    for label in pad_labels(materials, corners, _TEXT, lattice, (0.6, -1.4)):
+        parts.objects.link(label)
     return MaterialPad(handle, len(materials), side)
 
 
@@ -102,9 +102,3 @@ def _corners(count: int) -> np.ndarray:
     if count == 4:
         places = [(-0.5, high), (0.5, high), (-0.5, -high), (0.5, -high)]
     return SIDE * np.array([(x, 0.0, z) for x, z in places])
-
-
-def _label(name: str, corner: np.ndarray, lattice: bpy.types.Object) -> bpy.types.Object:
-    """Write the name of a material at its corner: above the upper corners, below the lower ones."""
-    shift = (0.6 if corner[2] > 0 else -1.4) * _TEXT
-    return pad_label(f"{name} Label", name, _TEXT, corner[0], corner[2] + shift, lattice)
