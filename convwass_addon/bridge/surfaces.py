@@ -83,7 +83,7 @@ class _Topology:
 
 
 def surface_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
-    """Return the mesh of `extract_surface`."""
+    """Return the mesh of `read_surface`."""
     return read_surface(obj, depsgraph).mesh
 
 

@@ -24,8 +24,7 @@ from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
 from ..bridge.soft_maps.map_shape_keys import key_names
 from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried, require_names
-from ..bridge.soft_maps.map_weights import WeightRules
-from ..bridge.soft_maps.resting_surface import resting_mesh
+from ..bridge.soft_maps.mapped_meshes import resting_mesh
 from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from ..bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
@@ -89,7 +88,7 @@ def run_softmap(options: Namespace) -> Answer:
     known = [name for kind in dict.fromkeys(options.transfer) for name in _NAMES[kind](way.giver)]
     require_names(way.giver, known, options.names)
     # These check what is transferred, before the work begins.
-    _parts(options, request, way)
+    _parts(options, way)
     found = _solved(options, ends, pairs, settings)
     note(*found.notices)
     marks = (
@@ -97,7 +96,7 @@ def run_softmap(options: Namespace) -> Answer:
         mapped_side(ends.target, ends.readings[1].mesh.faces),
     )
     store_soft_map(ends.source, ends.target, StoredSoftMap(found, *marks))
-    record = _record(ends, pairs, found) | {"transferred": _transferred(options, request, way, found)}
+    record = _record(ends, pairs, found) | {"transferred": _transferred(options, way, found)}
     return saved(target, report, record)
 
 
@@ -159,23 +158,16 @@ def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMa
     return repaired_map(found, *(reading.mesh for reading in ends.readings), options.repair)
 
 
-def _parts(options: Namespace, request: TransferRequest, way: TransferEnds) -> dict[str, CarriedPart]:
+def _parts(options: Namespace, way: TransferEnds) -> dict[str, CarriedPart]:
     """Return the data to transfer, by kind."""
-    makers = {
-        "weights": lambda: CarriedGroups(way, WeightRules(request.limit, request.normalize)),
-        "keys": lambda: CarriedKeys(way),
-        "uvs": lambda: CarriedUvs(way),
-        "colors": lambda: CarriedColors(way),
-    }
-    return {kind: makers[kind]() for kind in dict.fromkeys(options.transfer)}
+    makers = {"weights": CarriedGroups, "keys": CarriedKeys, "uvs": CarriedUvs, "colors": CarriedColors}
+    return {kind: makers[kind](way) for kind in dict.fromkeys(options.transfer)}
 
 
-def _transferred(
-    options: Namespace, request: TransferRequest, way: TransferEnds, found: SurfaceMap
-) -> dict[str, list[str]]:
+def _transferred(options: Namespace, way: TransferEnds, found: SurfaceMap) -> dict[str, list[str]]:
     """Transfer the requested data and return the names written, by kind."""
     points = found.forward if way.is_backward else found.backward
-    parts = _parts(options, request, replace(way, points=points))
+    parts = _parts(options, replace(way, points=points))
     if parts:
         with ProgressBar("Transferring") as bar:
             bar.result_of(all_carried(parts.values()))
@@ -191,21 +183,11 @@ def _transferred(
 
 def _way(options: Namespace, request: TransferRequest, ends: _Ends) -> TransferEnds:
     """Return the ends of the transfer, still without the map."""
-    objects, readings, is_backward = (ends.source, ends.target), ends.readings, request.direction == "BACKWARD"
-    if is_backward:
+    objects, readings = (ends.source, ends.target), ends.readings
+    if request.direction == "BACKWARD":
         objects, readings = objects[::-1], readings[::-1]
     meshes = [resting_mesh(obj, reading.mesh.faces) for obj, reading in zip(objects, readings, strict=True)]
-    return TransferEnds(
-        giver=objects[0],
-        receiver=objects[1],
-        points=_NO_POINTS,
-        giver_mesh=meshes[0],
-        receiver_mesh=meshes[1],
-        names=tuple(options.names),
-        keep=request.existing == "KEEP",
-        flip=request.flip_names,
-        is_backward=is_backward,
-    )
+    return TransferEnds(*objects, _NO_POINTS, *meshes, tuple(options.names), request)
 
 
 def _record(ends: _Ends, pairs: np.ndarray, found: SurfaceMap) -> dict[str, object]:

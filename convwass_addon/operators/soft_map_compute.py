@@ -189,8 +189,7 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         way = current_way(context)
         require_storable(way.source)
         self._remarks = reshaped_notices(way)
-        depsgraph = context.evaluated_depsgraph_get()
-        meshes = [standing_mesh(obj, way.side(obj).triangles, depsgraph) for obj in (way.source, way.target)]
+        meshes = [standing_mesh(obj, way.side(obj).triangles) for obj in (way.source, way.target)]
         return RepairJob(way, partial(repaired_map, way.stored.found, *meshes, self.threshold))
 
     def _title(self):

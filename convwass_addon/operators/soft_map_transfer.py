@@ -13,12 +13,13 @@ from ..bridge.mesh_checks import writable_mesh
 from ..bridge.soft_maps.carried_groups import CarriedGroups
 from ..bridge.soft_maps.map_shape_keys import key_names
 from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried, require_names
-from ..bridge.soft_maps.map_weights import WeightRules
-from ..bridge.soft_maps.resting_surface import resting_mesh
+from ..bridge.soft_maps.mapped_meshes import resting_mesh
+from ..bridge.soft_maps.soft_map_requests import TransferRequest
 from ..bridge.uv_maps import uv_names
 from ..bridge.vertex_groups import group_names
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
+from ..properties.from_schema import values_of
 from ..properties.soft_maps import TRANSFERRED, TransferProperties
 from ..sentence import Sentence, first_names
 from .chosen_inputs import split_names
@@ -99,35 +100,18 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
             known = [name for kind, *_ in TRANSFERRED if kind in self.what for name in _NAMES[kind](giver)]
             names = split_names(self.names, known)
             require_names(giver, known, names)
-            return TransferJob(way, receiver, self._parts(self._ends(way, giver, receiver, names)))
-
-    def _ends(
-        self, way: StoredWay, giver: bpy.types.Object, receiver: bpy.types.Object, names: list[str]
-    ) -> TransferEnds:
-        return TransferEnds(
-            giver=giver,
-            receiver=receiver,
-            points=way.point_map(receiver),
-            giver_mesh=resting_mesh(giver, way.side(giver).triangles),
-            receiver_mesh=resting_mesh(receiver, way.side(receiver).triangles),
-            names=tuple(names),
-            keep=self.existing == "KEEP",
-            flip=self.flip_names,
-            is_backward=self.direction == "BACKWARD",
-        )
+            meshes = [resting_mesh(obj, way.side(obj).triangles) for obj in (giver, receiver)]
+            request = TransferRequest(**values_of(self, TransferRequest))
+            ends = TransferEnds(giver, receiver, way.point_map(receiver), *meshes, tuple(names), request)
+            return TransferJob(way, receiver, self._parts(ends))
 
     def _parts(self, ends: TransferEnds) -> dict[str, CarriedPart]:
         from ..bridge.soft_maps.carried_keys import CarriedKeys
         from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 
-        makers = {
-            "GROUPS": lambda: CarriedGroups(ends, WeightRules(self.limit, self.normalize)),
-            "KEYS": lambda: CarriedKeys(ends),
-            "UVS": lambda: CarriedUvs(ends),
-            "COLORS": lambda: CarriedColors(ends),
-        }
+        makers = {"GROUPS": CarriedGroups, "KEYS": CarriedKeys, "UVS": CarriedUvs, "COLORS": CarriedColors}
         # In the order of the panel.
-        return {kind: makers[kind]() for kind, *_ in TRANSFERRED if kind in self.what}
+        return {kind: makers[kind](ends) for kind, *_ in TRANSFERRED if kind in self.what}
 
     def _title(self):
         return rpt_("Transferring")

@@ -10,7 +10,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import IntProperty
 
 from ..bridge.soft_maps.map_view import CONFIDENCE, show_distribution, show_places, write_confidence
-from ..bridge.soft_maps.resting_surface import resting_mesh
+from ..bridge.soft_maps.mapped_meshes import resting_mesh
 from .reporting import reporting_errors, tell
 from .soft_map_targets import OnStoredMap, StoredWay, current_way, edit_mode_left, one_selected, reshaped_notices
 

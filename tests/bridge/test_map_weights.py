@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 
-from convwass_addon.bridge.soft_maps.map_weights import WeightRules, deforming_groups, fitted_weights
+from convwass_addon.bridge.soft_maps.map_weights import deforming_groups, fitted_weights
+from convwass_addon.bridge.soft_maps.soft_map_requests import TransferRequest
 
 NONE = np.zeros((0, 1))
 
@@ -17,7 +18,7 @@ NONE = np.zeros((0, 1))
 def fitted(weights, total=None, fixed=NONE, **rules):
     column = np.array(weights, float)[:, None]
     sums = column.sum(axis=0) if total is None else np.array([total])
-    return fitted_weights(column, sums, np.array(fixed, float).reshape(-1, 1), WeightRules(**rules))[:, 0]
+    return fitted_weights(column, sums, np.array(fixed, float).reshape(-1, 1), TransferRequest(**rules))[:, 0]
 
 
 @pytest.mark.parametrize(
@@ -54,7 +55,7 @@ VALUES = st.floats(0.0, 1.0)
 )
 def test_the_rules_hold(weights, fixed, limit, normalize):
     total = weights.sum(axis=0)
-    found = fitted_weights(weights, total, fixed, WeightRules(limit, normalize))
+    found = fitted_weights(weights, total, fixed, TransferRequest(limit=limit, normalize=normalize))
     assert ((found >= 0) & (found <= 1)).all()
     if limit:
         assert ((found > 0).sum(axis=0) <= np.maximum(limit - (fixed > 0).sum(axis=0), 0)).all()

@@ -15,9 +15,8 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..vertex_groups import group_names, read_groups
-from .map_transfer import Carried, TransferEnds, kept_names, require_any
+from .map_transfer import Carried, TransferEnds, chosen_names
 from .map_weights import (
-    WeightRules,
     bone_names,
     deforming_groups,
     fitted_weights,
@@ -35,8 +34,6 @@ class CarriedGroups:
     ----------
     ends : TransferEnds
         The objects to read from and to write to.
-    rules : WeightRules
-        Limits for weights of bones.
 
     Raises
     ------
@@ -44,19 +41,14 @@ class CarriedGroups:
         The giver has no such groups, or the receiver is not writable.
     """
 
-    def __init__(self, ends: TransferEnds, rules: WeightRules) -> None:
-        self._ends, self._rules = ends, rules
+    def __init__(self, ends: TransferEnds) -> None:
+        self._ends = ends
         known = group_names(ends.giver)
         names = ends.destinations(known)
-        require_any(
-            ends,
-            known,
-            names,
-            InputError("{object} has no vertex groups to transfer; paint some.", object=ends.giver.name),
-        )
+        nothing = InputError("{object} has no vertex groups to transfer; paint some.", object=ends.giver.name)
+        chosen = chosen_names(ends, names, group_names, nothing, locked_groups)
         require_group_names(ends.receiver, list(names.values()))
-        self._kept = kept_names(ends, names, locked_groups, group_names)
-        self._names = {name: own for name, own in names.items() if own not in self._kept}
+        self._names, self._kept = chosen.written, chosen.kept
         weights = read_groups(ends.giver, known)
         deforming = deforming_groups(ends.giver, ends.receiver, known, weights)
         self._weights = dict(zip(known, weights, strict=True))
@@ -74,7 +66,7 @@ class CarriedGroups:
         control.check()
         deforming = self._values(self._deforming)
         total = self._values(self._total).sum(axis=0)
-        fitted = fitted_weights(deforming, total, self._fixed, self._rules)
+        fitted = fitted_weights(deforming, total, self._fixed, self._ends.request)
         plain = [name for name in self._names if name not in self._deforming]
         self._result = dict(zip(self._deforming, fitted, strict=True)) | dict(
             zip(plain, self._values(plain), strict=True)

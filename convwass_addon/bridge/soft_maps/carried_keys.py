@@ -13,7 +13,7 @@ from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from .map_shape_keys import KeyOffsets, key_names, locked_keys, read_keys, write_keys
-from .map_transfer import Carried, TransferEnds, kept_names, require_any
+from .map_transfer import Carried, TransferEnds, chosen_names
 
 
 class CarriedKeys:
@@ -32,16 +32,10 @@ class CarriedKeys:
 
     def __init__(self, ends: TransferEnds) -> None:
         self._ends = ends
-        known = key_names(ends.giver)
-        names = ends.destinations(known)
-        require_any(
-            ends,
-            known,
-            names,
-            InputError("{object} has no shape keys to transfer besides its basis.", object=ends.giver.name),
-        )
-        self._kept = kept_names(ends, names, locked_keys, key_names)
-        self._names = {name: own for name, own in names.items() if own not in self._kept}
+        names = ends.destinations(key_names(ends.giver))
+        nothing = InputError("{object} has no shape keys to transfer besides its basis.", object=ends.giver.name)
+        chosen = chosen_names(ends, names, key_names, nothing, locked_keys)
+        self._names, self._kept = chosen.written, chosen.kept
         self._keys = read_keys(ends.giver, list(self._names))
         self._result: list[KeyOffsets] = []
 

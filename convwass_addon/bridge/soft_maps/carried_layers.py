@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -19,7 +18,7 @@ from ...sentence import Sentence
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, require_color_name, write_colors
 from ..uv_maps import mark_seams, read_uvs, require_uv_names, uv_names, write_uvs
 from .map_corners import triangle_loops, triangle_polygons
-from .map_transfer import Carried, TransferEnds, require_any
+from .map_transfer import Carried, ChosenNames, TransferEnds, chosen_names
 
 
 class CarriedColors:
@@ -92,7 +91,7 @@ class CarriedUvs:
         nothing = InputError("{object} has no UV maps to transfer; unwrap it first.", object=giver.name)
         chosen = _chosen_layers(ends, uv_names, nothing)
         self._kept = chosen.kept
-        require_uv_names(receiver, chosen.written)
+        require_uv_names(receiver, list(chosen.written))
         loops = triangle_loops(giver, ends.giver_mesh.faces)
         self._given = {name: read_uvs(giver, name)[loops] for name in chosen.written}
         self._loops, self._polygons = triangle_loops(receiver, ends.receiver_mesh.faces), triangle_polygons(receiver)
@@ -117,20 +116,9 @@ class CarriedUvs:
         return Carried(tuple(self._result), self._kept, notices)
 
 
-@dataclass(frozen=True)
-class _ChosenLayers:
-    """Names of mesh layers: those to be written, and those of the receiver to be kept."""
-
-    written: list[str]
-    kept: tuple[str, ...]
-
-
 def _chosen_layers(
     ends: TransferEnds, known: Callable[[bpy.types.Object], list[str]], nothing: InputError
-) -> _ChosenLayers:
-    """Select layers of the giver, which keep their names; raises `nothing` if there are none."""
-    there = known(ends.giver)
-    names = [name for name in there if not ends.names or name in ends.names]
-    require_any(ends, there, names, nothing)
-    kept = tuple(name for name in names if ends.keep and name in known(ends.receiver))
-    return _ChosenLayers([name for name in names if name not in kept], kept)
+) -> ChosenNames:
+    """Choose layers of the giver, which keep their names; raises `nothing` if there are none."""
+    names = {name: name for name in known(ends.giver) if not ends.names or name in ends.names}
+    return chosen_names(ends, names, known, nothing)

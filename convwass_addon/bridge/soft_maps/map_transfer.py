@@ -7,7 +7,7 @@ Nothing is written before everything has been computed and checked.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -19,6 +19,7 @@ from ...geometry.mesh import TriangleMesh
 from ...progress import UNINTERRUPTED, Control, Work, within
 from ...sentence import Sentence
 from ..blend_files import listed_names
+from .soft_map_requests import TransferRequest
 
 
 @dataclass(frozen=True)
@@ -35,12 +36,8 @@ class TransferEnds:
         Both meshes in world space, without modifiers and shape keys, with the triangles of the map.
     names : tuple of str
         Names to transfer, of each kind; empty for all.
-    keep : bool
-        Whether existing data of the receiver is kept; locked groups and keys are always kept.
-    flip : bool
-        Whether names with a side, such as Arm.L, change sides; always true for a map of a mesh to itself.
-    is_backward : bool
-        For a map of a mesh to itself: from right to left.
+    request : TransferRequest
+        How; on one mesh, names with a side, such as Arm.L, always change sides.
     """
 
     giver: bpy.types.Object
@@ -48,10 +45,13 @@ class TransferEnds:
     points: PointMap
     giver_mesh: TriangleMesh
     receiver_mesh: TriangleMesh
-    names: tuple[str, ...] = ()
-    keep: bool = False
-    flip: bool = False
-    is_backward: bool = False
+    names: tuple[str, ...]
+    request: TransferRequest
+
+    @property
+    def is_backward(self) -> bool:
+        """Return whether data goes from the target of the map to its source; on one mesh, from right to left."""
+        return self.request.direction == "BACKWARD"
 
     @property
     def is_mirror(self) -> bool:
@@ -69,7 +69,7 @@ class TransferEnds:
                 for name, other in flipped.items()
                 if (self.names and other != name) or (name > other if self.is_backward else name < other)
             }
-        return flipped if self.flip else {name: name for name in chosen}
+        return flipped if self.request.flip_names else {name: name for name in chosen}
 
 
 @dataclass(frozen=True)
@@ -133,53 +133,64 @@ def require_names(giver: bpy.types.Object, known: Sequence[str], names: Sequence
         )
 
 
-def require_any(
-    ends: TransferEnds, known: Sequence[str], names: Mapping[str, str] | Sequence[str], nothing: InputError
-) -> None:
-    """Check that something is transferred.
+@dataclass(frozen=True)
+class ChosenNames:
+    """Names of what is written, those on the receiver by those on the giver, and names that the receiver keeps."""
+
+    written: dict[str, str]
+    kept: tuple[str, ...]
+
+
+def chosen_names(
+    ends: TransferEnds,
+    names: dict[str, str],
+    known: Callable[[bpy.types.Object], list[str]],
+    nothing: InputError,
+    locked: Callable[[bpy.types.Object, Sequence[str]], list[str]] | None = None,
+) -> ChosenNames:
+    """Choose what to write among data of one kind, of which there must be some.
 
     Parameters
     ----------
     ends : TransferEnds
         The objects.
-    known : sequence of str
-        All data of one kind that the giver has.
-    names : mapping or sequence of str
-        The names to transfer among them.
+    names : dict of str to str
+        The names on the receiver of what is to be transferred, by those on the giver.
+    known : callable
+        Returns the names of all data of the kind that an object has.
     nothing : InputError
         The error if the giver has no such data.
+    locked : callable, optional
+        Returns which of some names an object has locked.
 
     Raises
     ------
     InputError
         There is no such data, none of the requested name, or none that can be mirrored.
     """
-    if names:
-        return
+    if not names:
+        raise _refusal(ends, known(ends.giver), nothing)
+    there = set(locked(ends.receiver, list(names.values()))) if locked else set()
+    if ends.request.existing == "KEEP":
+        there.update(known(ends.receiver))
+    kept = tuple(name for name in names.values() if name in there)
+    return ChosenNames({name: own for name, own in names.items() if own not in there}, kept)
+
+
+def _refusal(ends: TransferEnds, known: Sequence[str], nothing: InputError) -> InputError:
+    """Return the error for a transfer of nothing, given all data of one kind that the giver has."""
     if not known:
-        raise nothing
+        return nothing
     if not any(name in known for name in ends.names or known):
-        raise InputError(
+        return InputError(
             "{object} has no {names} to transfer; it has: {known}.",
             object=ends.giver.name,
             names=", ".join(ends.names),
             known=listed_names(known),
         )
-    raise InputError(
+    return InputError(
         "{object} has nothing to mirror among {known}; names need the side that is mirrored, such as {example}.",
         object=ends.giver.name,
         known=listed_names(ends.names or known),
         example="Arm.R" if ends.is_backward else "Arm.L",
     )
-
-
-def kept_names(
-    ends: TransferEnds,
-    names: Mapping[str, str],
-    locked: Callable[[bpy.types.Object, Sequence[str]], list[str]],
-    known: Callable[[bpy.types.Object], list[str]],
-) -> tuple[str, ...]:
-    """Return the names on the receiver that must not be written."""
-    wanted = list(names.values())
-    there = set(locked(ends.receiver, wanted)) | (set(known(ends.receiver)) if ends.keep else set())
-    return tuple(name for name in wanted if name in there)

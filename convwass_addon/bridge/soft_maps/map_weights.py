@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import bpy
 import numpy as np
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from ...errors import InputError
 from ..mesh_checks import writable_mesh
 from ..vertex_groups import group_names, read_groups, write_group
+from .soft_map_requests import TransferRequest
 
 # If no armature names the groups, they are weights of bones if this fraction of the vertices has a weight sum of 1.
 _MOST_OF_THEM, _SUM_TOLERANCE = 0.99, 1e-3
@@ -21,22 +21,6 @@ _MOST_OF_THEM, _SUM_TOLERANCE = 0.99, 1e-3
 _LEAST_WEIGHT = 1e-4
 # Maximum length of the name of a vertex group, in bytes.
 _LONGEST_NAME = 63
-
-
-@dataclass(frozen=True)
-class WeightRules:
-    """Limits for the groups of a vertex.
-
-    Attributes
-    ----------
-    limit : int
-        Maximum number of deforming groups per vertex; 0 for no limit.
-    normalize : bool
-        Whether weights of deforming groups must sum to 1.
-    """
-
-    limit: int = 4
-    normalize: bool = True
 
 
 def bone_names(obj: bpy.types.Object) -> set[str]:
@@ -74,7 +58,7 @@ def fitted_weights(
     weights: NDArray[np.float64],
     total: NDArray[np.float64],
     fixed: NDArray[np.float64],
-    rules: WeightRules,
+    request: TransferRequest,
 ) -> NDArray[np.float64]:
     """Return weights of deforming groups within the limits, next to weights that are kept.
 
@@ -86,8 +70,8 @@ def fitted_weights(
         Sum of all deforming groups of the giver at each vertex; the written groups get their share of 1.
     fixed : (l, m) float64
         Weights of the deforming groups that are kept.
-    rules : WeightRules
-        Limits per vertex.
+    request : TransferRequest
+        The limit per vertex, and whether weights must sum to 1.
 
     Returns
     -------
@@ -95,12 +79,12 @@ def fitted_weights(
         From 0 to 1. If there are too many groups, the largest ones get the weights of all.
     """
     kept, sums = np.where(weights < _LEAST_WEIGHT, 0.0, weights), weights.sum(axis=0)
-    if rules.limit:
-        allowed = np.maximum(rules.limit - (fixed > 0).sum(axis=0), 0)
+    if request.limit:
+        allowed = np.maximum(request.limit - (fixed > 0).sum(axis=0), 0)
         ranks = np.argsort(np.argsort(-kept, axis=0, kind="stable"), axis=0, kind="stable")
         kept = np.where(ranks < allowed, kept, 0.0)
     wanted = sums
-    if rules.normalize:
+    if request.normalize:
         shares = np.divide(sums, total, out=np.zeros_like(sums), where=total > 0)
         wanted = np.minimum(shares, np.maximum(1.0 - fixed.sum(axis=0), 0.0))
     left = kept.sum(axis=0)

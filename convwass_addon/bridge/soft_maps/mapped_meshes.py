@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read the meshes of a stored map in the scene, with the triangles of the map."""
+"""Read the meshes of a map in the scene, with the triangles of the map."""
 
 from __future__ import annotations
 
@@ -8,11 +8,28 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.affine import transformed_points
 from ...geometry.mesh import TriangleMesh
+from ..element_values import element_values
 from ..surfaces import surface_mesh
 
 
-def standing_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64], depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
+def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> TriangleMesh:
+    """Return the mesh of an object without modifiers and shape keys, in world space.
+
+    Parameters
+    ----------
+    obj : bpy.types.Object
+        A mesh object.
+    triangles : (m, 3) int64
+        Triangles of the map.
+    """
+    keys = obj.data.shape_keys
+    local = element_values(keys.reference_key.data if keys else obj.data.vertices, "co", 3).astype(np.float64)
+    return TriangleMesh(transformed_points(local, obj.matrix_world), triangles)
+
+
+def standing_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> TriangleMesh:
     """Return the mesh of an object with modifiers and shape keys, in world space.
 
     Parameters
@@ -21,12 +38,10 @@ def standing_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64], depsgraph
         Must have the vertices and faces for which the map was computed.
     triangles : (m, 3) int64
         Triangles of the map; in another pose, Blender may triangulate differently.
-    depsgraph : bpy.types.Depsgraph
-        Dependency graph of the scene.
 
     Raises
     ------
     InputError
         As `surface_mesh`.
     """
-    return TriangleMesh(surface_mesh(obj, depsgraph).vertices, triangles)
+    return TriangleMesh(surface_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices, triangles)

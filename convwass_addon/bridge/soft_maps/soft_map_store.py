@@ -49,9 +49,7 @@ def store_soft_map(source: bpy.types.Object, target: bpy.types.Object, stored: S
     sides = (stored.source, stored.target)
     counts = [number for side in sides for number in (side.mark.vertices, side.mark.polygons)]
     entry = {_TARGET: target, _COUNTS: counts, _DATA: packed(stored)}
-    # Maps to deleted objects are useless.
-    kept = [dict(own) for own in _entries(source) if own.get(_TARGET) not in (None, target)]
-    source[MAPS_KEY] = {str(place): own for place, own in enumerate([*kept, entry])}
+    _replace(source, target, [entry])
 
 
 def stored_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> StoredSoftMap:
@@ -79,7 +77,12 @@ def stored_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> Store
 
 def forget_soft_map(source: bpy.types.Object, target: bpy.types.Object) -> None:
     """Remove a map from its source object, and keep those to other targets."""
-    kept = [dict(own) for own in _entries(source) if own.get(_TARGET) not in (None, target)]
+    _replace(source, target, [])
+
+
+def _replace(source: bpy.types.Object, target: bpy.types.Object, entries: list[dict[str, object]]) -> None:
+    """Replace the map to a target by other entries, and remove the maps to deleted objects, which are useless."""
+    kept = [dict(own) for own in _entries(source) if own.get(_TARGET) not in (None, target)] + entries
     if kept:
         source[MAPS_KEY] = {str(place): own for place, own in enumerate(kept)}
     elif MAPS_KEY in source:
