@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ..handles import found
 from ..morphs.frame_attributes import COLOR
-from ..morphs.materials import take_color_from, wire
+from ..morphs.materials import wire
 from ..shape_sources import ShapeSource
 from .leftovers import LIVE_KEY
 
@@ -98,8 +98,7 @@ def show_colors(mesh: bpy.types.Mesh, colors: NDArray[np.float32], *, in_solid: 
 def _live_material() -> bpy.types.Material:
     """Create a material that is removed with the live morph."""
     material = bpy.data.materials.new(_LIVE_MATERIAL)
-    wire(material)
-    take_color_from(material, COLOR)
+    wire(material, "ShaderNodeVertexColor", layer_name=COLOR)
     material[LIVE_KEY] = True
     material.is_runtime_data = True
     return material

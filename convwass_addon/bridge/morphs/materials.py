@@ -22,11 +22,7 @@ def morph_material() -> bpy.types.Material:
 
     Its base color is the color of the object (Object Properties > Viewport Display > Color).
     """
-    material = bpy.data.materials.get(MATERIAL_NAME)
-    if material is None:
-        material = bpy.data.materials.new(MATERIAL_NAME)
-        wire(material)
-    return material
+    return _found_or_wired(MATERIAL_NAME, "ShaderNodeObjectInfo")
 
 
 def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
@@ -111,36 +107,12 @@ def drop_unused_groups() -> None:
 
 def attribute_material(name: str, color: str) -> bpy.types.Material:
     """Return the material whose base color is a color attribute; created if missing."""
-    material = bpy.data.materials.get(name)
-    if material is None:
-        material = bpy.data.materials.new(name)
-        wire(material)
-        take_color_from(material, color)
-    return material
+    return _found_or_wired(name, "ShaderNodeVertexColor", layer_name=color)
 
 
 def object_property_material(name: str, key: str) -> bpy.types.Material:
     """Return the material whose base color is a custom property of the object; created if missing."""
-    material = bpy.data.materials.get(name)
-    if material is None:
-        material = bpy.data.materials.new(name)
-        wire(material)
-        tree = material.node_tree
-        (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
-        tree.nodes.remove(source)
-        settings = {"attribute_type": "OBJECT", "attribute_name": key, "location": (-500.0, 0.0)}
-        colors = new_node(tree, "ShaderNodeAttribute", **settings)
-        tree.links.new(colors.outputs["Color"], principled_of(material).inputs["Base Color"])
-    return material
-
-
-def take_color_from(material: bpy.types.Material, attribute: str) -> None:
-    """Replace the object's color by a color attribute."""
-    tree = material.node_tree
-    (source,) = (node for node in tree.nodes if node.type == "OBJECT_INFO")
-    tree.nodes.remove(source)
-    colors = new_node(tree, "ShaderNodeVertexColor", layer_name=attribute, location=(-500.0, 0.0))
-    tree.links.new(colors.outputs["Color"], principled_of(material).inputs["Base Color"])
+    return _found_or_wired(name, "ShaderNodeAttribute", attribute_type="OBJECT", attribute_name=key)
 
 
 def principled_of(material: bpy.types.Material) -> bpy.types.Node | None:
@@ -149,14 +121,20 @@ def principled_of(material: bpy.types.Material) -> bpy.types.Node | None:
     return next((node for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
 
 
-def wire(material: bpy.types.Material) -> None:
-    """Replace the nodes of a material by a Principled BSDF with the object's color."""
+def wire(material: bpy.types.Material, kind: str, **settings: object) -> None:
+    """Replace the nodes of a material by a Principled BSDF with the color of a node of a kind and with settings."""
     tree = own_tree(material)
     tree.nodes.clear()
-    output = tree.nodes.new("ShaderNodeOutputMaterial")
-    principled = tree.nodes.new("ShaderNodeBsdfPrincipled")
-    source = tree.nodes.new("ShaderNodeObjectInfo")
-    principled.inputs["Roughness"].default_value = ROUGHNESS
-    principled.location, source.location = (-300.0, 0.0), (-500.0, 0.0)
-    tree.links.new(source.outputs["Color"], principled.inputs["Base Color"])
-    tree.links.new(principled.outputs["BSDF"], output.inputs["Surface"])
+    source = new_node(tree, kind, location=(-500.0, 0.0), **settings)
+    inputs = {"Roughness": ROUGHNESS, "Base Color": source.outputs["Color"]}
+    principled = new_node(tree, "ShaderNodeBsdfPrincipled", inputs, location=(-300.0, 0.0))
+    new_node(tree, "ShaderNodeOutputMaterial", {"Surface": principled.outputs["BSDF"]})
+
+
+def _found_or_wired(name: str, kind: str, **settings: object) -> bpy.types.Material:
+    """Return the material of a name; created as `wire` does if missing."""
+    material = bpy.data.materials.get(name)
+    if material is None:
+        material = bpy.data.materials.new(name)
+        wire(material, kind, **settings)
+    return material

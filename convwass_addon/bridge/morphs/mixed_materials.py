@@ -15,7 +15,7 @@ from ..node_math import new_node
 from ..unused_data import remove_if_unused
 from .frame_attributes import COLOR, LOOK, SOURCE_WEIGHT
 from .look_mixing import MixedLook, group_look, show_looks
-from .materials import ROUGHNESS, drop_unused_groups, mark_as_frames, principled_of, take_color_from, wire
+from .materials import ROUGHNESS, drop_unused_groups, mark_as_frames, principled_of, wire
 
 EMISSION = "Emission Color"
 """Key of the emitted light: color times strength."""
@@ -181,8 +181,7 @@ def _carrying_material(name: str, shaders: Sequence[ShaderValues]) -> bpy.types.
     attributes, and for values that a shader lacks, the defaults of frames are used.
     """
     material = bpy.data.materials.new(name)
-    wire(material)
-    take_color_from(material, COLOR)
+    wire(material, "ShaderNodeVertexColor", layer_name=COLOR)
     mark_as_frames(material)
     tree, principled = material.node_tree, principled_of(material)
     shares = _shares(tree, len(shaders))
