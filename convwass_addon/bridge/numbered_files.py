@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -17,6 +18,18 @@ def file_number(frame: int, first: int) -> int:
     It is the frame itself, unless the sequence begins before 0: Blender does not read negative numbers.
     """
     return frame - min(first, 0)
+
+
+def split_number(path: Path) -> tuple[str, str, str] | None:
+    """Split a name as Blender does: the part before the last digits, the digits, and the rest; None without digits."""
+    found = re.fullmatch(r"(.*?)([0-9]+)([^0-9]*)", path.stem)
+    return None if found is None else (found.group(1), found.group(2), found.group(3) + path.suffix)
+
+
+def with_number(path: Path, number: int) -> Path:
+    """Return the path of another file of the same sequence; `path` has a number."""
+    before, digits, after = split_number(path)
+    return path.with_name(f"{before}{number:0{len(digits)}d}{after}")
 
 
 def numbered_paths(folder: Path, before: str, suffix: str, numbers: Sequence[int]) -> list[Path]:

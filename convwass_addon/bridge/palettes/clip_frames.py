@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -16,7 +15,7 @@ from ..handles import Handle
 from ..image_files import image_path
 from ..last_result import last_result
 from ..morphs.disk_output import for_blender
-from ..numbered_files import numbered_paths
+from ..numbered_files import numbered_paths, split_number, with_number
 from .image_files import FORMATS
 from .image_kinds import RESULT_OF, is_clip
 from .image_pixels import read_picture
@@ -58,7 +57,7 @@ class ClipFrames:
         if self.image.source == "SEQUENCE":
             known = path.suffix.lower() in FORMATS
             return [
-                _numbered(path, number).with_suffix(path.suffix if known else self._suffix).name
+                with_number(path, number).with_suffix(path.suffix if known else self._suffix).name
                 for number in self.numbers
             ]
         return [other.name for other in numbered_paths(path.parent, f"{path.stem}.", self._suffix, self.numbers)]
@@ -138,16 +137,10 @@ def first_number(path: Path) -> int:
 
 
 def _split(path: Path) -> tuple[str, str, str]:
-    """Split a name as Blender does: the part before the last digits, the digits, and the rest."""
-    found = re.fullmatch(r"(.*?)([0-9]+)([^0-9]*)", path.stem)
+    found = split_number(path)
     if found is None:
         raise InputError("{file} has no number, so it is not part of an image sequence.", file=path.name)
-    return found.group(1), found.group(2), found.group(3) + path.suffix
-
-
-def _numbered(path: Path, number: int) -> Path:
-    before, digits, after = _split(path)
-    return path.with_name(f"{before}{number:0{len(digits)}d}{after}")
+    return found
 
 
 def _sequence(path: Path) -> list[int]:
@@ -157,6 +150,6 @@ def _sequence(path: Path) -> list[int]:
     for other in path.parent.glob("*") if path.parent.is_dir() else ():
         middle = other.name[len(before) : len(other.name) - len(after)]
         alike = other.name.startswith(before) and other.name.endswith(after) and len(middle) >= len(digits)
-        if alike and middle.isascii() and middle.isdigit() and _numbered(path, int(middle)).name == other.name:
+        if alike and middle.isascii() and middle.isdigit() and with_number(path, int(middle)).name == other.name:
             found.append(int(middle))
     return sorted(found)

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,7 +21,7 @@ from ..last_result import last_result
 from ..morphs.disk_output import for_blender
 from ..morphs.stored import FIRST_FRAMES
 from ..node_trees import own_tree
-from ..numbered_files import file_number
+from ..numbered_files import file_number, split_number, with_number
 from ..shown_nodes import shown_tree, source_node
 from ..studio import choose_cycles, run_render
 from ..unused_data import remove_if_unused
@@ -133,16 +132,11 @@ def _files(texture: bpy.types.Node) -> list[Path]:
     if image is None or not image.filepath or image.packed_file is not None:
         return []
     path = whole_path(image_path(image))
-    number = re.search(r"([0-9]+)[^0-9]*$", path.stem)
-    if image.source != "SEQUENCE" or number is None:
+    if image.source != "SEQUENCE" or split_number(path) is None:
         return [path]
     keys = [key for curve in curves_of(texture.id_data, _number_path(texture)) for key in curve.keyframe_points]
     offsets = [round(key.co[1]) for key in keys] or [user.frame_offset]
-    digits = number.end(1) - number.start(1)
-    return [
-        path.with_name(f"{path.stem[: number.start(1)]}{own:0{digits}d}{path.name[number.end(1) :]}")
-        for own in range(min(offsets) + 1, max(offsets) + user.frame_duration + 1)
-    ]
+    return [with_number(path, own) for own in range(min(offsets) + 1, max(offsets) + user.frame_duration + 1)]
 
 
 def sequence_world(name: str, files: list[Path], first_frame: int) -> bpy.types.World:
