@@ -40,6 +40,11 @@ def element_values(
     return values if width == 1 else values.reshape(-1, width)
 
 
+def vectors_of(elements: bpy.types.bpy_prop_collection, name: str = "co") -> NDArray[np.float64]:
+    """Return vectors of all elements, (n, 3), in double precision; by default positions, as of vertices and of keys."""
+    return element_values(elements, name, 3).astype(np.float64)
+
+
 def triangle_corners(mesh: bpy.types.Mesh, kind: Literal["vertices", "loops"]) -> NDArray[np.int32]:
     """Return the vertices or the face corners at the corners of the triangles of a mesh, (m, 3)."""
     mesh.calc_loop_triangles()

@@ -17,7 +17,7 @@ from ..errors import InputError
 from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
-from .element_values import element_values, triangle_corners
+from .element_values import element_values, triangle_corners, vectors_of
 from .matrix_checks import is_flattening, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
@@ -384,21 +384,15 @@ def checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
 def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> TriangleMesh:
     """Check an evaluated object and its mesh, and transform the mesh to world space."""
     matrix = checked_matrix(evaluated)
-    vertices, faces = _arrays(mesh)
+    vertices, faces = vectors_of(mesh.vertices), triangle_corners(mesh, "vertices")
     _check_faces(name, mesh)
-    world = transformed_points(vertices, matrix)
     try:
-        result = TriangleMesh.from_arrays(world, faces)
+        result = TriangleMesh.from_arrays(transformed_points(vertices, matrix), faces)
     except InputError as error:
         raise InputError(
             "{name}: {reason} Delete those vertices, or the modifier that makes them.", name=name, reason=error.sentence
         ) from error
     return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
-
-
-def _arrays(mesh: bpy.types.Mesh) -> tuple[np.ndarray, np.ndarray]:
-    """Return vertices, (n, 3) float64, and triangles, (m, 3) int32, in local space."""
-    return element_values(mesh.vertices, "co", 3).astype(np.float64), triangle_corners(mesh, "vertices")
 
 
 def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:

@@ -14,7 +14,7 @@ from mathutils import Vector
 from numpy.typing import NDArray
 
 from ..geometry.affine import transformed_points
-from .element_values import element_values
+from .element_values import element_values, vectors_of
 
 Point = tuple[float, float, float]
 
@@ -127,7 +127,7 @@ def _searched(obj: bpy.types.Object, place: Place, numbered: int | None) -> int 
     """
     if numbered is not None and place.edges in (0, _edges_checksum(obj.data)):
         return numbered
-    local = element_values(obj.data.vertices, "co", 3).astype(np.float64)
+    local = vectors_of(obj.data.vertices)
     if not len(local):
         return None
     world = transformed_points(local, obj.matrix_world)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...applications.skeletons.skeleton_graph import JointGraph
 from ...errors import InputError
 from ...geometry.affine import transformed_points
-from ..element_values import element_values
+from ..element_values import element_values, vectors_of
 from ..mesh_checks import other_vertices, readable_mesh
 from .pins import pinned_vertices
 from .rig_graphs import RigGraph, world_matrix
@@ -41,7 +41,7 @@ def edge_graph(obj: bpy.types.Object) -> RigGraph:
     edges = element_values(mesh.edges, "vertices", 2, np.int32)
     joints, compact = np.unique(edges, return_inverse=True)
     matrix = world_matrix(obj)
-    points = transformed_points(_points(mesh)[joints], matrix)
+    points = transformed_points(vectors_of(mesh.vertices)[joints], matrix)
     names = tuple(str(vertex) for vertex in joints)
     selected = element_values(mesh.vertices, "select", kind=bool)
     return RigGraph(
@@ -73,7 +73,7 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
     mesh = readable_mesh(obj)
     if rig.parts != (str(len(mesh.vertices)),):
         raise other_vertices(obj)
-    points = _points(mesh)
+    points = vectors_of(mesh.vertices)
     points[[int(name) for name in rig.graph.names]] = transformed_points(positions, np.linalg.inv(rig.matrix))
     if not mesh.is_editmode:
         mesh.vertices.foreach_set("co", np.ascontiguousarray(points, dtype=np.float32).ravel())
@@ -83,7 +83,3 @@ def move_edge_joints(obj: bpy.types.Object, rig: RigGraph, positions: NDArray[np
     for vertex, point in zip(edited.verts, points, strict=True):
         vertex.co = point
     bmesh.update_edit_mesh(mesh)
-
-
-def _points(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
-    return element_values(mesh.vertices, "co", 3).astype(np.float64)

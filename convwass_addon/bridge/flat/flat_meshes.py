@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry.affine import transformed_points
 from ...geometry.ring_nesting import closed_chains
-from ..element_values import element_values
+from ..element_values import element_values, vectors_of
 from .flat_rings import FlatRings
 from .planes import plane_of
 
@@ -48,7 +48,7 @@ def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
 
 
 def _points(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
-    return transformed_points(element_values(mesh.vertices, "co", 3).astype(np.float64), matrix)
+    return transformed_points(vectors_of(mesh.vertices), matrix)
 
 
 def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> list[NDArray[np.int64]]:

@@ -15,7 +15,7 @@ from ...applications.morphs.shading import FrameNormals, Shading
 from ...applications.palettes.lab_colors import linear_of_srgb
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
-from ..element_values import element_values, triangle_corners, write_attribute
+from ..element_values import element_values, triangle_corners, vectors_of, write_attribute
 from ..image_files import pixel_values
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, shows_color_attribute
@@ -73,7 +73,7 @@ def read_shading(mesh: bpy.types.Mesh) -> Shading:
 def _triangles(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]]:
     """Return the vertices, their positions, (m, 3, 3), and the face corners of the triangles of a mesh."""
     faces = triangle_corners(mesh, "vertices").astype(np.int64)
-    corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[faces]
+    corners = vectors_of(mesh.vertices)[faces]
     return faces, corners, triangle_corners(mesh, "loops")
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ...progress import Work, drained
-from ..element_values import element_values
+from ..element_values import vectors_of
 from ..node_math import joined, math_node, new_node, switch
 from ..pad_handles import pad_handle, pad_labels, pad_lines
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
@@ -224,7 +224,7 @@ def _layout(weights: np.ndarray) -> list[Blend] | None:
 
 def _bounds(obj: bpy.types.Object) -> np.ndarray:
     """Return the lower and upper corner of a mesh, local space, (2, 3)."""
-    points = element_values(obj.data.vertices, "co", 3).astype(np.float64)
+    points = vectors_of(obj.data.vertices)
     return np.array([points.min(axis=0), points.max(axis=0)])
 
 

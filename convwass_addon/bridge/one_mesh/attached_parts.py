@@ -17,7 +17,7 @@ from ...geometry.attachment import Attachment, rigidly_moved
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
-from ..element_values import element_values, triangle_corners
+from ..element_values import triangle_corners, vectors_of
 from ..mesh_checks import writable_mesh
 from .records import has_key_record, key_names, key_records
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
@@ -69,7 +69,7 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
         raise InputError(
             "The shape key {key} of {name} is missing; make the keys again.", key=missing[0], name=body.name
         )
-    surface = TriangleMesh(transformed_points(_points(blocks[0].data), body.matrix_world), _triangles(body.data))
+    surface = TriangleMesh(transformed_points(vectors_of(blocks[0].data), body.matrix_world), _triangles(body.data))
     notices = []
     for part in parts:
         notices += _own_mesh(part)
@@ -125,7 +125,7 @@ def _follow(
     if part.data.shape_keys is None:
         part.shape_key_add(name="Basis", from_mix=False)
     blocks = body.data.shape_keys.key_blocks
-    points = transformed_points(_points(part.data.shape_keys.key_blocks[0].data), part.matrix_world)
+    points = transformed_points(vectors_of(part.data.shape_keys.key_blocks[0].data), part.matrix_world)
     attached = Attachment.of(points, surface)
     labels = _components(part.data, points) if rigid else None
     inverse = part.matrix_world.inverted_safe()
@@ -133,7 +133,7 @@ def _follow(
     attached_names = _attached_names(part)
     for record in records:
         for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
-            moved = attached.followed(transformed_points(_points(blocks[name].data), body.matrix_world))
+            moved = attached.followed(transformed_points(vectors_of(blocks[name].data), body.matrix_world))
             if labels is not None:
                 moved = rigidly_moved(points, moved, labels)
             key = _key(part, body, name)
@@ -222,10 +222,6 @@ def _components(mesh: bpy.types.Mesh, points: NDArray[np.float64]) -> NDArray[np
     """Label the vertices by connected component; all vertices without faces form another one."""
     labels = vertex_components(TriangleMesh(points, _triangles(mesh)))
     return np.where(labels < 0, labels.max() + 1, labels)
-
-
-def _points(items: bpy.types.bpy_prop_collection) -> NDArray[np.float64]:
-    return element_values(items, "co", 3).astype(np.float64)
 
 
 def _triangles(mesh: bpy.types.Mesh) -> NDArray[np.int64]:

@@ -17,7 +17,7 @@ from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, write_colors
-from ..element_values import element_values, triangle_corners
+from ..element_values import element_values, triangle_corners, vectors_of
 from ..morphs.appearance import render_uv_map
 from ..uv_maps import read_uvs, uv_names, write_uvs
 from ..vertex_groups import group_names, read_groups, write_group
@@ -45,7 +45,7 @@ class _Triangles:
     @classmethod
     def of(cls, mesh: bpy.types.Mesh) -> _Triangles:
         vertices, loops = (triangle_corners(mesh, kind).astype(np.int64) for kind in ("vertices", "loops"))
-        corners = element_values(mesh.vertices, "co", 3).astype(np.float64)[vertices]
+        corners = vectors_of(mesh.vertices)[vertices]
         materials = element_values(mesh.loop_triangles, "material_index", kind=np.int32)
         return cls(corners, vertices, loops, materials.astype(np.int64))
 

@@ -16,7 +16,7 @@ from ...applications.palettes.lab_colors import srgb_of_linear
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..animation_time import returning, show_time
-from ..element_values import element_values, triangle_corners
+from ..element_values import triangle_corners, vectors_of
 from ..keyframes import curves_of, driver_targets, key_span, strips_span
 from ..morphs.appearance import seen_colors
 
@@ -87,8 +87,8 @@ def sampled_vertices(obj: bpy.types.Object, frames: range) -> MovingVertices:
             evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
             mesh = evaluated.to_mesh()
             matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-            points.append(transformed_points(_read(mesh.vertices, "co"), matrix))
-            normals.append(_turned(_read(mesh.vertex_normals, "vector"), matrix))
+            points.append(transformed_points(vectors_of(mesh.vertices), matrix))
+            normals.append(_turned(vectors_of(mesh.vertex_normals, "vector"), matrix))
             evaluated.to_mesh_clear()
     if len({len(one) for one in points}) > 1:
         raise InputError(
@@ -106,8 +106,8 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
         if np.linalg.det(matrix[:3, :3]) < 0.0:
             # Triangles still point outwards if they are mirrored.
             loops, vertices = loops[:, ::-1], vertices[:, ::-1]
-        corners.append(transformed_points(_read(mesh.vertices, "co"), matrix)[vertices])
-        normals.append(_turned(_read(mesh.corner_normals, "vector"), matrix)[loops])
+        corners.append(transformed_points(vectors_of(mesh.vertices), matrix)[vertices])
+        normals.append(_turned(vectors_of(mesh.corner_normals, "vector"), matrix)[loops])
         seen = srgb(np.asarray(seen_colors(mesh, obj.color), dtype=np.float64)[:, :3])
         colors.append(seen[vertices].reshape(-1, 3, 3))
     return padded_triangles(corners, normals, colors)
@@ -116,10 +116,6 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
 def srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
     """Encode scene-linear values for 8-bit images; values outside of 0 to 1 are clipped."""
     return srgb_of_linear(np.clip(linear, 0.0, 1.0))
-
-
-def _read(items: bpy.types.bpy_prop_collection, name: str) -> NDArray[np.float64]:
-    return element_values(items, name, 3).astype(np.float64)
 
 
 def _turned(normals: NDArray[np.float64], matrix: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
-from ..element_values import element_values
+from ..element_values import vectors_of
 from ..objects import frozen_copy, take_own_materials, transform_mesh, triangle_mesh
 from ..visibility import evaluated_object, hidden_modifiers
 from .shape_keys import require_mixable_keys
@@ -192,4 +192,4 @@ def _local_copy(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.ty
 def _basis(mesh: bpy.types.Mesh) -> NDArray[np.float64]:
     """Return the vertices in the first key, (n, 3)."""
     items = mesh.vertices if mesh.shape_keys is None else mesh.shape_keys.key_blocks[0].data
-    return element_values(items, "co", 3).astype(np.float64)
+    return vectors_of(items)

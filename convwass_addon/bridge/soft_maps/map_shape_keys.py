@@ -11,7 +11,7 @@ import bpy
 import numpy as np
 from numpy.typing import NDArray
 
-from ..element_values import element_values
+from ..element_values import vectors_of
 
 
 @dataclass(frozen=True)
@@ -56,7 +56,7 @@ def read_keys(obj: bpy.types.Object, names: Sequence[str]) -> list[KeyOffsets]:
     found = []
     for name in names:
         block = keys.key_blocks[name]
-        offsets = (_positions(block) - _positions(block.relative_key)) @ turn.T
+        offsets = (vectors_of(block.data) - vectors_of(block.relative_key.data)) @ turn.T
         base = "" if block.relative_key == keys.reference_key else block.relative_key.name
         found.append(KeyOffsets(name, base, offsets, (block.slider_min, block.slider_max)))
     return found
@@ -85,7 +85,7 @@ def write_keys(obj: bpy.types.Object, keys: Sequence[KeyOffsets]) -> None:
             block.value = 0.0
             block.slider_min, block.slider_max = key.slider
             block.relative_key = blocks.get(key.relative_to) or obj.data.shape_keys.reference_key
-        change = _positions(block.relative_key) + key.offsets @ back.T - _positions(block)
+        change = vectors_of(block.relative_key.data) + key.offsets @ back.T - vectors_of(block.data)
         _move(block, change)
         for other in _dependents(block, blocks):
             _move(other, change)
@@ -102,9 +102,5 @@ def _dependents(block: bpy.types.ShapeKey, blocks: Sequence[bpy.types.ShapeKey])
 
 
 def _move(block: bpy.types.ShapeKey, change: NDArray[np.float64]) -> None:
-    positions = _positions(block) + change
+    positions = vectors_of(block.data) + change
     block.data.foreach_set("co", np.ascontiguousarray(positions, dtype=np.float32).ravel())
-
-
-def _positions(block: bpy.types.ShapeKey) -> NDArray[np.float64]:
-    return element_values(block.data, "co", 3).astype(np.float64)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from ...geometry.affine import transformed_points
 from ...geometry.mesh import TriangleMesh
-from ..element_values import element_values
+from ..element_values import vectors_of
 from ..surfaces import surface_mesh
 
 
@@ -25,7 +25,7 @@ def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> Triangl
         Triangles of the map.
     """
     keys = obj.data.shape_keys
-    local = element_values(keys.reference_key.data if keys else obj.data.vertices, "co", 3).astype(np.float64)
+    local = vectors_of(keys.reference_key.data if keys else obj.data.vertices)
     return TriangleMesh(transformed_points(local, obj.matrix_world), triangles)
 
 
