@@ -17,11 +17,11 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..applications.background import BackgroundJob, InlineJob
 from ..bridge.handles import Handle
 from ..bridge.mouse_progress import progress_at_mouse
-from ..errors import Cancelled, ConvwassError
+from ..errors import Cancelled
 from ..progress import UNINTERRUPTED, Control, Progress, Request, Work
 from ..sentence import Sentence
 from ..translations import translated
-from .reporting import refuse_if_known
+from .reporting import refuse, reporting_errors
 from .windows import clear_status, clear_windows, write_status
 
 _TIMER_SECONDS = 0.05
@@ -71,12 +71,10 @@ class BackgroundOperator:
     _ending: bool
     _scene: Handle
 
+    @reporting_errors
     def execute(self, context):
         self._scene = Handle.of("scenes", context.scene)
-        try:
-            self._job = self._begin(context)
-        except (ConvwassError, OSError, MemoryError) as error:
-            return refuse_if_known(self, error)
+        self._job = self._begin(context)
         self._in_background = False
         try:
             with progress_at_mouse() as show, closing(self.work()(UNINTERRUPTED)) as work:
@@ -101,13 +99,11 @@ class BackgroundOperator:
         """Return the function that does the work, given a control."""
         return self._steps()
 
+    @reporting_errors
     def _start(self, context: bpy.types.Context) -> set[str]:
         """Start the work on its thread; the operator has, or is about to get, a modal handler."""
         self._scene = Handle.of("scenes", context.scene)
-        try:
-            self._job = self._begin(context)
-        except (ConvwassError, OSError, MemoryError) as error:
-            return refuse_if_known(self, error)
+        self._job = self._begin(context)
         self._in_background = True
         self._background = (InlineJob if self._in_turn() else BackgroundJob)(self.work())
         timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
@@ -191,7 +187,7 @@ class BackgroundOperator:
     def _fail(self, error: BaseException) -> set[str]:
         """Discard the job and report its error."""
         self._job.discard()
-        return refuse_if_known(self, error)
+        return refuse(self, error)
 
     def _show(self, context: bpy.types.Context, fraction: float, sentence: Sentence) -> None:
         message = translated(sentence)

@@ -12,14 +12,14 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..bridge.live.running import running_live
 from ..bridge.morphs.morph_guides import guides_among
 from ..bridge.shape_sources import is_plain, shape_source
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..properties.live import LiveProperties
 from ..properties.morphs import MorphProperties
 from ..translations import translated
 from .chosen_inputs import chosen_inputs
 from .live_drag import HandleDrag
 from .morph_manage import is_free_to_bake
-from .reporting import refuse_if_known
+from .reporting import refuse, reporting_errors
 from .windows import clear_status, clear_windows, write_status
 
 if TYPE_CHECKING:
@@ -57,12 +57,10 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
             context.window_manager.modal_handler_add(self)
         return started
 
+    @reporting_errors
     def begin(self, context: bpy.types.Context) -> set[str]:
         """Start the live morph; the operator then gets a modal handler."""
-        try:
-            self._session = begun_session(context, self)
-        except (ConvwassError, OSError, MemoryError) as error:
-            return refuse_if_known(self, error)
+        self._session = begun_session(context, self)
         self._drag, self._text = HandleDrag(self._session.scene.pad), ""
         self._timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         _TIMERS.append(self._timer)
@@ -82,7 +80,7 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
         except BaseException as error:
             # After any error, nothing may keep running in the background.
             self._ended(context, {"CANCELLED"})
-            return refuse_if_known(self, error)
+            return refuse(self, error)
         if not goes_on:
             self.report({"INFO"}, rpt_("The live morph has ended, since its objects were removed"))
             return self._ended(context, {"CANCELLED"})
@@ -149,11 +147,9 @@ class CONVWASS_OT_keep_live_shape(_OnLiveMorph, bpy.types.Operator):
     bl_label = "Keep Shape"
     bl_options = {"REGISTER", "UNDO"}
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            obj = running_live().kept_shape(_PATIENCE)
-        except (ConvwassError, MemoryError) as error:
-            return refuse_if_known(self, error)
+        obj = running_live().kept_shape(_PATIENCE)
         if obj is None:
             self.report({"ERROR"}, rpt_("There is no blend yet; wait a moment"))
             return {"CANCELLED"}

@@ -8,9 +8,8 @@ import bpy
 from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.mouse_progress import progress_at_mouse
-from ..errors import ConvwassError
 from .morph_manage import OnActiveMorph, active_morph
-from .reporting import refuse_if_known
+from .reporting import reporting_errors
 
 
 class CONVWASS_OT_mark_morph_asset(OnActiveMorph, bpy.types.Operator):
@@ -19,14 +18,12 @@ class CONVWASS_OT_mark_morph_asset(OnActiveMorph, bpy.types.Operator):
     bl_idname = "convwass.mark_morph_asset"
     bl_label = "Mark Morph as Asset"
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.morphs.asset_marking import mark_as_assets
 
-        try:
-            with progress_at_mouse():
-                marked = mark_as_assets(active_morph(context))
-        except (ConvwassError, MemoryError) as error:
-            return refuse_if_known(self, error)
+        with progress_at_mouse():
+            marked = mark_as_assets(active_morph(context))
         self.report({"INFO"}, rpt_("Marked as assets: {:s}").format(", ".join(block.name for block in marked)))
         return {"FINISHED"}
 

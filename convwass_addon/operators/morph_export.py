@@ -13,11 +13,11 @@ from bpy.props import StringProperty
 from ..bridge.active import active_object
 from ..bridge.files import absolute_path
 from ..bridge.one_mesh.records import has_key_record
-from ..errors import ConvwassError, InputError
+from ..errors import InputError
 from ..progress import drained
 from ..sentence import Sentence
 from .morph_manage import active_morph
-from .reporting import refuse_if_known, tell
+from .reporting import reporting_errors, tell
 
 
 class CONVWASS_OT_export_morph(bpy.types.Operator):
@@ -53,11 +53,9 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}
 
+    @reporting_errors
     def execute(self, context):
-        try:
-            files = self._written(context)
-        except (ConvwassError, OSError, MemoryError) as error:
-            return refuse_if_known(self, error)
+        files = self._written(context)
         megabytes = sum(file.stat().st_size for file in files) / 1e6
         message, subject = rpt_("{:s}: {:d} files, {:.1f} MB in {:s}"), _subject(context)
         text = message.format(subject.name, len(files), megabytes, str(files[0].parent))

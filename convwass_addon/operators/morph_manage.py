@@ -38,7 +38,7 @@ from ..properties.morphs import stored_arguments
 from ..sentence import first_names
 from ..translations import translated
 from .background import is_idle
-from .reporting import refuse, tell
+from .reporting import reporting_errors, tell
 
 
 def active_morph(context: bpy.types.Context) -> bpy.types.Collection | None:
@@ -126,17 +126,15 @@ class CONVWASS_OT_select_morph_inputs(_OnActiveBake, bpy.types.Operator):
     bl_label = "Select Inputs"
     changes_morph = False
 
+    @reporting_errors
     def execute(self, context):
         morph = active_bake(context)
-        try:
-            inputs, stored = stored_inputs(morph), stored_settings(morph)
-            with refusing_damage(morph.name):
-                settings = context.scene.convwass_morph
-                settings.take_stored(stored)
-                settings.take_inputs(inputs, stored.get("weights"))
-                context.scene.convwass_guides.take(guides_of_entries(stored.get("guides", [])), inputs)
-        except ConvwassError as error:
-            return refuse(self, error)
+        inputs, stored = stored_inputs(morph), stored_settings(morph)
+        with refusing_damage(morph.name):
+            settings = context.scene.convwass_morph
+            settings.take_stored(stored)
+            settings.take_inputs(inputs, stored.get("weights"))
+            context.scene.convwass_guides.take(guides_of_entries(stored.get("guides", [])), inputs)
         parts = stored_parts(morph)
         for obj in parts:
             obj.hide_set(False)

@@ -17,12 +17,11 @@ from ..bridge.morphs.removal import remove_frames
 from ..bridge.morphs.stand_ins import remove_stand_ins, require_no_pad
 from ..bridge.morphs.stored import stored_settings
 from ..bridge.mouse_progress import progress_at_mouse
-from ..errors import ConvwassError
 from ..progress import Result, Work, drained, watched
 from ..properties.from_schema import property_of
 from ..sentence import Sentence
 from .morph_manage import OnActiveMorph, active_morph, select_only
-from .reporting import refuse_if_known, tell
+from .reporting import reporting_errors, tell
 
 
 class _OutputMorph(OnActiveMorph):
@@ -30,23 +29,21 @@ class _OutputMorph(OnActiveMorph):
 
     folder: property_of(MorphRequest, "folder")
 
+    @reporting_errors
     def execute(self, context):
         from ..bridge.morphs.seen_frames import seen_frames
 
         morph = active_morph(context)
-        try:
-            require_no_pad(morph)
-            self._check(morph)
-            with progress_at_mouse() as show:
-                watch = partial(watched, watch=lambda report: show(report.fraction))
-                seen = drained(watch(seen_frames(morph, active_object(context))))
-                try:
-                    output = self._written(seen.morph, watch)
-                except BaseException:
-                    seen.discard()
-                    raise
-        except (ConvwassError, OSError, MemoryError) as error:
-            return refuse_if_known(self, error)
+        require_no_pad(morph)
+        self._check(morph)
+        with progress_at_mouse() as show:
+            watch = partial(watched, watch=lambda report: show(report.fraction))
+            seen = drained(watch(seen_frames(morph, active_object(context))))
+            try:
+                output = self._written(seen.morph, watch)
+            except BaseException:
+                seen.discard()
+                raise
         seen.keep()
         remove_stand_ins(seen.morph)
         remove_frames(seen.morph)

@@ -17,9 +17,12 @@ from ..translations import translated
 Execute = Callable[[bpy.types.Operator, bpy.types.Context], set[str]]
 
 
-def refuse(operator: bpy.types.Operator, error: ConvwassError) -> set[str]:
-    """Report an error in the user's language and cancel the operator."""
-    operator.report({"ERROR"}, translated(error.sentence))
+def refuse(operator: bpy.types.Operator, error: BaseException) -> set[str]:
+    """Report an error that the user can act on, including a full disk, and cancel; raise any other error again."""
+    known = error_to_tell(error)
+    if known is None:
+        raise error
+    operator.report({"ERROR"}, translated(known.sentence))
     return {"CANCELLED"}
 
 
@@ -30,18 +33,10 @@ def reporting_errors(execute: Execute) -> Execute:
     def reporting(self: bpy.types.Operator, context: bpy.types.Context) -> set[str]:
         try:
             return execute(self, context)
-        except ConvwassError as error:
+        except (ConvwassError, OSError, MemoryError) as error:
             return refuse(self, error)
 
     return reporting
-
-
-def refuse_if_known(operator: bpy.types.Operator, error: BaseException) -> set[str]:
-    """Report an error that the user can act on, including a full disk; raise any other error again."""
-    known = error_to_tell(error)
-    if known is None:
-        raise error
-    return refuse(operator, known)
 
 
 def tell(
