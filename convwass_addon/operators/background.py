@@ -22,11 +22,9 @@ from ..progress import UNINTERRUPTED, Control, Progress, Request, Work
 from ..sentence import Sentence
 from ..translations import translated
 from .reporting import refuse, reporting_errors
-from .windows import clear_status, clear_windows, write_status
+from .windows import clear_status, clear_windows, redraw_sidebars, redraw_window, write_status
 
 _TIMER_SECONDS = 0.05
-# Editors whose sidebars show the progress.
-_WITH_SIDEBAR = ("VIEW_3D", "IMAGE_EDITOR")
 # The longest time, in seconds, that results are written before the window can respond again.
 _BUSY_SECONDS = 0.1
 # Seconds that the window waits for a cancelled job.
@@ -197,11 +195,7 @@ class BackgroundOperator:
             message = rpt_("{:s}, about {:d} s left").format(message, left)
         progress.running, progress.fraction, progress.message = True, fraction, message
         write_status(context, f"{self._title()}: {message}    Esc: {rpt_('stop')}")
-        # Redraw the sidebar only: redrawing the shapes may be slow, and changed data triggers it anyway.
-        for area in context.window.screen.areas:
-            for region in area.regions if area.type in _WITH_SIDEBAR else ():
-                if region.type == "UI":
-                    region.tag_redraw()
+        redraw_sidebars(context)
 
     def _own_scene(self, context: bpy.types.Context) -> bpy.types.Scene:
         """Return the scene in which the work began, or the current one if it was deleted."""
@@ -212,8 +206,7 @@ class BackgroundOperator:
         context.window_manager.event_timer_remove(self._running.timer)
         context.window_manager.convwass_progress.running = False
         clear_status(context)
-        for area in context.window.screen.areas if context.window else ():
-            area.tag_redraw()
+        redraw_window(context)
 
     # Hooks for operators.
 

@@ -20,7 +20,7 @@ from .chosen_inputs import chosen_inputs
 from .live_drag import HandleDrag
 from .morph_manage import is_free_to_bake
 from .reporting import refuse, reporting_errors
-from .windows import clear_status, clear_windows, write_status
+from .windows import clear_status, clear_windows, redraw_sidebars, redraw_window, write_status
 
 if TYPE_CHECKING:
     from ..bridge.live.live_session import LiveSession
@@ -99,10 +99,7 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
             return
         self._text = text
         write_status(context, text)
-        for area in context.window.screen.areas:
-            for region in area.regions if area.type == "VIEW_3D" else ():
-                if region.type == "UI":
-                    region.tag_redraw()
+        redraw_sidebars(context)
 
     def _ended(self, context: bpy.types.Context, result: set[str]) -> set[str]:
         if self._timer in _TIMERS:
@@ -110,8 +107,7 @@ class CONVWASS_OT_live_morph(LiveProperties, MorphProperties, bpy.types.Operator
             context.window_manager.event_timer_remove(self._timer)
         self._session.end()
         clear_status(context)
-        for area in context.window.screen.areas if context.window else ():
-            area.tag_redraw()
+        redraw_window(context)
         return result
 
 

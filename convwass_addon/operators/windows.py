@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Status bar texts and cursors of operators that wait for events."""
+"""Status bar texts, cursors and redraws for operators that wait for events."""
 
 from __future__ import annotations
 
@@ -10,6 +10,9 @@ from contextlib import contextmanager
 import bpy
 
 from ..bridge.handles import Handle
+
+# Editors with panels of the add-on.
+_WITH_SIDEBAR = ("VIEW_3D", "IMAGE_EDITOR")
 
 # Workspaces whose status bar shows a text of an operator; every workspace has its own.
 _WRITTEN: set[Handle] = set()
@@ -47,6 +50,20 @@ def clear_windows(context: bpy.types.Context) -> None:
         window.cursor_modal_restore()
         with context.temp_override(window=window):
             clear_status(context)
+
+
+def redraw_sidebars(context: bpy.types.Context) -> None:
+    """Redraw the sidebars of a window: redrawing shapes may be slow, and changed data triggers it anyway."""
+    for area in context.window.screen.areas:
+        for region in area.regions if area.type in _WITH_SIDEBAR else ():
+            if region.type == "UI":
+                region.tag_redraw()
+
+
+def redraw_window(context: bpy.types.Context) -> None:
+    """Redraw a window, if there is one."""
+    for area in context.window.screen.areas if context.window else ():
+        area.tag_redraw()
 
 
 @contextmanager
