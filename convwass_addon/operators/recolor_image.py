@@ -66,7 +66,7 @@ class RecolorJob(Job):
         self._ends = ends
         self.change: Recoloring | None = None
         self.file: bytes | None = None
-        self._pixels: NDArray[np.float32] | None = None
+        self.pixels: NDArray[np.float32] | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Compute the result and keep it."""
@@ -77,19 +77,14 @@ class RecolorJob(Job):
             return
         packs = self._ends == "file" and bool(self._inputs[0].pixel_format.levels)
         found = yield from within(recolor_steps(*self._inputs, control), 0.0, _RECOLORED if packs else 1.0)
-        self.change, self._pixels = found.change, found.pixels
+        self.change, self.pixels = found.change, found.pixels
         if packs:
             yield Progress(_RECOLORED, Sentence("Packing the image"))
             self.file = png_bytes(found.pixels, control)
 
     def discard(self) -> None:
         """Discard the result."""
-        self._pixels = self.file = None
-
-    @property
-    def pixels(self) -> NDArray[np.float32]:
-        """The result, (height, width, 4)."""
-        return self._pixels
+        self.pixels = self.file = None
 
     def target(self) -> bpy.types.ID:
         """Return the data-block that receives the result; raises InputError if it was deleted."""

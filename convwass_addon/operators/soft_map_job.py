@@ -30,23 +30,18 @@ class _MapJob(Job):
 
     _objects: tuple[Handle, Handle]
     _mapped: tuple[MappedSide, MappedSide]
-    _found: SurfaceMap | None = None
+    found: SurfaceMap | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
         """Compute the map and keep it."""
-        self._found = yield from self._work(control)
+        self.found = yield from self._work(control)
 
     def _work(self, control: Control) -> Work[SurfaceMap]:
         raise NotImplementedError
 
     def discard(self) -> None:
         """Discard the map."""
-        self._found = None
-
-    @property
-    def found(self) -> SurfaceMap:
-        """The map, once computed."""
-        return self._found
+        self.found = None
 
     def store(self) -> tuple[bpy.types.Object, bpy.types.Object]:
         """Store the map with its source, and return both objects.
@@ -61,7 +56,7 @@ class _MapJob(Job):
             raise InputError("An object was deleted, or its creation undone, during the computation; start again.")
         for obj, side in zip((source, target), self._mapped, strict=True):
             require_same_mesh(obj, side)
-        store_soft_map(source, target, StoredSoftMap(self._found, *self._mapped))
+        store_soft_map(source, target, StoredSoftMap(self.found, *self._mapped))
         return source, target
 
 

@@ -16,7 +16,6 @@ from ...applications.morphs.computation import USUAL_COMPUTATION, Computation
 from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work
-from ...sentence import Sentence
 from ..morphs.animated_inputs import animation_notices
 from .flat_bake import FlatBake, FlatKind
 from .flat_curves import FittedFrame
@@ -55,8 +54,8 @@ class FlatJob(WritesFlatFrames):
         self.records: list[dict[str, object]] = []
         self._names = [obj.name for obj in inputs]
         read = flat_objects(inputs, bpy.context.evaluated_depsgraph_get())
-        self._notices = [flat.read.notice for flat in read if flat.read.notice is not None]
-        self._notices += animation_notices(inputs)
+        self.notices = [flat.read.notice for flat in read if flat.read.notice is not None]
+        self.notices += animation_notices(inputs)
         alignment, scaling = (str(options.get(name, "PLACED")) for name in ("alignment", "scaling"))
         flats = moved_flats(read, alignment, scaling)
         self._shapes = [flat.shape for flat in flats]
@@ -78,8 +77,3 @@ class FlatJob(WritesFlatFrames):
         for report in work:
             frame = report.payload
             yield report if frame is None else replace(report, payload=FittedFrame.of(frame, self._settings.fit_error))
-
-    @property
-    def notices(self) -> list[Sentence]:
-        """Messages about the inputs."""
-        return self._notices

@@ -73,6 +73,15 @@ class LiveSession:
     clock : callable
         Seconds.
 
+    Attributes
+    ----------
+    message : Sentence
+        About the current computation.
+    fraction : float
+        Finished share of it.
+    is_frozen : bool
+        Whether it has stopped, because an input was deleted or an error occurred.
+
     Raises
     ------
     InputError, ResourceError
@@ -97,9 +106,9 @@ class LiveSession:
         self.watch = InputWatch(sources)
         self.watch.register()
         self._job = BackgroundJob(self._blends.work)
-        self._message = Sentence("Reading the shapes")
-        self._fraction = 0.0
-        self._frozen = self._ended = False
+        self.message = Sentence("Reading the shapes")
+        self.fraction = 0.0
+        self.is_frozen = self._ended = False
         self._place: tuple[float, float] | None = None
         now = clock()
         self._moved_at, self._looked_at, self._changed_at = now, now, None
@@ -143,29 +152,14 @@ class LiveSession:
         return self._blends.hand
 
     @property
-    def message(self) -> Sentence:
-        """Message about the current computation."""
-        return self._message
-
-    @property
     def notices(self) -> list[Sentence]:
         """Messages for the user."""
         return list(self._blends.notices)
 
     @property
-    def fraction(self) -> float:
-        """Finished fraction of the computation."""
-        return self._fraction
-
-    @property
-    def is_frozen(self) -> bool:
-        """Return whether the computation has stopped, because an input was deleted or an error occurred."""
-        return self._frozen
-
-    @property
     def has_failed(self) -> bool:
         """Return whether an error occurred before anything could be shown; the message gives the reason."""
-        return self._frozen and self._shown is None
+        return self.is_frozen and self._shown is None
 
     @property
     def is_solved(self) -> bool:
@@ -222,8 +216,8 @@ class LiveSession:
     def _look_after_job(self, now: float) -> None:
         """Process the reports of the thread, and restart it if there is more to compute."""
         for report in self._job.poll():
-            self._message, self._fraction = report.message, max(report.fraction, self._fraction)
-        if not self._job.done or self._frozen:
+            self.message, self.fraction = report.message, max(report.fraction, self.fraction)
+        if not self._job.done or self.is_frozen:
             return
         error = self._job.error
         if error is not None and not isinstance(error, Cancelled):
@@ -234,15 +228,15 @@ class LiveSession:
         elif self._blends.has_work:
             self._job = BackgroundJob(self._blends.work)
         else:
-            self._message = Sentence("Ready")
+            self.message = Sentence("Ready")
 
     def _freeze(self, message: Sentence) -> None:
         self._job.cancel(0.0)
-        self._frozen, self._message = True, message
+        self.is_frozen, self.message = True, message
 
     def _look_after_inputs(self, now: float) -> None:
         """Recompute the lattice if an input was edited; keep the existing blends if one was deleted."""
-        if self._frozen or now - self._looked_at < _LOOK:
+        if self.is_frozen or now - self._looked_at < _LOOK:
             return
         self._looked_at = now
         lost = self.watch.lost
@@ -274,8 +268,8 @@ class LiveSession:
         self._read, self._looks, self._blends = read, looks, blends
         self._blends.point(pad_weights(self.count, *self.place))
         self._job = BackgroundJob(self._blends.work)
-        self._fraction, self._shown_version, self._shown = 0.0, -1, None
-        self._message = Sentence("The shapes have changed; blending again")
+        self.fraction, self._shown_version, self._shown = 0.0, -1, None
+        self.message = Sentence("The shapes have changed; blending again")
 
     def kept_shape(self, patience: float) -> bpy.types.Object | None:
         """Create an object from the visible blend, solved completely if that takes at most this many seconds.
@@ -288,7 +282,7 @@ class LiveSession:
         until = self._clock() + patience
         self._blends.rest()
         shown = self._blends.shown()
-        while not self._frozen and self._clock() < until and not (shown is not None and shown.is_solved):
+        while not self.is_frozen and self._clock() < until and not (shown is not None and shown.is_solved):
             self._look_after_job(self._clock())
             time.sleep(0.01)
             shown = self._blends.shown()
