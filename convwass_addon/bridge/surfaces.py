@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 
@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from ..errors import InputError
 from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
+from ..sentence import Sentence
 from .element_values import triangle_corners
 from .matrix_checks import require_finite
 from .mesh_checks import readable_mesh
@@ -49,6 +50,14 @@ class SurfaceReading:
 
     mesh: TriangleMesh
     ignored: tuple[str, ...] = ()
+
+
+def ignored_notices(readings: Iterable[SurfaceReading]) -> list[Sentence]:
+    """Return a notice about the modifiers that were ignored for some surfaces, if there are any."""
+    names = dict.fromkeys(name for reading in readings for name in reading.ignored)
+    if not names:
+        return []
+    return [Sentence("Modifiers that change the vertices are ignored: {names}.", {"names": ", ".join(names)})]
 
 
 @dataclass(frozen=True)

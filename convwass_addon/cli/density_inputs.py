@@ -17,7 +17,7 @@ from ..applications.densities.surface_densities import Surface, blur_notice, blu
 from ..bridge.blend_files import open_blend, several_meshes
 from ..bridge.frame_range import play_among_others, play_whole
 from ..bridge.imports import BLEND, Source, import_objects, parse_source
-from ..bridge.surfaces import read_surface
+from ..bridge.surfaces import SurfaceReading, ignored_notices, read_surface
 from ..bridge.vertex_groups import group_names, read_group
 from ..errors import InputError
 from ..sentence import Sentence
@@ -35,22 +35,19 @@ class DensityScene:
         Its vertex groups are the distributions.
     surface : Surface
         In scene units; vertices as in the object's mesh.
-    ignored : tuple of str
-        Modifiers that change the vertices and are therefore ignored.
+    reading : SurfaceReading
+        What it was made from.
     """
 
     object: bpy.types.Object
     surface: Surface
-    ignored: tuple[str, ...] = ()
+    reading: SurfaceReading
 
     @property
     def notices(self) -> list[Sentence]:
         """Messages about the blur and the modifiers."""
-        notices = [notice for notice in [blur_notice(self.surface)] if notice is not None]
-        if self.ignored:
-            names = {"names": ", ".join(self.ignored)}
-            notices.append(Sentence("Modifiers that change the vertices are ignored: {names}.", names))
-        return notices
+        notice = blur_notice(self.surface)
+        return [*([] if notice is None else [notice]), *ignored_notices([self.reading])]
 
     @property
     def blur(self) -> float:
@@ -107,7 +104,7 @@ def open_mesh(text: str, settings: DensitySettings) -> DensityScene:
         (obj,) = import_objects(source.path, source.names)
     read = read_surface(obj, bpy.context.evaluated_depsgraph_get())
     surface = density_surface(read.mesh, settings.blur, settings.substeps)
-    return DensityScene(obj, surface, tuple(read.ignored))
+    return DensityScene(obj, surface, read)
 
 
 def opened_object(source: Source) -> bpy.types.Object:

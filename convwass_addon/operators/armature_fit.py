@@ -31,8 +31,6 @@ class FitJob(Job):
 
     Parameters
     ----------
-    context : bpy.types.Context
-        Used to evaluate the body's modifiers.
     body, rig : bpy.types.Object
         The mesh, and the armature fitted into it.
     graph : RigGraph
@@ -48,7 +46,6 @@ class FitJob(Job):
 
     def __init__(
         self,
-        context: bpy.types.Context,
         body: bpy.types.Object,
         rig: bpy.types.Object,
         graph: RigGraph,
@@ -58,7 +55,7 @@ class FitJob(Job):
 
         self.graph = graph
         self._body, self._rig = Handle.of("objects", body), Handle.of("objects", rig)
-        self._mesh, self._settings = resting_body(body, rig, context.evaluated_depsgraph_get()), settings
+        self._mesh, self._settings = resting_body(body, rig, bpy.context.evaluated_depsgraph_get()), settings
         self.found: FittedSkeleton | None = None
 
     def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
@@ -116,7 +113,7 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
                 object=rig.name,
             )
         graph.require_pins_apart()
-        return FitJob(context, body, rig, graph, self.skeleton_settings())
+        return FitJob(body, rig, graph, self.skeleton_settings())
 
     def _title(self):
         return rpt_("Fitting armature")

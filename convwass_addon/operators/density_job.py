@@ -11,7 +11,7 @@ import bpy
 
 from ..applications.densities.density_settings import DensitySettings
 from ..bridge.mesh_checks import other_vertices
-from ..bridge.surfaces import read_surface
+from ..bridge.surfaces import ignored_notices, read_surface
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work, within
 from ..sentence import Sentence
@@ -39,8 +39,6 @@ class DensityJob(ObjectJob, Generic[Result]):
 
     Parameters
     ----------
-    context : bpy.types.Context
-        Used to evaluate the object's modifiers.
     obj : bpy.types.Object
         The object with the surface.
     settings : DensitySettings
@@ -56,15 +54,14 @@ class DensityJob(ObjectJob, Generic[Result]):
 
     def __init__(
         self,
-        context: bpy.types.Context,
         obj: bpy.types.Object,
         settings: DensitySettings,
         solve: Callable[[Surface, Control], Work[Result]],
     ) -> None:
         gone = InputError("The object was deleted, or its creation undone, during the computation; start again.")
         super().__init__(obj, gone)
-        reading = read_surface(obj, context.evaluated_depsgraph_get())
-        self.ignored = reading.ignored
+        reading = read_surface(obj, bpy.context.evaluated_depsgraph_get())
+        self.remarks = ignored_notices([reading])
         self.warnings: list[Sentence] = []
         self._mesh, self._settings, self._solve = reading.mesh, settings, solve
         self._count = len(obj.data.vertices)

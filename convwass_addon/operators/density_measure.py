@@ -25,7 +25,7 @@ from .chosen_inputs import split_names
 from .density_job import DensityJob, DensityOperator, WritingDensityOperator
 from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_pair
-from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
+from .mesh_targets import length_text, out_of_edit_mode
 from .reporting import tell
 
 if TYPE_CHECKING:
@@ -65,7 +65,6 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
         settings = DensitySettings(**values_of(self, DensitySettings, ON_SURFACE), substeps=MEASURING_SUBSTEPS)
         match = settings.pieces == "match"
         return DensityJob(
-            context,
             obj,
             settings,
             lambda surface, control: measuring_steps(
@@ -84,7 +83,7 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
         text = rpt_("From {:s} to {:s}: {:s}").format(*self._names, length)
         if not self.debias:
             text = rpt_("{:s} (eq. (10): {:.4g})").format(text, result.squared)
-        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *_inexact(result.converged)])
+        tell(self, text, job.remarks, [*job.warnings, *_inexact(result.converged)])
         return {"FINISHED"}
 
 
@@ -119,7 +118,6 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
             raise InputError("Measuring requires at least two groups; paint another one.")
         settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
         return DensityJob(
-            context,
             obj,
             settings,
             lambda surface, control: distance_table_steps(weights, names, surface, control=control),
@@ -137,7 +135,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
         count = len(table.names)
         warnings = [*job.warnings, *table.notices, *_inexact(table.converged)]
         message = rpt_("Distances between {:d} groups are in the text {:s}").format(count, text.name)
-        tell(self, message, ignored_notice(job.ignored), warnings)
+        tell(self, message, job.remarks, warnings)
         return {"FINISHED"}
 
 
@@ -166,7 +164,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
             writable_mesh(obj)
             require_unpainted(obj, self.group or "Distance")
             settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
-            return DensityJob(context, obj, settings, partial(_distances_steps, self.chosen_vertices(obj)))
+            return DensityJob(obj, settings, partial(_distances_steps, self.chosen_vertices(obj)))
 
     def _title(self):
         return rpt_("Measuring")
@@ -182,7 +180,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
             group = write_result(obj, self.group or "Distance", shown.weights)
             obj.vertex_groups.active_index = group.index
         text = rpt_("{:s}: a weight of 1 is {:s}").format(group.name, length_text(context.scene, shown.scale))
-        tell(self, text, ignored_notice(job.ignored), found.notices)
+        tell(self, text, job.remarks, found.notices)
         return {"FINISHED"}
 
 

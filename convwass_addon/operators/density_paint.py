@@ -24,7 +24,7 @@ from ..sentence import Sentence
 from .density_job import DensityJob, WritingDensityOperator
 from .density_pick import OnVertices
 from .density_targets import OnGroups, OnMesh, chosen_group, group_property
-from .mesh_targets import ignored_notice, length_text, out_of_edit_mode
+from .mesh_targets import length_text, out_of_edit_mode
 from .reporting import tell
 
 if TYPE_CHECKING:
@@ -54,9 +54,7 @@ class _PaintDensity(WritingDensityOperator):
         with out_of_edit_mode(context, obj):
             writable_mesh(obj)
             self._name = self._name_of_group(obj)
-            return DensityJob(
-                context, obj, DensitySettings(), partial(_steps, self._name, self._change(obj, self._name))
-            )
+            return DensityJob(obj, DensitySettings(), partial(_steps, self._name, self._change(obj, self._name)))
 
     def _name_of_group(self, obj: bpy.types.Object) -> str:
         return chosen_group(obj, self.group)
@@ -85,7 +83,7 @@ class _PaintDensity(WritingDensityOperator):
         found.radius, found.entropy = painted.radius, painted.entropy
         text = rpt_("{:s} covers {:.1%} of the surface, radius {:s}, entropy {:.2f}")
         radius = length_text(context.scene, painted.radius)
-        tell(self, text.format(self._name, painted.covered, radius, painted.entropy), ignored_notice(job.ignored))
+        tell(self, text.format(self._name, painted.covered, radius, painted.entropy), job.remarks)
         return {"FINISHED"}
 
 

@@ -28,7 +28,6 @@ from ..sentence import Sentence
 from .density_job import DensityJob, WritingDensityOperator, slack_notices
 from .density_stops import StopArguments, named_stops
 from .density_targets import OnGroups
-from .mesh_targets import ignored_notice
 from .reporting import tell
 
 _WRITING = frozenset({"OBJECT", "PAINT_WEIGHT"})
@@ -71,7 +70,6 @@ class CONVWASS_OT_interpolate_density(
         weights, settings = read_groups(obj, stops.names), self.density_settings(self.steps)
         self._stops, self._stored = stops, path_request(obj, weights, settings, self.request(), stops.frames)
         return DensityJob(
-            context,
             obj,
             settings,
             lambda surface, control: path_steps(weights, stops.names, surface, settings, stops.frames, control),
@@ -98,7 +96,7 @@ class CONVWASS_OT_interpolate_density(
         notices = [*job.warnings, *slack_notices(frames)]
         if self.set_keys and not set_keys:
             notices.append(Sentence("Its value has a driver or locked keys, which were kept; no keys were set."))
-        tell(self, text, ignored_notice(job.ignored), notices)
+        tell(self, text, job.remarks, notices)
         return {"FINISHED"}
 
 
@@ -139,7 +137,6 @@ class CONVWASS_OT_blend_densities(
         stops = named_stops(self.chosen_stops(context, 1, "", self.weights))
         weights, settings = read_groups(obj, stops.names), self.density_settings()
         return DensityJob(
-            context,
             obj,
             settings,
             lambda surface, control: blend_steps(weights, stops.names, stops.weights, surface, settings, control),
@@ -155,7 +152,7 @@ class CONVWASS_OT_blend_densities(
         group = write_result(obj, self.group or "Blend", heat_map(frames.densities[0]).weights)
         obj.vertex_groups.active_index = group.index
         text = rpt_("The blend is in the vertex group {:s}").format(group.name)
-        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
+        tell(self, text, job.remarks, [*job.warnings, *slack_notices(frames)])
         return {"FINISHED"}
 
 
@@ -195,7 +192,6 @@ class CONVWASS_OT_propagate_densities(
         settings = self.density_settings()
         pairs = _pairs(self.edges or obj.convwass_density.edges) or [(n, n + 1) for n in range(count - 1)]
         return DensityJob(
-            context,
             obj,
             settings,
             lambda surface, control: propagation_steps(pairs, fixed, surface, settings, names, control=control),
@@ -213,7 +209,7 @@ class CONVWASS_OT_propagate_densities(
         for place, name in self._filled.items():
             write_result(obj, name, heat_map(frames.densities[place]).weights)
         text = rpt_("Filled in: {:s}").format(", ".join(self._filled.values()))
-        tell(self, text, ignored_notice(job.ignored), [*job.warnings, *slack_notices(frames)])
+        tell(self, text, job.remarks, [*job.warnings, *slack_notices(frames)])
         return {"FINISHED"}
 
 

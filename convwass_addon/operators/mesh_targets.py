@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from contextlib import contextmanager
 
 import bpy
@@ -12,7 +12,6 @@ import numpy as np
 
 from ..bridge.element_values import element_values
 from ..errors import InputError
-from ..sentence import Sentence
 
 
 @contextmanager
@@ -59,10 +58,3 @@ def length_text(scene: bpy.types.Scene, length: float) -> str:
         return "-"
     meters = length * units.scale_length if units.system != "NONE" else length
     return bpy.utils.units.to_string(units.system, "LENGTH", meters, precision=4).strip()
-
-
-def ignored_notice(ignored: Sequence[str]) -> list[Sentence]:
-    """Return a notice about the modifiers that a surface ignores."""
-    if not ignored:
-        return []
-    return [Sentence("Modifiers that change the vertices are ignored: {names}.", {"names": ", ".join(ignored)})]

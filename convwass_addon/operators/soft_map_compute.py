@@ -20,7 +20,6 @@ from ..bridge.vertex_places import has_vertex
 from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from .background import BackgroundOperator
-from .mesh_targets import ignored_notice
 from .reporting import reporting_errors, tell
 from .soft_map_job import RepairJob, SoftMapJob, Solve, equal_groups
 from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_objects, reshaped_notices
@@ -44,7 +43,7 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
         require_storable(own.source)
         self._pairs = chosen_pairs(own, self.pairs)
         solve = self._solver(self._pairs, self.soft_map_settings())
-        return SoftMapJob(context, own.source, own.target, self._groups(own), solve)
+        return SoftMapJob(own.source, own.target, self._groups(own), solve)
 
     def _solver(self, pairs: NDArray[np.int64], settings: SoftMapSettings) -> Solve:
         """Return the function that computes the map; it does not access Blender's data."""
@@ -59,7 +58,7 @@ class _ComputesMap(SoftMapProperties, BackgroundOperator):
         source, target = job.store()
         text = rpt_("Soft map from {:s} to {:s}: {:d} pairs, {:.0%} of the vertices are doubtful")
         text = text.format(source.name, target.name, len(self._pairs), _doubtful_share(found))
-        tell(self, text, ignored_notice(job.ignored), found.notices)
+        tell(self, text, job.remarks, found.notices)
         return {"FINISHED"}
 
 

@@ -14,7 +14,7 @@ from ..bridge.handles import Handle
 from ..bridge.mesh_checks import other_vertices
 from ..bridge.soft_maps.soft_map_bytes import MappedSide, StoredSoftMap
 from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, store_soft_map
-from ..bridge.surfaces import read_surface
+from ..bridge.surfaces import ignored_notices, read_surface
 from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
@@ -65,8 +65,6 @@ class SoftMapJob(_MapJob):
 
     Parameters
     ----------
-    context : bpy.types.Context
-        Used to evaluate the objects' modifiers.
     source, target : bpy.types.Object
         Meshes, possibly identical.
     groups : sequence of str
@@ -82,16 +80,15 @@ class SoftMapJob(_MapJob):
 
     def __init__(
         self,
-        context: bpy.types.Context,
         source: bpy.types.Object,
         target: bpy.types.Object,
         groups: Sequence[str],
         solve: Solve,
     ) -> None:
         self._solve = solve
-        depsgraph = context.evaluated_depsgraph_get()
+        depsgraph = bpy.context.evaluated_depsgraph_get()
         readings = [read_surface(obj, depsgraph) for obj in (source, target)]
-        self.ignored = tuple(dict.fromkeys(name for reading in readings for name in reading.ignored))
+        self.remarks = ignored_notices(readings)
         self._objects = (Handle.of("objects", source), Handle.of("objects", target))
         self._sides, mapped = [], []
         for obj, reading in zip((source, target), readings, strict=True):
