@@ -12,7 +12,6 @@ import numpy as np
 
 from ..applications.soft_maps.map_extension import DOUBTFUL
 from ..applications.soft_maps.map_repair import repaired_map
-from ..applications.soft_maps.map_sides import MapSide
 from ..applications.soft_maps.map_solving import soft_map_steps
 from ..applications.soft_maps.mirror_maps import mirror_map_steps
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
@@ -24,13 +23,13 @@ from ..bridge.soft_maps.carried_layers import CarriedColors, CarriedUvs
 from ..bridge.soft_maps.map_pairs import pairs_from_empties, pairs_from_groups
 from ..bridge.soft_maps.map_shape_keys import key_names
 from ..bridge.soft_maps.map_transfer import CarriedPart, TransferEnds, all_carried, require_names
-from ..bridge.soft_maps.mapped_meshes import resting_mesh
+from ..bridge.soft_maps.mapped_meshes import equal_groups, map_side, resting_mesh
 from ..bridge.soft_maps.soft_map_bytes import StoredSoftMap
 from ..bridge.soft_maps.soft_map_requests import MapRequest, TransferRequest
 from ..bridge.soft_maps.soft_map_store import mapped_side, store_soft_map
 from ..bridge.surfaces import SurfaceReading, read_surface
 from ..bridge.uv_maps import uv_names
-from ..bridge.vertex_groups import group_names, read_groups
+from ..bridge.vertex_groups import group_names
 from ..console import ProgressBar
 from ..errors import InputError
 from .answer import Answer
@@ -60,14 +59,6 @@ class _Ends:
     source: bpy.types.Object
     target: bpy.types.Object
     readings: tuple[SurfaceReading, SurfaceReading]
-
-    def sides(self, groups: list[str]) -> tuple[MapSide, MapSide]:
-        """Return the input of the solver."""
-        objects = (self.source, self.target)
-        return tuple(
-            MapSide(reading.mesh, obj.name, dict(zip(groups, read_groups(obj, groups), strict=True)) if groups else {})
-            for obj, reading in zip(objects, self.readings, strict=True)
-        )
 
 
 def run_softmap(options: Namespace) -> Answer:
@@ -147,9 +138,10 @@ def _pairs(options: Namespace, ends: _Ends) -> np.ndarray:
 
 
 def _solved(options: Namespace, ends: _Ends, pairs: np.ndarray, settings: SoftMapSettings) -> SurfaceMap:
-    names = group_names(ends.source) if MapRequest(**given_settings(options, MapRequest)).use_groups else []
-    shared = [name for name in names if name in ends.target.vertex_groups]
-    sides = ends.sides(shared)
+    use_groups = MapRequest(**given_settings(options, MapRequest)).use_groups
+    groups = equal_groups(ends.source, ends.target) if use_groups else []
+    objects = (ends.source, ends.target)
+    sides = [map_side(obj, reading, groups) for obj, reading in zip(objects, ends.readings, strict=True)]
     work = mirror_map_steps(sides[0], pairs, settings) if options.mirror else soft_map_steps(*sides, pairs, settings)
     with ProgressBar("Computing the map") as bar:
         found = bar.result_of(work)

@@ -14,14 +14,14 @@ from numpy.typing import NDArray
 
 from ..applications.soft_maps.soft_map_settings import SoftMapSettings
 from ..applications.soft_maps.surface_maps import SurfaceMap
-from ..bridge.soft_maps.mapped_meshes import standing_mesh
+from ..bridge.soft_maps.mapped_meshes import equal_groups, standing_mesh
 from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable
 from ..bridge.vertex_places import has_vertex
 from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
 from .background import BackgroundOperator
 from .reporting import reporting_errors, tell
-from .soft_map_job import RepairJob, SoftMapJob, Solve, equal_groups
+from .soft_map_job import RepairJob, SoftMapJob, Solve
 from .soft_map_targets import OnMapObjects, OnStoredMap, current_way, mapped_objects, reshaped_notices
 
 _WAYS = ("forward", "backward")

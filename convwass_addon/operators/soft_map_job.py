@@ -12,10 +12,10 @@ from ..applications.soft_maps.map_sides import MapSide
 from ..applications.soft_maps.surface_maps import SurfaceMap
 from ..bridge.handles import Handle
 from ..bridge.mesh_checks import other_vertices
+from ..bridge.soft_maps.mapped_meshes import map_side
 from ..bridge.soft_maps.soft_map_bytes import MappedSide, StoredSoftMap
 from ..bridge.soft_maps.soft_map_store import MapState, map_state, mapped_side, store_soft_map
 from ..bridge.surfaces import ignored_notices, read_surface
-from ..bridge.vertex_groups import group_names, read_groups
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..sentence import Sentence
@@ -92,8 +92,7 @@ class SoftMapJob(_MapJob):
         self._objects = (Handle.of("objects", source), Handle.of("objects", target))
         self._sides, mapped = [], []
         for obj, reading in zip((source, target), readings, strict=True):
-            weights = dict(zip(groups, read_groups(obj, groups), strict=True)) if groups else {}
-            self._sides.append(MapSide(reading.mesh, obj.name, weights))
+            self._sides.append(map_side(obj, reading, groups))
             mapped.append(mapped_side(obj, reading.mesh.faces))
         self._mapped = tuple(mapped)
 
@@ -128,8 +127,3 @@ def require_same_mesh(obj: bpy.types.Object, side: MappedSide) -> None:
     """Raise InputError if the vertices or faces of an object have changed since the work began."""
     if map_state(obj, side) is MapState.OTHER:
         raise other_vertices(obj)
-
-
-def equal_groups(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:
-    """Return the names of the vertex groups that both objects have."""
-    return [name for name in group_names(source) if name in target.vertex_groups]

@@ -4,14 +4,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import bpy
 import numpy as np
 from numpy.typing import NDArray
 
+from ...applications.soft_maps.map_sides import MapSide
 from ...geometry.affine import transformed_points
 from ...geometry.mesh import TriangleMesh
 from ..element_values import vectors_of
-from ..surfaces import surface_mesh
+from ..surfaces import SurfaceReading, surface_mesh
+from ..vertex_groups import group_names, read_groups
 
 
 def resting_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> TriangleMesh:
@@ -45,3 +49,14 @@ def standing_mesh(obj: bpy.types.Object, triangles: NDArray[np.int64]) -> Triang
         As `surface_mesh`.
     """
     return TriangleMesh(surface_mesh(obj, bpy.context.evaluated_depsgraph_get()).vertices, triangles)
+
+
+def map_side(obj: bpy.types.Object, reading: SurfaceReading, groups: Sequence[str]) -> MapSide:
+    """Return what the solver of a map needs of an object: its surface, and the weights of some of its groups."""
+    weights = dict(zip(groups, read_groups(obj, groups), strict=True)) if groups else {}
+    return MapSide(reading.mesh, obj.name, weights)
+
+
+def equal_groups(source: bpy.types.Object, target: bpy.types.Object) -> list[str]:
+    """Return the names of the vertex groups that both objects have."""
+    return [name for name in group_names(source) if name in target.vertex_groups]
