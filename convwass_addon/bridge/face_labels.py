@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 
 import bpy
@@ -13,6 +12,7 @@ from scipy.sparse import csr_array
 
 from ..applications.morphs.part_labels import FaceLabels
 from .element_values import element_values, triangle_corners
+from .object_names import without_number
 
 
 def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
@@ -65,7 +65,7 @@ def material_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLa
         As for :func:`vertex_group_labels`.
     """
     slots = [slot.material.name if slot.material else "" for slot in evaluated.material_slots]
-    plain = {name: re.sub(r"\.\d{3,}$", "", name) for name in slots if name}
+    plain = {name: without_number(name) for name in slots if name}
     counts = Counter(plain.values())
     called = {name: own if counts[own] == 1 else name for name, own in plain.items()}
     names = tuple(called.values())

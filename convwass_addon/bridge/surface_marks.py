@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 
 import bpy
@@ -12,12 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..geometry.mesh import TriangleMesh
+from .object_names import without_number
 from .surfaces import surface_mesh
 from .vertex_groups import read_groups
 from .visibility import update_places
 
-# Suffix that Blender appends to duplicate names.
-_SUFFIX = re.compile(r"\.\d{3,}$")
 # A few vertices are a mark on meshes of any size.
 _FEW_VERTICES = 4
 
@@ -95,7 +93,7 @@ def empty_marks(
         nearest = {obj: nearest_vertex(mesh, place) for obj, mesh in meshes.items()}
         distances = {obj: np.linalg.norm(meshes[obj].vertices[vertex] - place) for obj, vertex in nearest.items()}
         owner = _ancestor(empty, meshes) or min(distances, key=distances.get)
-        name = _SUFFIX.sub("", empty.name)
+        name = without_number(empty.name)
         found[owner][name] = None if name in found[owner] else nearest[owner]
     return found
 
