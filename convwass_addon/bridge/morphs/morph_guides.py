@@ -10,12 +10,11 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeVar
 
 import bpy
-import numpy as np
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ..object_names import object_of, unique_name
-from ..surface_marks import bone_marks, empty_marks, group_marks
+from ..surface_marks import bone_marks, empty_marks, group_marks, nearest_vertex
 from ..surfaces import surface_mesh
 from ..vertex_groups import group_names
 from ..vertex_places import Place, has_vertex, vertex_now
@@ -56,11 +55,7 @@ class NamedGuide:
 
 def parsed_guide(name: str, points: str) -> NamedGuide:
     """Parse one guide with points as JSON; raises InputError if they are invalid."""
-    try:
-        entry = {"name": name, "points": json.loads(points)}
-    except ValueError as error:
-        raise _unreadable(error) from error
-    return guides_of_entries([entry])[0]
+    return guides_of_entries([{"name": name, "points": _parsed(points)}])[0]
 
 
 def parsed_guides(text: str) -> list[NamedGuide]:
@@ -76,13 +71,14 @@ def parsed_guides(text: str) -> list[NamedGuide]:
     InputError
         The text is invalid.
     """
-    if not text.strip():
-        return []
+    return guides_of_entries(_parsed(text)) if text.strip() else []
+
+
+def _parsed(text: str) -> object:
     try:
-        entries = json.loads(text)
+        return json.loads(text)
     except ValueError as error:
         raise _unreadable(error) from error
-    return guides_of_entries(entries)
 
 
 def guides_of_entries(entries: object) -> list[NamedGuide]:
@@ -277,5 +273,4 @@ def vertex_of_shape(guide: str, name: str, vertex: int, own: TriangleMesh, shape
             name=name,
             count=len(own.vertices),
         )
-    used = np.unique(shape.faces)
-    return int(used[np.linalg.norm(shape.vertices[used] - own.vertices[vertex], axis=1).argmin()])
+    return nearest_vertex(shape, own.vertices[vertex])
