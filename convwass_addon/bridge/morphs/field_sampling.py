@@ -28,6 +28,7 @@ from ...sentence import Sentence
 from ..element_values import write_attribute
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
+from ..sequence import write_table
 from .field_sampler import SampleGrid, field_sampler
 from .stored import frame_weights
 from .stored_fields import BAND, COLOR, ENCLOSED, FIELD, LOSES_PARTS, OFFSET, SCALE, VOLUME, Column, StoredFields
@@ -204,9 +205,7 @@ def _centers(meshes: Sequence[TriangleMesh], weights: NDArray[np.float64]) -> ND
 def _table(name: str, places: NDArray[np.float64], columns: Sequence[Column]) -> bpy.types.Object:
     """Create the object whose mesh is the table of the blends."""
     mesh = bpy.data.meshes.new(f"{name} Steps")
-    mesh.vertices.add(len(places))
-    mesh.vertices.foreach_set("co", np.asarray(places, np.float32).ravel())
+    write_table(mesh, places)
     for column in columns:
         write_attribute(mesh, column.name, column.kind, column.values)
-    mesh.update()
     return bpy.data.objects.new(mesh.name, mesh)
