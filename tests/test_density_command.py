@@ -13,7 +13,7 @@ import pytest
 from convwass_addon import cli
 from convwass_addon.applications import memory
 from convwass_addon.bridge.densities.density_attributes import stored_frames
-from convwass_addon.bridge.densities.density_player import played_densities
+from convwass_addon.bridge.densities.density_player import density_value, played_densities
 from convwass_addon.bridge.densities.density_store import stored_density
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.vertex_groups import read_group
@@ -121,6 +121,18 @@ def test_a_path_of_unit_masses_on_a_file_without_groups(files, tmp_path, capfd):
     assert played_densities(obj) == ["moss"]
     assert len(stored_frames(obj, "moss")) == 5
     assert (bpy.context.scene.frame_start, bpy.context.scene.frame_end) == (1, 5)
+
+
+def test_an_eased_density_slows_down_at_every_group(files, tmp_path, capfd):
+    words = [files / "ball.obj", "--through", "vertex:0", "vertex:5,6", "vertex:9", "--easing", "smooth"]
+    code, _, said = run(capfd, *words, "--steps", "2", "--out", tmp_path / "path.blend")
+    assert code == 0, said
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "path.blend"))
+    (obj,) = [obj for obj in bpy.data.objects if obj.type == "MESH"]
+    curve = density_value(obj).curve()
+    assert [tuple(point.co) for point in curve.keyframe_points] == [(1.0, 0.0), (3.0, 0.5), (5.0, 1.0)]
+    near = [curve.evaluate(frame) for frame in (2.9, 3.0, 3.1)]
+    assert np.ptp(near) < 0.01, "it would be 0.05 at constant speed"
 
 
 def test_a_blend_is_a_group(files, tmp_path, capfd):

@@ -20,7 +20,7 @@ from ..applications.whole_paths import path_with_suffix
 from ..bridge.densities.density_attributes import require_free
 from ..bridge.densities.density_material import heat_material
 from ..bridge.densities.density_nodes import NAME
-from ..bridge.densities.density_player import DensityKey, animate_density
+from ..bridge.densities.density_player import animate_density, keys_at
 from ..bridge.densities.density_request import DensityRequest, path_request
 from ..bridge.densities.density_store import StoredDensity
 from ..bridge.densities.result_groups import require_unpainted, write_result
@@ -101,15 +101,16 @@ def _animated(options: Namespace, scene: DensityScene, settings: DensitySettings
     weights = [scene.weights(name) for name in names]
     frames = _frames(path_steps(weights, names, scene.surface, settings))
     stops = [scene.first_frame + place * settings.steps for place in range(len(names))]
-    keys = [DensityKey(stops[0], 0.0), DensityKey(stops[-1], 1.0)]
     request = DensityRequest(**given_settings(options, DensityRequest))
     own = path_request(scene.object, weights, settings, request, stops)
     stored = StoredDensity(inputs=list(names), settings=own, records=frames.records)
     shown = frames.covered if request.trail else frames.densities
-    animate_density(scene.object, shown, frames.times, name, keys=keys, easing=request.easing, description=stored)
+    animate_density(
+        scene.object, shown, frames.times, name, keys=keys_at(stops), easing=request.easing, description=stored
+    )
     if not any(scene.object.data.materials):
         scene.object.data.materials.append(heat_material(name))
-    scene.play_to(int(keys[-1].frame))
+    scene.play_to(stops[-1])
     record = {"object": scene.object.name, "settings": settings.as_dict(), "frames": frames.records}
     return Answer.of_files(record, [save_blend(target)])
 

@@ -14,7 +14,7 @@ from bpy.props import BoolProperty, StringProperty
 
 from ..bridge.densities.density_attributes import require_free
 from ..bridge.densities.density_material import heat_material
-from ..bridge.densities.density_player import DensityKey, animate_density, takes_keys
+from ..bridge.densities.density_player import animate_density, keys_at, takes_keys
 from ..bridge.densities.density_request import path_request
 from ..bridge.densities.density_store import StoredDensity, stored_or_new
 from ..bridge.densities.result_groups import require_unpainted, write_result
@@ -82,9 +82,8 @@ class CONVWASS_OT_interpolate_density(
         frames, obj, stops = job.found, job.target(), self._stops
         known = stored_or_new(obj, self.density)
         description = StoredDensity(stops.names, self._stored, frames.records, outputs=known.outputs)
-        times = (np.array(stops.frames) - stops.frames[0]) / (stops.frames[-1] - stops.frames[0])
         set_keys = self.set_keys and takes_keys(obj, self.density)
-        keys = [DensityKey(*key) for key in zip(stops.frames, times.tolist(), strict=True)] if set_keys else []
+        keys = keys_at(stops.frames) if set_keys else []
         shown = frames.covered if self.trail else frames.densities
         animate_density(obj, shown, frames.times, self.density, keys=keys, easing=self.easing, description=description)
         if self.add_material and not any(slot.material for slot in obj.material_slots):

@@ -34,6 +34,12 @@ class DensityKey:
     value: float
 
 
+def keys_at(frames: Sequence[float]) -> list[DensityKey]:
+    """Return the keys with which a density reaches the groups of a path at these scene frames, ascending."""
+    first, last = frames[0], frames[-1]
+    return [DensityKey(frame, (frame - first) / (last - first)) for frame in frames]
+
+
 def animate_density(
     obj: bpy.types.Object,
     densities: ArrayLike,
