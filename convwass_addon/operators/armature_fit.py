@@ -94,6 +94,7 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
 
     bl_idname = "convwass.fit_armature"
     bl_label = "Fit Armature"
+    _title = Sentence("Fitting armature")
 
     _job: FitJob
 
@@ -114,9 +115,6 @@ class CONVWASS_OT_fit_armature(FitProperties, MeshWritingOperator, OnBody, bpy.t
             )
         graph.require_pins_apart()
         return FitJob(body, rig, graph, self.skeleton_settings())
-
-    def _title(self):
-        return rpt_("Fitting armature")
 
     def _waits_for(self, context):
         edited = self._job.edited

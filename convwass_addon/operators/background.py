@@ -61,6 +61,12 @@ _RUNNING: set[_Running] = set()
 class BackgroundOperator:
     """Base of operators with long work; subclasses implement the hooks at the end."""
 
+    _title: Sentence
+    """The name of the work."""
+
+    _in_turn = False
+    """Whether the work accesses Blender's data and must run on the main thread, in small pieces."""
+
     _job: Job
     _background: BackgroundJob[None] | InlineJob[None]
     _running: _Running
@@ -103,7 +109,7 @@ class BackgroundOperator:
         self._scene = Handle.of("scenes", context.scene)
         self._job = self._begin(context)
         self._in_background = True
-        self._background = (InlineJob if self._in_turn() else BackgroundJob)(self.work())
+        self._background = (InlineJob if self._in_turn else BackgroundJob)(self.work())
         timer = context.window_manager.event_timer_add(_TIMER_SECONDS, window=context.window)
         self._running = _Running(self._background, self._job, timer)
         _RUNNING.add(self._running)
@@ -194,7 +200,7 @@ class BackgroundOperator:
         if left is not None:
             message = rpt_("{:s}, about {:d} s left").format(message, left)
         progress.running, progress.fraction, progress.message = True, fraction, message
-        write_status(context, f"{self._title()}: {message}    Esc: {rpt_('stop')}")
+        write_status(context, f"{translated(self._title)}: {message}    Esc: {rpt_('stop')}")
         redraw_sidebars(context)
 
     def _own_scene(self, context: bpy.types.Context) -> bpy.types.Scene:
@@ -218,16 +224,8 @@ class BackgroundOperator:
         """Return the function that does the work. It must not access Blender's data unless `_in_turn` is true."""
         return self._job.steps
 
-    def _in_turn(self) -> bool:
-        """Return whether the work accesses Blender's data and must run on the main thread, in small pieces."""
-        return False
-
     def _finish(self, context: bpy.types.Context, job: Job) -> set[str]:
         """Write the result to the file and report it."""
-        raise NotImplementedError
-
-    def _title(self) -> str:
-        """Return the name of the work, in the user's language."""
         raise NotImplementedError
 
     def _nothing_kept(self) -> str:

@@ -96,6 +96,8 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
 
     bl_idname = "convwass.bake_density"
     bl_label = "Bake Density"
+    _title = Sentence("Baking density")
+    _in_turn = True
 
     density: density_property()
     uv_map: StringProperty(
@@ -132,12 +134,6 @@ class CONVWASS_OT_bake_density(OutputProperties, BackgroundOperator, OnDensity, 
             show_heat_colors(obj, name)
             text = rpt_("{:s} contains the heat map; set the color in Viewport Shading to Attribute to see it")
             yield text.format(color_name(name))
-
-    def _in_turn(self):
-        return True
-
-    def _title(self):
-        return rpt_("Baking density")
 
     def _finish(self, context, job):
         if self.output == "IMAGES":

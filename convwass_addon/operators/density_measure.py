@@ -39,6 +39,7 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
 
     bl_idname = "convwass.measure_distance"
     bl_label = "Measure Distance"
+    _title = Sentence("Measuring")
 
     first: StringProperty(
         name="First", description="Vertex group; empty for the one chosen in the panel", options={"SKIP_SAVE"}
@@ -72,9 +73,6 @@ class CONVWASS_OT_measure_distance(SurfaceProperties, DensityOperator, OnGroups,
             ),
         )
 
-    def _title(self):
-        return rpt_("Measuring")
-
     def _finish(self, context, job):
         result = job.found
         found = job.target().convwass_density_findings
@@ -96,6 +94,7 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
 
     bl_idname = "convwass.measure_groups"
     bl_label = "Measure All Groups"
+    _title = Sentence("Measuring")
 
     groups: StringProperty(
         name="Groups",
@@ -123,9 +122,6 @@ class CONVWASS_OT_measure_groups(DensityOperator, OnGroups, bpy.types.Operator):
             lambda surface, control: distance_table_steps(weights, names, surface, control=control),
         )
 
-    def _title(self):
-        return rpt_("Measuring")
-
     def _finish(self, context, job):
         table = job.found
         obj = job.target()
@@ -152,6 +148,7 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
 
     bl_idname = "convwass.distance_from_vertices"
     bl_label = "Distance from Vertices"
+    _title = Sentence("Measuring")
 
     group: StringProperty(name="Group", description="Name of the vertex group to write", default="Distance", maxlen=63)
     blur: property_of(DensitySettings, "blur")
@@ -165,9 +162,6 @@ class CONVWASS_OT_distance_from_vertices(OnVertices, WritingDensityOperator, OnM
             require_unpainted(obj, self.group or "Distance")
             settings = DensitySettings(blur=self.blur or None, substeps=MEASURING_SUBSTEPS)
             return DensityJob(obj, settings, partial(_distances_steps, self.chosen_vertices(obj)))
-
-    def _title(self):
-        return rpt_("Measuring")
 
     def _waits_for(self, context):
         # Edit Mode is left temporarily, so there is no need to wait for the user to leave it.

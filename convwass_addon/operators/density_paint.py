@@ -49,6 +49,8 @@ class _Painted:
 class _PaintDensity(WritingDensityOperator):
     """Base of operators that replace the weights of a group."""
 
+    _title = Sentence("Painting")
+
     def _begin(self, context):
         obj = context.object
         with out_of_edit_mode(context, obj):
@@ -62,9 +64,6 @@ class _PaintDensity(WritingDensityOperator):
     def _change(self, obj: bpy.types.Object, name: str) -> Callable[[Surface, Control], NDArray[np.float64]]:
         """Return a function that computes the new density of the group, (n,), without accessing Blender's data."""
         raise NotImplementedError
-
-    def _title(self):
-        return rpt_("Painting")
 
     def _waits_for(self, context):
         # Edit Mode is left temporarily, so there is no need to wait for the user to leave it.

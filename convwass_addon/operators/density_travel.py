@@ -40,6 +40,7 @@ class CONVWASS_OT_interpolate_density(
 
     bl_idname = "convwass.interpolate_density"
     bl_label = "Interpolate Density"
+    _title = Sentence("Interpolating density")
 
     modes = _WRITING
 
@@ -74,9 +75,6 @@ class CONVWASS_OT_interpolate_density(
             settings,
             lambda surface, control: path_steps(weights, stops.names, surface, settings, stops.frames, control),
         )
-
-    def _title(self):
-        return rpt_("Interpolating density")
 
     def _finish(self, context, job):
         frames, obj, stops = job.found, job.target(), self._stops
@@ -116,6 +114,7 @@ class CONVWASS_OT_blend_densities(
 
     bl_idname = "convwass.blend_densities"
     bl_label = "Blend Groups"
+    _title = Sentence("Blending groups")
 
     modes = _WRITING
 
@@ -141,9 +140,6 @@ class CONVWASS_OT_blend_densities(
             lambda surface, control: blend_steps(weights, stops.names, stops.weights, surface, settings, control),
         )
 
-    def _title(self):
-        return rpt_("Blending groups")
-
     def _finish(self, context, job):
         from ..applications.densities.surface_densities import heat_map
 
@@ -162,6 +158,7 @@ class CONVWASS_OT_propagate_densities(
 
     bl_idname = "convwass.propagate_densities"
     bl_label = "Propagate"
+    _title = Sentence("Filling in groups")
 
     modes = _WRITING
 
@@ -195,9 +192,6 @@ class CONVWASS_OT_propagate_densities(
             settings,
             lambda surface, control: propagation_steps(pairs, fixed, surface, settings, names, control=control),
         )
-
-    def _title(self):
-        return rpt_("Filling in groups")
 
     def _finish(self, context, job):
         from ..applications.densities.surface_densities import heat_map

@@ -43,6 +43,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
     bl_idname = "convwass.bake_morph"
     bl_label = "Bake Morph"
     bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Baking morph")
 
     inputs: StringProperty(
         name="Inputs",
@@ -207,9 +208,6 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         if isinstance(replaced, bpy.types.Object) and any(obj.mode == "EDIT" for obj in objects_of(replaced)):
             return Sentence("Done; leave Edit Mode to apply the result")
         return None
-
-    def _title(self) -> str:
-        return rpt_("Baking morph")
 
     def _results(self) -> FrameResults | ShapeKeyResults | SwapResults:
         from ..bridge.one_mesh.shape_key_job import ShapeKeyJob

@@ -24,6 +24,7 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
     bl_idname = "convwass.recolor_attribute"
     bl_label = "Recolor Attribute"
     bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Recoloring")
 
     result: attribute_name_property()
 
@@ -50,9 +51,6 @@ class CONVWASS_OT_recolor_attribute(RecolorProperties, BackgroundOperator, bpy.t
         self._name, self._giver = obj.data.color_attributes.active_color_name, giver.name
         pictures = [read_colors_as_picture(own) for own in (obj, giver)]
         return RecolorJob(Handle.of("objects", obj), pictures[0], pictures[1:], [1.0], self.recolor_settings())
-
-    def _title(self):
-        return rpt_("Recoloring")
 
     def _waits_for(self, context):
         obj = self._job.target()

@@ -22,6 +22,7 @@ from ..drafts import DraftFiles
 from ..errors import InputError
 from ..progress import UNINTERRUPTED, Control, Progress, Work
 from ..properties.recolor import RecolorProperties, clip_folder_property
+from ..sentence import Sentence
 from .background import BackgroundOperator
 from .recolor_targets import OnImage, chosen_image, image_property, read_palettes, shown_image
 from .reporting import tell
@@ -96,6 +97,7 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
 
     bl_idname = "convwass.recolor_clip"
     bl_label = "Recolor Clip"
+    _title = Sentence("Recoloring")
 
     image: image_property()
     folder: clip_folder_property()
@@ -132,9 +134,6 @@ class CONVWASS_OT_recolor_clip(RecolorProperties, BackgroundOperator, OnImage, b
         except BaseException:
             frames.close()
             raise
-
-    def _title(self):
-        return rpt_("Recoloring")
 
     def _finish(self, context, job):
         from ..bridge.palettes.clip_frames import sequence_image

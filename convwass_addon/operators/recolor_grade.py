@@ -18,6 +18,7 @@ from ..bridge.palettes.image_kinds import is_clip
 from ..errors import InputError
 from ..properties.from_schema import property_of
 from ..properties.recolor import RecolorProperties
+from ..sentence import Sentence
 from .background import BackgroundOperator
 from .recolor_clip import ClipJob
 from .recolor_image import RecolorJob
@@ -31,6 +32,8 @@ if TYPE_CHECKING:
 
 class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
     """Base of operators that need the color map as a table; the map of a clip comes from all of its frames."""
+
+    _title = Sentence("Matching palettes")
 
     _job: TableJob
     _source: str
@@ -47,9 +50,6 @@ class _MakesTable(RecolorProperties, BackgroundOperator, OnImage):
         else:
             job = RecolorJob(Handle.of("images", image), *read_pictures(context, image), settings, ends="map")
         return TableJob(job, self.cube_size, self._target())
-
-    def _title(self):
-        return rpt_("Matching palettes")
 
     def _finish(self, context, job):
         job.keep()

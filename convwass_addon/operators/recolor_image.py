@@ -101,6 +101,7 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
 
     bl_idname = "convwass.recolor_image"
     bl_label = "Recolor Image"
+    _title = Sentence("Recoloring")
 
     image: image_property()
     output: output_property()
@@ -122,9 +123,6 @@ class CONVWASS_OT_recolor_image(RecolorProperties, BackgroundOperator, OnImage, 
         self._palettes = palette_names(context)
         inputs, ends = read_pictures(context, image), "file" if self.output == "NEW" else "pixels"
         return RecolorJob(Handle.of("images", image), *inputs, self.recolor_settings(), ends=ends)
-
-    def _title(self):
-        return rpt_("Recoloring")
 
     def _finish(self, context, job):
         from ..bridge.palettes.image_pixels import keep_in_file, result_image, write_pixels

@@ -115,6 +115,7 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
     bl_idname = "convwass.blend_materials"
     bl_label = "Blend Materials"
     bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Blending materials")
 
     materials: StringProperty(
         name="Materials",
@@ -166,9 +167,6 @@ class CONVWASS_OT_blend_materials(ReflectanceProperties, BackgroundOperator, bpy
         if not is_whole(target) and job.has_grain:
             raise InputError("Anisotropic materials need all directions; choose .npz or .lobes.exr.")
         return target
-
-    def _title(self):
-        return rpt_("Blending materials")
 
     def _finish(self, context, job):
         if self.table:

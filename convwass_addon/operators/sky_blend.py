@@ -120,6 +120,7 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
     bl_idname = "convwass.blend_skies"
     bl_label = "Blend Skies"
     bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Blending skies")
 
     worlds: StringProperty(
         name="Worlds",
@@ -160,9 +161,6 @@ class CONVWASS_OT_blend_skies(SkyProperties, BackgroundOperator, bpy.types.Opera
         if len(worlds) < 2:
             raise InputError("Choose at least two worlds, not {count}.", count=len(worlds))
         return worlds
-
-    def _title(self):
-        return rpt_("Blending skies")
 
     def _finish(self, context, job):
         from ..bridge.skies.world_skies import sequence_world, shown_files

@@ -19,6 +19,7 @@ from ..bridge.soft_maps.soft_map_store import forget_soft_map, require_storable
 from ..bridge.vertex_places import has_vertex
 from ..errors import InputError
 from ..properties.soft_maps import CONVWASS_PG_soft_map, SoftMapProperties, threshold_property
+from ..sentence import Sentence
 from .background import BackgroundOperator
 from .reporting import reporting_errors, tell
 from .soft_map_job import RepairJob, SoftMapJob, Solve
@@ -74,6 +75,7 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
 
     bl_idname = "convwass.compute_soft_map"
     bl_label = "Compute Soft Map"
+    _title = Sentence("Computing soft map")
 
     @classmethod
     def poll(cls, context):
@@ -92,9 +94,6 @@ class CONVWASS_OT_compute_soft_map(_ComputesMap, OnMapObjects, bpy.types.Operato
 
     def _groups(self, own):
         return equal_groups(own.source, own.target) if self.use_groups else []
-
-    def _title(self):
-        return rpt_("Computing soft map")
 
 
 def chosen_pairs(own: CONVWASS_PG_soft_map, text: str) -> NDArray[np.int64]:
@@ -152,6 +151,7 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
 
     bl_idname = "convwass.mirror_map"
     bl_label = "Compute Mirror Map"
+    _title = Sentence("Computing mirror map")
 
     @classmethod
     def poll(cls, context):
@@ -168,15 +168,13 @@ class CONVWASS_OT_mirror_map(_ComputesMap, OnMapObjects, bpy.types.Operator):
 
         return lambda side, _same, control: mirror_map_steps(side, pairs, settings, control)
 
-    def _title(self):
-        return rpt_("Computing mirror map")
-
 
 class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Operator):
     """Replace the images of vertices with low confidence by those of their neighbors, in both directions; distributions are not changed"""  # noqa: E501
 
     bl_idname = "convwass.repair_soft_map"
     bl_label = "Repair Doubtful Regions"
+    _title = Sentence("Repairing soft map")
 
     threshold: threshold_property()
 
@@ -190,9 +188,6 @@ class CONVWASS_OT_repair_soft_map(BackgroundOperator, OnStoredMap, bpy.types.Ope
         self._remarks = reshaped_notices(way)
         meshes = [standing_mesh(obj, way.side(obj).triangles) for obj in (way.source, way.target)]
         return RepairJob(way, partial(repaired_map, way.stored.found, *meshes, self.threshold))
-
-    def _title(self):
-        return rpt_("Repairing soft map")
 
     def _finish(self, context, job):
         before, found = job.before, job.found

@@ -73,6 +73,7 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
 
     bl_idname = "convwass.transfer_by_map"
     bl_label = "Transfer"
+    _title = Sentence("Transferring")
 
     names: StringProperty(
         name="Names",
@@ -112,9 +113,6 @@ class CONVWASS_OT_transfer_by_map(TransferProperties, MeshWritingOperator, OnSto
         makers = {"GROUPS": CarriedGroups, "KEYS": CarriedKeys, "UVS": CarriedUvs, "COLORS": CarriedColors}
         # In the order of the panel.
         return {kind: makers[kind](ends) for kind, *_ in TRANSFERRED if kind in self.what}
-
-    def _title(self):
-        return rpt_("Transferring")
 
     def _finish(self, context, job):
         receiver = job.target()

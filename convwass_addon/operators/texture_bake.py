@@ -11,6 +11,7 @@ from ..bridge.active import active_object
 from ..bridge.one_mesh.records import has_key_record
 from ..errors import InputError
 from ..properties.one_mesh import TextureProperties
+from ..sentence import Sentence
 from .background import BackgroundOperator, is_idle
 from .reporting import tell
 
@@ -21,6 +22,8 @@ class CONVWASS_OT_bake_textures(BackgroundOperator, TextureProperties, bpy.types
     bl_idname = "convwass.bake_textures"
     bl_label = "Bake Textures"
     bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Baking textures")
+    _in_turn = True
 
     @classmethod
     def poll(cls, context):
@@ -35,12 +38,6 @@ class CONVWASS_OT_bake_textures(BackgroundOperator, TextureProperties, bpy.types
         if not hasattr(bpy.types.Scene, "cycles"):
             raise InputError("Enable the add-on Cycles Render Engine in the preferences; it bakes the images.")
         return TextureJob(context.object, self.texture_settings())
-
-    def _in_turn(self):
-        return True
-
-    def _title(self):
-        return rpt_("Baking textures")
 
     def _finish(self, context, job):
         made = job.finish()

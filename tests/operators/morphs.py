@@ -63,4 +63,8 @@ class PressedBake:
 
     def __getattr__(self, name):
         found = inspect.getattr_static(CONVWASS_OT_bake_morph, name, None)
-        return MethodType(found, self) if inspect.isfunction(found) else getattr(bpy.context.scene.convwass_morph, name)
+        if inspect.isfunction(found):
+            return MethodType(found, self)
+        # Constants of the operator are private, unlike its settings.
+        is_constant = name.startswith("_") and found is not None
+        return found if is_constant else getattr(bpy.context.scene.convwass_morph, name)
