@@ -22,11 +22,12 @@ from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ...geometry.mirror_planes import MirrorPlane
 from ...sentence import Sentence
+from ..armatures.rigs import is_posed
 from ..element_values import vectors_of
 from ..objects import frozen_copy, take_own_materials, transform_mesh, triangle_mesh
 from ..visibility import evaluated_object, hidden_modifiers
 from .shape_keys import require_mixable_keys
-from .skinning import approximation_notices, armatures, deforms_by_groups, is_posed, skinning
+from .skinning import approximation_notices, armatures, deforms_by_groups, skinning
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...sentence import Sentence
+from ..armatures.rigs import is_posed
 
 # Vertices that the pose flattens more than this have no inverse.
 _LEAST = 1e-6
@@ -28,13 +29,6 @@ def armatures(obj: bpy.types.Object) -> list[bpy.types.Modifier]:
 def deforms_by_groups(modifier: bpy.types.Modifier) -> bool:
     """Return whether a modifier is an armature whose bones move vertex groups."""
     return modifier.type == "ARMATURE" and modifier.object is not None and modifier.use_vertex_groups
-
-
-def is_posed(rig: bpy.types.Object) -> bool:
-    """Return whether an armature is shown in another pose than its rest pose."""
-    return rig.data.pose_position == "POSE" and any(
-        not np.allclose(bone.matrix, bone.bone.matrix_local, atol=1e-5) for bone in rig.pose.bones
-    )
 
 
 def approximation_notices(obj: bpy.types.Object, rigged: Sequence[bpy.types.Modifier]) -> list[Sentence]:
