@@ -112,11 +112,12 @@ def write_carried(mesh: bpy.types.Mesh, carried: Carried) -> None:
     carried : Carried
         The data to write.
     """
-    _write_colors(mesh, COLOR, carried.color)
+    # With 8 bits, since colors come from images, and files stay small; values are clamped to one.
+    write_attribute(mesh, COLOR, "BYTE_COLOR", carried.color)
     for index, weight in enumerate(carried.weights, start=1):
         write_attribute(mesh, SOURCE_WEIGHT.format(index), "FLOAT", np.full(len(mesh.vertices), weight, np.float32))
     for index, seen in carried.inputs.items():
-        _write_colors(mesh, LOOK.format(index + 1), seen.colors)
+        write_attribute(mesh, LOOK.format(index + 1), "BYTE_COLOR", seen.colors)
         if seen.materials.any():
             write_attribute(mesh, SOURCE_MATERIAL.format(index + 1), "INT", seen.materials.astype(np.int32))
     for name, weights in carried.groups.items():
@@ -181,14 +182,6 @@ def _shows_carried(mesh: bpy.types.Mesh) -> bool:
     return all(is_carrying(material) or shows_color_attribute(material) for material in used)
 
 
-def _write_colors(mesh: bpy.types.Mesh, name: str, colors: np.ndarray) -> None:
-    """Write scene linear RGBA colors of the points, (n, 4), with 8 bits: they come from images, and files stay small.
-
-    Values are clamped to one.
-    """
-    write_attribute(mesh, name, "BYTE_COLOR", colors)
-
-
 def write_own_appearance(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
     """Let an input without material show its color attribute as frames do; return whether it has one.
 
@@ -199,7 +192,7 @@ def write_own_appearance(mesh: bpy.types.Mesh, index: int, count: int) -> bool:
     index, count : int
         Index of the input, and number of inputs.
     """
-    attribute = _render_colors(mesh)
+    attribute = render_colors(mesh)
     if any(mesh.materials) or attribute is None:
         return False
     domain, colors = attribute.domain, element_values(attribute.data, "color", 4)
@@ -218,7 +211,7 @@ def _paint(
     loops: np.ndarray,
 ) -> Paint:
     if material is None:
-        attribute = _render_colors(mesh)
+        attribute = render_colors(mesh)
         return Plain(tuple(color)) if attribute is None else _painted(attribute, faces, loops)
     if emission_node(material) is not None:
         return Plain((0.0, 0.0, 0.0, 1.0))
@@ -232,7 +225,7 @@ def _paint(
             return Plain(tuple(color))
         if node.type in ("VERTEX_COLOR", "ATTRIBUTE"):
             name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
-            attribute = mesh.color_attributes.get(name) if name else _render_colors(mesh)
+            attribute = mesh.color_attributes.get(name) if name else render_colors(mesh)
             if attribute is not None:
                 return _painted(attribute, faces, loops)
         if node.type == "TEX_IMAGE" and (paint := _textured(mesh, node, loops)) is not None:
@@ -299,7 +292,7 @@ def _halved(pixels: np.ndarray) -> np.ndarray:
     return pixels
 
 
-def _render_colors(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
+def render_colors(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
     """Return the color attribute for renders."""
     colors = mesh.color_attributes
     index = colors.render_color_index

@@ -16,7 +16,7 @@ from ...geometry.affine import transformed_points
 from ...geometry.normals import unit_vectors
 from ..element_values import element_values, triangle_corners, write_attribute
 from ..joined_shapes import OWN_POSITION
-from .appearance import render_uv_map
+from .appearance import render_colors, render_uv_map
 from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT
 from .frozen_inputs import FrozenInput
 from .look_groups import CarriedNames, node_trees
@@ -45,14 +45,13 @@ def carried_names(number: int, mesh: bpy.types.Mesh, color: Sequence[float]) -> 
     color : (r, g, b, a)
         Color of the object, scene linear.
     """
-    colors, uv_map = mesh.color_attributes, render_uv_map(mesh)
-    index = colors.render_color_index
+    color_map, uv_map = render_colors(mesh), render_uv_map(mesh)
     return CarriedNames(
         number=number,
         uv_maps=[layer.name for layer in mesh.uv_layers],
         attributes=[own.name for own in mesh.attributes if own.data_type in _VALUES],
         default_uv="" if uv_map is None else uv_map.name,
-        default_color=colors[index].name if 0 <= index < len(colors) else "",
+        default_color="" if color_map is None else color_map.name,
         color=tuple(color),
     )
 
