@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
 from ..element_values import write_attribute
@@ -53,6 +53,16 @@ def require_free(obj: bpy.types.Object, name: str) -> None:
             object=obj.name,
             name=name,
         )
+
+
+def checked_frames(densities: ArrayLike, count: int, least: int = 1) -> NDArray[np.float64]:
+    """Return densities of `count` vertices, (f, n); raises ValueError for invalid ones, and fewer than `least`."""
+    frames = np.atleast_2d(np.asarray(densities, dtype=np.float64))
+    if frames.ndim != 2 or len(frames) < least or frames.shape[1] != count:
+        raise ValueError(f"densities of shape {frames.shape} for {count} vertices")
+    if not (np.isfinite(frames).all() and frames.min(initial=0.0) >= 0.0):
+        raise ValueError("densities are negative or not finite")
+    return frames
 
 
 def write_frames(mesh: bpy.types.Mesh, name: str, frames: NDArray[np.float64]) -> None:

@@ -23,6 +23,7 @@ from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh, require_not_edited
 from ..morphs.disk_output import for_blender
 from ..numbered_files import numbered_paths
+from .density_attributes import checked_frames
 from .density_nodes import NAME
 from .density_store import outputs_of_others, store_density, stored_or_new
 
@@ -99,9 +100,7 @@ def write_step_images(
         An image could not be written.
     """
     settings = settings or ImageSettings()
-    frames = np.atleast_2d(np.asarray(densities, dtype=np.float64))
-    if frames.ndim != 2 or frames.shape[1] != len(readable_mesh(obj).vertices):
-        raise ValueError(f"densities of shape {frames.shape} for {len(obj.data.vertices)} vertices")
+    frames = checked_frames(densities, len(readable_mesh(obj).vertices))
     pixels = mesh_pixels(obj, settings)
     largest = float(frames.max(initial=0.0))
     scale = 1.0 / largest if settings.file_format == "PNG" and largest > 0.0 else 1.0

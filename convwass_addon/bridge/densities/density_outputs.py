@@ -8,13 +8,14 @@ from dataclasses import replace
 
 import bpy
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..color_attributes import show_colors, write_colors
 from ..heat_map import heat_colors
 from ..mesh_checks import other_kind, writable_mesh
 from ..node_inputs import node_input
 from ..vertex_groups import as_weights, require_unlocked
+from .density_attributes import checked_frames
 from .density_nodes import COLORS, NAME, color_name
 from .density_player import density_modifier, density_value
 from .density_store import store_density, stored_or_new
@@ -54,7 +55,7 @@ def write_step_groups(obj: bpy.types.Object, densities: ArrayLike, name: str = N
         As `write_group`, or a group of such a name was painted; nothing is written then.
     """
     mesh = writable_mesh(obj)
-    weights = _checked(densities, len(mesh.vertices))
+    weights = as_weights(checked_frames(densities, len(mesh.vertices)))
     names = [step_name(name, step) for step in range(len(weights))]
     # Checked before anything is written.
     require_unlocked(obj, names)
@@ -88,7 +89,7 @@ def write_step_colors(obj: bpy.types.Object, densities: ArrayLike, name: str = N
         The object is not a mesh, is in Edit Mode or linked, or the name belongs to something else.
     """
     mesh = writable_mesh(obj)
-    weights = _checked(densities, len(mesh.vertices))
+    weights = as_weights(checked_frames(densities, len(mesh.vertices)))
     names = [f"{step_name(name, step)} color" for step in range(len(weights))]
     # Checked before anything is written.
     for own in names:
@@ -122,15 +123,6 @@ def show_heat_colors(obj: bpy.types.Object, name: str = NAME) -> None:
     show_colors(obj, own)
     choice.set(True)
     density_value(obj, name).modifier.id_data.update_tag()
-
-
-def _checked(densities: ArrayLike, count: int) -> NDArray[np.float64]:
-    frames = np.atleast_2d(np.asarray(densities, dtype=np.float64))
-    if frames.ndim != 2 or not len(frames) or frames.shape[1] != count:
-        raise ValueError(f"densities of shape {frames.shape} for {count} vertices")
-    if not (np.isfinite(frames).all() and frames.min(initial=0.0) >= 0.0):
-        raise ValueError("densities are negative or not finite")
-    return as_weights(frames)
 
 
 def _written(obj: bpy.types.Object, name: str, kind: str, names: list[str]) -> list[str]:

@@ -21,7 +21,7 @@ from ..keyframes import channels_of, ease, is_driven, own_action
 from ..mesh_checks import writable_mesh
 from ..node_inputs import NodeInput, node_input
 from ..unused_data import remove_if_unused
-from .density_attributes import remove_color, remove_frames, require_free, write_frames
+from .density_attributes import checked_frames, remove_color, remove_frames, require_free, write_frames
 from .density_nodes import DENSITY_KEY, NAME, VALUE, density_tree, fill
 from .density_store import StoredDensity, forget_density, store_density, stored_or_new
 
@@ -83,7 +83,7 @@ def animate_density(
         The object is not a mesh, is in Edit Mode or linked, or the name belongs to something else.
     """
     mesh = writable_mesh(obj)
-    frames = _checked_frames(densities, len(mesh.vertices))
+    frames = checked_frames(densities, len(mesh.vertices), least=2)
     places = _checked_times(times, len(frames))
     require_free(obj, name)
     peak = float(frames.max())
@@ -153,15 +153,6 @@ def played_densities(obj: bpy.types.Object) -> list[str]:
     """Return the names of the densities that an object plays, in modifier order."""
     trees = (modifier.node_group for modifier in obj.modifiers if modifier.type == "NODES")
     return [tree[DENSITY_KEY] for tree in trees if tree and isinstance(tree.get(DENSITY_KEY), str)]
-
-
-def _checked_frames(densities: ArrayLike, count: int) -> NDArray[np.float64]:
-    frames = np.asarray(densities, dtype=np.float64)
-    if frames.ndim != 2 or len(frames) < 2 or frames.shape[1] != count:
-        raise ValueError(f"densities of shape {frames.shape} for two frames or more of {count} vertices")
-    if not (np.isfinite(frames).all() and frames.min(initial=0.0) >= 0.0):
-        raise ValueError("densities are negative or not finite")
-    return frames
 
 
 def _checked_times(times: ArrayLike, count: int) -> NDArray[np.float64]:
