@@ -65,7 +65,7 @@ class FlatBake(MorphBake):
         """
         check_first_frame(first_frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        start = min(first_frame, scene.frame_start)
+        start = min(first_frame, bpy.context.scene.frame_start)
         copies = [_frozen(obj, flat, kind, depsgraph, start) for obj, flat in zip(inputs, flats, strict=True)]
         shapes = [_described(*each) for each in zip(inputs, copies, flats, strict=True)]
         bake = cls._opened(inputs, shapes, blends, settings, first_frame)
