@@ -17,7 +17,7 @@ from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.one_mesh.vertex_textures import TextureGrid, y_up
 from convwass_addon.bridge.image_files import opened_image, pixel_values
 from convwass_addon.bridge.imports import import_objects
-from convwass_addon.bridge.keyframes import curves_of, make_linear
+from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.morphs import exports
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
@@ -266,7 +266,7 @@ def key_travel(obj):
     for frame, place in ((3, 10.0), (6, 13.0)):
         obj.location.x = place
         obj.keyframe_insert("location", index=0, frame=frame)
-    make_linear(obj)
+    interpolate(curves_of(obj))
 
 
 def show_instead(obj, other):
