@@ -96,7 +96,7 @@ def bent_tube(turn, sides=12, rings=60, radius=0.3, rise=0.0):
     return TriangleMesh.from_arrays(np.concatenate([points.reshape(-1, 3), ends]), np.concatenate(faces))
 
 
-_LIMBS = (
+PERSON = (
     ((0.0, 0.0, 1.62), (0.0, 0.0, 1.70), 0.11),
     ((0.0, 0.0, 1.45), (0.0, 0.0, 1.60), 0.055),
     ((0.0, 0.0, 1.00), (0.0, 0.0, 1.38), 0.15),
@@ -107,17 +107,21 @@ _LIMBS = (
 
 def body(cell=0.03):
     """A man made of capsules, 1.8 tall along z, extracted from a grid; the mesh has slivers."""
-    low, high = np.array([-1.0, -0.3, -0.1]), np.array([1.0, 0.3, 1.95])
+    return capsules(PERSON, (-1.0, -0.3, -0.1), (1.0, 0.3, 1.95), cell)
+
+
+def capsules(limbs, low, high, cell):
+    """The union of capsules, as (start, end, radius), extracted from a grid between two corners."""
     axes = [np.arange(first, last, cell) for first, last in zip(low, high, strict=True)]
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1)
     distance = np.full(points.shape[:3], np.inf)
-    for start, end, radius in _LIMBS:
+    for start, end, radius in limbs:
         along = np.subtract(end, start)
         share = np.clip((points - start) @ along / (along @ along), 0.0, 1.0)
         own = np.linalg.norm(points - start - share[..., None] * along, axis=-1) - radius
         distance = np.minimum(distance, own)
     vertices, faces, _, _ = marching_cubes(distance, 0.0, spacing=(cell,) * 3)
-    return TriangleMesh.from_arrays(vertices + low, faces[:, ::-1])
+    return TriangleMesh.from_arrays(vertices + np.array(low), faces[:, ::-1])
 
 
 def square(size=1.0, center=(0.0, 0.0, 0.0)):

@@ -25,13 +25,14 @@ from ..workers import one_blas_thread
 from .carriers import Carrier
 from .facing_turns import is_turned_over, symmetric_turn, turned_carrier, turned_mesh
 from .guided_settings import GuidedSettings
+from .limb_pairs import limb_pairs
 from .limbs import is_compact
 from .map_detour import map_detour
 from .map_survey import best_rough_map
 from .mirrored_guides import MirroredGuides, agreeing_sides
 from .mirrored_sides import MirroredSides
-from .pair_maps import DOUBTED, PairMap, pair_map
-from .pair_registration import LaidPair, grown_pair, laid_on_each_other
+from .pair_maps import DOUBTED, PairMap, limb_map, pair_map
+from .pair_registration import LaidPair, draft_of, grown_pair, laid_on_each_other
 
 # Fractions of the work after the grown registration, and after solving the map.
 _GROWN, _MAPPED = 0.22, 0.67
@@ -60,6 +61,7 @@ _TURNED = 0.95
 # Flat shapes fold on their way if they move matter farther than this number of times the Wasserstein distance: an H to
 # a U and an M to a W that fold move it 2.8 to 3.3 times as far, an F to a y and an L to a V that swing 1.5 to 1.7.
 _FOLDING = 1.8
+_NO_VERTICES = np.empty(0, np.int64)
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 TRUSTED = 0.88
@@ -159,14 +161,20 @@ def mapped_pair(
             best = max(best, turned, key=_rank)
     if len(pairs) or best.score >= TRUSTED:
         return best
-    survey = _or_surveyed(best, one, other, turn, is_flat, control)
+    survey = _or_surveyed(best, one, other, turn, is_flat, settings, control)
     return (yield from within(survey, 0.4 if turn is None else 0.8, 1.0))
 
 
 def _or_surveyed(
-    best: MappedPair, one: Carrier, other: Carrier, turn: NDArray[np.float64] | None, is_flat: bool, control: Control
+    best: MappedPair,
+    one: Carrier,
+    other: Carrier,
+    turn: NDArray[np.float64] | None,
+    is_flat: bool,
+    settings: GuidedSettings,
+    control: Control,
 ) -> Work[MappedPair]:
-    """Return a pair, or what is clearly better: the shapes registered from the best of rough maps, if those are tried.
+    """Return a pair, or what is clearly better: the shapes registered by their limbs, or from the best of rough maps.
 
     The first shape has been turned by `turn`, (3, 3), unless that is None.
     """
@@ -182,13 +190,19 @@ def _or_surveyed(
     may_face_away = turn is None and turns
     if not may_face_away and not (is_poor and _have_limbs(one.mesh, other.mesh)):
         return best
+    # The merit of shapes without a common mirror plane is lowered already.
+    needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
+    if may_face_away and best.symmetry is None:
+        by_limbs = yield from within(_registered_by_limbs(one, other, turns, settings, control), 0.0, 0.5)
+        if by_limbs is not None and by_limbs.merit > needed:
+            best, needed = by_limbs, by_limbs.merit
+            if best.score >= _FAIR:
+                return best
     try:
         surveyed = yield from _registered_from_survey(one, other, [None, *turns], control)
     except InputError:
         # Between coarser meshes, there may be no map.
         return best
-    # The merit of shapes without a common mirror plane is lowered already.
-    needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
     if folds and surveyed.detour < _FOLDING:
         needed = _CLEARLY * best.merit
     return surveyed if surveyed.merit > needed else best
@@ -247,6 +261,27 @@ def _registered_from_survey(
         laid = laid_on_each_other((pose, other), rough.starts, rough.map.pairs, None, control, sides)
     found = _mapped(pose, other, laid, rough.map, sides)
     return found if turn is None else _turned_back(found, one, turn)
+
+
+def _registered_by_limbs(
+    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64]], settings: GuidedSettings, control: Control
+) -> Work[MappedPair | None]:
+    """Register two shapes by their limbs in the better one of some turns of the first one; None if limbs differ."""
+    target, found = draft_of(other, _NO_VERTICES, control), []
+    for number, turn in enumerate(turns):
+        pose = turned_carrier(one, turn)
+        sides = MirroredSides.of(pose.mesh, other.mesh)
+        drafts = draft_of(pose, _NO_VERTICES, control), target
+        tips = limb_pairs(drafts[0].mesh, drafts[1].mesh, sides.planes)
+        if not len(tips):
+            continue
+        pairs = np.stack([draft.seeds[own] for draft, own in zip(drafts, tips.T, strict=True)], axis=1)
+        solved = limb_map(pose, other, pairs, SoftMapSettings(vertices=settings.map_vertices), control, sides)
+        mapped = yield from within(solved, number / len(turns), (number + 0.7) / len(turns))
+        with one_blas_thread():
+            laid = laid_on_each_other((pose, other), mapped.starts(pose, other), pairs, None, control, sides)
+        found.append(_turned_back(_mapped(pose, other, laid, mapped, sides), one, turn))
+    return max(found, key=lambda pair: pair.merit, default=None)
 
 
 def _registered_turned(

@@ -192,6 +192,19 @@ def mirrored_map(
     return _solved(first, second, _NO_PAIRS, settings, control, groups, planes)
 
 
+def limb_map(
+    first: Carrier,
+    second: Carrier,
+    pairs: NDArray[np.int64],
+    settings: SoftMapSettings,
+    control: Control,
+    sides: MirroredSides,
+) -> Work[PairMap]:
+    """Solve the map that joins the tips of limbs, (k, 2), and keeps left and right; they do not count as guides."""
+    found = yield from _solved(first, second, pairs, settings, control, sides.both_groups)
+    return replace(found, pairs=_NO_PAIRS)
+
+
 def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
     """Return mapped positions of a shape's vertices, with confidences."""
     places = np.where(points.found[:, None], points.positions(target.mesh), source.mesh.vertices)

@@ -18,6 +18,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.rotation_fields import rotation_matrices
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import shuffled
+from tests.applications.motions.test_limb_pairs import RAISED_TAIL, animal, person
 from tests.grids import figure, sheet
 from tests.shapes import ball
 
@@ -180,18 +181,68 @@ def test_shapes_with_a_common_mirror_plane_are_not_turned_out_of_it(monkeypatch)
     assert len(asked) == 1
 
 
-@pytest.mark.parametrize(("score", "angle"), [(0.46, 90.0), (0.44, 0.0)])
-def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, score, angle):
-    """The map without a common plane has to be better by a third."""
+@pytest.fixture
+def across():
+    """Carriers of a figure as it stands, and turned by a quarter; as they stand, they map with a score of 0.6."""
     shape = figure()[0]
-    across = TriangleMesh(shape.vertices @ about_z(90.0).T, shape.faces)
-    carriers = [carrier_of(mesh, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (shape, across)]
+    meshes = shape, TriangleMesh(shape.vertices @ about_z(90.0).T, shape.faces)
+    return [carrier_of(mesh, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in meshes]
+
+
+def by_limbs(monkeypatch, score):
+    """Let the limbs lead to this score after a quarter turn; None if they do not correspond."""
+
+    def registered(one, _other, turns, *_others):
+        yield from ()
+        assert len(turns) == 2
+        laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
+        pair = PairMap(None, np.empty((0, 2), np.int64), score or 0.0)
+        return None if score is None else MappedPair(LaidPair(laid, laid, 0.0), pair, 0.5, 1.0, 90.0)
+
+    monkeypatch.setattr(mapped_pairs, "_registered_by_limbs", registered)
+
+
+@pytest.mark.parametrize(("score", "angle"), [(0.46, 90.0), (0.44, 0.0)])
+@pytest.mark.parametrize("limbs", [None, 0.43], ids=["limbs differ", "limbs are worse"])
+def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, across, limbs, score, angle):
+    """The map without a common plane has to be better by a third."""
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     registrations(monkeypatch, (0.6, None, 1.0))
+    by_limbs(monkeypatch, limbs)
     asked = surveyed(monkeypatch, score, 0.5, 1.0, place=1)
-    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert found.turn == pytest.approx(angle)
     assert asked == pytest.approx([0.0, 90.0, -90.0])
+
+
+@pytest.mark.parametrize(
+    ("standing", "limbs", "rough", "score"),
+    [(0.6, 0.55, 0.9, 0.55), (0.6, 0.46, 0.4, 0.46), (0.6, 0.46, 0.5, 0.5)],
+    ids=["limbs are fair", "limbs are better than rough maps", "rough maps are better than limbs"],
+)
+def test_shapes_are_turned_to_each_other_by_their_limbs(monkeypatch, across, standing, limbs, rough, score):
+    """Rough maps are tried only if that is not fair."""
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    registrations(monkeypatch, (standing, None, 1.0))
+    by_limbs(monkeypatch, limbs)
+    asked = surveyed(monkeypatch, rough, 0.5, 1.0)
+    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert found.score == score
+    assert bool(asked) == (limbs < 0.5)
+
+
+def test_a_raised_tail_does_not_become_the_head():
+    """An animal that faces another way than a person is turned, and stands up."""
+    first, second = animal(RAISED_TAIL), person()
+    carriers = [
+        carrier_of(mesh, "shape", np.empty(0, np.int64), 700, UNINTERRUPTED)
+        for mesh in (TriangleMesh(first.vertices @ about_z(90.0).T, first.faces), second)
+    ]
+    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert abs(found.turn) == pytest.approx(90.0)
+    assert not len(found.map.pairs)
+    head = carriers[0].mesh.vertices @ (1.0, 0.0, 0.3) > 1.2
+    assert np.median(found.laid.first.points[head, 2]) > 1.5
 
 
 def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):

@@ -1,0 +1,254 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pair the limbs of two symmetric shapes: heads with heads, front legs with arms, hind legs with legs.
+
+A map between the surfaces of an animal and a person can be consistent and still wrong: a raised tail becomes the head.
+Limbs are few, so all ways to pair them can be compared by what is near their tips, by how high these are, and by how
+far they are from each other on the surface. The best way serves as guides for a map.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.mirror_planes import MirrorPlane, MirrorPlanes
+from ...geometry.surface_graph import surface_distances, surface_graph
+from ...geometry.surface_tips import surface_tips
+
+# Chosen by eye on animals and people, in sizes of the surface. The persistence of the tip of a limb, which is 0.13 to
+# 0.46 for legs, heads and tails, 0.08 for the short arms of a kangaroo and at most 0.06 for ears; the radius around the
+# tip in which its area is measured; and the largest distance of a tip from the mirror image of its counterpart.
+_PERSISTENCE, _AROUND, _MIRRORED = 0.07, 0.35, 0.15
+# Two tips of a symmetric pair that are this close, such as horns, may count as one in the middle: a head.
+_CLOSE = 0.45
+# Shapes with more limbs, or pairs of limbs, than this are not compared. A spider has six.
+_MOST_LIMBS = 8
+# Limbs do not correspond if the cost of the best pairing is more than this share of that of no pairing. It is 0.2 to
+# 0.45 from a dog, a chair, a camel, a kangaroo or a crocodile to a man, and 0.5 or more from an elephant to a man and
+# from a horse to a bird.
+_MOST_COST = 0.48
+_NO_PAIRS = np.empty((0, 2), np.int64)
+
+
+@dataclass(frozen=True)
+class Limb:
+    """A limb in the mirror plane, or a symmetric pair of limbs.
+
+    Attributes
+    ----------
+    tips : tuple of int
+        Indices in the tips of the shape: of one limb, or of the left and the right one.
+    middle : int or None
+        Index of a tip in the mirror plane that may stand for the limb; None for pairs whose tips are far apart.
+    """
+
+    tips: tuple[int, ...]
+    middle: int | None
+
+
+@dataclass(frozen=True)
+class Limbs:
+    """The limbs of a shape.
+
+    Attributes
+    ----------
+    limbs : list of _Limb
+    vertices : (t,) int64
+        Vertices of the tips.
+    shares : (t,) float64
+        Shares of the surface around the tips.
+    heights : (t,) float64
+        How far up the tips are, from 0 to 1.
+    apart : (t, t) float64
+        Distances between the tips on the surface, in sizes of the surface.
+    """
+
+    limbs: list[Limb]
+    vertices: NDArray[np.int64]
+    shares: NDArray[np.float64]
+    heights: NDArray[np.float64]
+    apart: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh, plane: MirrorPlane) -> Limbs:
+        """Find the limbs of a shape that is nearly symmetric in a plane."""
+        tips = surface_tips(mesh, _PERSISTENCE)
+        vertices = [tip.vertex for tip in tips]
+        distances = [tip.distances for tip in tips]
+        limbs = []
+        for own in _symmetric(mesh, plane, vertices):
+            if len(own) == 1:
+                limbs.append(Limb(own, own[0]))
+            elif distances[own[0]][vertices[own[1]]] > _CLOSE:
+                limbs.append(Limb(own, None))
+            else:
+                limbs.append(Limb(own, len(vertices)))
+                between = mesh.vertices[[vertices[tip] for tip in own]].mean(axis=0)
+                vertices.append(int(np.linalg.norm(mesh.vertices - between, axis=1).argmin()))
+                distances.append(surface_distances(surface_graph(mesh), vertices[-1:])[0] / np.sqrt(mesh.area))
+        away = np.array(distances).reshape(len(vertices), len(mesh.vertices))
+        low, high = mesh.bounds[:, 2]
+        return cls(
+            limbs,
+            np.array(vertices, np.int64),
+            (away < _AROUND) @ mesh.vertex_areas / mesh.area,
+            (mesh.vertices[vertices, 2] - low) / max(high - low, np.finfo(float).tiny),
+            away[:, vertices],
+        )
+
+    @property
+    def count(self) -> int:
+        """Number of tips."""
+        return sum(len(limb.tips) for limb in self.limbs)
+
+    @property
+    def costs(self) -> NDArray[np.float64]:
+        """What the limbs cost that have no counterpart, in mean limbs: the bulk around their tips."""
+        bulks = np.array([self.shares[list(limb.tips)].sum() for limb in self.limbs])
+        return bulks * self.count / bulks.sum()
+
+
+def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) -> NDArray[np.int64]:
+    """Return corresponding tips of the limbs of two shapes, as vertices, (k, 2).
+
+    Limbs in the mirror plane are paired with each other, and pairs of limbs with pairs, left with left. The cost of a
+    pairing is the sum of the differences of paired tips, in the logarithm of the surface around them and in height, of
+    the mean differences of their distances from other tips, and of the bulk of limbs without a counterpart.
+
+    Parameters
+    ----------
+    first, second : TriangleMesh
+        The shapes, best of a few thousand vertices.
+    planes : (MirrorPlane, MirrorPlane)
+        Parallel planes in which they are nearly symmetric.
+
+    Returns
+    -------
+    (k, 2) int64
+        Empty if the limbs do not correspond.
+    """
+    one, other = (Limbs.of(mesh, plane) for mesh, plane in zip((first, second), planes, strict=True))
+    if not (0 < len(one.limbs) <= _MOST_LIMBS and 0 < len(other.limbs) <= _MOST_LIMBS):
+        return _NO_PAIRS
+    found, cost = best_pairing(one, other)
+    tips = [pair for pairs in found for pair in pairs]
+    if not tips or cost > _MOST_COST * (one.costs.sum() + other.costs.sum()):
+        return _NO_PAIRS
+    here, there = np.array(tips).T
+    return np.stack([one.vertices[here], other.vertices[there]], axis=1)
+
+
+def _symmetric(mesh: TriangleMesh, plane: MirrorPlane, vertices: list[int]) -> list[tuple[int, ...]]:
+    """Return the tips that are their own mirror images, and pairs of tips that are each other's, the left one first."""
+    if not vertices:
+        return []
+    points = mesh.vertices[vertices]
+    away = np.linalg.norm(points[None] - plane.mirrored(points)[:, None], axis=2) / np.sqrt(mesh.area)
+    sides, found = plane.heights(points), []
+    for tip, image in enumerate(away.argmin(axis=1).tolist()):
+        if image == tip:
+            found.append((tip,))
+        elif away[image].argmin() == tip and away[tip, image] < _MIRRORED and sides[tip] > sides[image]:
+            found.append((tip, image))
+    return found
+
+
+TipPairs = list[tuple[int, int]]
+"""Corresponding tips of two limbs."""
+
+
+def best_pairing(one: Limbs, other: Limbs) -> tuple[list[TipPairs], float]:
+    """Return the pairs of tips of all paired limbs of two shapes in the best pairing, and its cost."""
+    choices = [
+        _Choice(limb, counterpart, pairs)
+        for limb, own in enumerate(one.limbs)
+        for counterpart, there in enumerate(other.limbs)
+        if (pairs := _paired(own, there))
+    ]
+    search = _Search(one, other, choices)
+    search.extend(0, [], float(other.costs.sum()), search.own)
+    return [choices[number].pairs for number in search.best], search.cost
+
+
+@dataclass(frozen=True)
+class _Choice:
+    """Two limbs that may be paired: their places in the lists of limbs, and the corresponding tips."""
+
+    limb: int
+    counterpart: int
+    pairs: TipPairs
+
+
+class _Search:
+    """Finds the pairing of the lowest cost by branch and bound.
+
+    The cost of what is left is at least that of the best choice for every limb by itself, given those made before.
+    """
+
+    def __init__(self, one: Limbs, other: Limbs, choices: list[_Choice]) -> None:
+        self.limb = np.array([choice.limb for choice in choices], np.int64)
+        self.counterpart = np.array([choice.counterpart for choice in choices], np.int64)
+        self.alone = one.costs
+        between = np.array([[_distortion(one, other, a.pairs, b.pairs) for b in choices] for a in choices])
+        self.between = between.reshape(len(choices), len(choices))
+        # A pairing saves what the counterpart would cost alone.
+        differences = [_difference(one, other, choice.pairs) for choice in choices]
+        self.own = np.array(differences) + 0.5 * np.diagonal(self.between) - other.costs[self.counterpart]
+        self.best: list[int] = []
+        self.cost = float(one.costs.sum() + other.costs.sum())
+
+    def extend(self, limb: int, chosen: list[int], cost: float, more: NDArray[np.float64]) -> None:
+        """Choose counterparts of a limb of the first shape and those that follow it.
+
+        Parameters
+        ----------
+        limb : int
+            The limb.
+        chosen : list of int
+            Choices for the limbs before it.
+        cost : float
+            Cost of these, of limbs before it that have no counterpart, and of the limbs of the other shape without one.
+        more : (c,) float64
+            What every choice adds to it; infinite for counterparts that are taken.
+        """
+        if limb == len(self.alone):
+            if cost < self.cost:
+                self.best, self.cost = chosen, cost
+            return
+        least = self.alone[limb:].copy()
+        np.minimum.at(least, self.limb[self.limb >= limb] - limb, more[self.limb >= limb])
+        if cost + least.sum() >= self.cost:
+            return
+        own = np.flatnonzero((self.limb == limb) & (more < np.inf))
+        for choice in own[np.argsort(more[own], kind="stable")].tolist():
+            taken = self.counterpart == self.counterpart[choice]
+            later = np.where(taken, np.inf, more + self.between[choice])
+            self.extend(limb + 1, [*chosen, choice], cost + more[choice], later)
+        self.extend(limb + 1, chosen, cost + self.alone[limb], more)
+
+
+def _difference(one: Limbs, other: Limbs, pairs: TipPairs) -> float:
+    """Return the differences of paired tips in the surface around them and in height."""
+    here, there = np.array(pairs).T
+    bulks = np.abs(np.log(one.shares[here] / other.shares[there]))
+    return float((bulks + np.abs(one.heights[here] - other.heights[there])).sum())
+
+
+def _distortion(one: Limbs, other: Limbs, pairs: TipPairs, others: TipPairs) -> float:
+    """Return the differences of the distances between paired tips and others, relative to the number of tips."""
+    (here, there), (here2, there2) = np.array(pairs).T, np.array(others).T
+    differences = one.apart[np.ix_(here, here2)] - other.apart[np.ix_(there, there2)]
+    return float(2.0 * np.abs(differences).sum() / max(min(one.count, other.count) - 1, 1))
+
+
+def _paired(limb: Limb, other: Limb) -> TipPairs:
+    """Return the corresponding tips of two limbs; none if one is in the middle and the other one is not."""
+    if len(limb.tips) == len(other.tips):
+        return list(zip(limb.tips, other.tips, strict=True))
+    if limb.middle is None or other.middle is None:
+        return []
+    return [(limb.middle, other.middle)]

@@ -1,0 +1,120 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pairs of limbs of symmetric shapes."""
+
+from functools import cache
+from itertools import permutations
+
+import numpy as np
+import pytest
+
+from convwass_addon.applications.motions.limb_pairs import Limb, Limbs, best_pairing, limb_pairs
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.mirror_planes import MirrorPlane
+from tests.shapes import PERSON, ball, capsules
+
+
+def legs(front, hind):
+    return [((x, y, 0.6), (x, y, 0.0), 0.07) for x in (-0.2, 0.2) for y in (front, hind)]
+
+
+TRUNK = ((0.0, -0.6, 0.75), (0.0, 0.6, 0.75), 0.2)
+NECK = [((0.0, -0.6, 0.8), (0.0, -0.8, 1.1), 0.1), ((0.0, -0.8, 1.15), (0.0, -1.05, 1.1), 0.13)]
+RAISED_TAIL = ((0.0, 0.7, 0.8), (0.0, 1.0, 1.35), 0.05)
+HORNS = [((0.05 * side, -0.82, 1.25), (0.12 * side, -0.75, 1.6), 0.04) for side in (-1, 1)]
+
+
+@cache
+def animal(*others):
+    """An animal that faces -y, made of capsules."""
+    limbs = (TRUNK, *NECK, *legs(-0.6, 0.6), *others)
+    return capsules(limbs, (-0.6, -1.3, -0.15), (0.6, 1.2, 1.75), 0.04)
+
+
+FEET = [((0.14 * side, 0.0, 0.08), (0.14 * side, -0.2, 0.06), 0.06) for side in (-1, 1)]
+
+
+@cache
+def person():
+    """A person who faces -y, as the feet tell."""
+    return capsules((*PERSON, *FEET), (-1.0, -0.4, -0.1), (1.0, 0.3, 1.95), 0.04)
+
+
+def middle(mesh):
+    return MirrorPlane(mesh.area_center, np.array([1.0, 0.0, 0.0]))
+
+
+def paired_places(first, second):
+    pairs = limb_pairs(first, second, (middle(first), middle(second)))
+    return np.stack([first.vertices[pairs[:, 0]], second.vertices[pairs[:, 1]]], axis=1)
+
+
+def named(places):
+    """Say which parts of an animal and of a person are paired, and whether they are on the same side."""
+    found = set()
+    for here, there in places:
+        own = "tail" if here[1] > 0.8 else "head" if here[2] > 0.8 else "front leg" if here[1] < 0 else "hind leg"
+        other = "head" if there[2] > 1.5 else "hand" if there[2] > 0.5 else "foot"
+        sides = "" if other == "head" else (" same side" if here[0] * there[0] > 0 else " other side")
+        found.add(f"{own} to {other}{sides}")
+    return sorted(found)
+
+
+@pytest.mark.parametrize("others", [(), (RAISED_TAIL,), tuple(HORNS)], ids=["no tail", "raised tail", "horns"])
+def test_an_animal_stands_up_to_become_a_person(others):
+    """Its raised tail is as high as its head, but thinner."""
+    found = paired_places(animal(*others), person())
+    assert len(found) == 5
+    assert named(found) == ["front leg to hand same side", "head to head", "hind leg to foot same side"]
+
+
+def test_limbs_of_one_shape_are_paired_with_themselves():
+    shape = animal(RAISED_TAIL)
+    turned = TriangleMesh(shape.vertices * (1.0, -1.0, 1.0), shape.faces[:, ::-1])
+    for second in (shape, turned):
+        pairs = limb_pairs(shape, second, (middle(shape), middle(second)))
+        assert len(pairs) == 6
+        assert (pairs[:, 0] == pairs[:, 1]).all()
+
+
+def test_shapes_whose_limbs_do_not_correspond_have_no_pairs():
+    log = capsules((((0.0, -1.0, 0.3), (0.0, 1.0, 0.3), 0.3),), (-0.5, -1.5, -0.1), (0.5, 1.5, 0.8), 0.05)
+    for other in (log, ball(points=400)):
+        assert not len(paired_places(person(), other))
+        assert not len(paired_places(other, person()))
+
+
+def limbs_at_random(random, sizes):
+    tips = iter(range(sum(sizes)))
+    limbs = [Limb(tuple(next(tips) for _ in range(size)), None) for size in sizes]
+    limbs = [Limb(limb.tips, limb.tips[0] if len(limb.tips) == 1 else None) for limb in limbs]
+    count = sum(sizes)
+    places = random.random((count, 3))
+    apart = np.linalg.norm(places[:, None] - places, axis=2)
+    return Limbs(limbs, np.arange(count), random.uniform(0.05, 0.3, count), random.random(count), apart)
+
+
+def pairing_cost(one, other, found):
+    """The cost by its definition."""
+    here, there = np.array([pair for pairs in found for pair in pairs], int).reshape(-1, 2).T
+    others = min(len(one.vertices), len(other.vertices)) - 1
+    cost = np.abs(np.log(one.shares[here] / other.shares[there])).sum()
+    cost += np.abs(one.heights[here] - other.heights[there]).sum()
+    cost += np.abs(one.apart[np.ix_(here, here)] - other.apart[np.ix_(there, there)]).sum() / others
+    for own, tips in ((one, here), (other, there)):
+        cost += np.delete(own.shares, tips).sum() / own.shares.mean()
+    return cost
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_the_best_pairing_is_that_of_an_exhaustive_search(seed):
+    random = np.random.default_rng(seed)
+    one, other = limbs_at_random(random, (1, 2, 1, 2)), limbs_at_random(random, (2, 1, 2))
+    costs = []
+    for order in permutations([*range(3), None, None, None, None], 4):
+        pairs = [(one.limbs[k].tips, other.limbs[j].tips) for k, j in enumerate(order) if j is not None]
+        if all(len(here) == len(there) for here, there in pairs):
+            costs.append(pairing_cost(one, other, [list(zip(*both, strict=True)) for both in pairs]))
+    found, cost = best_pairing(one, other)
+    assert cost == pytest.approx(min(costs))
+    assert pairing_cost(one, other, found) == pytest.approx(cost)
