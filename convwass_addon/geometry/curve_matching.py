@@ -124,9 +124,10 @@ def matched_curves(
         The match of the least work.
     """
     possible = [(own, others) for own, others in _STEPS if others <= count]
+    apart = _apart(one.shape[:, None], other.shape)
     # By sample of the first curve, start, and sample of the second curve after it.
     works = [
-        sliding_window_view(_works(one, other, (own, others), weights), count + 1 - others, axis=1)[
+        sliding_window_view(_works(one, other, (own, others), weights, apart), count + 1 - others, axis=1)[
             :, starts.start : starts.stop
         ]
         for own, others in possible
@@ -134,22 +135,24 @@ def matched_curves(
     size = len(one.places)
     least = np.full((size, len(starts), count + 1), np.inf)
     least[0, :, 0] = 0.0
-    steps = np.zeros((size, len(starts), count + 1), np.int8)
     for row in range(1, size):
-        for number, (own, others) in enumerate(possible):
-            if own > row:
-                continue
-            found = least[row - own, :, : count + 1 - others] + works[number][row - own]
-            known = least[row, :, others:]
-            better = found < known
-            np.copyto(known, found, where=better)
-            np.copyto(steps[row, :, others:], number, where=better)
+        for (own, others), work in zip(possible, works, strict=True):
+            if own <= row:
+                known = least[row, :, others:]
+                np.minimum(known, least[row - own, :, : count + 1 - others] + work[row - own], out=known)
     start = int(least[-1, :, count].argmin())
     first, second = [size - 1], [count]
     while first[-1] > 0:
-        own, others = possible[steps[first[-1], start, second[-1]]]
-        first.append(first[-1] - own)
-        second.append(second[-1] - others)
+        row, column = first[-1], second[-1]
+        reached = [
+            least[row - own, start, column - others] + work[row - own, start, column - others]
+            if own <= row and others <= column
+            else np.inf
+            for (own, others), work in zip(possible, works, strict=True)
+        ]
+        own, others = possible[int(np.argmin(reached))]
+        first.append(row - own)
+        second.append(column - others)
     return MatchedCurves(np.array(first[::-1]), np.array(second[::-1]) + starts[start], float(least[-1, start, count]))
 
 
@@ -159,24 +162,38 @@ def match_work(one: CurveSamples, other: CurveSamples, match: MatchedCurves, wei
     total = 0.0
     for own, others in _STEPS:
         chosen = np.flatnonzero((spans == (own, others)).all(axis=1))
-        ours = _Pieces.of(one, own).at(match.first[chosen])
-        total += float(_work(ours, _Pieces.of(other, others).at(match.second[chosen]), weights).sum())
+        begins = match.first[chosen], match.second[chosen]
+        changed = _apart(one.shape[begins[0]], other.shape[begins[1]])
+        changed += _apart(one.shape[begins[0] + own], other.shape[begins[1] + others])
+        ours, theirs = _Pieces.of(one, own).at(begins[0]), _Pieces.of(other, others).at(begins[1])
+        total += float(_work(ours, theirs, weights, changed).sum())
     return total
 
 
-def _works(one: CurveSamples, other: CurveSamples, step: tuple[int, int], weights: MatchWeights) -> NDArray[np.float64]:
-    """Return the work of matching all pieces of given numbers of samples, (n - step[0], m - step[1])."""
-    return _work(_Pieces.of(one, step[0]).at((slice(None), None)), _Pieces.of(other, step[1]), weights)
+def _works(
+    one: CurveSamples, other: CurveSamples, step: tuple[int, int], weights: MatchWeights, apart: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the work of matching all pieces of given numbers of samples, (n - step[0], m - step[1]).
+
+    It does not depend on the step how far the features of all samples are `apart`, (n, m).
+    """
+    own, others = step
+    changed = apart[:-own, :-others] + apart[own:, others:]
+    return _work(_Pieces.of(one, own).at((slice(None), None)), _Pieces.of(other, others), weights, changed)
 
 
-def _work(ours: _Pieces, theirs: _Pieces, weights: MatchWeights) -> NDArray[np.float64]:
-    """Return the work of matching pieces, whose arrays are broadcast."""
+def _work(ours: _Pieces, theirs: _Pieces, weights: MatchWeights, changed: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the work of matching pieces, whose arrays are broadcast, with the sum of the changes at both ends."""
     work = weights.turning * (1.0 - np.cos(ours.directions - theirs.directions))
-    work = work + weights.moving * np.square(ours.middles - theirs.middles).sum(axis=-1)
+    work += weights.moving * _apart(ours.middles, theirs.middles)
     work += weights.stretching * np.square(np.log(ours.lengths / theirs.lengths))
-    ends = (np.square(ours.shapes[end] - theirs.shapes[end]).sum(axis=-1) for end in (0, 1))
-    work += weights.changing * (0.5 * sum(ends))
+    work += weights.changing * (0.5 * changed)
     return 0.5 * (ours.lengths + theirs.lengths) * work + weights.bending * np.square(ours.turns - theirs.turns)
+
+
+def _apart(ours: NDArray[np.float64], theirs: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the squared distances of points along the last axis, whose other axes are broadcast."""
+    return sum(np.square(ours[..., axis] - theirs[..., axis]) for axis in range(ours.shape[-1]))
 
 
 @dataclass(frozen=True)
@@ -189,15 +206,12 @@ class _Pieces:
         Lengths, angles of the lines between their ends, and angles by which they turn.
     middles : (n, 2) float64
         Middles of these lines.
-    shapes : pair of (n, k) float64
-        Features of the shape near both ends.
     """
 
     lengths: NDArray[np.float64]
     directions: NDArray[np.float64]
     turns: NDArray[np.float64]
     middles: NDArray[np.float64]
-    shapes: tuple[NDArray[np.float64], NDArray[np.float64]]
 
     @classmethod
     def of(cls, curve: CurveSamples, span: int) -> _Pieces:
@@ -208,13 +222,11 @@ class _Pieces:
             np.arctan2(along[:, 1], along[:, 0]),
             _turns(curve, span),
             0.5 * (curve.points[span:] + curve.points[:-span]),
-            (curve.shape[:-span], curve.shape[span:]),
         )
 
     def at(self, rows: NDArray[np.int64] | tuple[slice, None]) -> _Pieces:
         """Return some of the pieces, or all of them along another axis."""
-        shapes = self.shapes[0][rows], self.shapes[1][rows]
-        return _Pieces(self.lengths[rows], self.directions[rows], self.turns[rows], self.middles[rows], shapes)
+        return _Pieces(self.lengths[rows], self.directions[rows], self.turns[rows], self.middles[rows])
 
 
 def _turns(curve: CurveSamples, span: int) -> NDArray[np.float64]:

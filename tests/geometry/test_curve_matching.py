@@ -37,7 +37,8 @@ def even(curve, count, start=0.0):
 def test_the_match_has_the_least_work_of_all():
     random = np.random.default_rng(7)
     one, other = samples(random.random((9, 2)), 1), samples(random.random((11, 2)), 2).twice_around()
-    works = {step: curve_matching._works(one, other, step, WEIGHTS) for step in curve_matching._STEPS}
+    apart = np.square(one.shape[:, None] - other.shape).sum(axis=-1)
+    works = {step: curve_matching._works(one, other, step, WEIGHTS, apart) for step in curve_matching._STEPS}
 
     @cache
     def least(row, column, end):
