@@ -142,7 +142,7 @@ def test_a_shape_of_an_earlier_morph_stays_hidden(shapes):
 def test_in_a_full_copy_of_a_scene_the_copied_shapes_are_shown(shapes):
     """Although their numbers are in another order than those of the originals."""
     shapes[1].name = "A.001"
-    bake("A,A.001", motion="AUTOMATIC", guides='[{"points": {"A": 11, "A.001": 0}}]')
+    bake("A,A.001", guides='[{"points": {"A": 11, "A.001": 0}}]')
     bpy.context.view_layer.objects.active = None
     bpy.ops.scene.new(type="FULL_COPY")
     copies = [obj for obj in bpy.context.scene.objects if obj.name.startswith("A.")][:2]

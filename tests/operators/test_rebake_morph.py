@@ -273,7 +273,8 @@ def several(morph):
     pressed, context = PressedBake(), window_context()
     pressed.inputs, pressed.replaces = ",".join(stored_morph(morph).inputs), morph.name
     pressed.following = str(other.session_uid)
-    bpy.context.scene.convwass_morph.resolution = 24
+    settings = bpy.context.scene.convwass_morph
+    settings.motion, settings.frames, settings.resolution = "TRANSPORT", 3, 24
     return SimpleNamespace(pressed=pressed, context=context, other=other)
 
 
