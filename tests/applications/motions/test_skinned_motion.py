@@ -9,8 +9,9 @@ import pytest
 
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
-from convwass_addon.applications.motions.skinned_motion import SkinnedMotion
+from convwass_addon.applications.motions.skinned_motion import SkinnedMotion, with_skins
 from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.applications.maps import coarse_maps
 from tests.shapes import ball, box, joined, rotated
 
 TRUNK = box((0.8, 0.5, 1.6))
@@ -29,7 +30,8 @@ def figure(angle):
 
 def choice(*shapes, guides=(), kind="automatic"):
     request = MotionRequest(shapes, ["one", "other"], [(0, 1)], kind, 0.5, guides)
-    return drained(chosen_motion(request, UNINTERRUPTED))
+    with coarse_maps():
+        return drained(chosen_motion(request, UNINTERRUPTED))
 
 
 @pytest.fixture(scope="module")
@@ -75,7 +77,14 @@ def test_inner_vertices_stay_inside(raised):
 def test_guides_refer_to_the_shape():
     one, other = figure(0.1), figure(1.6)
     lowest = len(one.vertices) - 8
-    found = choice(one, other, guides=[{0: lowest, 1: lowest}, {0: 8, 1: 8}], kind="guided")
+    guides = [{0: lowest, 1: lowest}, {0: 8, 1: 8}]
+    skinned = with_skins(MotionRequest((one, other), ["one", "other"], [(0, 1)], "guided", 0.5, guides), UNINTERRUPTED)
+    for guide, on_skins in zip(guides, skinned.guides, strict=True):
+        for shape, skin, vertex, place in zip(
+            (one, other), skinned.shapes, guide.values(), on_skins.values(), strict=True
+        ):
+            assert np.linalg.norm(skin.vertices[place] - shape.vertices[vertex]) < 0.04
+    found = choice(one, other, guides=guides, kind="guided")
     assert found.guides_left_out == 0
     assert found.score > 0.8
 
