@@ -528,32 +528,48 @@ def test_examples_name_files_of_the_project(project, command):
 
 
 def test_as_a_module(shapes, tmp_path, project):
-    out = tmp_path / "morph.blend"
+    """Its folder for temporary files is empty afterwards."""
+    out, temporary = tmp_path / "morph.blend", tmp_path / "temporary"
+    temporary.mkdir()
     words = [*cube_and_ball(shapes), *QUICK, "--out", str(out), "--json"]
     done = subprocess.run(
         [sys.executable, "-m", "convwass_addon", *TRANSPORT, *words],
         cwd=project,
+        env=os.environ | dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(temporary)),
         capture_output=True,
         text=True,
         check=True,
     )
     assert json.loads(done.stdout)["written"] == [str(out)]
     assert out.stat().st_size > 0
+    assert not list(temporary.iterdir())
 
 
-def test_the_folder_for_temporary_files_is_empty_afterwards(tmp_path, project):
-    own = dict.fromkeys(("TMPDIR", "TEMP", "TMP"), str(tmp_path))
-    subprocess.run([sys.executable, "-m", "convwass_addon", "--help"], cwd=project, env=os.environ | own, check=True)
-    assert not list(tmp_path.iterdir())
+OPENED = """
+import os, sys
+from convwass_addon.console import open_streams
+open_streams()
+null = os.stat(os.devnull)
+sys.exit(sum(2**number * os.path.samestat(os.fstat(number), null) for number in range(3)))
+"""
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="closes streams by a POSIX shell")
-@pytest.mark.parametrize("closed", ["<&-", ">&-", "2>&-", "<&- >&- 2>&-"])
-def test_standard_streams_may_be_closed(shapes, tmp_path, project, closed):
+@pytest.mark.parametrize(("closed", "opened"), [("<&-", 1), (">&-", 2), ("2>&-", 4), ("<&- >&- 2>&-", 7)])
+def test_the_null_device_takes_the_places_of_closed_streams(tmp_path, project, closed, opened):
+    for number in range(3):
+        (tmp_path / str(number)).touch()
+    others = " ".join(f"{way} {tmp_path / str(number)}" for number, way in enumerate(("<", ">", "2>")))
+    command = shlex.join([sys.executable, "-c", OPENED])
+    assert subprocess.run(f"{command} {others} {closed}", shell=True, cwd=project).returncode == opened
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="closes streams by a POSIX shell")
+def test_standard_streams_may_be_closed(shapes, tmp_path, project):
     out = tmp_path / "morph.blend"
     words = [*cube_and_ball(shapes), *QUICK, "--motion", "transport", "--out", str(out)]
     command = shlex.join([sys.executable, "-m", "convwass_addon", "morph", *words])
-    subprocess.run(f"{command} {closed}", shell=True, cwd=project, check=True)
+    subprocess.run(f"{command} <&- >&- 2>&-", shell=True, cwd=project, check=True)
     assert saved_frames(out)
 
 

@@ -40,7 +40,7 @@ def files(tmp_path):
 
 def test_words_drawings_and_pictures_become_a_blend(files, capfd):
     target = files / "morph.blend"
-    shapes = ["text:A", str(files / "logo.svg"), str(files / "disc.png")]
+    shapes = ["text:I", str(files / "logo.svg"), str(files / "disc.png")]
     options = ["--frames", "2", "--resolution", "128", "--scale", "equal-volume", "--out", str(target), "--json"]
     assert main(["morph", *shapes, *options]) == 0
     record = json.loads(capfd.readouterr().out)
@@ -48,7 +48,7 @@ def test_words_drawings_and_pictures_become_a_blend(files, capfd):
     assert len(record["frames"]) == 5
     bpy.ops.wm.open_mainfile(filepath=str(target))
     (collection,) = (one for one in bpy.data.collections if one.name.startswith("Morph"))
-    assert collection.name == "Morph A to logo to disc"
+    assert collection.name == "Morph I to logo to disc"
     assert [obj.type for obj in frame_objects(collection)] == ["FONT", "CURVE", "CURVE", "CURVE", "CURVE"]
 
 
