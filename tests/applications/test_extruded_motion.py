@@ -8,11 +8,12 @@ import numpy as np
 import pytest
 from scipy.spatial import cKDTree
 
+from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.extruded_motion import extruded_motion
 from convwass_addon.geometry.edges import topology
@@ -31,11 +32,12 @@ GAPPED = extruded(
     np.concatenate([r * np.column_stack([np.cos(a), np.sin(a)]) for r, a in ((1, AROUND), (0.6, AROUND[::-1]))])
 )
 BARS = extruded(rectangle((-1.0, -1.0), (-0.4, 1.0)), rectangle((0.4, -1.0), (1.0, 1.0)))
+MOTIONS = MotionMemory()
 
 
 def choice(*shapes, kind="automatic", pairs=((0, 1),), coherence=0.5):
     names = [f"shape {index}" for index in range(len(shapes))]
-    return drained(chosen_motion(MotionRequest(shapes, names, pairs, kind, coherence), UNINTERRUPTED))
+    return drained(MOTIONS.chosen(MotionRequest(shapes, names, pairs, kind, coherence), UNINTERRUPTED))
 
 
 def moved_halfway(first, second):
@@ -128,7 +130,8 @@ def test_less_coherence_moves_part_of_the_way():
 
 
 def test_around_a_triangle_the_way_closes():
-    motion = choice(PLATE, DISC, RING, pairs=((0, 1), (0, 2), (1, 2))).motion
+    oval = extruded(ellipse(radii=(1.5, 0.6)))
+    motion = choice(PLATE, DISC, oval, pairs=((0, 1), (0, 2), (1, 2))).motion
     weights = [(0.5, 0.3, 0.2), (0.2, 0.5, 0.3), (0.5, 0.3, 0.2)]
     first, _, last = (motion.moved(own)[0].vertices for own in weights)
     assert np.array_equal(first, last)
@@ -136,7 +139,8 @@ def test_around_a_triangle_the_way_closes():
 
 def test_a_ring_opens_once_while_it_becomes_a_c():
     settings = MorphSettings(resolution=48)
-    steps = morph([RING, GAPPED], ["ring", "c"], path_blends(2, 6), settings)
+    computation = Computation(motions=MOTIONS)
+    steps = morph([RING, GAPPED], ["shape 0", "shape 1"], path_blends(2, 6), settings, computation=computation)
     found = {step.payload.blend: step.payload for step in steps if isinstance(step.payload, MorphFrame)}
     between = [frame for blend, frame in sorted(found.items(), key=lambda own: own[0].frame) if blend.source is None]
     genera = [1 - topology(frame.mesh).euler // 2 for frame in between]

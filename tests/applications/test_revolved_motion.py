@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from benchmarks.props import bottle, pawn, revolved, smooth, vase, wine_glass
-from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.revolved_motion import revolved_motion
 from convwass_addon.geometry.normals import triangle_normals
@@ -25,11 +25,12 @@ PIN = revolved(smooth([(0.0, 0.0), (0.25, 0.0), (0.42, 0.5), (0.38, 0.9), (0.16,
 BULB = revolved(smooth([(0.0, 0.0), (0.2, 0.0), (0.2, 0.4), (0.5, 0.95), (0.5, 1.2), (0.3, 1.5), (0.0, 1.6)]))
 VASE, BOTTLE, PAWN = vase(), bottle(), pawn()
 TIMES = (0.25, 0.5, 0.75)
+MOTIONS = MotionMemory()
 
 
 def choice(*shapes, kind="automatic", coherence=0.5):
     request = MotionRequest(shapes, ["one", "other"], [(0, 1)], kind, coherence)
-    return drained(chosen_motion(request, UNINTERRUPTED))
+    return drained(MOTIONS.chosen(request, UNINTERRUPTED))
 
 
 def asideness(mesh, axis, center):
@@ -52,8 +53,10 @@ def test_a_cone_that_grows_stays_a_cone():
             assert own.mesh.volume == pytest.approx(CONE.volume / 2.0 * radius**2 * height, rel=0.05)
 
 
-@pytest.mark.parametrize("time", TIMES)
-@pytest.mark.parametrize(("first", "second"), [(CUP, BOWL), (CONE, LARGER), (PIN, BULB), (PAWN, BOWL)])
+@pytest.mark.parametrize(
+    ("first", "second", "time"),
+    [*((CUP, BOWL, time) for time in TIMES), (CONE, LARGER, 0.5), (PIN, BULB, 0.5), (PAWN, BOWL, 0.5)],
+)
 def test_moved_shapes_coincide_and_are_revolved(first, second, time):
     moved = choice(first, second.moved((2.0, 0.0, 0.0))).motion.moved([1.0 - time, time])
     center = (2.0 * time, 0.0, 0.0)
