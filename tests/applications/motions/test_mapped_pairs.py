@@ -269,6 +269,20 @@ def test_guides_beside_mirror_planes_tell_how_far_to_turn(monkeypatch, degrees, 
     np.testing.assert_allclose(here, there, atol=1e-9)
 
 
+def figure_without_maps(monkeypatch):
+    """A figure, and a hand, the head and a tip of the tail; the test fails where a map is solved."""
+
+    def unwanted(*_arguments):
+        raise AssertionError("no map is needed")
+
+    monkeypatch.setattr(mapped_pairs, "pair_map", unwanted)
+    shape = figure(10)[0]
+    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 5000, UNINTERRUPTED)
+    return carrier, [
+        int(np.argmax(shape.vertices @ way)) for way in ((0.9, 0.1, 0.35), (0.0, 0.15, 1.0), (0.0, -0.9, -0.2))
+    ]
+
+
 @pytest.mark.parametrize(
     ("given", "followed"),
     [([(0, 0), (1, 1)], [0, 1]), ([(0, 0), (1, 1), (2, 0)], [0, 1]), ([(0, 0), (1, 2)], [0])],
@@ -277,16 +291,14 @@ def test_guides_beside_mirror_planes_tell_how_far_to_turn(monkeypatch, degrees, 
 def test_shapes_that_grow_on_each_other_need_no_map_with_guides(monkeypatch, given, followed):
     """Those that contradict the registration are left out, unless they are the majority."""
 
-    def unwanted(*_arguments):
-        raise AssertionError("no map is needed")
-
-    monkeypatch.setattr(mapped_pairs, "pair_map", unwanted)
-    shape = figure(10)[0]
-    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 5000, UNINTERRUPTED)
-    tips = [int(np.argmax(shape.vertices @ way)) for way in ((0.9, 0.1, 0.35), (0.0, 0.15, 1.0), (0.0, -0.9, -0.2))]
+    carrier, tips = figure_without_maps(monkeypatch)
     pairs = np.array([[tips[one], tips[other]] for one, other in given])
     found = drained(mapped_pair(carrier, carrier, pairs, ROUGH, UNINTERRUPTED))
     # The mirror image of the hand is among them, too.
     assert [pair for pair in pairs.tolist() if pair in found.map.pairs.tolist()] == pairs[followed].tolist()
+
+
+def test_shapes_need_a_map_where_a_guide_contradicts_their_growth(monkeypatch):
+    carrier, tips = figure_without_maps(monkeypatch)
     with pytest.raises(AssertionError, match="no map"):
         drained(mapped_pair(carrier, carrier, np.array([(tips[0], tips[1])]), ROUGH, UNINTERRUPTED))

@@ -58,10 +58,10 @@ def test_heights_rise_from_the_lowest_vertex_to_half():
 
 def test_a_doubtful_map_stands_upright():
     first, second = (
-        carrier_of(mesh, name, NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh, name in ((tree(), "t"), (snowman(), "s"))
+        carrier_of(mesh, name, NO_PAIRS[:, 0], 500, UNINTERRUPTED) for mesh, name in ((tree(), "t"), (snowman(), "s"))
     )
     assert MirroredSides.of(first.mesh, second.mesh) is None
-    found = drained(pair_map(first, second, NO_PAIRS, SoftMapSettings(), UNINTERRUPTED))
+    found = drained(pair_map(first, second, NO_PAIRS, SoftMapSettings(vertices=300), UNINTERRUPTED))
     z = first.mesh.vertices[:, 2]
     low = found.found.forward.found & (z < z.min() + 0.15 * np.ptp(z))
     there = found.found.forward.positions(second.mesh)[low, 2] - second.mesh.vertices[:, 2].min()
