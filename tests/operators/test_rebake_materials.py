@@ -56,8 +56,7 @@ def names_of(kind):
     return sorted(block.name for block in getattr(bpy.data, kind))
 
 
-@pytest.mark.parametrize("output", ["OBJECTS", "PLAYER"])
-@pytest.mark.parametrize("textured", [False, True])
+@pytest.mark.parametrize(("textured", "output"), [(False, "OBJECTS"), (True, "OBJECTS"), (True, "PLAYER")])
 def test_edited_nodes_of_frames_stay(textured, output):
     morph = bake(textured, output=output)
     (material,) = frame_objects(morph)[1].data.materials
