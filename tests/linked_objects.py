@@ -22,5 +22,5 @@ def linked_to_new_file(name: str, folder: Path) -> bpy.types.Object:
     """Save the file to a folder, start an empty one, and link an object of the saved file to it."""
     path = folder / "library.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     return linked_object(path, name)

@@ -41,7 +41,7 @@ def asked(monkeypatch):
 
 def save(path):
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     return path
 
 
@@ -170,7 +170,7 @@ def test_an_armature_of_an_exchange_format(tmp_path, capfd):
         skin.vertex_groups.new(name=name).add(list(range(len(skin.data.vertices))), 0.3, "REPLACE")
     skin.modifiers.new("Armature", "ARMATURE").object = obj
     bpy.ops.export_scene.gltf(filepath=str(tmp_path / "rig.glb"))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     assert run(tmp_path, body, tmp_path / "rig.glb", "--pin", "A.head", "B.tail=3,0,0") == 0
     kinds = sorted(obj.type for obj in opened(tmp_path))
     assert kinds == ["ARMATURE", "MESH"]

@@ -117,7 +117,7 @@ def test_a_text_in_a_blend_stays_a_text(files):
     bpy.ops.object.text_add(rotation=(0, 0, 1))
     bpy.context.object.data.body = "Hello"
     bpy.ops.wm.save_as_mainfile(filepath=str(files / "text.blend"), copy=True)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     (obj,) = imported_shape(f"{files / 'text.blend'}:Text")
     assert (obj.type, obj.data.body) == ("FONT", "Hello")
     assert obj.rotation_euler.z == pytest.approx(1.0)

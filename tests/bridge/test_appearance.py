@@ -432,7 +432,7 @@ def test_usd_has_the_carried_colors(make_object, tmp_path):
 
     inputs = two_balls(make_object)
     (file,) = export_frames(bake(inputs), tmp_path / "colors", "usd")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     bpy.ops.wm.usd_import(filepath=str(file))
     bpy.context.scene.frame_set(2)
     (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
@@ -456,7 +456,7 @@ def test_stills_have_the_mean_color(make_object, tmp_path):
     import bpy
 
     files = export_frames(bake(two_balls(make_object)), tmp_path / "still", "obj")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     bpy.ops.wm.obj_import(filepath=str(files[1]))
     (obj,) = (obj for obj in bpy.data.objects if obj.type == "MESH")
     color = principled(obj.data.materials[0]).inputs["Base Color"].default_value
@@ -468,7 +468,7 @@ def test_gltf_has_the_color_of_every_vertex(make_object, tmp_path):
     import bpy
 
     (file,) = export_frames(bake(two_balls(make_object)), tmp_path / "still", "gltf")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     bpy.ops.import_scene.gltf(filepath=str(file))
     colors = seen_colors(bpy.data.objects["still_0002"].data, WHITE)[:, :3]
     np.testing.assert_allclose(colors.mean(axis=0), (0.5, 0, 0.5), atol=0.01)

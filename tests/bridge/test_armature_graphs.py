@@ -148,7 +148,7 @@ def moved(obj, change):
 @given(st.integers(0, 2**32 - 1), st.booleans())
 def test_joints_are_placed_correctly(seed, in_edit_mode):
     """Under any transform and in either mode; names, parents and connections are unchanged."""
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     random = np.random.default_rng(seed)
     obj = armature(CREATURE)
     obj.matrix_world = Matrix.LocRotScale(

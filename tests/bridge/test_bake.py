@@ -358,7 +358,7 @@ def test_survives_saving(baked, tmp_path):
         (obj.name, len(obj.data.vertices), list(obj[WEIGHTS_KEY])) for obj in frame_objects(baked(path_blends(2, 4)))
     ]
     save_blend(tmp_path / "morph.blend")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "morph.blend"))
     collection, scene = bpy.data.collections["Morph A to B"], bpy.context.scene
     objects = frame_objects(collection)

@@ -25,7 +25,7 @@ def file(make_object, tmp_path):
     for name in ("A", "B"):
         make_object(name)
     path = save_blend(tmp_path / "two.blend")
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     return path
 
 

@@ -149,7 +149,7 @@ def test_one_file_for_the_animation(collection, tmp_path, name, inventory):
     (file,) = export_frames(collection, tmp_path / "rise", name)
     assert inventory() == before
     assert file == tmp_path / f"rise{FORMATS[name].suffixes[0]}"
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     scene = bpy.context.scene
     if name == "usd":
         bpy.ops.wm.usd_import(filepath=str(file))
@@ -213,7 +213,7 @@ def corners_of(files, count=4):
     suffix, found = files[0].suffix, []
     for place in range(count):
         if place < len(files):
-            bpy.ops.wm.read_factory_settings(use_empty=True)
+            bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
             if suffix in _READERS:
                 _READERS[suffix](str(files[place]))
             else:
@@ -401,7 +401,7 @@ def test_mirrored_frames_point_outwards(collection, tmp_path, bare_scene, name):
     mirror_frames(collection, bare_scene)
     bare_scene.frame_set(4)
     file = export_frames(collection, tmp_path / "rise", name)[1 if name in STILLS else 0]
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     (obj,) = import_objects(file, None)
     bpy.context.scene.frame_set(4)
     assert triangle_mesh(obj, bpy.context.evaluated_depsgraph_get()).volume == pytest.approx(4.0 / 3.0, rel=1e-4)
@@ -433,7 +433,7 @@ def test_sheet(make_object, octahedron, tmp_path, name):
     for blend in blends:
         bake.add(MorphFrame(blend, None if blend.source is not None else octahedron, {}))
     files = export_frames(bake.finish(hide_inputs=True), tmp_path, name)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     shapes = [import_objects(file, None)[0] for file in files]
     meshes = [triangle_mesh(shape, bpy.context.evaluated_depsgraph_get()) for shape in shapes]
     assert sum(len(mesh.faces) for mesh in meshes) == 6 * 8

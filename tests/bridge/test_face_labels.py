@@ -119,7 +119,7 @@ def test_groups_survive_being_read_from_a_file(make_object, tmp_path, depsgraph)
     expected = by_name(labeled_mesh(halved(make_object, "A"), depsgraph, "vertex-groups"))
     path = tmp_path / "groups.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(path))
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     (obj,) = import_objects(path, ["A"])
     assert by_name(labeled_mesh(obj, bpy.context.evaluated_depsgraph_get(), "vertex-groups")) == expected
 

@@ -21,7 +21,7 @@ def test_saved_file_opens(make_object, tmp_path):
     assert save_blend(tmp_path / "new.blend") == tmp_path / "new.blend"
     assert [path.name for path in tmp_path.iterdir()] == ["new.blend"]
     assert not bpy.data.filepath
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "new.blend"))
     assert "A" in bpy.data.objects
 

@@ -48,7 +48,7 @@ def two_parts(make_object):
 
 
 def start_anew():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
 
 
 def scene_state():

@@ -321,5 +321,5 @@ def test_any_damage_is_noticed_or_harmless(small, noise: random.Random):
 
 @pytest.fixture(scope="module")
 def small():
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     return packed(stored_between(ball("A", segments=5), ball("B", segments=4)))

@@ -140,7 +140,7 @@ def exported(collection, path, kind):
     import bpy
 
     (file,) = export_frames(collection, path, kind)
-    bpy.ops.wm.read_factory_settings(use_empty=True)
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
     if kind == "alembic":
         bpy.ops.wm.alembic_import(filepath=str(file), as_background_job=False)
     else:
