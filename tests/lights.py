@@ -21,7 +21,7 @@ from convwass_addon.transport.sphere import directions, solid_angles
 def coarse_lobes() -> Iterator[None]:
     """Tabulate few lobes of materials, and average texels over two directions: most of the time goes there."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(lobe_interpolation, "incoming_directions", lambda _, turns: incoming_directions(4, min(turns, 4)))
+        patch.setattr(lobe_interpolation, "incoming_directions", lambda _, turns: incoming_directions(2, min(turns, 4)))
         patch.setattr(lobe_lookup, "_AZIMUTHS", 2)
         yield
 
