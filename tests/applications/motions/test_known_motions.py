@@ -80,10 +80,24 @@ def rod():
     return fine(arm()[0], 0.023)
 
 
+@pytest.fixture(scope="module")
+def bent_rod(rod):
+    """A rod that is straight and bent by 2 radians, and their motion."""
+    shapes = [rod, deformed(rod, bent(rod.vertices, 2.0))]
+    return shapes, known_motion(shapes)
+
+
+VECTOR = np.radians(90.0) * np.array([2.0, -1.0, 2.0]) / 3.0
+
+
+@pytest.fixture(scope="module")
+def rotation(body):
+    return known_motion([body, deformed(body, rotated(body.vertices, VECTOR, 2.0))])
+
+
 @pytest.mark.parametrize("share", [0.1, 0.5, 0.8])
-def test_a_rotation_is_one_all_the_way(body, share):
-    vector = np.radians(90.0) * np.array([2.0, -1.0, 2.0]) / 3.0
-    motion = known_motion([body, deformed(body, rotated(body.vertices, vector, 2.0))])
+def test_a_rotation_is_one_all_the_way(body, rotation, share):
+    vector, motion = VECTOR, rotation
     one, other = motion.moved([1.0 - share, share])
     center = body.vertex_areas @ body.vertices / body.area
     expected = rotated(body.vertices - center, share * vector)
@@ -109,19 +123,19 @@ def test_a_rod_that_is_bent_keeps_its_length(rod, angle):
             assert turned == pytest.approx(0.93 * share * angle, rel=0.05)
 
 
-def test_similar_inputs_move_alike(rod):
-    shapes = [rod, deformed(rod, bent(rod.vertices, 2.0))]
+def test_similar_inputs_move_alike(bent_rod):
+    shapes, motion = bent_rod
     vector, scale, offset = np.array([0.5, -1.2, 0.3]), 7.0, np.array([3.0, 0.0, -5.0])
     others = [deformed(mesh, scale * rotated(mesh.vertices, vector) + offset) for mesh in shapes]
-    expected = known_motion(shapes).moved([0.6, 0.4])
+    expected = motion.moved([0.6, 0.4])
     for found, shape in zip(known_motion(others).moved([0.6, 0.4]), expected, strict=True):
         np.testing.assert_allclose(found.vertices, scale * rotated(shape.vertices, vector) + offset, atol=1e-6)
 
 
-def test_swapped_inputs_move_the_other_way(rod):
+def test_swapped_inputs_move_the_other_way(bent_rod):
     """Up to how well the limbs' axes can be told, which are those of the first shape."""
-    shapes = [rod, deformed(rod, bent(rod.vertices, 2.0))]
-    there, back = known_motion(shapes).moved([0.7, 0.3]), known_motion(shapes[::-1]).moved([0.3, 0.7])
+    shapes, motion = bent_rod
+    there, back = motion.moved([0.7, 0.3]), known_motion(shapes[::-1]).moved([0.3, 0.7])
     np.testing.assert_allclose(back[1].vertices, there[0].vertices, atol=1e-4)
     np.testing.assert_allclose(back[0].vertices, there[1].vertices, atol=1e-4)
 
@@ -194,9 +208,8 @@ def test_the_way_around_a_triangle_closes(rod):
         np.testing.assert_allclose(one.vertices, other.vertices, atol=1e-5)
 
 
-def test_ends_are_exact(rod):
-    shapes = [rod, deformed(rod, bent(rod.vertices, 2.0))]
-    motion = known_motion(shapes)
+def test_ends_are_exact(rod, bent_rod):
+    shapes, motion = bent_rod
     for weights, own in (([1.0, 0.0], 0), ([0.0, 1.0], 1)):
         found = motion.moved(weights)
         assert found[1 - own] is None
@@ -239,8 +252,8 @@ def test_components_keep_their_position_on_the_body():
     assert apart[1] == pytest.approx(apart[0], abs=0.03)
 
 
-def test_it_can_be_sent_to_another_process(rod):
-    motion = known_motion([rod, deformed(rod, bent(rod.vertices, 1.0))])
+def test_it_can_be_sent_to_another_process(bent_rod):
+    _, motion = bent_rod
     expected = motion.moved([0.5, 0.5])
     for found, shape in zip(pickle.loads(pickle.dumps(motion)).moved([0.5, 0.5]), expected, strict=True):
         np.testing.assert_array_equal(found.vertices, shape.vertices)
