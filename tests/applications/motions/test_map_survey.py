@@ -21,7 +21,7 @@ HALF = rotation_matrices(np.array([[0.0, 0.0, np.pi]]))[0]
 @pytest.fixture(scope="module")
 def cow():
     mesh = orient_outward(read_meshes([ASSETS / "cow.ply"])[0])
-    return carrier_of(mesh, "cow", np.empty(0, np.int64), 1000, UNINTERRUPTED)
+    return carrier_of(mesh, "cow", np.empty(0, np.int64), 500, UNINTERRUPTED)
 
 
 @pytest.mark.parametrize("is_first", [True, False])

@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A rough map tells whether a complete one is worth solving."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -16,6 +18,7 @@ from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.shapes import ball, torus
 
 
+@cache
 def rod(angle):
     """A rod on an arc of the given angle."""
     turns = np.linspace(-0.5, 0.5, 16) * angle
@@ -23,6 +26,13 @@ def rod(angle):
     clay = Sculpture(5)
     clay.add(tube(arc, [0.12] * len(arc), 1))
     return clay.mesh(3000)
+
+
+@pytest.fixture(autouse=True)
+def coarse(monkeypatch):
+    """Map on coarse meshes, which are enough for rods, balls and rings."""
+    monkeypatch.setattr(promising_maps, "_CARRIER_VERTICES", 500)
+    monkeypatch.setattr(promising_maps, "_MAP_VERTICES", 100)
 
 
 def promising(first, second, control=UNINTERRUPTED):
