@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.blends import ASSETS, read_meshes
+from convwass_addon.applications.motions import map_survey
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
@@ -74,8 +75,9 @@ def animal(name):
     return orient_outward(read_meshes([ASSETS / f"{name}.ply"])[0])
 
 
-def test_a_dog_becomes_a_bird_symmetrically():
+def test_a_dog_becomes_a_bird_symmetrically(monkeypatch):
     """Without sides, the map keeps them on a fifth of the surface."""
+    monkeypatch.setattr(map_survey, "_VERTICES", (120, 160))
     settings = GuidedSettings(map_vertices=200, carrier_vertices=400)
     motion = drained(guided_motion([animal("dog"), animal("bird")], ["dog", "bird"], [(0, 1)], settings))
     sides = MirroredSides.of(*(carrier.mesh for carrier in motion.carriers))
