@@ -306,6 +306,21 @@ def test_rendering_a_world_leaves_nothing_behind():
     before = {(block.id_type, block.name) for block in bpy.data.user_map()}
     world_sky(world, 8)
     assert {(block.id_type, block.name) for block in bpy.data.user_map()} == before
+    assert not world.cycles.is_property_set("sampling_method")
+    world.cycles.sampling_method = "MANUAL"
+    world_sky(world, 8)
+    assert world.cycles.sampling_method == "MANUAL"
+
+
+def test_a_linked_world_is_rendered(tmp_path):
+    world = bpy.data.worlds.new("Bright")
+    background = next(node for node in own_tree(world).nodes if node.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (2, 1, 0, 1)
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {world})
+    bpy.data.worlds.remove(world)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, wanted):
+        wanted.worlds = ["Bright"]
+    np.testing.assert_allclose(world_sky(wanted.worlds[0], 8), np.full((8, 16, 3), (2.0, 1.0, 0.0)), rtol=1e-4)
 
 
 def test_the_sun_of_blenders_sky_texture_is_found():
