@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw what a guide changes into docs/pictures/guides.jpg: ``python3 run.py python docs/guides.py``.
 
-A dog becomes a man, without a guide above, and with one on a front paw and a hand below.
+A man who raises an arm becomes an ogre who raises one, too, and faces the other way: without a guide above, and with
+one on the raised hands below.
 """
 
 from __future__ import annotations
@@ -14,28 +15,32 @@ import numpy as np
 from motions import Block, baked, drawn, save
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.geometry.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from benchmarks.bipeds import MAN, Posture, biped
+from benchmarks.bipeds import MAN, OGRE, Posture, biped, degrees, straight
 from benchmarks.coherence_guides import guides_at_tips
 from benchmarks.coherence_pairs import Ends
-from benchmarks.quadrupeds import DOG, STANDING, quadruped
 
 # Light paths per pixel.
 _SAMPLES = 12
+_GREETING = Posture(arms=(straight(degrees(out=150)), straight(degrees(out=20))))
 
 
 def main() -> None:
     """Bake and render both rows."""
-    dog, man = quadruped(DOG, STANDING, 22), biped(MAN, Posture(), 20)
-    tips = np.array([[dog.fore[0][-1]], [man.arms[0][-1]]])
-    ends = Ends(dog.sculpture.mesh(), man.sculpture.mesh(), tips=tips)
+    man, ogre = biped(MAN, _GREETING, 20), biped(OGRE, _GREETING, 21)
+    half_turn = np.diag([-1.0, -1.0, 1.0])
+    facing_away = ogre.sculpture.mesh()
+    facing_away = TriangleMesh(facing_away.vertices @ half_turn, facing_away.faces)
+    tips = np.array([[man.arms[0][-1]], [ogre.arms[0][-1] @ half_turn]])
+    ends = Ends(man.sculpture.mesh(), facing_away, tips=tips)
     rows = [
         baked((ends.first, ends.second), MorphSettings(resolution=100), guides_at_tips(ends, clicked))
         for clicked in ([], [(0, 0)])
     ]
-    save(drawn(rows, Block("dog to man", ("no guide", "one guide")), _SAMPLES), "guides")
+    save(drawn(rows, Block("man to ogre", ("no guide", "one guide")), _SAMPLES), "guides")
 
 
 if __name__ == "__main__":

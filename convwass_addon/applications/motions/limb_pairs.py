@@ -15,105 +15,35 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
-from ...geometry.mirror_planes import MirrorPlane, MirrorPlanes
-from ...geometry.surface_graph import surface_distances, surface_graph
-from ...geometry.surface_tips import surface_tips
+from ...geometry.mirror_planes import MirrorPlanes
+from .limb_tips import Limb, Limbs
 
-# Chosen by eye on animals and people, in sizes of the surface. The persistence of the tip of a limb, which is 0.13 to
-# 0.46 for legs, heads and tails, 0.08 for the short arms of a kangaroo and at most 0.06 for ears; the radius around the
-# tip in which its area is measured; and the largest distance of a tip from the mirror image of its counterpart.
-_PERSISTENCE, _AROUND, _MIRRORED = 0.07, 0.35, 0.15
-# Two tips of a symmetric pair that are this close, such as horns, may count as one in the middle: a head.
-_CLOSE = 0.45
 # Shapes with more limbs, or pairs of limbs, than this are not compared. A spider has six.
 _MOST_LIMBS = 8
 # Limbs do not correspond if the cost of the best pairing is more than this share of that of no pairing. It is 0.2 to
 # 0.45 from a dog, a chair, a camel, a kangaroo or a crocodile to a man, and 0.5 or more from an elephant to a man and
 # from a horse to a bird.
 _MOST_COST = 0.48
-_NO_PAIRS = np.empty((0, 2), np.int64)
 
 
 @dataclass(frozen=True)
-class Limb:
-    """A limb in the mirror plane, or a symmetric pair of limbs.
+class LimbPairs:
+    """The limbs that two shapes have in common.
 
     Attributes
     ----------
-    tips : tuple of int
-        Indices in the tips of the shape: of one limb, or of the left and the right one.
-    middle : int or None
-        Index of a tip in the mirror plane that may stand for the limb; None for pairs whose tips are far apart.
+    tips : (k, 2) int64
+        Corresponding tips, as vertices; empty if the limbs do not correspond.
+    facing : int
+        1 if the shapes look in the same direction, -1 if they look in opposite ones, and 0 if that is not known.
     """
 
-    tips: tuple[int, ...]
-    middle: int | None
+    tips: NDArray[np.int64]
+    facing: int
 
 
-@dataclass(frozen=True)
-class Limbs:
-    """The limbs of a shape.
-
-    Attributes
-    ----------
-    limbs : list of _Limb
-    vertices : (t,) int64
-        Vertices of the tips.
-    shares : (t,) float64
-        Shares of the surface around the tips.
-    heights : (t,) float64
-        How far up the tips are, from 0 to 1.
-    apart : (t, t) float64
-        Distances between the tips on the surface, in sizes of the surface.
-    """
-
-    limbs: list[Limb]
-    vertices: NDArray[np.int64]
-    shares: NDArray[np.float64]
-    heights: NDArray[np.float64]
-    apart: NDArray[np.float64]
-
-    @classmethod
-    def of(cls, mesh: TriangleMesh, plane: MirrorPlane) -> Limbs:
-        """Find the limbs of a shape that is nearly symmetric in a plane."""
-        tips = surface_tips(mesh, _PERSISTENCE)
-        vertices = [tip.vertex for tip in tips]
-        distances = [tip.distances for tip in tips]
-        limbs = []
-        for own in _symmetric(mesh, plane, vertices):
-            if len(own) == 1:
-                limbs.append(Limb(own, own[0]))
-            elif distances[own[0]][vertices[own[1]]] > _CLOSE:
-                limbs.append(Limb(own, None))
-            else:
-                limbs.append(Limb(own, len(vertices)))
-                between = mesh.vertices[[vertices[tip] for tip in own]].mean(axis=0)
-                vertices.append(int(np.linalg.norm(mesh.vertices - between, axis=1).argmin()))
-                distances.append(surface_distances(surface_graph(mesh), vertices[-1:])[0] / np.sqrt(mesh.area))
-        away = np.array(distances).reshape(len(vertices), len(mesh.vertices))
-        low, high = mesh.bounds[:, 2]
-        return cls(
-            limbs,
-            np.array(vertices, np.int64),
-            (away < _AROUND) @ mesh.vertex_areas / mesh.area,
-            (mesh.vertices[vertices, 2] - low) / max(high - low, np.finfo(float).tiny),
-            away[:, vertices],
-        )
-
-    @property
-    def count(self) -> int:
-        """Number of tips."""
-        return sum(len(limb.tips) for limb in self.limbs)
-
-    @property
-    def costs(self) -> NDArray[np.float64]:
-        """What the limbs cost that have no counterpart, in mean limbs: the bulk around their tips."""
-        bulks = np.array([self.shares[list(limb.tips)].sum() for limb in self.limbs])
-        return bulks * self.count / bulks.sum()
-
-
-def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) -> NDArray[np.int64]:
-    """Return corresponding tips of the limbs of two shapes, as vertices, (k, 2).
+def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) -> LimbPairs:
+    """Pair the limbs of two shapes.
 
     Limbs in the mirror plane are paired with each other, and pairs of limbs with pairs, left with left. The cost of a
     pairing is the sum of the differences of paired tips, in the logarithm of the surface around them and in height, of
@@ -125,37 +55,19 @@ def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) 
         The shapes, best of a few thousand vertices.
     planes : (MirrorPlane, MirrorPlane)
         Parallel planes in which they are nearly symmetric.
-
-    Returns
-    -------
-    (k, 2) int64
-        Empty if the limbs do not correspond.
     """
     one, other = (Limbs.of(mesh, plane) for mesh, plane in zip((first, second), planes, strict=True))
     if not (0 < len(one.limbs) <= _MOST_LIMBS and 0 < len(other.limbs) <= _MOST_LIMBS):
-        return _NO_PAIRS
+        return _NONE
     found, cost = best_pairing(one, other)
-    tips = [pair for pairs in found for pair in pairs]
-    if not tips or cost > _MOST_COST * (one.costs.sum() + other.costs.sum()):
-        return _NO_PAIRS
-    here, there = np.array(tips).T
-    return np.stack([one.vertices[here], other.vertices[there]], axis=1)
+    if not found or cost > _MOST_COST * (one.costs.sum() + other.costs.sum()):
+        return _NONE
+    here, there = ([tuple(pair[k] for pair in pairs) for pairs in found] for k in (0, 1))
+    ends = [own.vertices[[tip for tips in known for tip in tips]] for own, known in ((one, here), (other, there))]
+    return LimbPairs(np.stack(ends, axis=1), one.heading(here) * other.heading(there))
 
 
-def _symmetric(mesh: TriangleMesh, plane: MirrorPlane, vertices: list[int]) -> list[tuple[int, ...]]:
-    """Return the tips that are their own mirror images, and pairs of tips that are each other's, the left one first."""
-    if not vertices:
-        return []
-    points = mesh.vertices[vertices]
-    away = np.linalg.norm(points[None] - plane.mirrored(points)[:, None], axis=2) / np.sqrt(mesh.area)
-    sides, found = plane.heights(points), []
-    for tip, image in enumerate(away.argmin(axis=1).tolist()):
-        if image == tip:
-            found.append((tip,))
-        elif away[image].argmin() == tip and away[tip, image] < _MIRRORED and sides[tip] > sides[image]:
-            found.append((tip, image))
-    return found
-
+_NONE = LimbPairs(np.empty((0, 2), np.int64), 0)
 
 TipPairs = list[tuple[int, int]]
 """Corresponding tips of two limbs."""

@@ -266,16 +266,19 @@ def _registered_from_survey(
 def _registered_by_limbs(
     one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64]], settings: GuidedSettings, control: Control
 ) -> Work[MappedPair | None]:
-    """Register two shapes by their limbs in the better one of some turns of the first one; None if limbs differ."""
+    """Register two shapes by their limbs, with the first one turned so that both look in the same direction.
+
+    Where that is not known, the better one of the turns is taken. None if the limbs do not correspond.
+    """
     target, found = draft_of(other, _NO_VERTICES, control), []
     for number, turn in enumerate(turns):
         pose = turned_carrier(one, turn)
         sides = MirroredSides.of(pose.mesh, other.mesh)
         drafts = draft_of(pose, _NO_VERTICES, control), target
-        tips = limb_pairs(drafts[0].mesh, drafts[1].mesh, sides.planes)
-        if not len(tips):
+        limbs = limb_pairs(drafts[0].mesh, drafts[1].mesh, sides.planes)
+        if not len(limbs.tips) or limbs.facing < 0:
             continue
-        pairs = np.stack([draft.seeds[own] for draft, own in zip(drafts, tips.T, strict=True)], axis=1)
+        pairs = np.stack([draft.seeds[tips] for draft, tips in zip(drafts, limbs.tips.T, strict=True)], axis=1)
         solved = limb_map(pose, other, pairs, SoftMapSettings(vertices=settings.map_vertices), control, sides)
         mapped = yield from within(solved, number / len(turns), (number + 0.7) / len(turns))
         with one_blas_thread():

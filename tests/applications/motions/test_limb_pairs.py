@@ -8,10 +8,11 @@ from itertools import permutations
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.limb_pairs import Limb, Limbs, best_pairing, limb_pairs
+from convwass_addon.applications.motions.limb_pairs import best_pairing, limb_pairs
+from convwass_addon.applications.motions.limb_tips import Limb, Limbs
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.mirror_planes import MirrorPlane
-from tests.shapes import PERSON, ball, capsules
+from tests.shapes import PERSON, ball, body, capsules
 
 
 def legs(front, hind):
@@ -45,7 +46,7 @@ def middle(mesh):
 
 
 def paired_places(first, second):
-    pairs = limb_pairs(first, second, (middle(first), middle(second)))
+    pairs = limb_pairs(first, second, (middle(first), middle(second))).tips
     return np.stack([first.vertices[pairs[:, 0]], second.vertices[pairs[:, 1]]], axis=1)
 
 
@@ -72,9 +73,26 @@ def test_limbs_of_one_shape_are_paired_with_themselves():
     shape = animal(RAISED_TAIL)
     turned = TriangleMesh(shape.vertices * (1.0, -1.0, 1.0), shape.faces[:, ::-1])
     for second in (shape, turned):
-        pairs = limb_pairs(shape, second, (middle(shape), middle(second)))
-        assert len(pairs) == 6
-        assert (pairs[:, 0] == pairs[:, 1]).all()
+        found = limb_pairs(shape, second, (middle(shape), middle(second)))
+        assert len(found.tips) == 6
+        assert (found.tips[:, 0] == found.tips[:, 1]).all()
+        assert found.facing == (1 if second is shape else -1)
+
+
+def backward(mesh):
+    return TriangleMesh(mesh.vertices * (-1.0, -1.0, 1.0), mesh.faces)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_animals_look_where_their_heads_are_and_people_where_their_toes_are(turned):
+    for first in (animal(RAISED_TAIL), person()):
+        second = backward(person()) if turned else person()
+        assert limb_pairs(first, second, (middle(first), middle(second))).facing == (-1 if turned else 1)
+
+
+def test_without_toes_it_is_not_known_where_people_look():
+    first, second = animal(), body(0.04)
+    assert limb_pairs(first, second, (middle(first), middle(second))).facing == 0
 
 
 def test_shapes_whose_limbs_do_not_correspond_have_no_pairs():
@@ -91,7 +109,8 @@ def limbs_at_random(random, sizes):
     count = sum(sizes)
     places = random.random((count, 3))
     apart = np.linalg.norm(places[:, None] - places, axis=2)
-    return Limbs(limbs, np.arange(count), random.uniform(0.05, 0.3, count), random.random(count), apart)
+    shares, heights, unknown = random.uniform(0.05, 0.3, count), random.random(count), np.zeros(count)
+    return Limbs(limbs, np.arange(count), shares, heights, apart, unknown, unknown)
 
 
 def pairing_cost(one, other, found):
