@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mirror_planes import MirrorPlanes
-from .limb_tips import Limb, Limbs
+from .limb_tips import LONG, Limb, Limbs
 
 # Shapes with more limbs, or pairs of limbs, than this are not compared. A spider has six.
 _MOST_LIMBS = 8
@@ -24,6 +24,8 @@ _MOST_LIMBS = 8
 # 0.45 from a dog, a chair, a camel, a kangaroo or a crocodile to a man, and 0.5 or more from an elephant to a man and
 # from a horse to a bird.
 _MOST_COST = 0.48
+# Common limbs of two long shapes are in the same or the opposite order if the cosine of their places is beyond this.
+_ALIKE = 0.7
 
 
 @dataclass(frozen=True)
@@ -62,9 +64,22 @@ def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) 
     found, cost = best_pairing(one, other)
     if not found or cost > _MOST_COST * (one.costs.sum() + other.costs.sum()):
         return _NONE
-    here, there = ([tuple(pair[k] for pair in pairs) for pairs in found] for k in (0, 1))
-    ends = [own.vertices[[tip for tips in known for tip in tips]] for own, known in ((one, here), (other, there))]
-    return LimbPairs(np.stack(ends, axis=1), one.heading(here) * other.heading(there))
+    here, there = ([[pair[k] for pair in pairs] for pairs in found] for k in (0, 1))
+    ends = one.vertices[np.concatenate(here)], other.vertices[np.concatenate(there)]
+    return LimbPairs(np.stack(ends, axis=1), _facing(one, other, here, there))
+
+
+def _facing(one: Limbs, other: Limbs, here: list[list[int]], there: list[list[int]]) -> int:
+    """Return whether two shapes look in the same direction, 1, in opposite ones, -1, or 0, from their common limbs.
+
+    If both are long, their common limbs are in the same order then. Otherwise it depends on where each one looks.
+    """
+    ahead = one.ahead[np.concatenate(here)], other.ahead[np.concatenate(there)]
+    if min(np.abs(own).max() for own in ahead) > LONG:
+        alike = ahead[0] @ ahead[1] / (np.linalg.norm(ahead[0]) * np.linalg.norm(ahead[1]))
+        if abs(alike) > _ALIKE:
+            return int(np.sign(alike))
+    return one.heading(here) * other.heading(there)
 
 
 _NONE = LimbPairs(np.empty((0, 2), np.int64), 0)

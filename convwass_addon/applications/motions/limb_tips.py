@@ -21,9 +21,11 @@ from ...geometry.surface_tips import surface_tips
 _PERSISTENCE, _AROUND, _MIRRORED = 0.07, 0.35, 0.15
 # Two tips of a symmetric pair that are this close, such as horns, may count as one in the middle: a head.
 _CLOSE = 0.45
-# A shape looks where its head is, the bulkiest limb in the middle, if that is so far from its center, in sizes of the
-# surface, and otherwise where its toes are, if these are so far from the middle of the foot and the shin.
-_HEAD_AHEAD, _TOES_AHEAD = 0.2, 0.03
+# Toes are so far from the middle of the foot and the shin, in sizes of the surface.
+_TOES_AHEAD = 0.03
+
+LONG = 0.2
+"""Limbs of a long shape, such as heads of animals, are this far from its center, in sizes of the surface."""
 
 
 @dataclass(frozen=True)
@@ -113,12 +115,14 @@ class Limbs:
         bulks = np.array([self.shares[list(limb.tips)].sum() for limb in self.limbs])
         return bulks * self.count / bulks.sum()
 
-    def heading(self, known: Sequence[tuple[int, ...]]) -> int:
+    def heading(self, known: Sequence[list[int]]) -> int:
         """Return whether the shape looks along the horizontal direction of its mirror plane.
+
+        It looks where its head is, the bulkiest limb in the middle, if it is long, and otherwise where its toes are.
 
         Parameters
         ----------
-        known : sequence of tuple of int
+        known : sequence of list of int
             The tips of limbs that it has in common with another shape.
 
         Returns
@@ -126,9 +130,9 @@ class Limbs:
         int
             1, or -1 for the opposite direction, or 0 if that is not known.
         """
-        head = max((list(own) for own in known if len(own) == 1), key=lambda own: self.shares[own[0]], default=[])
-        feet = min((list(own) for own in known if len(own) == 2), key=lambda own: self.heights[own].mean(), default=[])
-        for tips, offsets, least in ((head, self.ahead, _HEAD_AHEAD), (feet, self.pointing, _TOES_AHEAD)):
+        head = max((own for own in known if len(own) == 1), key=lambda own: self.shares[own[0]], default=[])
+        feet = min((own for own in known if len(own) == 2), key=lambda own: self.heights[own].mean(), default=[])
+        for tips, offsets, least in ((head, self.ahead, LONG), (feet, self.pointing, _TOES_AHEAD)):
             if tips and abs(offsets[tips].mean()) > least:
                 return int(np.sign(offsets[tips].mean()))
         return 0

@@ -22,6 +22,7 @@ def legs(front, hind):
 TRUNK = ((0.0, -0.6, 0.75), (0.0, 0.6, 0.75), 0.2)
 NECK = [((0.0, -0.6, 0.8), (0.0, -0.8, 1.1), 0.1), ((0.0, -0.8, 1.15), (0.0, -1.05, 1.1), 0.13)]
 RAISED_TAIL = ((0.0, 0.7, 0.8), (0.0, 1.0, 1.35), 0.05)
+BUSHY_TAIL, THIN_TAIL = (((0.0, 0.75, 0.8), (0.0, 1.05, 1.0), radius) for radius in (0.19, 0.06))
 HORNS = [((0.05 * side, -0.82, 1.25), (0.12 * side, -0.75, 1.6), 0.04) for side in (-1, 1)]
 
 
@@ -29,7 +30,7 @@ HORNS = [((0.05 * side, -0.82, 1.25), (0.12 * side, -0.75, 1.6), 0.04) for side 
 def animal(*others):
     """An animal that faces -y, made of capsules."""
     limbs = (TRUNK, *NECK, *legs(-0.6, 0.6), *others)
-    return capsules(limbs, (-0.6, -1.3, -0.15), (0.6, 1.2, 1.75), 0.04)
+    return capsules(limbs, (-0.6, -1.3, -0.15), (0.6, 1.35, 1.75), 0.04)
 
 
 FEET = [((0.14 * side, 0.0, 0.08), (0.14 * side, -0.2, 0.06), 0.06) for side in (-1, 1)]
@@ -88,6 +89,15 @@ def test_animals_look_where_their_heads_are_and_people_where_their_toes_are(turn
     for first in (animal(RAISED_TAIL), person()):
         second = backward(person()) if turned else person()
         assert limb_pairs(first, second, (middle(first), middle(second))).facing == (-1 if turned else 1)
+
+
+def test_animals_look_in_the_same_direction_if_their_limbs_are_in_the_same_order():
+    """The tail of a fox is bulkier than its head."""
+    fox, other = animal(BUSHY_TAIL), animal(THIN_TAIL)
+    for second, facing in ((other, 1), (backward(other), -1)):
+        found = limb_pairs(fox, second, (middle(fox), middle(second)))
+        assert len(found.tips) == 6
+        assert found.facing == facing
 
 
 def test_without_toes_it_is_not_known_where_people_look():
