@@ -195,6 +195,14 @@ def _chair_to_man() -> Ends:
     return Ends(things.chair(27).mesh(), biped(MAN, Posture(), 28).sculpture.mesh())
 
 
+def _dog_to_man() -> Ends:
+    return Ends(quadruped(DOG, STANDING, 22).sculpture.mesh(), biped(MAN, Posture(), 20).sculpture.mesh())
+
+
+def _goat_to_ogre() -> Ends:
+    return Ends(quadruped(GOAT, STANDING, 43).sculpture.mesh(), biped(OGRE, Posture(), 44).sculpture.mesh())
+
+
 def _dog_to_centaur() -> Ends:
     """Only the legs and the trunk correspond; the limb is a hind leg."""
     dog, other = quadruped(DOG, STANDING, 41), centaurs.centaur(DOG, TROTTING, 42)
@@ -265,6 +273,7 @@ TUNED = (
     CoherencePair("octopus moves", ONE_BUILD, _octopus_moves),
     CoherencePair("horse to cow", ONE_BUILD, _samples("horse", "cow")),
     CoherencePair("chair to man", OTHER_BUILD, _chair_to_man),
+    CoherencePair("dog to man", OTHER_BUILD, _dog_to_man),
     CoherencePair("octopus to horse", OTHER_BUILD, _samples("octopus", "horse")),
     CoherencePair("horse to bird", OTHER_BUILD, _samples("horse", "bird")),
     CoherencePair("star to cross", OTHER_BUILD, _star_to_cross),
@@ -281,6 +290,7 @@ HELD_BACK = (
     CoherencePair("starfish curls", ONE_BUILD, _starfish_curls),
     CoherencePair("goat to giraffe", ONE_BUILD, _goat_to_giraffe),
     CoherencePair("ogre to child", ONE_BUILD, _ogre_to_child),
+    CoherencePair("goat to ogre", OTHER_BUILD, _goat_to_ogre),
     CoherencePair("table to dog", OTHER_BUILD, _table_to_dog),
     CoherencePair("cactus to child", OTHER_BUILD, _cactus_to_child),
     CoherencePair("shark to airplane", OTHER_BUILD, _shark_to_airplane),
