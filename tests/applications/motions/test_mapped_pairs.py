@@ -20,7 +20,7 @@ from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import shuffled
 from tests.applications.motions.test_limb_pairs import RAISED_TAIL, animal, person
 from tests.grids import figure, sheet
-from tests.shapes import ball
+from tests.shapes import ball, spring
 
 ROUGH = GuidedSettings(map_vertices=150, carrier_vertices=600)
 
@@ -192,9 +192,8 @@ def across():
 def by_limbs(monkeypatch, score):
     """Let the limbs lead to this score after a quarter turn; None if they do not correspond."""
 
-    def registered(one, _other, turns, *_others):
+    def registered(one, *_others):
         yield from ()
-        assert len(turns) == 2
         laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
         pair = PairMap(None, np.empty((0, 2), np.int64), score or 0.0)
         return None if score is None else MappedPair(LaidPair(laid, laid, 0.0), pair, 0.5, 1.0, 90.0)
@@ -203,7 +202,7 @@ def by_limbs(monkeypatch, score):
 
 
 @pytest.mark.parametrize(("score", "angle"), [(0.46, 90.0), (0.44, 0.0)])
-@pytest.mark.parametrize("limbs", [None, 0.43], ids=["limbs differ", "limbs are worse"])
+@pytest.mark.parametrize("limbs", [None, 0.38], ids=["limbs differ", "limbs are worse"])
 def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(monkeypatch, across, limbs, score, angle):
     """The map without a common plane has to be better by a third."""
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
@@ -215,20 +214,39 @@ def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(mo
     assert asked == pytest.approx([0.0, 90.0, -90.0])
 
 
-@pytest.mark.parametrize(
-    ("standing", "limbs", "rough", "score"),
-    [(0.6, 0.55, 0.9, 0.55), (0.6, 0.46, 0.4, 0.46), (0.6, 0.46, 0.5, 0.5)],
-    ids=["limbs are fair", "limbs are better than rough maps", "rough maps are better than limbs"],
-)
-def test_shapes_are_turned_to_each_other_by_their_limbs(monkeypatch, across, standing, limbs, rough, score):
-    """Rough maps are tried only if that is not fair."""
+@pytest.mark.parametrize(("limbs", "count"), [(0.76, 0), (0.74, 1)], ids=["clear", "doubtful"])
+def test_shapes_that_clearly_correspond_by_their_limbs_are_not_mapped_as_they_stand(monkeypatch, across, limbs, count):
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
-    registrations(monkeypatch, (standing, None, 1.0))
+    asked = registrations(monkeypatch, (0.9, None, 1.0))
     by_limbs(monkeypatch, limbs)
-    asked = surveyed(monkeypatch, rough, 0.5, 1.0)
+    found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert len(asked) == count
+    assert (found.score, found.turn) == ((0.9, 0.0) if count else (limbs, 90.0))
+
+
+@pytest.mark.parametrize(("limbs", "score"), [(0.55, 0.55), (0.53, 0.6)])
+def test_doubtful_limbs_count_if_other_maps_are_hardly_better(monkeypatch, across, limbs, score):
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    registrations(monkeypatch, (0.6, None, 1.0))
+    by_limbs(monkeypatch, limbs)
+    surveyed(monkeypatch, 0.6, 0.5, 1.0)
     found = drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert found.score == score
-    assert bool(asked) == (limbs < 0.5)
+
+
+def test_shapes_with_a_common_mirror_plane_are_not_turned_by_their_limbs(monkeypatch):
+    """Nor are shapes that have none after a quarter turn either."""
+
+    def unwanted(*_arguments):
+        raise AssertionError("no limbs are needed")
+
+    monkeypatch.setattr(mapped_pairs, "limb_pairs", unwanted)
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    shape, spring_like = figure()[0], spring(3)
+    for other in (shape, spring_like):
+        carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (shape, other)]
+        registrations(monkeypatch, (0.9, None, 1.0))
+        assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
 
 
 def test_a_raised_tail_does_not_become_the_head():
