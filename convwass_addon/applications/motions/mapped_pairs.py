@@ -61,9 +61,9 @@ _TURNED = 0.95
 # Flat shapes fold on their way if they move matter farther than this number of times the Wasserstein distance: an H to
 # a U and an M to a W that fold move it 2.8 to 3.3 times as far, an F to a y and an L to a V that swing 1.5 to 1.7.
 _FOLDING = 1.8
-# Shapes registered by their limbs with this score need no other map: it is 0.82 to 0.89 from a dog, a goat, a giraffe or
-# a cow to a man. With less, this share of the merit of others is enough: a kangaroo becomes a man with 0.63 and legs
-# that stay legs, and otherwise with 0.63; but an elephant becomes a child with 0.53 and its tail as the head, or 0.83.
+# Shapes registered by their limbs with this score need no other map: 0.82 to 0.89 from a dog, goat, giraffe or cow to a
+# man. With less, this share of the merit of others is enough: a kangaroo becomes a man with 0.63 and legs that stay
+# legs, and otherwise with 0.63, too; but an elephant becomes a child with 0.53 and its tail as the head, or with 0.83.
 _CLEAR_LIMBS, _DOUBTFUL_LIMBS = 0.75, 0.9
 _NO_VERTICES = np.empty(0, np.int64)
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
