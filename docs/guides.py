@@ -2,8 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draw what a guide changes into docs/pictures/guides.jpg: ``python3 run.py python docs/guides.py``.
 
-A man who raises an arm becomes an ogre who raises one, too, and faces the other way: without a guide above, and with
-one on the raised hands below.
+A man becomes an ogre who faces the other way: without a guide above, and with one on a hand below.
 """
 
 from __future__ import annotations
@@ -19,18 +18,17 @@ from convwass_addon.geometry.mesh import TriangleMesh
 
 # Unlike the add-on, the benchmarks are not installed.
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
-from benchmarks.bipeds import MAN, OGRE, Posture, biped, degrees, straight
+from benchmarks.bipeds import MAN, OGRE, Posture, biped
 from benchmarks.coherence_guides import guides_at_tips
 from benchmarks.coherence_pairs import Ends
 
 # Light paths per pixel.
 _SAMPLES = 12
-_GREETING = Posture(arms=(straight(degrees(out=150)), straight(degrees(out=20))))
 
 
 def main() -> None:
     """Bake and render both rows."""
-    man, ogre = biped(MAN, _GREETING, 20), biped(OGRE, _GREETING, 21)
+    man, ogre = biped(MAN, Posture(), 20), biped(OGRE, Posture(), 21)
     half_turn = np.diag([-1.0, -1.0, 1.0])
     facing_away = ogre.sculpture.mesh()
     facing_away = TriangleMesh(facing_away.vertices @ half_turn, facing_away.faces)
