@@ -87,7 +87,9 @@ class Limbs:
             else:
                 limbs.append(Limb(own, len(vertices)))
                 between = mesh.vertices[[vertices[tip] for tip in own]].mean(axis=0)
-                vertices.append(int(np.linalg.norm(mesh.vertices - between, axis=1).argmin()))
+                # Not on another component, such as an eye.
+                away = np.where(np.isfinite(distances[own[0]]), np.linalg.norm(mesh.vertices - between, axis=1), np.inf)
+                vertices.append(int(away.argmin()))
                 distances.append(surface_distances(surface_graph(mesh), vertices[-1:])[0] / np.sqrt(mesh.area))
         away = np.array(distances).reshape(len(vertices), len(mesh.vertices))
         around = (away < _AROUND) * mesh.vertex_areas

@@ -12,7 +12,7 @@ from convwass_addon.applications.motions.limb_pairs import best_pairing, limb_pa
 from convwass_addon.applications.motions.limb_tips import Limb, Limbs
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.mirror_planes import MirrorPlane
-from tests.shapes import PERSON, ball, body, capsules
+from tests.shapes import PERSON, ball, body, capsules, joined
 
 
 def legs(front, hind):
@@ -110,6 +110,15 @@ def test_shapes_whose_limbs_do_not_correspond_have_no_pairs():
     for other in (log, ball(points=400)):
         assert not len(paired_places(person(), other))
         assert not len(paired_places(other, person()))
+
+
+def test_other_components_and_loose_vertices_are_no_limbs():
+    """Not even between the horns, where the middle of the head is looked for."""
+    horned, places = animal(*HORNS), [(0.0, -0.8, 1.5), (3.0, 0.0, 0.0)]
+    crowded = joined(horned, ball(0.03, places[0], 60), ball(0.05, places[1], 60))
+    loose = TriangleMesh(np.concatenate([crowded.vertices, [[0.0, -0.75, 1.6]]]), crowded.faces)
+    planes = middle(horned), middle(person())
+    np.testing.assert_array_equal(limb_pairs(loose, person(), planes).tips, limb_pairs(horned, person(), planes).tips)
 
 
 def limbs_at_random(random, sizes):
