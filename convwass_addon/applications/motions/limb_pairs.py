@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pair the limbs of two symmetric shapes: heads with heads, front legs with arms, hind legs with legs.
+"""Pair the limbs of a person with those of an animal or another person: head and head, front legs and arms.
 
 A map between the surfaces of an animal and a person can be consistent and still wrong: a raised tail becomes the head.
 Limbs are few, so all ways to pair them can be compared by what is near their tips, by how high these are, and by how
@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.mirror_planes import MirrorPlanes
-from .limb_tips import LONG, Limb, Limbs
+from .limb_tips import Limb, Limbs
 
 # Shapes with more limbs, or pairs of limbs, than this are not compared. A spider has six.
 _MOST_LIMBS = 8
@@ -24,8 +24,6 @@ _MOST_LIMBS = 8
 # 0.45 from a dog, a chair, a camel, a kangaroo or a crocodile to a man, and 0.5 or more from an elephant to a man and
 # from a horse to a bird.
 _MOST_COST = 0.48
-# Common limbs of two long shapes are in the same or the opposite order if the cosine of their places is beyond this.
-_ALIKE = 0.7
 
 
 @dataclass(frozen=True)
@@ -38,14 +36,17 @@ class LimbPairs:
         Corresponding tips, as vertices; empty if the limbs do not correspond.
     facing : int
         1 if the shapes look in the same direction, -1 if they look in opposite ones, and 0 if that is not known.
+    are_upright : bool
+        Whether both are upright, as people are.
     """
 
     tips: NDArray[np.int64]
     facing: int
+    are_upright: bool
 
 
 def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) -> LimbPairs:
-    """Pair the limbs of two shapes.
+    """Pair the limbs of two shapes of which at most one is long.
 
     Limbs in the mirror plane are paired with each other, and pairs of limbs with pairs, left with left. The cost of a
     pairing is the sum of the differences of paired tips, in the logarithm of the surface around them and in height, of
@@ -61,28 +62,19 @@ def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) 
     one, other = (Limbs.of(mesh, plane) for mesh, plane in zip((first, second), planes, strict=True))
     if not (0 < len(one.limbs) <= _MOST_LIMBS and 0 < len(other.limbs) <= _MOST_LIMBS):
         return _NONE
+    # The raised tail of an animal is more like the head of another one than its own head is.
+    if one.is_long and other.is_long:
+        return _NONE
     found, cost = best_pairing(one, other)
     if not found or cost > _MOST_COST * (one.costs.sum() + other.costs.sum()):
         return _NONE
     here, there = ([[pair[k] for pair in pairs] for pairs in found] for k in (0, 1))
     ends = one.vertices[np.concatenate(here)], other.vertices[np.concatenate(there)]
-    return LimbPairs(np.stack(ends, axis=1), _facing(one, other, here, there))
+    facing = one.heading(here) * other.heading(there)
+    return LimbPairs(np.stack(ends, axis=1), facing, not (one.is_long or other.is_long))
 
 
-def _facing(one: Limbs, other: Limbs, here: list[list[int]], there: list[list[int]]) -> int:
-    """Return whether two shapes look in the same direction, 1, in opposite ones, -1, or 0, from their common limbs.
-
-    If both are long, their common limbs are in the same order then. Otherwise it depends on where each one looks.
-    """
-    ahead = one.ahead[np.concatenate(here)], other.ahead[np.concatenate(there)]
-    if min(np.abs(own).max() for own in ahead) > LONG:
-        alike = ahead[0] @ ahead[1] / (np.linalg.norm(ahead[0]) * np.linalg.norm(ahead[1]))
-        if abs(alike) > _ALIKE:
-            return int(np.sign(alike))
-    return one.heading(here) * other.heading(there)
-
-
-_NONE = LimbPairs(np.empty((0, 2), np.int64), 0)
+_NONE = LimbPairs(np.empty((0, 2), np.int64), 0, False)
 
 TipPairs = list[tuple[int, int]]
 """Corresponding tips of two limbs."""

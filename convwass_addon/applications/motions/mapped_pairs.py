@@ -126,11 +126,11 @@ def mapped_pair(
     Shapes that face different ways, as guides tell or as it seems, are registered as they stand, and with one of them
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
     bent limb may seem to face another way. Guides on symmetric shapes also count for the other side, and may leave no
-    doubt about the turn. Without guides, shapes whose mirror planes are perpendicular, such as animals and people, are
-    turned and registered by their limbs first; and flat shapes that do not map beyond doubt as they stand are turned if
-    they do so then, or clearly better, above all upside down: a w turns to become an m, but a bolt does not turn to
-    become a drop. Where the score is poor, flat shapes fold, or shapes with limbs are turned over or seem to face
-    opposite ways, they are also registered from the best of several rough maps.
+    doubt about the turn. Without guides, shapes whose mirror planes are perpendicular, such as animals and people, and
+    people who look in opposite directions are turned and registered by their limbs first. Flat shapes that do not map
+    beyond doubt as they stand are turned if they do so then, or clearly better, above all upside down: a w turns to
+    become an m, but a bolt does not turn to become a drop. Where the score is poor, flat shapes fold, or shapes with
+    limbs are turned over or seem to face opposite ways, they are also registered from the best of several rough maps.
 
     Parameters
     ----------
@@ -233,8 +233,7 @@ def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPai
         return [] if MirroredSides.of(turned_mesh(first, _QUARTERS[0]), second) is None else _QUARTERS
     if not standing.is_lopsided:
         return []
-    apart = distances_after(first, second, np.stack([np.eye(3), _HALF]))
-    return [_HALF] if apart[1] <= _FARTHER * apart[0] else []
+    return [_HALF] if _may_turn_around(first, second) else []
 
 
 def _about_center(carrier: Carrier, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
@@ -265,30 +264,49 @@ def _registered_from_survey(
 def _registered_by_limbs(
     one: Carrier, other: Carrier, settings: GuidedSettings, control: Control
 ) -> Work[MappedPair | None]:
-    """Register two shapes by their limbs after a quarter turn of the first one, if only that gives them a common plane.
+    """Register two shapes by their limbs, with the first one turned so that both look in the same direction.
 
-    The shapes look in the same direction then. Where that is not known, the better one of both turns is taken.
-    Returns None if their limbs do not correspond, or if they need no such turn.
+    Where that is not known, the better one of both quarter turns is taken. Returns None if their limbs do not
+    correspond, or if they need no turn.
     """
-    if MirroredSides.of(one.mesh, other.mesh) is not None:
-        return None
     target, found = draft_of(other, _NO_VERTICES, control), []
-    for number, turn in enumerate(_QUARTERS):
+    turns = _limb_turns(one, other, target, control)
+    for number, turn in enumerate(turns):
         pose = turned_carrier(one, turn)
         sides = MirroredSides.of(pose.mesh, other.mesh)
         if sides is None:
-            return None
+            continue
         drafts = draft_of(pose, _NO_VERTICES, control), target
         limbs = limb_pairs(drafts[0].mesh, drafts[1].mesh, sides.planes)
         if not len(limbs.tips) or limbs.facing < 0:
             continue
         pairs = np.stack([draft.seeds[tips] for draft, tips in zip(drafts, limbs.tips.T, strict=True)], axis=1)
         solved = limb_map(pose, other, pairs, SoftMapSettings(vertices=settings.map_vertices), control, sides)
-        mapped = yield from within(solved, 0.5 * number, 0.5 * number + 0.35)
+        mapped = yield from within(solved, number / len(turns), (number + 0.7) / len(turns))
         with one_blas_thread():
             laid = laid_on_each_other((pose, other), mapped.starts(pose, other), pairs, None, control, sides)
         found.append(_turned_back(_mapped(pose, other, laid, mapped, sides), one, turn))
     return max(found, key=lambda pair: pair.merit, default=None)
+
+
+def _limb_turns(one: Carrier, other: Carrier, target: Carrier, control: Control) -> list[NDArray[np.float64]]:
+    """Return turns of a shape after which it may look in the direction of the other one, whose coarse mesh is `target`.
+
+    Quarter turns, if only these give them a common mirror plane; or half a turn, if people look in opposite directions.
+    """
+    sides = MirroredSides.of(one.mesh, other.mesh)
+    if sides is None:
+        askew = MirroredSides.of(turned_mesh(one.mesh, _QUARTERS[0]), other.mesh)
+        return [] if askew is None else _QUARTERS
+    limbs = limb_pairs(draft_of(one, _NO_VERTICES, control).mesh, target.mesh, sides.planes)
+    turns_around = limbs.are_upright and limbs.facing < 0 and _may_turn_around(one.mesh, other.mesh)
+    return [_HALF] if turns_around else []
+
+
+def _may_turn_around(first: TriangleMesh, second: TriangleMesh) -> bool:
+    """Return whether half a turn does not bring two shapes much farther from each other."""
+    apart = distances_after(first, second, np.stack([np.eye(3), _HALF]))
+    return bool(apart[1] <= _FARTHER * apart[0])
 
 
 def _registered_turned(

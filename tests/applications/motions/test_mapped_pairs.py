@@ -234,26 +234,43 @@ def test_doubtful_limbs_count_if_other_maps_are_hardly_better(monkeypatch, acros
     assert found.score == score
 
 
-def test_shapes_with_a_common_mirror_plane_are_not_turned_by_their_limbs(monkeypatch):
-    """Nor are shapes that have none after a quarter turn either."""
-
+def test_shapes_without_mirror_planes_are_not_turned_by_their_limbs(monkeypatch):
     def unwanted(*_arguments):
         raise AssertionError("no limbs are needed")
 
     monkeypatch.setattr(mapped_pairs, "limb_pairs", unwanted)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
-    shape, spring_like = figure()[0], spring(3)
-    for other in (shape, spring_like):
-        carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (shape, other)]
-        registrations(monkeypatch, (0.9, None, 1.0))
-        assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+    meshes = figure()[0], spring(3)
+    carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in meshes]
+    registrations(monkeypatch, (0.9, None, 1.0))
+    assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+
+
+@pytest.mark.parametrize(("degrees", "farther"), [(180.0, 1.05), (0.0, 1.0), (180.0, 1.15)])
+def test_people_who_look_in_opposite_directions_are_turned_around(monkeypatch, degrees, farther):
+    """As their toes tell, unless that brings them much farther from each other."""
+    first, second = person(), shuffled(person())[0]
+    second = TriangleMesh(second.vertices @ about_z(degrees).T, second.faces)
+    carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 700, UNINTERRUPTED) for mesh in (first, second)]
+    registrations(monkeypatch, (0.95, 0.95, 1.0))
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, farther))
+    found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    if degrees == 0.0 or farther > 1.1:
+        assert (found.turn, found.score) == (0.0, 0.95)
+        return
+    assert abs(found.turn) == pytest.approx(180.0)
+    assert found.score > 0.9
+    turned = carriers[0].mesh.vertices @ about_z(180.0).T
+    off = np.linalg.norm(found.laid.first.points - turned, axis=1) / carriers[0].size
+    assert np.median(off) < 0.05
 
 
 def test_a_raised_tail_does_not_become_the_head():
     """An animal that faces another way than a person is turned, and stands up."""
     first, second = animal(RAISED_TAIL), person()
     carriers = [
-        carrier_of(mesh, "shape", np.empty(0, np.int64), 700, UNINTERRUPTED)
+        carrier_of(mesh, "shape", np.empty(0, np.int64), 1000, UNINTERRUPTED)
         for mesh in (TriangleMesh(first.vertices @ about_z(90.0).T, first.faces), second)
     ]
     found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
