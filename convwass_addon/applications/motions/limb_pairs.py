@@ -21,8 +21,8 @@ from .limb_tips import Limb, Limbs
 # Shapes with more limbs, or pairs of limbs, than this are not compared. A spider has six.
 _MOST_LIMBS = 8
 # Limbs do not correspond if the cost of the best pairing is more than this share of that of no pairing. It is 0.2 to
-# 0.45 from a dog, a chair, a camel, a kangaroo or a crocodile to a man, and 0.5 or more from an elephant to a man and
-# from a horse to a bird.
+# 0.46 from a dog, a chair, a camel, a kangaroo or a crocodile to a man, and 0.52 from an elephant, of which the tail
+# would become his head.
 _MOST_COST = 0.48
 
 
