@@ -110,6 +110,19 @@ def test_shapes_whose_limbs_do_not_correspond_have_no_pairs():
         assert not len(paired_places(other, person()))
 
 
+def test_a_person_who_raises_an_arm_has_no_pair_of_arms():
+    raised = [((0.15, 0.0, 1.42), (0.75, 0.0, 1.8), 0.05) if limb == PERSON[4] else limb for limb in PERSON]
+    first = capsules((*raised, *FEET), (-1.0, -0.4, -0.1), (1.0, 0.3, 2.1), 0.04)
+    found = paired_places(first, person())
+    assert (np.abs(found[:, :, 0]) < 0.5).all()
+
+
+def test_shapes_with_many_limbs_are_not_compared():
+    branches = [((0.0, 0.0, z), (0.9 * side, 0.0, z), 0.06) for z in 0.4 * np.arange(9) for side in (-1, 1)]
+    tree = capsules((((0.0, 0.0, 0.0), (0.0, 0.0, 3.2), 0.1), *branches), (-1.1, -0.2, -0.2), (1.1, 0.2, 3.4), 0.05)
+    assert not len(paired_places(tree, tree))
+
+
 def test_other_components_and_loose_vertices_are_no_limbs():
     """Not even between the horns, where the middle of the head is looked for."""
     horned, places = animal(*HORNS), [(0.0, -0.8, 1.5), (3.0, 0.0, 0.0)]

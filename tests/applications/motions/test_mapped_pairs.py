@@ -266,6 +266,19 @@ def test_people_who_look_in_opposite_directions_are_turned_around(monkeypatch, d
     assert np.median(off) < 0.05
 
 
+def test_an_animal_is_not_turned_around_by_its_limbs(monkeypatch):
+    """It looks along -y, and the person along y."""
+    second = person()
+    second = TriangleMesh(second.vertices @ about_z(180.0).T, second.faces)
+    carriers = [
+        carrier_of(mesh, "one", np.empty(0, np.int64), 700, UNINTERRUPTED) for mesh in (animal(RAISED_TAIL), second)
+    ]
+    registrations(monkeypatch, (0.95, 0.95, 1.0))
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, 1.0))
+    assert drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+
+
 def test_a_raised_tail_does_not_become_the_head():
     """An animal that faces another way than a person is turned, and stands up."""
     first, second = animal(RAISED_TAIL), person()
