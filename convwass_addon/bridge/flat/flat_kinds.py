@@ -9,10 +9,11 @@ import bpy
 FLAT_KINDS = ("FONT", "CURVE", "GREASEPENCIL")
 """Object types that are flat, besides image Empties, unless modifiers or a bevel make them solid."""
 
+TOUCHING = 1e-5
+"""Distance relative to the extent below which the ends of an open spline touch."""
+
 # Modifiers that can make a solid of a flat curve or text.
 _GIVE_DEPTH = ("NODES", "REMESH", "SCREW", "SOLIDIFY")
-# Distance relative to the size of a curve below which the ends of an open spline touch.
-_TOUCHING = 1e-5
 
 
 def is_shape(obj: bpy.types.Object) -> bool:
@@ -51,7 +52,7 @@ def _is_beveled(curve: bpy.types.Curve) -> bool:
 def is_tube(obj: bpy.types.Object) -> bool:
     """Return whether an object is a curve of open splines with a bevel, which fills no area but has a volume."""
     splines = obj.data.splines if obj.type == "CURVE" and _is_beveled(obj.data) else ()
-    reach = _TOUCHING * max(obj.dimensions)
+    reach = TOUCHING * max(obj.dimensions)
     return len(splines) > 0 and all(_is_open(spline, reach) for spline in splines)
 
 

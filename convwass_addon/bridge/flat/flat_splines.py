@@ -15,13 +15,12 @@ from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ...sentence import Sentence
 from ..element_values import element_values
+from .flat_kinds import TOUCHING
 from .flat_rings import CurveStyle, FlatRings
 
 # Points per curve segment. A circle of four segments with 24 points each has a relative area error of 1 - sin(x) / x, x
 # = 2 pi / 96: 0.07 %.
 _LEAST_STEPS, _MOST_STEPS = 24, 64
-# Distance relative to the extent below which the ends of an open spline touch.
-_TOUCHING = 1e-5
 # What Blender adds to the number of a character for the spline of its underline.
 _UNDERLINE = 1000
 # A character that no font defines.
@@ -89,7 +88,7 @@ def sampled_spline(spline: bpy.types.Spline) -> NDArray[np.float64] | None:
     if spline.use_cyclic_u:
         return ring
     extent = float(np.ptp(ring, axis=0).max())
-    touches = extent > 0 and len(ring) > 3 and np.linalg.norm(ring[0] - ring[-1]) <= _TOUCHING * extent
+    touches = extent > 0 and len(ring) > 3 and np.linalg.norm(ring[0] - ring[-1]) <= TOUCHING * extent
     return ring[:-1] if touches else None
 
 
