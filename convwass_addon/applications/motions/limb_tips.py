@@ -14,6 +14,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.mirror_planes import MirrorPlane
 from ...geometry.surface_graph import surface_distances, surface_graph
 from ...geometry.surface_tips import surface_tips
+from .mirrored_sides import relative_heights
 
 # Chosen by eye on animals and people, in sizes of the surface. The persistence of the tip of a limb, which is 0.13 to
 # 0.46 for legs, heads and tails, 0.08 for the short arms of a kangaroo and at most 0.06 for ears; the radius around the
@@ -51,7 +52,7 @@ class Limbs:
 
     Attributes
     ----------
-    limbs : list of _Limb
+    limbs : list of Limb
     vertices : (t,) int64
         Vertices of the tips.
     shares : (t,) float64
@@ -96,12 +97,11 @@ class Limbs:
         around = (away < _AROUND) * mesh.vertex_areas
         forward = np.cross([0.0, 0.0, 1.0], plane.normal) / np.sqrt(mesh.area)
         along, ends = mesh.vertices @ forward, np.array(vertices, np.int64)
-        low, high = mesh.bounds[:, 2]
         return cls(
             limbs,
             ends,
             shares=around.sum(axis=1) / mesh.area,
-            heights=(mesh.vertices[ends, 2] - low) / max(high - low, np.finfo(float).tiny),
+            heights=relative_heights(mesh)[ends],
             apart=away[:, ends],
             ahead=along[ends] - mesh.area_center @ forward,
             pointing=along[ends] - around @ along / around.sum(axis=1),

@@ -29,11 +29,16 @@ Groups = dict[str, NDArray[np.float64]]
 """Weights of the vertices of a mesh, (n,), by the name of the group."""
 
 
-def height_groups(mesh: TriangleMesh) -> Groups:
-    """Return how far up the vertices of a shape are, from 0 to 0.5, as group weights."""
+def relative_heights(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return how far up the vertices of a shape are, from 0 to 1, (n,)."""
     low, high = mesh.bounds[:, 2]
     # Vertices without triangles may be anywhere.
-    return {"up": _UPRIGHT * np.clip((mesh.vertices[:, 2] - low) / max(high - low, np.finfo(float).tiny), 0.0, 1.0)}
+    return np.clip((mesh.vertices[:, 2] - low) / max(high - low, np.finfo(float).tiny), 0.0, 1.0)
+
+
+def height_groups(mesh: TriangleMesh) -> Groups:
+    """Return how far up the vertices of a shape are, from 0 to 0.5, as group weights."""
+    return {"up": _UPRIGHT * relative_heights(mesh)}
 
 
 @dataclass(frozen=True)

@@ -45,8 +45,7 @@ _FINISHING_FLAT = (Stage(100.0, 0.0, 0.06, 6),)
 # If the misfit is at most this, no other starts are tried.
 _FINE = 0.35
 # If 99 % of the area have a round-trip error below the first number, and the misfit is below the second, a grown
-# registration has lost no limb, and no map is needed. It follows guides within the first
-# number.
+# registration has lost no limb, and no map is needed. It follows guides within the first number.
 _NO_LIMB, _FINE_GROWN = 0.15, 0.5
 # Round-trip error, in sizes of the surface, at which the confidence is 0.6.
 _MISSED = 0.08
