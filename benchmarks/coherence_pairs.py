@@ -316,6 +316,8 @@ PROPS = (
     CoherencePair("barrel to goblet", OTHER_BUILD, _props(props.barrel, props.goblet)),
     CoherencePair("wine glass to vase", OTHER_BUILD, _props(props.wine_glass, props.vase)),
     CoherencePair("pawn to bowl", OTHER_BUILD, _props(props.pawn, props.bowl)),
+    CoherencePair("mug to bottle", OTHER_BUILD, _props(things.mug(46).mesh, props.bottle)),
+    CoherencePair("trophy to wine glass", OTHER_BUILD, _props(things.trophy(47).mesh, props.wine_glass)),
     CoherencePair("bottle to lying rook", OTHER_BUILD, _props(props.bottle, lambda: props.lying(props.rook()))),
     CoherencePair("table to crate", OTHER_BUILD, _props(props.table, props.crate)),
     CoherencePair("sofa to bed", OTHER_BUILD, _props(props.sofa, props.bed)),

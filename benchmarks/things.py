@@ -56,6 +56,28 @@ def cactus(seed: int) -> Sculpture:
     return clay
 
 
+def mug(seed: int) -> Sculpture:
+    """Sculpt a mug with its handle towards +X."""
+    clay = Sculpture(seed)
+    clay.add(frustum((0, 0, 0), (0, 0, 1.0), (0.42, 0.42), 0.03))
+    clay.carve(frustum((0, 0, 0.08), (0, 0, 1.2), (0.34, 0.34), 0.02))
+    clay.add(tube([(0.4, 0, 0.8), (0.7, 0, 0.75), (0.75, 0, 0.45), (0.4, 0, 0.22)], [0.06] * 4, 8), 0.02)
+    return clay
+
+
+def trophy(seed: int) -> Sculpture:
+    """Sculpt a cup on a stem, with two handles."""
+    clay = Sculpture(seed)
+    clay.add(frustum((0, 0, 0), (0, 0, 0.15), (0.35, 0.3), 0.03))
+    clay.add(tube([(0, 0, 0.1), (0, 0, 0.6)], [0.08, 0.07], 1), 0.05)
+    clay.add(frustum((0, 0, 0.55), (0, 0, 1.3), (0.15, 0.5), 0.05), 0.05)
+    clay.carve(frustum((0, 0, 0.7), (0, 0, 1.4), (0.1, 0.47), 0.05))
+    for x in (-1, 1):
+        handle = [(0.42 * x, 0, 1.2), (0.75 * x, 0, 1.2), (0.7 * x, 0, 0.85), (0.28 * x, 0, 0.75)]
+        clay.add(tube(handle, [0.05] * 4, 8), 0.02)
+    return clay
+
+
 def airplane(seed: int) -> Sculpture:
     """Sculpt an airplane flying along +X."""
     clay = Sculpture(seed)

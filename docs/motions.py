@@ -90,7 +90,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
             Block.compared(pair)
             for pair in (
                 *("star to heart", "ring to C", "bottle to lying rook"),
-                *("wine glass to vase", "robot to chair", "locomotive to car"),
+                *("wine glass to vase", "trophy to wine glass", "robot to chair", "locomotive to car"),
             )
         ],
     }

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -50,23 +52,28 @@ def coverage(boundary: Boundary, shape: tuple[int, int]) -> NDArray[np.float64]:
 
 
 def overlap(one: Boundary, other: Boundary, cells: int) -> float:
-    """Return the area of the intersection of two filled areas over that of their union.
+    """Return the area of the intersection of two filled areas over that of their union; see :func:`overlaps`."""
+    return float(overlaps([one, other], cells)[0, 1])
+
+
+def overlaps(areas: Sequence[Boundary], cells: int) -> NDArray[np.float64]:
+    """Return the areas of the intersections of filled areas over those of their unions, (k, k).
 
     Areas of cells that both cover in part are compared, which is nearly exact for boundaries that are nearly parallel.
 
     Parameters
     ----------
-    one, other : Boundary
-        The areas.
+    areas : sequence of Boundary
+        The k areas, not empty.
     cells : int
-        Cells along the longest side of a grid over both.
+        Cells along the longest side of a grid over all.
     """
-    bounds = np.concatenate([one.bounds, other.bounds])
+    bounds = np.concatenate([area.bounds for area in areas])
     low, size = bounds.min(axis=0), np.ptp(bounds, axis=0)
     scale = cells / float(size.max())
     shape = tuple(int(count) for count in np.ceil(size * scale).astype(int) + 1)
-    first, second = (coverage(area.moved(-low * scale, scale), shape) for area in (one, other))
-    return float(np.minimum(first, second).sum() / np.maximum(first, second).sum())
+    covered = np.stack([coverage(area.moved(-low * scale, scale), shape).ravel() for area in areas])
+    return np.stack([np.minimum(own, covered).sum(axis=1) / np.maximum(own, covered).sum(axis=1) for own in covered])
 
 
 def _cut_at_lines(boundary: Boundary) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

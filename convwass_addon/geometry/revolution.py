@@ -45,11 +45,14 @@ class Revolution:
         A point of the axis, the origin of the section.
     across : CrossSection
         What sections across the axis are, in the frame that it was found in.
+    is_whole : bool
+        Whether nothing is attached to it.
     """
 
     section: Boundary
     center: NDArray[np.float64]
     across: CrossSection
+    is_whole: bool = True
 
 
 def common_revolutions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float64], list[Revolution]] | None:
@@ -67,30 +70,40 @@ def common_revolutions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float
     list of Revolution
         One for each mesh.
     """
-    surfaces = [_Surface(mesh, triangle_normals(mesh.corners)) for mesh in meshes]
+    surfaces = [BareSurface.of(mesh) for mesh in meshes]
     # The vertical one first.
     axes = [np.array([0.0, 0.0, 1.0])]
     for own in surfaces:
         axes.extend(normal_axes(own.normals, own.mesh.face_areas))
     for axis in axes:
-        across = np.eye(3)[int(np.abs(axis).argmin())]
-        across = unit_vectors((across - (across @ axis) * axis)[None])[0]
-        frame = np.stack([across, axis, np.cross(across, axis)])
-        found = found_for_all(partial(_revolution, frame=frame), surfaces)
+        frame = frame_about(axis)
+        found = found_for_all(partial(revolution_about, frame=frame), surfaces)
         if found is not None:
             return frame, found
     return None
 
 
+def frame_about(axis: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return a direction across an axis, (3,), the axis, and the direction across both, as rows, right-handed."""
+    across = np.eye(3)[int(np.abs(axis).argmin())]
+    across = unit_vectors((across - (across @ axis) * axis)[None])[0]
+    return np.stack([across, axis, np.cross(across, axis)])
+
+
 @dataclass(frozen=True)
-class _Surface:
+class BareSurface:
     """A mesh and the unit normals of its triangles, (m, 3), which are needed for every axis."""
 
     mesh: TriangleMesh
     normals: NDArray[np.float64]
 
+    @classmethod
+    def of(cls, mesh: TriangleMesh) -> BareSurface:
+        """Compute the normals."""
+        return cls(mesh, triangle_normals(mesh.corners))
 
-def _revolution(surface: _Surface, frame: NDArray[np.float64]) -> Revolution | None:
+
+def revolution_about(surface: BareSurface, frame: NDArray[np.float64]) -> Revolution | None:
     """Return a mesh as a solid of revolution about the second direction of a frame, or None if it is none."""
     mesh, center = surface.mesh, surface.mesh.area_center
     across = cross_section_of((mesh.vertices - center) @ frame.T)
@@ -106,11 +119,16 @@ def _revolution(surface: _Surface, frame: NDArray[np.float64]) -> Revolution | N
     volume = across.filled * 2.0 * np.pi * half.area * half.center[0] if half.area > 0.0 else 0.0
     if abs(mesh.volume - volume) > _DIFFERENT * volume or volume == 0.0:
         return None
-    if not len(opposite.starts) or overlap(opposite, _mirrored(half, across.opposite), _CELLS) < _SAME:
+    if not len(opposite.starts) or overlap(opposite, mirrored_half(half, across.opposite), _CELLS) < _SAME:
         return None
-    return Revolution(without_slivers(half.united([_mirrored(half)]), _SLIVER), center, across)
+    return Revolution(both_halves(half), center, across)
 
 
-def _mirrored(half: Boundary, share: float = 1.0) -> Boundary:
+def both_halves(half: Boundary) -> Boundary:
+    """Return an area on one side of the axis together with its mirror image."""
+    return without_slivers(half.united([mirrored_half(half)]), _SLIVER)
+
+
+def mirrored_half(half: Boundary, share: float = 1.0) -> Boundary:
     """Return the part of a section on one side of the axis on the other side, at a share of its distances."""
     return Boundary(half.ends * (-share, 1.0), half.starts * (-share, 1.0))

@@ -11,9 +11,11 @@ from benchmarks.props import bottle, pawn, revolved, smooth, vase, wine_glass
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.revolved_motion import revolved_motion
+from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.shapes import rotated, torus
+from tests.shapes import box, joined, piece_count, rotated, torus
 
 TILT = np.array([0.5, 1.0, -0.25])
 CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
@@ -23,6 +25,9 @@ BOWL = revolved([(0.0, 0.0), (0.6, 0.0), (1.6, 0.8), (1.45, 0.85), (0.5, 0.2), (
 # Alike if one of them is turned upside down.
 PIN = revolved(smooth([(0.0, 0.0), (0.25, 0.0), (0.42, 0.5), (0.38, 0.9), (0.16, 1.4), (0.22, 1.65), (0.0, 1.92)]))
 BULB = revolved(smooth([(0.0, 0.0), (0.2, 0.0), (0.2, 0.4), (0.5, 0.95), (0.5, 1.2), (0.3, 1.5), (0.0, 1.6)]))
+# A peg from the middle of the wall to 0.6 beside it, and a cup of twice the size without one.
+PEG = box((0.66, 0.2, 0.2), (1.22, 0.0, 0.9))
+PEGGED, LARGE_CUP = joined(CUP, PEG), TriangleMesh(2.0 * CUP.vertices, CUP.faces)
 VASE, BOTTLE, PAWN = vase(), bottle(), pawn()
 TIMES = (0.25, 0.5, 0.75)
 MOTIONS = MotionMemory()
@@ -134,6 +139,42 @@ def test_less_coherence_moves_part_of_the_way():
 
 def test_sections_must_have_equal_numbers_of_regions():
     request = MotionRequest([CONE, torus()], ["one", "other"], [(0, 1)], "automatic", 0.5)
+    assert revolved_motion(request, UNINTERRUPTED) is None
+
+
+@pytest.mark.parametrize("time", TIMES)
+@pytest.mark.parametrize("turned_around", [False, True])
+def test_attached_parts_retract_and_are_in_both_shapes(time, turned_around):
+    found = choice(LARGE_CUP, PEGGED) if turned_around else choice(PEGGED, LARGE_CUP)
+    assert found.reason == "OUTLINES"
+    moved = found.motion.moved([time, 1.0 - time] if turned_around else [1.0 - time, time])
+    wall, out = 1.0 + time, PEG.bounds[1, 0] - 0.92
+    for own, other in (moved, moved[::-1]):
+        assert other.finder.find(own.vertices).distances.max() < 0.05 * wall
+        # At the height of the peg, whose tip is as wide as ever, the wall is at 0.92 of the radius.
+        tip = own.mesh.vertices[own.mesh.vertices[:, 0] > own.mesh.bounds[1, 0] - 0.05]
+        assert own.mesh.bounds[1, 0] == pytest.approx(max(wall, 0.92 * wall + (1.0 - time) * out), abs=0.06)
+        if time < 0.5:
+            assert np.ptp(tip[:, 1]) == pytest.approx(0.2, abs=0.02)
+
+
+def test_at_rest_a_lent_part_is_flat_and_closed():
+    moved = choice(PEGGED, LARGE_CUP).motion.moved([0.0, 1.0])[1]
+    assert moved.vertices == pytest.approx(moved.rest.vertices, abs=1e-6)
+    assert moved.mesh.volume == pytest.approx(LARGE_CUP.volume, rel=1e-3)
+    assert topology(moved.mesh).closed
+    assert moved.mesh.bounds == pytest.approx(LARGE_CUP.bounds, abs=0.01)
+    assert moved.parents.max() < len(LARGE_CUP.faces)
+
+
+def test_parts_are_lent_only_to_shapes_that_are_reached():
+    for coherence, pieces in ((0.25, 1), (0.5, 2)):
+        moved = choice(PEGGED, LARGE_CUP, coherence=coherence).motion.moved([0.01, 0.99])[1]
+        assert piece_count(moved.mesh) == pieces
+
+
+def test_two_handles_are_left_to_the_map():
+    request = MotionRequest([PEGGED, PEGGED], ["one", "other"], [(0, 1)], "automatic", 0.5)
     assert revolved_motion(request, UNINTERRUPTED) is None
 
 

@@ -78,7 +78,7 @@ class ExtrudedShape:
         relative = (solid.vertices[:, 2] - extrusion.low) / (extrusion.high - extrusion.low)
         return cls(rest, parents, places, relative, frame)
 
-    def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
+    def moved(self, section: TriangleMesh, place: NDArray[np.float64], left: float) -> MovedShape:
         """Return the shape for its moved section, between two ends; see :class:`.section_motion.SectionShape`."""
         low, high = place
         heights = low + (high - low) * self.heights

@@ -19,8 +19,18 @@ from .agreeing_motion import AgreeingMotion
 class SectionShape(Protocol):
     """A solid that is determined by a section."""
 
-    def moved(self, section: TriangleMesh, place: NDArray[np.float64]) -> MovedShape:
-        """Return the solid for its moved section, which lies in the plane z = 0, at a place, (d,)."""
+    def moved(self, section: TriangleMesh, place: NDArray[np.float64], left: float) -> MovedShape:
+        """Return the solid for its moved section.
+
+        Parameters
+        ----------
+        section : TriangleMesh
+            In the plane z = 0.
+        place : (d,)
+            Where the solid is across its section.
+        left : float
+            How far it is from the others, from 1 at rest to 0.
+        """
         ...
 
 
@@ -44,10 +54,11 @@ class SectionMotion:
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        places = moved_towards_mean(self.places, weights, self.flat.guided.settings.way)
+        way = self.flat.guided.settings.way
+        places = moved_towards_mean(self.places, weights, way)
         return [
-            None if flat is None else own.moved(flat.mesh, place)
-            for own, flat, place in zip(self.shapes, self.flat.moved(weights), places, strict=True)
+            None if flat is None else own.moved(flat.mesh, place, 1.0 - way * (1.0 - weight))
+            for own, flat, place, weight in zip(self.shapes, self.flat.moved(weights), places, weights, strict=True)
         ]
 
 

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is attached to solids of revolution, such as handles, spouts and fins: how it retracts into them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.edges import vertex_components
+from ...geometry.mesh import TriangleMesh
+
+# Vertices farther from the surface of the body than this share of the longest side are on attached parts, and move with
+# these entirely if they are twice as far.
+_APART = 0.01
+# A part that is wound around the body, so that its mean direction is shorter than this, has no middle. The angle that
+# others take up around the axis changes at most by this factor.
+_WOUND, _MOST_TURNED = 0.5, 2.0
+
+
+@dataclass(frozen=True)
+class AttachedParts:
+    """The vertices of a shape that are on parts attached to its body.
+
+    Attributes
+    ----------
+    looseness : (n,) float64
+        How far vertices move with a part, from 0, on the body, to 1.
+    reaches : (n,) float64
+        Largest distance of a vertex of the same part from the body.
+    angles : (n,) float64
+        Angles about the axis from the middle of the part, in radians.
+    """
+
+    looseness: NDArray[np.float64]
+    reaches: NDArray[np.float64]
+    angles: NDArray[np.float64]
+
+    @classmethod
+    def of(
+        cls,
+        mesh: TriangleMesh,
+        distances: NDArray[np.float64],
+        directions: NDArray[np.float64],
+        axis: NDArray[np.float64],
+    ) -> AttachedParts:
+        """Find the parts of a shape.
+
+        Parameters
+        ----------
+        mesh : TriangleMesh
+            The shape.
+        distances : (n,)
+            Distances of the vertices from the body.
+        directions : (n, 3)
+            Unit vectors from the axis to the vertices.
+        axis : (3,)
+            Direction of the axis.
+        """
+        looseness = (distances / (_APART * mesh.longest_side) - 1.0).clip(0.0, 1.0)
+        is_loose = looseness > 0.0
+        # Part 0 is the body, and vertices that are loose alone.
+        parts = vertex_components(TriangleMesh(mesh.vertices, mesh.faces[is_loose[mesh.faces].all(axis=1)])) + 1
+        reaches = np.zeros(parts.max(initial=0) + 1)
+        np.maximum.at(reaches, parts, distances)
+        middles = np.stack([np.bincount(parts, own) for own in directions.T], axis=1)
+        has_middle = np.linalg.norm(middles, axis=1) > _WOUND * np.bincount(parts)
+        middle = middles[parts]
+        angles = np.arctan2(np.cross(middle, directions) @ axis, (middle * directions).sum(axis=1))
+        return cls(
+            looseness,
+            np.where(parts > 0, reaches[parts], distances),
+            np.where((parts > 0) & has_middle[parts], angles, 0.0),
+        )
+
+    @classmethod
+    def none(cls, count: int) -> AttachedParts:
+        """Return that none of `count` vertices is on a part."""
+        return cls(*np.zeros((3, count)))
+
+    def retracted(self, offsets: NDArray[np.float64], left: float) -> NDArray[np.float64]:
+        """Return offsets of vertices from the body, (n, 2), with parts drawn into it, without becoming thinner.
+
+        Parameters
+        ----------
+        offsets : (n, 2)
+            Offsets at rest.
+        left : float
+            The share of its reach by which a part stands out.
+        """
+        lengths = np.linalg.norm(offsets, axis=1)
+        shares = np.maximum(lengths - (1.0 - left) * self.reaches, 0.0)
+        shares = np.divide(shares, lengths, out=np.zeros_like(shares), where=lengths > 0.0)
+        return (1.0 - self.looseness * (1.0 - shares))[:, None] * offsets
+
+    def turns(self, ratios: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return angles about the axis, (n,), by which vertices turn, so that parts stay as wide.
+
+        Parameters
+        ----------
+        ratios : (n,)
+            Distances from the axis at rest over those of the moved vertices.
+        """
+        return self.looseness * self.angles * (ratios.clip(1.0 / _MOST_TURNED, _MOST_TURNED) - 1.0)
