@@ -36,13 +36,10 @@ class LimbPairs:
         Corresponding tips, as vertices; empty if the limbs do not correspond.
     facing : int
         1 if the shapes look in the same direction, -1 if they look in opposite ones, and 0 if that is not known.
-    are_upright : bool
-        Whether both are upright, as people are.
     """
 
     tips: NDArray[np.int64]
     facing: int
-    are_upright: bool
 
 
 def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) -> LimbPairs:
@@ -71,10 +68,10 @@ def limb_pairs(first: TriangleMesh, second: TriangleMesh, planes: MirrorPlanes) 
     here, there = ([[pair[k] for pair in pairs] for pairs in found] for k in (0, 1))
     ends = one.vertices[np.concatenate(here)], other.vertices[np.concatenate(there)]
     facing = one.heading(here) * other.heading(there)
-    return LimbPairs(np.stack(ends, axis=1), facing, not (one.is_long or other.is_long))
+    return LimbPairs(np.stack(ends, axis=1), facing)
 
 
-_NONE = LimbPairs(np.empty((0, 2), np.int64), 0, False)
+_NONE = LimbPairs(np.empty((0, 2), np.int64), 0)
 
 TipPairs = list[tuple[int, int]]
 """Corresponding tips of two limbs."""

@@ -292,14 +292,14 @@ def _registered_by_limbs(
 def _limb_turns(one: Carrier, other: Carrier, target: Carrier, control: Control) -> list[NDArray[np.float64]]:
     """Return turns of a shape after which it may look in the direction of the other one, whose coarse mesh is `target`.
 
-    Quarter turns, if only these give them a common mirror plane; or half a turn, if people look in opposite directions.
+    Quarter turns, if only these give them a common mirror plane; or half a turn, if they look in opposite directions.
     """
     sides = MirroredSides.of(one.mesh, other.mesh)
     if sides is None:
         askew = MirroredSides.of(turned_mesh(one.mesh, _QUARTERS[0]), other.mesh)
         return [] if askew is None else _QUARTERS
     limbs = limb_pairs(draft_of(one, _NO_VERTICES, control).mesh, target.mesh, sides.planes)
-    turns_around = limbs.are_upright and limbs.facing < 0 and _may_turn_around(one.mesh, other.mesh)
+    turns_around = limbs.facing < 0 and _may_turn_around(one.mesh, other.mesh)
     return [_HALF] if turns_around else []
 
 
