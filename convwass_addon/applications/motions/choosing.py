@@ -17,6 +17,7 @@ from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..outlines.extruded_motion import extruded_motion
 from ..outlines.revolved_motion import revolved_motion
+from ..workers import one_blas_thread
 from .coherence import FULL_COHERENCE
 from .combined_motion import CombinedMotion, combined_motion
 from .guided_motion import GuidedMotion, guided_motion
@@ -99,6 +100,11 @@ def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice
     InputError
         Invalid guides, or a requested motion that cannot be computed.
     """
+    with one_blas_thread():
+        return (yield from _chosen(request, control))
+
+
+def _chosen(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     if request.kind == "transport" or request.coherence == 0.0 or not request.pairs:
         return MotionChoice("transport", "ASKED")
     if request.kind == "warp":

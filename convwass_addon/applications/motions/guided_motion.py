@@ -30,7 +30,7 @@ from ..workers import both_ways, one_blas_thread
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
-from .map_quality import map_quality
+from .map_quality import MapQuality, map_quality
 from .mapped_pairs import MappedPair, mapped_pair, registering
 from .motion import MovedShape
 from .shape_deformations import ShapeDeformation, split_deformation
@@ -129,8 +129,8 @@ class GuidedMotion:
         """Return the vertices of the shapes that have weight."""
         shares = np.array([weights[shape] for shape in active], dtype=np.float64)
         shares /= shares.sum()
-        states = [self._state(shape, dict(zip(active, shares, strict=True))) for shape in active]
         with one_blas_thread():
+            states = [self._state(shape, dict(zip(active, shares, strict=True))) for shape in active]
             points = [self.carriers[shape].poisson.solve(*state) for shape, state in zip(active, states, strict=True)]
         found = []
         for place, shape in enumerate(active):
@@ -236,9 +236,10 @@ def guided_motion(
         marked = guide_pairs(guides, *ordered)
         places = np.stack([one.places(marked[:, 0]), other.places(marked[:, 1])], axis=1)
         begin, end = (0.05 + 0.95 * share / len(pairs) for share in (number, number + 1))
-        there, back, best = yield from within(_deformed(one, other, places, settings, control), begin, end)
+        with one_blas_thread():
+            work = _deformed(one, other, places, settings, control)
+            there, back, best, quality = yield from within(work, begin, end)
         deformations[ordered], deformations[ordered[::-1]] = there, back
-        quality = map_quality(one, other, there).or_worse(map_quality(other, one, back))
         score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
         followed = best.map.pairs.tolist()
         left_out = sum(place not in followed for place in places.tolist())
@@ -249,16 +250,17 @@ def guided_motion(
 
 def _deformed(
     one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
-) -> Work[tuple[ShapeDeformation, ShapeDeformation, MappedPair]]:
-    """Deform two shapes to match each other."""
+) -> Work[tuple[ShapeDeformation, ShapeDeformation, MappedPair, MapQuality]]:
+    """Deform two shapes to match each other; also return how well they do."""
     best = yield from within(mapped_pair(one, other, pairs, settings, control), 0.0, _LAID)
     yield Progress(_LAID, registering(one, other))
-    with one_blas_thread():
-        # The samples of both shapes are needed for both directions.
-        both_ways(lambda k: (one, other)[k].samples)
-        there = split_deformation(one, other, best.laid.first, None, control)
-        back = split_deformation(other, one, best.laid.second, there, control)
-    return there, back, best
+    # The samples of both shapes are needed for both directions.
+    both_ways(lambda k: (one, other)[k].samples)
+    there = split_deformation(one, other, best.laid.first, None, control)
+    back = split_deformation(other, one, best.laid.second, there, control)
+    ways = (one, other, there), (other, one, back)
+    first, second = both_ways(lambda k: map_quality(*ways[k]))
+    return there, back, best, first.or_worse(second)
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:

@@ -17,7 +17,6 @@ import numpy as np
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
-from ..workers import one_blas_thread
 from .carriers import Carrier
 from .facing_turns import is_turned_over
 from .laid_meshes import Laid
@@ -92,12 +91,11 @@ def _rough_map(
     pose: int, drafts: tuple[Carrier, Carrier], sides: MirroredSides | None, vertices: int, control: Control
 ) -> RoughMap:
     """Solve a map between coarse meshes, register them from it, and carry the result to all vertices."""
-    with one_blas_thread():
-        found = drained(mirrored_map(*drafts, SoftMapSettings(vertices=vertices), control, sides))
-        starts = found.starts(*drafts)
-        both = [proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control) for k in (0, 1)]
-        drafted = [trusted(own) for own in both]
-        over = any(is_turned_over(draft.mesh, own) for draft, own in zip(drafts, drafted, strict=True))
-        cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0) + (_TURNED_OVER if over else 0.0)
-        laid = [carried(draft, own) for draft, own in zip(drafts, drafted, strict=True)]
+    found = drained(mirrored_map(*drafts, SoftMapSettings(vertices=vertices), control, sides))
+    starts = found.starts(*drafts)
+    both = [proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control) for k in (0, 1)]
+    drafted = [trusted(own) for own in both]
+    over = any(is_turned_over(draft.mesh, own) for draft, own in zip(drafts, drafted, strict=True))
+    cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0) + (_TURNED_OVER if over else 0.0)
+    laid = [carried(draft, own) for draft, own in zip(drafts, drafted, strict=True)]
     return RoughMap(pose, found, (laid[0], laid[1]), cost)

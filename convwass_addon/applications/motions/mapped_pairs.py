@@ -21,7 +21,6 @@ from ...geometry.upright_turns import distances_after, rotation_about_z, upright
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
-from ..workers import one_blas_thread
 from .carriers import Carrier
 from .facing_turns import is_turned_over, symmetric_turn, turned_carrier, turned_mesh
 from .guided_settings import GuidedSettings
@@ -255,8 +254,7 @@ def _registered_from_survey(
     turn, pose = turns[rough.pose], poses[rough.pose]
     yield Progress(0.5, registering(one, other))
     sides = MirroredSides.of(pose.mesh, other.mesh)
-    with one_blas_thread():
-        laid = laid_on_each_other((pose, other), rough.starts, rough.map.pairs, None, control, sides)
+    laid = laid_on_each_other((pose, other), rough.starts, rough.map.pairs, None, control, sides)
     found = _mapped(pose, other, laid, rough.map, sides)
     return found if turn is None else _turned_back(found, one, turn)
 
@@ -283,8 +281,7 @@ def _registered_by_limbs(
         pairs = np.stack([draft.seeds[tips] for draft, tips in zip(drafts, limbs.tips.T, strict=True)], axis=1)
         solved = limb_map(pose, other, pairs, SoftMapSettings(vertices=settings.map_vertices), control, sides)
         mapped = yield from within(solved, number / len(turns), (number + 0.7) / len(turns))
-        with one_blas_thread():
-            laid = laid_on_each_other((pose, other), mapped.starts(pose, other), pairs, None, control, sides)
+        laid = laid_on_each_other((pose, other), mapped.starts(pose, other), pairs, None, control, sides)
         found.append(_turned_back(_mapped(pose, other, laid, mapped, sides), one, turn))
     return max(found, key=lambda pair: pair.merit, default=None)
 
@@ -336,8 +333,7 @@ def _registered(
     """Register two shapes to each other, from their map or from where they coincide."""
     message = registering(one, other)
     yield Progress(0.0, message)
-    with one_blas_thread():
-        grown = grown_pair((one, other), control)
+    grown = grown_pair((one, other), control)
     if grown is not None and len(pairs):
         followed = grown.followed(pairs)
         # A minority of guides may be wrong.
@@ -353,8 +349,7 @@ def _registered(
         found = yield from within(pair_map(one, other, pairs, map_settings, control, sides), _GROWN, _MAPPED)
         starts = found.starts(one, other)
     yield Progress(_MAPPED, message)
-    with one_blas_thread():
-        laid = laid_on_each_other((one, other), starts, found.pairs, grown, control, sides)
+    laid = laid_on_each_other((one, other), starts, found.pairs, grown, control, sides)
     if laid.is_grown:
         found = replace(found, score=laid.confidence)
     return _mapped(one, other, laid, found, sides)

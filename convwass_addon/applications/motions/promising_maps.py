@@ -12,7 +12,7 @@ from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
-from ..workers import both_ways, one_blas_thread
+from ..workers import both_ways
 from .carriers import Carrier, carrier_of
 from .facing_turns import symmetric_turn, turned_carrier
 from .mirrored_sides import MirroredSides
@@ -44,11 +44,10 @@ def may_map(first: TriangleMesh, second: TriangleMesh, control: Control) -> Work
         The meshes cannot be mapped.
     """
     yield Progress(0.0, Sentence("Comparing the shapes"))
-    with one_blas_thread():
-        one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
-        turns = symmetric_turn(one.mesh, other.mesh), _turn_of_axes(one.mesh, other.mesh)
-        poses = [one, *(turned_carrier(one, turn) for turn in turns if turn is not None)]
-        return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)
+    one, other = (carrier_of(mesh, "", _NO_VERTICES, _CARRIER_VERTICES, control) for mesh in (first, second))
+    turns = symmetric_turn(one.mesh, other.mesh), _turn_of_axes(one.mesh, other.mesh)
+    poses = [one, *(turned_carrier(one, turn) for turn in turns if turn is not None)]
+    return any(_rough_score(pose, other, control) >= _PROMISING for pose in poses)
 
 
 def _turn_of_axes(one: TriangleMesh, other: TriangleMesh) -> NDArray[np.float64] | None:

@@ -82,6 +82,23 @@ def test_automatic_follows_the_score_of_the_map(motions, score, kind, reason):
     assert (found.motion is None) == (kind == "transport")
 
 
+def test_motions_are_computed_with_one_thread_of_blas(monkeypatch):
+    # Threads of BLAS that wait for each other multiply the time of a warp, and decide on the last digits.
+    threadpoolctl = pytest.importorskip("threadpoolctl")
+    found = []
+
+    def warped(*_arguments, **_options):
+        libraries = threadpoolctl.threadpool_info()
+        found.extend(library["num_threads"] for library in libraries if library["user_api"] == "blas")
+        return WARP
+        yield
+
+    monkeypatch.setattr(choosing, "warp_motion", warped)
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        drained(chosen_motion(MotionRequest(SHAPES, ("a", "b"), [(0, 1)], "warp", 0.5), UNINTERRUPTED))
+    assert set(found) == {1}
+
+
 def test_the_record_says_by_how_much_shapes_were_turned(motions):
     motions(guided_with(0.95, turn=-90.0))
     assert choice().record()["turned"] == 90
