@@ -70,6 +70,20 @@ def both_ways(work: Callable[[int], T]) -> tuple[T, T]:
         return work(0), other.result()
 
 
+def side_by_side(work: Callable[[int], T], count: int) -> list[T]:
+    """Run work for the numbers below `count` in worker threads; return the results in order.
+
+    Parameters
+    ----------
+    work : callable
+        Called with every number. If one call fails, those that have started are awaited.
+    count : int
+        How many numbers, at least one.
+    """
+    with frame_workers(min(count, thread_count())) as executor:
+        return list(executor.map(work, range(count)))
+
+
 class _BlasLimit:
     """A process-wide limit with a user count: the last user to leave lifts it."""
 

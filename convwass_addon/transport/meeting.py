@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 
 import numpy as np
@@ -65,19 +66,28 @@ def meeting(
         `solved` of similar distributions on a domain of the same shape, to start from.
     """
     pair = check_pair(mu0, mu1, domain)
-    half_way = barycenter(
-        pair,
-        (0.5, 0.5),
-        domain,
-        sharpness=1.0,
-        reach=reach,
-        initial=initial,
-        tolerance=_TOLERANCE,
-        max_iterations=_MOST_ITERATIONS,
-        control=control,
-    )
-    limits = {"tolerance": _SELF_TOLERANCE, "max_iterations": _MOST_SELF_ITERATIONS, "control": control}
-    own = drained(self_balancing(pair, domain, **limits))
-    there = [transport_map(log_v, domain) for log_v in half_way.log_v]
-    here = [transport_map(log_v, domain) for log_v in own.log_v]
-    return Meeting(np.stack(there) - np.stack(here), half_way)
+
+    def here() -> NDArray[np.float64]:
+        limits = {"tolerance": _SELF_TOLERANCE, "max_iterations": _MOST_SELF_ITERATIONS, "control": control}
+        return _maps(drained(self_balancing(pair, domain, **limits)).log_v, domain)
+
+    with ThreadPoolExecutor(1, thread_name_prefix="convwass") as executor:
+        # Both take equally long.
+        own = executor.submit(here)
+        half_way = barycenter(
+            pair,
+            (0.5, 0.5),
+            domain,
+            sharpness=1.0,
+            reach=reach,
+            initial=initial,
+            tolerance=_TOLERANCE,
+            max_iterations=_MOST_ITERATIONS,
+            control=control,
+        )
+        return Meeting(_maps(half_way.log_v, domain) - own.result(), half_way)
+
+
+def _maps(log_scalings: NDArray[np.float64], domain: Domain) -> NDArray[np.float64]:
+    """Return the transport maps of plans, (p, *shape, d), from the scalings on their target sides, (p, *shape)."""
+    return np.stack([transport_map(log_scaling, domain) for log_scaling in log_scalings])

@@ -4,7 +4,8 @@ from threading import Barrier
 
 import pytest
 
-from convwass_addon.applications.workers import both_ways
+from convwass_addon.applications import workers
+from convwass_addon.applications.workers import both_ways, side_by_side
 
 
 def test_both_directions_run_in_parallel():
@@ -26,3 +27,14 @@ def test_a_failure_in_either_direction_is_raised(failing):
 
     with pytest.raises(ValueError, match=f"way {failing}"):
         both_ways(gone)
+
+
+def test_work_for_several_numbers_runs_in_parallel_and_in_order(monkeypatch):
+    monkeypatch.setattr(workers, "thread_count", lambda wanted=None: wanted or 3)
+    meeting = Barrier(3)
+
+    def gone(number):
+        meeting.wait(timeout=10.0)
+        return 10 * number
+
+    assert side_by_side(gone, 6) == [0, 10, 20, 30, 40, 50]

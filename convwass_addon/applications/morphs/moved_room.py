@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...progress import Control
+from ..workers import side_by_side
 from .layouts import Blend
 
 # Margin in cells for blends in between those at which the extent of moved shapes is measured.
@@ -65,11 +66,12 @@ def room_of_moved(
     if not mixed:
         return None
     chosen = np.unique(np.linspace(0, len(mixed) - 1, min(len(mixed), count)).round().astype(int))
-    boxes = []
-    for index in chosen:
+
+    def boxes(number: int) -> list[NDArray[np.float64]]:
         control.check()
-        weights = mixed[index].weights
-        boxes += [box - np.asarray(weights) @ centers for box in bounds(weights)]
-    found = np.stack(boxes)
+        weights = mixed[chosen[number]].weights
+        return [box - np.asarray(weights) @ centers for box in bounds(weights)]
+
+    found = np.concatenate(side_by_side(boxes, len(chosen)))
     slack = 0 if len(chosen) == len(mixed) else _SLACK_CELLS
     return Room(found[:, 0].min(axis=0), found[:, 1].max(axis=0), slack)

@@ -26,7 +26,7 @@ from ...geometry.mutual_alignment import Correspondence, mutual_poses
 from ...geometry.swing_twist import turn_matrices
 from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
-from ..workers import both_ways, one_blas_thread
+from ..workers import both_ways, one_blas_thread, side_by_side
 from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
@@ -223,10 +223,12 @@ def guided_motion(
     settings = settings or GuidedSettings()
     check_guides(guides, shapes, names)
     yield Progress(0.0, Sentence("Reading the shapes"))
-    carriers = []
-    for shape, (mesh, name) in enumerate(zip(shapes, names, strict=True)):
-        kept = guide_vertices(guides, shape)
-        carriers.append(carrier_of(mesh, name, kept, settings.carrier_vertices, control))
+    carriers = side_by_side(
+        lambda shape: carrier_of(
+            shapes[shape], names[shape], guide_vertices(guides, shape), settings.carrier_vertices, control
+        ),
+        len(shapes),
+    )
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
     known: dict[tuple[int, int], GuidedPair] = {}
     for number, pair in enumerate(pairs):

@@ -15,6 +15,7 @@ from itertools import combinations
 import numpy as np
 from numpy.typing import NDArray
 
+from ..workers import side_by_side
 from .motion import Motion, MovedShape, arriving, unmoved
 
 # Two shapes stand on one floor if their lowest points differ by at most this, in mean diagonals of their bounds. Up to
@@ -139,8 +140,10 @@ def standing_motion(motion: Motion, count: int, pairs: Sequence[tuple[int, int]]
     if not any(shares.values()):
         return motion
     places = {index: {index: rest.vertices} for index, rest in rests.items()}
-    for one, other in [*pairs, *(pair[::-1] for pair in pairs)]:
-        places[one][other] = arriving(motion, count, one, other).vertices
+    ways = [*pairs, *(pair[::-1] for pair in pairs)]
+    arrived = side_by_side(lambda way: arriving(motion, count, *ways[way]).vertices, len(ways))
+    for (one, other), vertices in zip(ways, arrived, strict=True):
+        places[one][other] = vertices
     feet = {index: _feet(rest, places[index], floors, _LOW * diagonal) for index, rest in rests.items()}
     return StandingMotion(motion, floors, feet, _TOUCHING * diagonal, shares)
 

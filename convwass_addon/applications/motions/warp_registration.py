@@ -69,7 +69,7 @@ def meeting_flows(
     for turn in range(rounds):
         yield Progress(turn / rounds, Sentence("Warping the shapes"))
         sigma, reach, width = (_annealed(ends, turn / (rounds - 1)) for ends in (_SIGMAS, _REACHES, _WIDTHS))
-        masses = [np.clip(flow.carried(rest), 0.0, 1.0) for flow, rest in zip(flows, rests, strict=True)]
+        masses = both_ways(lambda k: np.clip(flows[k].carried(rests[k]), 0.0, 1.0))
         met = meeting(*masses, Grid(rests[0].shape, sigma), reach, control, solved)
         solved = met.solved
         both_ways(partial(_advance, flows, masses, met.displacements, _STIFFNESS * width, control))
