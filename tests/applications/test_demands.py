@@ -58,6 +58,8 @@ def test_different_demands_have_different_digests():
         Demand(ONE, ball(), 1.0),
         Demand(ONE, ball(), 2.0),
         Demand(ONE, ball(2.0), 1.0),
+        Demand(ONE, has=TWO),
+        Demand(ONE, has=Connectivity(3, 0, 0)),
     ]
     assert len({demand.digest() for demand in demands}) == len(demands)
     assert Demand(ONE, ball(), 1.0).digest() == demands[2].digest()

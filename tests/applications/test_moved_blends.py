@@ -18,6 +18,7 @@ from convwass_addon.applications.morphs.preparing import prepared_problem
 from convwass_addon.applications.morphs.runs import as_solved
 from convwass_addon.applications.morphs.solving_again import again_in_threads
 from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, drained
 from tests.shapes import ball
@@ -74,6 +75,20 @@ def test_a_kept_blend_obeys_a_demand_and_is_not_moved_again(problem):
     np.testing.assert_array_equal(kept.mesh.faces, alone.mesh.faces)
     assert kept.record["held"] == alone.record["held"] > 0
     assert len(free.mesh.vertices) != len(kept.mesh.vertices)
+
+
+def test_a_frame_that_is_of_no_use_is_not_finished(problem):
+    one, two = Connectivity(1, 0, 0), Connectivity(2, 0, 0)
+    free = problem.frame(MIDDLE, Control())
+    before = calls(problem)
+    (missed,) = problem.frames_again((MIDDLE,), {MIDDLE: Demand(one, has=one)})
+    # There are no velocities.
+    assert calls(problem) - before == 1
+    assert missed.origins is missed.triangles is None
+    assert missed.record["found"] == free.record["found"]
+    (better,) = problem.frames_again((MIDDLE,), {MIDDLE: Demand(one, has=two)})
+    np.testing.assert_array_equal(better.mesh.vertices, free.mesh.vertices)
+    np.testing.assert_array_equal(better.origins, free.origins)
 
 
 def test_blends_of_a_run_are_computed_again_side_by_side(problem):

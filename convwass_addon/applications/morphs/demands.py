@@ -31,11 +31,19 @@ class Demand:
         The surface of a neighboring blend, in scene space; None if there is no limit on the distance to it.
     reach : float
         The largest allowed distance to that surface, in scene units.
+    has : Connectivity or None
+        The numbers that the blend has so far. A frame that does not have fewer beyond `most` is of no use, and need not
+        be finished: its record is enough.
     """
 
     most: Connectivity
     near: TriangleMesh | None = None
     reach: float = 0.0
+    has: Connectivity | None = None
+
+    def is_missed_by(self, found: Connectivity) -> bool:
+        """Whether a frame with these numbers is of no use."""
+        return self.has is not None and not found.beyond(self.most) < self.has.beyond(self.most)
 
     def constraint(self, lattice: Lattice, weights: Sequence[float]) -> Constraint:
         """Return the constraint for the surface of the blend with these weights, on the grid."""
@@ -47,7 +55,8 @@ class Demand:
 
     def digest(self) -> str:
         """Return a hash of all values."""
-        hashed = hashlib.sha256(json.dumps([vars(self.most), self.reach]).encode())
+        has = None if self.has is None else vars(self.has)
+        hashed = hashlib.sha256(json.dumps([vars(self.most), self.reach, has]).encode())
         if self.near is not None:
             for array in (self.near.vertices.astype("<f8"), self.near.faces.astype("<i8")):
                 hashed.update(np.ascontiguousarray(array).data)

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPoints
+from ...geometry.connectivity import Connectivity
 from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
@@ -144,13 +145,15 @@ class MovingProblem:
             solver = BlendSolver(problem.transport, control, ALONE)
             transported = solver.solve(moved.blend, problem.transport.blend_volumes(moved.blend))
             solved = surfaced_frame(problem, transported, moved.solids, control)
-        disagreement, occupancies = moved.solids.disagreement, moved.occupancies
+        about = {"weights": blend.weights, "rest": moved.solids.disagreement, "motion": dict(self.still.motion)}
+        if self._is_of_no_use(solved):
+            return MorphFrame(blend, solved.mesh, {**solved.record, **about, "volume": solved.mesh.volume})
+        occupancies = moved.occupancies
         starts = starts_on_readings(problem, solved, moved.solids) if problem.settings.carried_detail > 0 else None
         # On fine grids, the others take most of the memory.
         del moved
         surface = self._placed(problem, solved, shapes, occupancies, starts, control)
         mesh, places = surface.mesh, surface.places
-        about = {"weights": blend.weights, "rest": disagreement, "motion": dict(self.still.motion)}
         record = {**solved.record, **about, "volume": mesh.volume}
         if not self.still.settings.carry:
             return MorphFrame(blend, mesh, record)
@@ -197,6 +200,11 @@ class MovingProblem:
     def _demanded(self, transport: TransportProblem, active: NDArray[np.int64]) -> MorphProblem:
         """Return the problem of moved inputs under the demand of this problem; connectivity is that at rest."""
         return MorphProblem(transport, tuple(self.still.connectivity[i] for i in active), demand=self.still.demand)
+
+    def _is_of_no_use(self, solved: MorphFrame) -> bool:
+        """Whether a frame without detail misses the demand on it, so that it replaces no other."""
+        demand = self.still.demand
+        return demand is not None and demand.is_missed_by(Connectivity(**solved.record["found"]))
 
     def _of_inputs(
         self, triangles: Sequence[NDArray[np.int64]], shapes: Sequence[MovedShape], active: NDArray[np.int64]

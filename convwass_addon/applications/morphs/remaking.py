@@ -163,7 +163,8 @@ class Remaking:
             if not asked:
                 break
             wanted = {
-                blend: replace(self._demands.get(blend, Demand(most)), most=most) for blend, most in asked.items()
+                blend: replace(self._demands.get(blend, Demand(most)), most=most, has=topology.has(blend))
+                for blend, most in asked.items()
             }
             found = yield from self._made(wanted)
             for done, (blend, most) in enumerate(asked.items()):
@@ -197,7 +198,7 @@ class Remaking:
 
         allowed = max(JUMP * usual, longest(surfaces[blend]))
         for multiple, other in product(_NEAR, beside):
-            demand = Demand(most, surfaces[other].mesh, multiple * usual)
+            demand = Demand(most, surfaces[other].mesh, multiple * usual, topology.has(blend))
             frame = (yield from self._made({blend: demand}))[blend]
             if topology.reaches(frame, most) and longest(MeasuredSurface.of_blend(frame.mesh)) <= allowed:
                 self._demands[blend] = demand

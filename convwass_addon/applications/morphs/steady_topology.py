@@ -121,6 +121,10 @@ class SteadyTopology:
         """Return the maximum counts over the shapes of a blend; they must be known."""
         return self._counts[blend].most
 
+    def has(self, blend: Blend) -> Connectivity:
+        """Return the counts of a blend so far; they must be known."""
+        return self._counts[blend].has
+
     def reaches(self, frame: MorphFrame, most: Connectivity) -> bool:
         """Whether a frame exceeds none of some counts."""
         has = _connectivity(frame, "found")
