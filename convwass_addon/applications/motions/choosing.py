@@ -78,6 +78,9 @@ _PLANE, _BENT = 0.9, 1.25
 # Clearly less is this share or less. From a duck to a bird, the warp leaves 0.83 of what the map does; from a rocket to
 # a boat 0.89, and crumples the hull, where the map turns the hull into the sail.
 _CLEARLY_LESS = 0.85
+# A warp that may replace a map is not computed if a coarse one leaves so much that this share of it is too much, and
+# crumples shapes, which finer ones do at least as much (docs/performance, "Doubtful maps").
+_FINER = 1.0 / 3.0
 # A warp does not complete a map that moves shapes farther than this many times the Wasserstein distance: that matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
 _DETOUR = 1.4
@@ -137,9 +140,8 @@ def _are_plane(shapes: Sequence[TriangleMesh]) -> bool:
 
 def _bends(request: MotionRequest, control: Control) -> Work[bool]:
     """Return whether a coarse warp crumples shapes, as it bends their plane faces then."""
-    shapes, names, pairs = request.shapes, request.names, request.pairs
     try:
-        warp = yield from warp_motion(shapes, names, pairs, request.coherence, control, effort=_COARSE)
+        warp = yield from _coarse_warp(request, control)
         return _warp_crumpling(warp, request) > _BENT
     except Cancelled:
         raise
@@ -304,15 +306,33 @@ def _unless_failing(
 
 def _perhaps_warped_instead(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return a warp instead of a motion that crumples or follows an unsure map, if it is better in one of these."""
-    warped = yield from within(_warped(replace(alone, reason="UNLIKE"), request, control), 0.0, 0.5)
-    crumpling = _crumpling(alone.motion)
-    smoother = crumpling > _MUCH_CRUMPLED and _warp_crumpling(warped.motion, request) <= _SMOOTHER * crumpling
-    nearer = alone.score < _UNSURE and warped.left <= _CLEARLY_LESS * alone.left
-    if (smoother or nearer) and _joins(warped, request):
-        return replace(warped, reason="CRUMPLED") if smoother else warped
+    if (yield from within(_may_be_better_warped(alone, request, control), 0.0, 0.05)):
+        warped = yield from within(_warped(replace(alone, reason="UNLIKE"), request, control), 0.05, 0.5)
+        smoother = _is_smoother(warped.motion, alone, request)
+        if (smoother or _is_nearer(warped.left, alone)) and _joins(warped, request):
+            return replace(warped, reason="CRUMPLED") if smoother else warped
     if alone.score < _UNSURE or alone.detour > _DETOUR:
         return alone
     return (yield from within(_perhaps_warped(alone, request, control), 0.5, 1.0))
+
+
+def _may_be_better_warped(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[bool]:
+    """Return whether a coarse warp leaves open that a warp is smoother than a guided motion, or leaves less."""
+    coarse = yield from _coarse_warp(request, control)
+    if _is_smoother(coarse, alone, request):
+        return True
+    return alone.score < _UNSURE and _is_nearer(_FINER * _left(coarse, request, control), alone)
+
+
+def _is_smoother(warp: WarpMotion, alone: MotionChoice, request: MotionRequest) -> bool:
+    """Return whether a guided motion crumples shapes much, and a warp does so clearly less."""
+    crumpling = _crumpling(alone.motion)
+    return crumpling > _MUCH_CRUMPLED and _warp_crumpling(warp, request) <= _SMOOTHER * crumpling
+
+
+def _is_nearer(left: float, alone: MotionChoice) -> bool:
+    """Return whether a warp that leaves this share of the distance is better than the motion of an unsure map."""
+    return alone.score < _UNSURE and left <= _CLEARLY_LESS * alone.left
 
 
 def _perhaps_warped(alone: MotionChoice, request: MotionRequest, control: Control) -> Work[MotionChoice]:
@@ -392,6 +412,10 @@ def _guided(request: MotionRequest, control: Control) -> Work[GuidedMotion]:
 
 def _warp(request: MotionRequest, control: Control) -> Work[WarpMotion]:
     return warp_motion(request.shapes, request.names, request.pairs, request.coherence, control)
+
+
+def _coarse_warp(request: MotionRequest, control: Control) -> Work[WarpMotion]:
+    return warp_motion(request.shapes, request.names, request.pairs, request.coherence, control, effort=_COARSE)
 
 
 def _score(guided: GuidedMotion) -> float:

@@ -241,6 +241,22 @@ def test_an_unsure_map_is_kept_if_it_leaves_little_and_crumples_nothing(motions,
     assert (found.kind, found.left) == (kind, left if kind == "guided" else 0.05)
 
 
+@pytest.mark.parametrize(("by_coarse", "is_warped"), [(0.7, False), (0.6, True)])
+def test_a_warp_is_not_computed_where_a_coarse_one_leaves_too_much(motions, monkeypatch, by_coarse, is_warped):
+    coarse, asked = SimpleNamespace(with_coherence=lambda coherence: ("coarse", coherence), sizes=np.ones(2)), []
+
+    def warped(*_arguments, effort=None):
+        asked.append(effort)
+        return work_of(WARP if effort is None else coarse)()
+
+    motions(guided_with(0.3, detour=1.8, crumpling=1.6))
+    monkeypatch.setattr(choosing, "warp_motion", warped)
+    shares = {("guided", 0.5): 0.25, ("coarse", 0.5): by_coarse, ("warp", 0.5): 0.2}
+    monkeypatch.setattr(choosing, "remaining_share", lambda motion, *_arguments: shares[motion])
+    assert choice().kind == ("warp" if is_warped else "guided")
+    assert (None in asked) == is_warped
+
+
 def test_shapes_that_divide_or_merge_are_not_mapped_for_crumpling_nothing(motions):
     """A map without crumples may still tear bodies, and limbs that have no counterpart."""
     pair = (BARBELL, joined(BARBELL, BARBELL.moved((0.0, 0.0, 8.0))))
