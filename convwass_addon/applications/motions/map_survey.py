@@ -17,6 +17,7 @@ import numpy as np
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
+from ..workers import both_ways
 from .carriers import Carrier
 from .facing_turns import is_turned_over
 from .laid_meshes import Laid
@@ -93,9 +94,11 @@ def _rough_map(
     """Solve a map between coarse meshes, register them from it, and carry the result to all vertices."""
     found = drained(mirrored_map(*drafts, SoftMapSettings(vertices=vertices), control, sides))
     starts = found.starts(*drafts)
-    both = [proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control) for k in (0, 1)]
+    # Each direction needs both, and two threads would compute each twice.
+    both_ways(lambda k: drafts[k].unit)
+    both = list(both_ways(lambda k: proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control)))
     drafted = [trusted(own) for own in both]
     over = any(is_turned_over(draft.mesh, own) for draft, own in zip(drafts, drafted, strict=True))
     cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0) + (_TURNED_OVER if over else 0.0)
-    laid = [carried(draft, own) for draft, own in zip(drafts, drafted, strict=True)]
-    return RoughMap(pose, found, (laid[0], laid[1]), cost)
+    laid = both_ways(lambda k: carried(drafts[k], drafted[k]))
+    return RoughMap(pose, found, laid, cost)

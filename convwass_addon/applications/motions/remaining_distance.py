@@ -13,6 +13,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.thicken import solid_or_shell_occupancy
 from ...progress import UNINTERRUPTED, Control
 from ...transport import Grid, distance
+from ..workers import side_by_side
 from .motion import Motion, weights_between
 
 TIMES = (0.25, 0.5, 0.75)
@@ -51,11 +52,16 @@ def remaining_share(
     float
         0 for equal shapes.
     """
-    apart = centered_distance([shapes[index] for index in pair], cells, control)
-    if apart == 0.0:
-        return 0.0
-    moved = (motion.moved(weights_between(len(shapes), pair, t)) for t in TIMES)
-    return max(_distance([own[index].mesh for index in pair], cells, control) for own in moved) / apart
+    rests = [shapes[index] for index in pair]
+
+    def distance_at(number: int) -> float:
+        if number == len(TIMES):
+            return centered_distance(rests, cells, control)
+        moved = motion.moved(weights_between(len(shapes), pair, TIMES[number]))
+        return _distance([moved[index].mesh for index in pair], cells, control)
+
+    *between, apart = side_by_side(distance_at, len(TIMES) + 1)
+    return max(between) / apart if apart > 0.0 else 0.0
 
 
 def centered_distance(shapes: Sequence[TriangleMesh], cells: int, control: Control = UNINTERRUPTED) -> float:

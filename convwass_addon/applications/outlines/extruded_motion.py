@@ -13,6 +13,7 @@ from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
+from ..workers import side_by_side
 from .extruded_shape import ExtrudedShape
 from .outline_motion import outline_motion
 from .section_motion import SectionMotion
@@ -36,9 +37,11 @@ def extruded_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     if moved is None or moved.is_distorted:
         return None
     flat = moved.choice.motion
-    shapes = tuple(
-        ExtrudedShape.of(mesh, own, frame, carrier.rest)
-        for mesh, own, carrier in zip(request.shapes, extrusions, flat.guided.carriers, strict=True)
-    )
+    meshes, rests = request.shapes, [carrier.rest for carrier in flat.guided.carriers]
+
+    def extruded(shape: int) -> ExtrudedShape:
+        return ExtrudedShape.of(meshes[shape], extrusions[shape], frame, rests[shape])
+
+    shapes = tuple(side_by_side(extruded, len(meshes)))
     ends = np.array([[own.low, own.high] for own in extrusions])
     return replace(moved.choice, motion=SectionMotion(flat, shapes, ends))

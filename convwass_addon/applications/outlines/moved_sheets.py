@@ -24,6 +24,7 @@ from ..motions.laid_meshes import Laid
 from ..motions.motion import weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.shape_deformations import ShapeDeformation, split_deformation
+from ..workers import both_ways, side_by_side
 from .agreeing_motion import AgreeingMotion
 from .outline_meshes import filled_outline, outline_knots, region_labels, region_meshes
 from .outline_pairs import KnownMatches, ShapePair, matched_shapes, vanishing_share
@@ -134,15 +135,15 @@ def moved_sheets(
     """Return the motion of matched shapes."""
     shapes, matches = matched.shapes, matched.matches
     knots = outline_knots(shapes, matches)
-    sheets = tuple(_sheet(shape, own) for shape, own in zip(shapes, knots, strict=True))
+    sheets = tuple(side_by_side(lambda shape: _sheet(shapes[shape], knots[shape]), len(shapes)))
     # Nothing is left for what resists stretching.
     coherence = min(settings.coherence, FULL_COHERENCE)
     most = max(len(sheet.mesh.vertices) for sheet in sheets)
     settings = replace(settings, coherence=coherence, carrier_vertices=max(2 * most, _VERTICES))
     none = np.empty(0, np.int64)
+    count = settings.carrier_vertices
     carriers = tuple(
-        carrier_of(sheet.mesh, name, none, settings.carrier_vertices, control)
-        for sheet, name in zip(sheets, names, strict=True)
+        side_by_side(lambda shape: carrier_of(sheets[shape].mesh, names[shape], none, count, control), len(sheets))
     )
     labels = [region_labels(carrier.mesh, shape) for carrier, shape in zip(carriers, shapes, strict=True)]
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
@@ -168,28 +169,33 @@ def _deformed(
     control: Control,
 ) -> tuple[ShapeDeformation, ShapeDeformation, float]:
     """Deform two shapes to match each other, region by region; also return the distortion."""
-    one, other = ends
-    ours, theirs = labels[0], _counterparts(match)[labels[1]]
-    filled = filled_outline(one.mesh, match, control)
-    there = split_deformation(
-        one, other, _laid(filled), None, control, _images(filled, ours, other.mesh, theirs, control)
-    )
-    home = filled_outline(other.mesh, match.swapped(), control)
-    back = split_deformation(other, one, _laid(home), there, control, _images(home, theirs, one.mesh, ours, control))
-    return there, back, max(filled.distortion, home.distortion)
+    own = labels[0], _counterparts(match)[labels[1]]
+    ways = match, match.swapped()
+
+    def filled(k: int) -> tuple[DeformedTriangles, ClosestPoints]:
+        found = filled_outline(ends[k].mesh, ways[k], control)
+        return found, _images(found, own[k], ends[1 - k].mesh, own[1 - k], control)
+
+    # The samples of both shapes are needed for both directions.
+    both_ways(lambda k: ends[k].samples)
+    (first, images), (second, images_back) = both_ways(filled)
+    there = split_deformation(*ends, _laid(first), None, control, images)
+    back = split_deformation(*ends[::-1], _laid(second), there, control, images_back)
+    return there, back, max(first.distortion, second.distortion)
 
 
 def _overlap(sheets: Sequence[Sheet], motion: AgreeingMotion, pair: tuple[int, int]) -> float:
     """Return the largest share of the area of two moved shapes that overlaps itself, at some times on their way."""
-    found = []
-    for time in _TIMES:
-        moved = sheets[pair[0]].moved(motion.moved(weights_between(len(sheets), pair, time))[pair[0]])
+
+    def overlap(number: int) -> float:
+        moved = sheets[pair[0]].moved(motion.moved(weights_between(len(sheets), pair, _TIMES[number]))[pair[0]])
         low, high = moved.bounds
         spacing = float((high - low).max()) / _CELLS
         cells = tuple(np.ceil((high - low) / spacing).astype(int))
         covered = coverage(moved.moved(-low / spacing, 1.0 / spacing), cells).sum() * spacing**2
-        found.append(1.0 - float(covered) / moved.area)
-    return max(found)
+        return 1.0 - float(covered) / moved.area
+
+    return max(side_by_side(overlap, len(_TIMES)))
 
 
 def _figures(match: ShapePair) -> GuidedPair:

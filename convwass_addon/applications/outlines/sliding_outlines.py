@@ -20,6 +20,7 @@ from ...geometry.curve_maps import CurveMap
 from ...geometry.mesh import TriangleMesh, joined_meshes
 from ...geometry.unit_shape import UnitShape
 from ...progress import Control
+from ..workers import side_by_side
 from .outline_curves import sharp_corners
 from .outline_meshes import Rim, filled_outline, outline_knots, region_meshes
 from .outline_pairs import CurvePair, ShapePair
@@ -151,12 +152,15 @@ def _with_slid_outlines(match: ShapePair, control: Control) -> ShapePair:
 
 def least_distorted(matches: Sequence[ShapePair], control: Control) -> ShapePair:
     """Slide matched outlines; return the match that distorts the inside of a shape clearly less than those before."""
-    best, *others = (_with_slid_outlines(match, control) for match in matches)
-    if not others:
-        return best
-    least = _distortion(best, control)
-    for match in others:
-        found = _distortion(match, control)
+    if len(matches) == 1:
+        return _with_slid_outlines(matches[0], control)
+
+    def slid(number: int) -> tuple[ShapePair, float]:
+        match = _with_slid_outlines(matches[number], control)
+        return match, _distortion(match, control)
+
+    (best, least), *others = side_by_side(slid, len(matches))
+    for match, found in others:
         if found < _LESS * least:
             best, least = match, found
     return best
