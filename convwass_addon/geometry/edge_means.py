@@ -32,13 +32,14 @@ class EdgeMeans:
     def of(cls, mesh: TriangleMesh) -> EdgeMeans:
         """Prepare averages over the neighbors in a mesh."""
         ends = edge_ends(mesh.faces, edge_use(mesh.faces))
-        return cls(ends, np.maximum(np.bincount(ends.ravel(), minlength=len(mesh.vertices)), 1))
+        # Columns are used one by one.
+        return cls(np.asfortranarray(ends), np.maximum(np.bincount(ends.ravel(), minlength=len(mesh.vertices)), 1))
 
     def mean(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
         """Average vertex values, (n,), over the neighbors of each vertex; 0 without neighbors."""
         first, second = self.ends.T
-        sums = np.bincount(first, values[second], len(self.counts))
-        return (sums + np.bincount(second, values[first], len(self.counts))) / self.counts
+        sums = np.bincount(first, values.take(second), len(self.counts))
+        return (sums + np.bincount(second, values.take(first), len(self.counts))) / self.counts
 
     def mean_points(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Average points, (n, d), in the same way."""
