@@ -184,18 +184,24 @@ class Flickering(Balls):
         }
 
 
-def test_a_neighbor_is_computed_as_it_was_repaired():
-    """It must not get back the handle that was removed before."""
+def test_a_neighbor_that_was_repaired_is_not_computed_again():
+    """Nor does it get back the handle that was removed before."""
     review, balls = BakeReview(BLENDS, {}), Flickering(even())
     for blend, place in zip(BLENDS, even(), strict=True):
         own = frame(blend, place)
         own = replace(own, record={**own.record, "most": ONE_PIECE | {"handles": 1}})
         review.add(with_handle(own) if blend in BLENDS[12:14] else own)
-    asked = []
-    real = balls._made
-    balls._made = lambda demands: asked.append(demands) or real(demands)
+    asked, real, repaired = [], balls._made, []
+
+    def made(demands):
+        found = yield from real(demands)
+        asked.append(demands)
+        repaired.extend(frame for blend, frame in found.items() if blend == BLENDS[12])
+        return found
+
+    balls._made = made
     drained(balls.fitted(review))
-    repaired = asked[0][BLENDS[12]]
-    assert repaired.most.handles == 0
-    assert all(demands[BLENDS[12]] == repaired for demands in asked if BLENDS[12] in demands)
-    assert len([demands for demands in asked if BLENDS[12] in demands]) > 1
+    assert asked[0][BLENDS[12]].most.handles == 0
+    assert len(repaired) == 1
+    near = [demands[BLENDS[13]].near for demands in asked if BLENDS[13] in demands]
+    assert any(mesh is repaired[0].mesh for mesh in near)

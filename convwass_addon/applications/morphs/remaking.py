@@ -172,6 +172,7 @@ class Remaking:
                 better = topology.better(found[blend], most)
                 if better is not None:
                     self._demands[blend] = wanted[blend]
+                    self._surfaces[blend] = MeasuredSurface.of_blend(better.mesh)
                 yield Progress((attempt + done / len(asked)) / _ROUNDS, message, better)
 
     def _matched(self, review: BakeReview) -> Work[None]:
@@ -188,20 +189,24 @@ class Remaking:
     ) -> Work[MorphFrame | None]:
         """Return a blend with these counts, limited by one of its neighbors; None if it would have to jump."""
         beside = topology.beside(blend)
-        known = yield from self._made(
-            {one: self._demands.get(one, Demand(topology.most(one))) for one in (blend, *beside)}
-        )
-        surfaces = {one: MeasuredSurface.of_blend(frame.mesh) for one, frame in known.items()}
+        missing = {
+            one: self._demands.get(one, Demand(topology.most(one)))
+            for one in (blend, *beside)
+            if one not in self._surfaces
+        }
+        for one, frame in (yield from self._made(missing)).items():
+            self._surfaces[one] = MeasuredSurface.of_blend(frame.mesh)
 
         def longest(own: MeasuredSurface) -> float:
-            return max(longest_step([own, surfaces[other]]) for other in beside)
+            return max(longest_step([own, self._surfaces[other]]) for other in beside)
 
-        allowed = max(JUMP * usual, longest(surfaces[blend]))
+        allowed = max(JUMP * usual, longest(self._surfaces[blend]))
         for multiple, other in product(_NEAR, beside):
-            demand = Demand(most, surfaces[other].mesh, multiple * usual, topology.has(blend))
+            demand = Demand(most, self._surfaces[other].mesh, multiple * usual, topology.has(blend))
             frame = (yield from self._made({blend: demand}))[blend]
-            if topology.reaches(frame, most) and longest(MeasuredSurface.of_blend(frame.mesh)) <= allowed:
-                self._demands[blend] = demand
+            surface = MeasuredSurface.of_blend(frame.mesh)
+            if topology.reaches(frame, most) and longest(surface) <= allowed:
+                self._demands[blend], self._surfaces[blend] = demand, surface
                 return topology.better(frame, most)
         return None
 
