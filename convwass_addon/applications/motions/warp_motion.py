@@ -20,9 +20,10 @@ from ...geometry.thicken import solid_or_shell_occupancy
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..morphs.volumes import Lattice
+from ..workers import both_ways, side_by_side
 from .coherence import check_coherence, excess_at, way_at
 from .motion import MovedShape
-from .warp_registration import meeting_flows
+from .warp_registration import MeetingFlows, meeting_flows
 from .warped_shape import Course, WarpedShape
 
 # Blur, in cells, that determines the margin of the warp's grid.
@@ -174,26 +175,28 @@ def warp_motion(
     outward = [orient_outward(shape) for shape in shapes]
     sizes = _sizes(outward)
     lattice = _lattice([_scaled(shape, 1.0 / size) for shape, size in zip(outward, sizes, strict=True)], effort)
-    rests = [
-        with_short_edges(shape, _LONGEST_EDGE * size * lattice.spacing, _MOST_VERTICES)
-        for shape, size in zip(outward, sizes, strict=True)
-    ]
-    points = [
-        ((rest.mesh.vertices - center) / size - lattice.origin) / lattice.spacing
-        for rest, center, size in zip(rests, lattice.centers, sizes, strict=True)
-    ]
-    solids = [_filled(own[rest.mesh.faces], lattice) for own, rest in zip(points, rests, strict=True)]
-    warped = [WarpedShape(own, solid) for own, solid in zip(points, solids, strict=True)]
+
+    def prepared(k: int) -> tuple[Subdivision, NDArray[np.float64], WarpedShape]:
+        rest = with_short_edges(outward[k], _LONGEST_EDGE * sizes[k] * lattice.spacing, _MOST_VERTICES)
+        points = ((rest.mesh.vertices - lattice.centers[k]) / sizes[k] - lattice.origin) / lattice.spacing
+        solid = _filled(points[rest.mesh.faces], lattice)
+        return rest, solid, WarpedShape(points, solid)
+
+    rests, solids, warped = zip(*side_by_side(prepared, len(outward)), strict=True)
     courses: list[dict[int, Course]] = [{} for _ in shapes]
     for number, (i, j) in enumerate(pairs):
         begin, end = number / len(pairs), (number + _REGISTERED) / len(pairs)
         flows = yield from within(meeting_flows(solids[i], solids[j], effort.rounds, control), begin, end)
         yield Progress(end, Sentence("Moving the shapes"))
-        courses[i][j] = warped[i].course(flows.first, flows.second, control)
-        courses[j][i] = warped[j].course(flows.second, flows.first, control)
-    for shape, own in zip(warped, courses, strict=True):
-        shape.take(own)
-    return WarpMotion(tuple(rests), tuple(warped), lattice, sizes, coherence, frozenset(pairs))
+        courses[i][j], courses[j][i] = _courses((warped[i], warped[j]), flows, control)
+    side_by_side(lambda k: warped[k].take(courses[k]), len(warped))
+    return WarpMotion(rests, warped, lattice, sizes, coherence, frozenset(pairs))
+
+
+def _courses(warped: tuple[WarpedShape, WarpedShape], flows: MeetingFlows, control: Control) -> tuple[Course, Course]:
+    """Return the courses of two shapes to each other."""
+    ways = flows.first, flows.second
+    return both_ways(lambda k: warped[k].course(ways[k], ways[1 - k], control))
 
 
 def _sizes(shapes: Sequence[TriangleMesh]) -> NDArray[np.float64]:

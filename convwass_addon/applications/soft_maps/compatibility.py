@@ -90,14 +90,25 @@ def comparison(
     groups = _common_groups(source, target)
     descriptors = both_ways(lambda k: shape_descriptors(shapes[k], marked[:, k], groups[k]))
     painted = settings.group_weight * _group_costs(*groups)
-    costs = differences(*descriptors) + painted
-    reach = _ROUGH_STEEPNESS**-0.5
-    between = surface_distances(shapes[1].graph, np.arange(len(shapes[1].vertices)), limit=reach)
-    between = np.minimum(between, reach).astype(np.float32)
-    guess = _guess(shapes[1], costs, between[_spectral(*descriptors)])
+
+    def told_apart() -> NDArray[np.float32]:
+        return differences(*descriptors) + painted
+
+    def matched() -> tuple[NDArray[np.float32], NDArray[np.int64]]:
+        return _near_distances(shapes[1]), _spectral(*descriptors)
+
+    costs, (between, matches) = both_ways(lambda k: (told_apart, matched)[k]())
+    guess = _guess(shapes[1], costs, between[matches])
     overlay = overlaid(*shapes, marked, guess, control)
     near = _cost_of_distance(_distances_to(overlay.images, shapes[1], between), _STEEPNESS)
     return Comparison(near + np.float32(_DESCRIPTORS) * costs + np.float32(1.0 - _DESCRIPTORS) * painted, overlay)
+
+
+def _near_distances(shape: UnitShape) -> NDArray[np.float32]:
+    """Return the distances between all vertices on a surface, (n, n), clipped at what a guess can tell."""
+    reach = _ROUGH_STEEPNESS**-0.5
+    between = surface_distances(shape.graph, np.arange(len(shape.vertices)), limit=reach)
+    return np.minimum(between, reach).astype(np.float32)
 
 
 def _spectral(source: ShapeDescriptors, target: ShapeDescriptors) -> NDArray[np.int64]:
