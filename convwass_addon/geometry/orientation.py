@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -11,6 +13,7 @@ from .components import component_labels
 from .edges import EdgeUse, edge_use, face_components
 from .mesh import TriangleMesh
 from .solid_angles import winding_numbers
+from .welding import place_labels
 
 # Sample points per component for deciding whether it lies inside the others.
 _PROBES = 9
@@ -21,7 +24,8 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
 
     Components with inconsistent faces are made consistent, with positive volume. Consistent components keep their
     orientation (an inward-facing inner shell is a cavity), except inward-facing ones that do not lie inside anything:
-    those are flipped.
+    those are flipped. Pieces that meet in a seam, as the front and the sides of solid text, are one component, though
+    they share no vertices: alone, the wall of a hole would face inward.
 
     Parameters
     ----------
@@ -36,8 +40,11 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
         The same vertices and triangles, some of them flipped; `mesh` itself if none are.
     """
     use = edge_use(mesh.faces) if use is None else use
-    pieces = face_components(mesh.faces)
-    turn, repaired = _disagreeing_faces(len(mesh.faces), use, pieces)
+    neighbors, pieces = _Neighbors.of(use), face_components(mesh.faces)
+    if (use.count == 1).any():
+        seams = _Neighbors.of(edge_use(place_labels(mesh.vertices)[mesh.faces]))
+        neighbors, pieces = neighbors.and_across(seams), seams.joined(pieces)
+    turn, repaired = _disagreeing_faces(neighbors, pieces)
     outward = mesh
     if turn.any():
         faces = mesh.faces.copy()
@@ -55,19 +62,37 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
     return TriangleMesh(mesh.vertices, faces)
 
 
-def _disagreeing_faces(
-    face_count: int, use: EdgeUse, pieces: NDArray[np.int64]
-) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
+@dataclass(frozen=True)
+class _Neighbors:
+    """Triangles on both sides of edges that have two, (e,) each, and whether their orientations agree."""
+
+    one: NDArray[np.int64]
+    other: NDArray[np.int64]
+    agree: NDArray[np.bool_]
+
+    @classmethod
+    def of(cls, use: EdgeUse) -> _Neighbors:
+        paired = use.start[use.count == 2]
+        return cls(use.face[paired], use.face[paired + 1], use.forward[paired] != use.forward[paired + 1])
+
+    def and_across(self, seams: _Neighbors) -> _Neighbors:
+        """Return these and others; edges may be repeated."""
+        return _Neighbors(np.r_[self.one, seams.one], np.r_[self.other, seams.other], np.r_[self.agree, seams.agree])
+
+    def joined(self, pieces: NDArray[np.int64]) -> NDArray[np.int64]:
+        """Return labels of triangles by piece, (m,), with pieces joined that are neighbors."""
+        return component_labels(pieces[self.one], pieces[self.other], int(pieces.max()) + 1)[pieces]
+
+
+def _disagreeing_faces(neighbors: _Neighbors, pieces: NDArray[np.int64]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
     """Find faces to flip for consistency, and the components that need it.
 
     A graph has two nodes per face, "kept" and "flipped", and joins states that are consistent across an edge. If its
     components separate the two states of every face, each of them is a consistent orientation. Otherwise the mesh
     component is one-sided (a Möbius strip) and is left as it is.
     """
-    piece_count = int(pieces.max()) + 1
-    paired = use.start[use.count == 2]
-    one, other = use.face[paired], use.face[paired + 1]
-    agree = use.forward[paired] != use.forward[paired + 1]
+    face_count, piece_count = len(pieces), int(pieces.max()) + 1
+    one, other, agree = neighbors.one, neighbors.other, neighbors.agree
     repaired = np.zeros(piece_count, bool)
     repaired[pieces[one[~agree]]] = True
     if not repaired.any():

@@ -12,7 +12,12 @@ from convwass_addon.applications.morphs.layouts import pairs_of, path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.applications.motions import motion_memory
+from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.errors import InputError
+from convwass_addon.geometry.edges import topology
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import drained
 from tests.applications.maps import arm, coarse_maps, shuffled
 from tests.shapes import ball, torus
 from tests.stored_frames import assert_as_stored
@@ -44,6 +49,23 @@ def test_automatic_chooses_a_guided_motion_for_an_arm(guided, arms):
     assert [frame.record["motion"]["kind"] for frame in frames] == ["guided"] * 5
     assert frames[2].record["motion"]["reason"] == "FITS"
     assert frames[2].record["motion"]["score"] > 0.6
+
+
+def test_motions_are_found_for_shapes_whose_seams_are_closed(monkeypatch):
+    seen = []
+
+    def chosen(request, _control):
+        seen.extend(request.shapes)
+        return MotionChoice("transport", "APART")
+        yield
+
+    monkeypatch.setattr(motion_memory, "chosen_motion", chosen)
+    ring = torus()
+    apart = TriangleMesh(ring.corners.reshape(-1, 3), np.arange(3 * len(ring.faces)).reshape(-1, 3))
+    work = morph((apart, ring), NAMES, path_blends(2, 2), MorphSettings(resolution=16))
+    drained(work)
+    assert [topology(shape).closed for shape in seen] == [True, True]
+    assert seen[0].volume == pytest.approx(ring.volume)
 
 
 def test_the_arm_stays_in_one_piece_and_as_long(guided, arms):

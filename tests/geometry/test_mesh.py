@@ -87,6 +87,29 @@ def test_a_cavity_stays_a_cavity():
     assert orient_outward(hollow).volume == pytest.approx(ball(1.0).volume - ball(0.6).volume)
 
 
+def in_two_pieces(mesh):
+    """A ring whose inner wall has vertices of its own, as Blender's solid text has."""
+    inner = (np.linalg.norm(mesh.corners[..., :2], axis=2) <= 1.0 + 1e-9).all(axis=1)
+    return joined(with_faces(mesh, inner), with_faces(mesh, ~inner)), int(inner.sum())
+
+
+def test_the_wall_of_a_hole_is_no_body_of_its_own():
+    ring, _ = in_two_pieces(torus())
+    assert orient_outward(ring) is ring
+
+
+def test_pieces_that_meet_in_a_seam_are_made_consistent():
+    ring, walls = in_two_pieces(torus())
+    faces = ring.faces.copy()
+    faces[:walls] = faces[:walls, ::-1]
+    np.testing.assert_array_equal(orient_outward(TriangleMesh(ring.vertices, faces)).faces, ring.faces)
+
+
+def test_of_solids_that_touch_only_the_one_that_is_inside_out_is_flipped():
+    boxes = joined(box(), box(center=(1.0, 0.0, 0.0)).flipped(), with_faces(box(center=(4.0, 0.0, 0.0)), slice(11)))
+    assert orient_outward(boxes).volume == pytest.approx(2.0 + boxes.face_volumes[24:].sum())
+
+
 def test_a_moebius_strip_is_unchanged():
     n = 40
     angle = np.arange(n) * 2 * np.pi / n

@@ -6,13 +6,18 @@ import numpy as np
 
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.welding import welded
-from tests.shapes import box
+from convwass_addon.geometry.welding import welded, with_closed_seams
+from tests.shapes import ball, box, joined, piece_count
+
+
+def in_triangles(mesh):
+    """The mesh as separate triangles."""
+    return TriangleMesh(mesh.corners.reshape(-1, 3), np.arange(3 * len(mesh.faces)).reshape(-1, 3))
 
 
 def test_separate_triangles_become_a_closed_surface():
     whole = box()
-    apart = TriangleMesh(whole.corners.reshape(-1, 3), np.arange(3 * len(whole.faces)).reshape(-1, 3))
+    apart = in_triangles(whole)
     assert not topology(apart).closed
     joined = welded(apart)
     assert topology(joined).closed
@@ -36,3 +41,16 @@ def test_merged_vertices_keep_order_and_positions():
     np.testing.assert_array_equal(joined.vertices, places)
     a, b, c = index.reshape(-1, 3).T
     np.testing.assert_array_equal(joined.faces, index.reshape(-1, 3)[(a != b) & (b != c) & (c != a)])
+
+
+def test_seams_are_closed_and_bodies_that_touch_stay_apart():
+    apart = in_triangles(ball(points=60))
+    found = with_closed_seams(joined(apart, box(), box(center=(1.0, 0.0, 0.0))))
+    assert topology(found).closed
+    assert piece_count(found) == 3
+    np.testing.assert_array_equal(found.corners, joined(apart, box(), box(center=(1.0, 0.0, 0.0))).corners)
+
+
+def test_without_seams_a_mesh_stays_the_same():
+    opened = TriangleMesh(box().vertices, box().faces[:-1])
+    assert with_closed_seams(opened) is opened

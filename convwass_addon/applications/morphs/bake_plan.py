@@ -12,6 +12,7 @@ import numpy as np
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
+from ...geometry.welding import with_closed_seams
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
@@ -221,8 +222,8 @@ class BakePlan:
         """Choose how the shapes move."""
         kind, coherence = self.settings.motion, self.settings.coherence
         # With "transport" the shapes are oriented when they are voxelized.
-        outward = self.shapes if kind == "transport" else [orient_outward(shape) for shape in self.shapes]
-        request = MotionRequest(outward, self.names, self.pairs, kind, coherence, self.guides)
+        moving = self.shapes if kind == "transport" else [orient_outward(with_closed_seams(own)) for own in self.shapes]
+        request = MotionRequest(moving, self.names, self.pairs, kind, coherence, self.guides)
         memory = self.computation.motions or MotionMemory()
         return (yield from within(memory.chosen(request, control), VOXEL_SHARE, self._chosen_at))
 
