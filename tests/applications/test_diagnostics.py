@@ -160,7 +160,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "guided", "reason": "FITS", "score": 0.91}, ["GOOD", "GUIDED"]),
         ({"kind": "guided", "reason": "PARTLY", "score": 0.6, "left": 0.2}, ["GOOD", "PARTLY"]),
         ({"kind": "combined", "reason": "UNLIKE", "score": 0.5}, ["GOOD", "COMBINED"]),
-        ({"kind": "warp", "reason": "UNLIKE", "score": 0.2}, ["GOOD", "WARPED"]),
+        ({"kind": "warp", "reason": "UNLIKE", "score": 0.74}, ["GOOD", "CLOSER"]),
         ({"kind": "warp", "reason": "CRUMPLED", "score": 0.52, "left": 0.4}, ["GOOD", "CRUMPLED"]),
         ({"kind": "warp", "reason": "APART", "score": 0.2, "detour": 1.7, "left": 0.3}, ["GOOD", "WARPED"]),
         ({"kind": "guided", "reason": "OUTLINES"}, ["GOOD", "OUTLINES"]),

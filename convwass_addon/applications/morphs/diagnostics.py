@@ -33,7 +33,9 @@ TEXTS: dict[str, str] = {
     "one of them has grow in place; guides may help",
     "COMBINED": "Guided, completed by Warp, was chosen: the map between the shapes is uncertain "
     "(agreement {score:.0%})",
-    "WARPED": "Warp was chosen: there is no good map between the shapes (agreement {score:.0%})",
+    "WARPED": "Warp was chosen: there is no good map between the shapes (agreement {score:.0%}, detour {detour:.1f})",
+    "CLOSER": "Warp was chosen: it brings the shapes closer to each other than the map between them "
+    "(agreement {score:.0%})",
     "CRUMPLED": "Warp was chosen: the map between the shapes (agreement {score:.0%}) would crumple them",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
@@ -79,7 +81,7 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CRUMPLED", "TURNED", "APART"), "INFO"),
+    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CLOSER", "CRUMPLED", "TURNED", "APART"), "INFO"),
     **dict.fromkeys(
         ("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
     ),
@@ -327,11 +329,12 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
         turned = _number(chosen, "motion_turned")
         return [Diagnostic("OUTLINES_TURNED", {"angle": turned}) if turned > 0.0 else Diagnostic("OUTLINES", {})]
     score = {"score": _number(chosen, "motion_score")}
-    if reason == "APART" and kind == "transport":
-        return [Diagnostic("APART", {**score, "detour": _number(chosen, "motion_detour")})]
+    if reason == "APART":
+        note = "WARPED" if kind == "warp" else "APART"
+        return [Diagnostic(note, {**score, "detour": _number(chosen, "motion_detour")})]
     if reason in ("PARTLY", "CRUMPLED"):
         return [Diagnostic(reason, score)]
-    note = {"guided": "GUIDED", "combined": "COMBINED", "warp": "WARPED"}.get(kind)
+    note = {"guided": "GUIDED", "combined": "COMBINED", "warp": "CLOSER"}.get(kind)
     if note is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})]
     return [Diagnostic(note, score)] if chosen.get("motion_score") is not None else []
