@@ -18,10 +18,11 @@ import pytest
 
 from convwass_addon import cli
 from convwass_addon.applications import memory
+from convwass_addon.applications.morphs.diagnostics import Diagnostic
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.swapped_meshes import SwappedMeshes
-from convwass_addon.bridge.morphs import job
+from convwass_addon.bridge.morphs import bake, job
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
@@ -148,6 +149,17 @@ def test_json_is_all_that_standard_output_holds(shapes, tmp_path, capfd):
     assert blend["volume"] == pytest.approx(blend["volume_wanted"], rel=0.01)
     assert blend["mass_error"] < 5e-3
     assert sorted(p.name for p in tmp_path.glob("*.obj")) == ["mesh_0001.obj", "mesh_0002.obj", "mesh_0003.obj"]
+
+
+def test_diagnostics_are_told(shapes, tmp_path, capfd, monkeypatch):
+    notes = [Diagnostic("GOOD", {}), Diagnostic("MERGED", {}), Diagnostic("GUIDES", {"count": 2})]
+    monkeypatch.setattr(bake, "diagnose", lambda *_arguments: notes)
+    capfd.readouterr()
+    assert cli.main([*TRANSPORT, *cube_and_ball(shapes), *QUICK, "--out", str(tmp_path / "morph.blend")]) == 0
+    said = capfd.readouterr().err
+    assert "convwass: Warp was chosen: at least one of the shapes has no limbs\n" in said
+    assert "convwass: 2 of the guides were left out" in said
+    assert "as exact as asked for" not in said
 
 
 def test_written_files_are_named(shapes, tmp_path, capfd):

@@ -25,6 +25,7 @@ from ..bridge.frame_range import play_whole
 from ..bridge.morphs.animation import render_animation
 from ..bridge.morphs.contact_sheet import render_contact_sheet
 from ..bridge.morphs.job import MorphJob
+from ..bridge.morphs.stored import stored_diagnostics
 from ..bridge.studio import move_result
 from ..console import ProgressBar
 from ..errors import InputError
@@ -66,11 +67,9 @@ def baked(
     except BaseException:
         job.discard()
         raise
-    slack = sum(not record.get("converged", True) for record in job.records)
-    if slack:
-        note(f"{slack} blends are less exact than requested; try a larger --blur")
-    note(*job.notices)
     collection = job.finish(hide_inputs=True)
+    told = [each.text for each in stored_diagnostics(collection) if each.kind != "GOOD"]
+    note(*dict.fromkeys([*map(str, job.notices), *told]))
     if job.span is not None:
         play_whole(bpy.context.scene, *job.span)
     return collection, job.records
