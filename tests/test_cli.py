@@ -160,6 +160,20 @@ def test_diagnostics_are_told(shapes, tmp_path, capfd, monkeypatch):
     assert "convwass: Warp was chosen: at least one of the shapes has no limbs\n" in said
     assert "convwass: 2 of the guides were left out" in said
     assert "as exact as asked for" not in said
+    assert "open edges" not in said
+
+
+def test_holes_are_told(tmp_path, capfd):
+    for name, height in (("box", 0.0), ("other", 1.0)):
+        corners = "".join(f"v {x} {y} {z + height}\n" for z in (0, 1) for y in (0, 1) for x in (0, 1))
+        sides = "f 1 3 4 2\nf 1 2 6 5\nf 2 4 8 6\nf 4 3 7 8\nf 3 1 5 7\n"
+        (tmp_path / f"{name}.obj").write_text(corners + sides + ("f 5 6 8 7\n" if name == "other" else ""))
+    words = [str(tmp_path / "box.obj"), str(tmp_path / "other.obj"), *QUICK, "--out", str(tmp_path / "morph.blend")]
+    capfd.readouterr()
+    assert cli.main([*TRANSPORT, *words]) == 0
+    said = capfd.readouterr().err
+    assert "box has holes with 4 open edges; the volume that they nearly enclose is filled" in said
+    assert "other has holes" not in said
 
 
 def test_written_files_are_named(shapes, tmp_path, capfd):

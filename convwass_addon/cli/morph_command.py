@@ -15,6 +15,7 @@ from ..applications.morphs.between_frames import places_at
 from ..applications.morphs.layouts import Blend
 from ..applications.morphs.morph_problem import MorphFrame
 from ..applications.morphs.morph_settings import MorphSettings
+from ..applications.morphs.shape_check import check_shape
 from ..applications.whole_paths import path_with_suffix
 from ..bridge.files import checked_target
 from ..bridge.flat.choosing import asks_for_flat, refuse_following
@@ -25,6 +26,7 @@ from ..bridge.morphs.exports import export_frames
 from ..bridge.morphs.followed_inputs import FOLLOW
 from ..bridge.morphs.guides_of_files import guides_asked_for
 from ..bridge.morphs.outputs import SHAPE_KEYS, save_as
+from ..bridge.objects import MESHED, triangle_mesh
 from ..progress import Progress
 from .answer import Answer
 from .from_schema import given_settings
@@ -82,6 +84,8 @@ def run_morph(options: Namespace) -> Answer:
     if not asks_for_flat(inputs, depsgraph, settings.thickness):
         guides = guides_asked_for(options.guides, options.shapes, inputs, depsgraph)
         request = replace(request, guides=[guide.as_dict() for guide in guides])
+        if not settings.thickness:
+            _note_holes(inputs, depsgraph)
     else:
         settings = flat_settings_of(options)
         refuse_following(follows)
@@ -97,6 +101,15 @@ def run_morph(options: Namespace) -> Answer:
     written = save_as(collection, options.output, target) + pictures_of(collection) + besides
     note_leftovers(written)
     return report(collection.name, settings, records, written)
+
+
+def _note_holes(inputs: list[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
+    """Tell which shapes are open, as the list of inputs does in the panel."""
+    for obj in inputs:
+        if obj.type in MESHED:
+            count = check_shape(triangle_mesh(obj, depsgraph, MESHED)).open_edges
+            if count:
+                note(f"{obj.name} has holes with {count} open edges; the volume that they nearly enclose is filled")
 
 
 def _cached(
