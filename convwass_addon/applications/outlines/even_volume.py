@@ -23,7 +23,7 @@ _OFFSET = 1.05
 
 @dataclass(frozen=True)
 class EvenVolumeMotion:
-    """Scales moved shapes about the interpolated center where their volumes are far off; a :class:`.motion.Motion`.
+    """Scales moved shapes about the interpolated center where their volume is far off; a :class:`.motion.Motion`.
 
     Attributes
     ----------
@@ -45,9 +45,13 @@ class EvenVolumeMotion:
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
         sizes, centers = (moved_towards_mean(own, weights, self.way) for own in (np.cbrt(self.volumes), self.centers))
-        shapes = self.motion.moved(weights)
-        ratios = [1.0 if own is None else size**3 / own.mesh.volume for own, size in zip(shapes, sizes, strict=True)]
-        # All are scaled alike, so that shapes that coincide still do.
-        ratio = float(np.exp(np.average(np.log(ratios), weights=weights)))
-        scale = float(np.cbrt(ratio / np.clip(ratio, 1.0 / _OFFSET, _OFFSET)))
-        return [None if own is None else own.scaled(scale, center) for own, center in zip(shapes, centers, strict=True)]
+        return [
+            None if own is None else _scaled(own, size**3, center)
+            for own, size, center in zip(self.motion.moved(weights), sizes, centers, strict=True)
+        ]
+
+
+def _scaled(shape: MovedShape, wanted: float, center: NDArray[np.float64]) -> MovedShape:
+    """Scale a shape so that its volume is nearly the wanted one."""
+    ratio = wanted / shape.mesh.volume
+    return shape.scaled(float(np.cbrt(ratio / np.clip(ratio, 1.0 / _OFFSET, _OFFSET))), center)

@@ -19,7 +19,7 @@ from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps
 from tests.shapes import ball, box, joined, square
 
-BARBELL = joined(ball(points=40), ball(center=(4.0, 0.0, 0.0), points=40))
+BARBELL = joined(ball(points=40), ball(center=(4.0, 1.0, 0.0), points=40))
 BOXES = joined(box(), box((0.2, 1.0, 1.0), (2.0, 0.0, 1.0)), box((0.2, 0.2, 2.0), (0.0, 2.0, 0.0)))
 OVERLAPPING = joined(box(), box((0.3, 0.3, 2.0), (0.3, 0.3, 1.0)), box((0.3, 2.0, 0.3), (-0.3, 1.0, -0.3)))
 SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
