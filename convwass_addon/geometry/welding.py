@@ -27,21 +27,18 @@ def welded(mesh: TriangleMesh) -> TriangleMesh:
     return TriangleMesh(points, np.ascontiguousarray(proper_faces(index[mesh.faces])))
 
 
-def with_closed_seams(mesh: TriangleMesh) -> TriangleMesh:
-    """Return the mesh with coincident vertices of open edges merged, such as those along UV seams in glTF files.
+def merged_at_seams(mesh: TriangleMesh) -> NDArray[np.int64]:
+    """Return the vertices that vertices are merged with, (n,), to close seams, such as UV seams in glTF files.
 
-    Vertices and triangles keep their numbers; vertices that were merged are unused. Bodies that touch stay apart.
-    Returns `mesh` itself if there is nothing to merge.
+    Coincident vertices of open edges are merged; other vertices stay, so that bodies that touch stay apart.
     """
     use = edge_use(mesh.faces)
     sides = use.side[use.start[use.count == 1]]
     rim = np.unique(np.r_[mesh.faces.ravel()[sides], np.roll(mesh.faces, -1, axis=1).ravel()[sides]])
     _, first, places = np.unique(place_labels(mesh.vertices[rim]), return_index=True, return_inverse=True)
-    if len(first) == len(rim):
-        return mesh
-    index = np.arange(len(mesh.vertices))
-    index[rim] = rim[first[places]]
-    return TriangleMesh(mesh.vertices, index[mesh.faces])
+    merged = np.arange(len(mesh.vertices))
+    merged[rim] = rim[first[places]]
+    return merged
 
 
 def place_labels(points: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -52,20 +52,25 @@ def test_automatic_chooses_a_guided_motion_for_an_arm(guided, arms):
 
 
 def test_motions_are_found_for_shapes_whose_seams_are_closed(monkeypatch):
-    seen = []
+    """Guides on a seam are on the vertex that is left."""
+    requests = []
 
     def chosen(request, _control):
-        seen.extend(request.shapes)
+        requests.append(request)
         return MotionChoice("transport", "APART")
         yield
 
     monkeypatch.setattr(motion_memory, "chosen_motion", chosen)
     ring = torus()
     apart = TriangleMesh(ring.corners.reshape(-1, 3), np.arange(3 * len(ring.faces)).reshape(-1, 3))
-    work = morph((apart, ring), NAMES, path_blends(2, 2), MorphSettings(resolution=16))
-    drained(work)
-    assert [topology(shape).closed for shape in seen] == [True, True]
-    assert seen[0].volume == pytest.approx(ring.volume)
+    guides = [{0: len(apart.vertices) - 1, 1: int(ring.faces[-1, 2])}]
+    drained(morph((apart, ring), NAMES, path_blends(2, 2), MorphSettings(resolution=16), guides=guides))
+    (request,) = requests
+    assert [topology(shape).closed for shape in request.shapes] == [True, True]
+    assert request.shapes[0].volume == pytest.approx(ring.volume)
+    assert request.guides[0][0] in request.shapes[0].faces
+    place = request.shapes[0].vertices[request.guides[0][0]]
+    assert place == pytest.approx(ring.vertices[request.guides[0][1]])
 
 
 def test_the_arm_stays_in_one_piece_and_as_long(guided, arms):

@@ -12,11 +12,11 @@ import numpy as np
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
-from ...geometry.welding import with_closed_seams
+from ...geometry.welding import merged_at_seams
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
-from ..motions.guides import Guide
+from ..motions.guides import Guide, check_guides
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_memory import MotionMemory
 from ..motions.motion_request import MotionRequest
@@ -221,9 +221,17 @@ class BakePlan:
     def _motion(self, control: Control) -> Work[MotionChoice]:
         """Choose how the shapes move."""
         kind, coherence = self.settings.motion, self.settings.coherence
+        moving, guides = self.shapes, self.guides
         # With "transport" the shapes are oriented when they are voxelized.
-        moving = self.shapes if kind == "transport" else [orient_outward(with_closed_seams(own)) for own in self.shapes]
-        request = MotionRequest(moving, self.names, self.pairs, kind, coherence, self.guides)
+        if kind != "transport":
+            check_guides(guides, moving, self.names)
+            merged = [merged_at_seams(shape) for shape in moving]
+            guides = [{shape: int(merged[shape][vertex]) for shape, vertex in guide.items()} for guide in guides]
+            moving = [
+                orient_outward(TriangleMesh(shape.vertices, own[shape.faces]))
+                for shape, own in zip(moving, merged, strict=True)
+            ]
+        request = MotionRequest(moving, self.names, self.pairs, kind, coherence, guides)
         memory = self.computation.motions or MotionMemory()
         return (yield from within(memory.chosen(request, control), VOXEL_SHARE, self._chosen_at))
 
