@@ -4,9 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -75,19 +74,7 @@ def common_revolutions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float
     axes = [np.array([0.0, 0.0, 1.0])]
     for own in surfaces:
         axes.extend(normal_axes(own.normals, own.mesh.face_areas))
-    for axis in axes:
-        frame = frame_about(axis)
-        found = found_for_all(partial(revolution_about, frame=frame), surfaces)
-        if found is not None:
-            return frame, found
-    return None
-
-
-def frame_about(axis: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return a direction across an axis, (3,), the axis, and the direction across both, as rows, right-handed."""
-    across = np.eye(3)[int(np.abs(axis).argmin())]
-    across = unit_vectors((across - (across @ axis) * axis)[None])[0]
-    return np.stack([across, axis, np.cross(across, axis)])
+    return found_about(axes, revolution_about, surfaces)
 
 
 @dataclass(frozen=True)
@@ -101,6 +88,25 @@ class BareSurface:
     def of(cls, mesh: TriangleMesh) -> BareSurface:
         """Compute the normals."""
         return cls(mesh, triangle_normals(mesh.corners))
+
+
+def found_about(
+    axes: Iterable[NDArray[np.float64]],
+    find: Callable[[BareSurface, NDArray[np.float64]], Revolution | None],
+    surfaces: Sequence[BareSurface],
+) -> tuple[NDArray[np.float64], list[Revolution]] | None:
+    """Return what is found for every surface about the first axis, (3,), about which something is, and its frame.
+
+    `find` gets a surface and the frame: a direction across the axis, the axis, and the direction across both, as rows.
+    """
+    for axis in axes:
+        across = np.eye(3)[int(np.abs(axis).argmin())]
+        across = unit_vectors((across - (across @ axis) * axis)[None])[0]
+        frame = np.stack([across, axis, np.cross(across, axis)])
+        found = found_for_all(lambda surface, frame=frame: find(surface, frame), surfaces)
+        if found is not None:
+            return frame, found
+    return None
 
 
 def revolution_about(surface: BareSurface, frame: NDArray[np.float64]) -> Revolution | None:

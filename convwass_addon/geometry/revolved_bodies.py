@@ -5,19 +5,18 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .common_axes import found_for_all
 from .coverage import overlaps
 from .cross_sections import Circle
 from .line_cuts import beyond_line
 from .mesh import TriangleMesh
 from .planar_fill import Boundary
 from .plane_section import plane_section
-from .revolution import BareSurface, Revolution, both_halves, frame_about, mirrored_half, revolution_about
+from .revolution import BareSurface, Revolution, both_halves, found_about, mirrored_half, revolution_about
+from .rotation_fields import rotation_matrices
 
 # The first number is the sine of the largest angle between normals of the body and planes through the axis; the second
 # one the least share of the surface with such normals. A mug has 0.9, a snowman with arms 0.9, a rocket with fins 0.7,
@@ -51,13 +50,7 @@ def common_revolved_bodies(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.f
     (3, 3) float64, list of Revolution
         As for :func:`.revolution.common_revolutions`.
     """
-    surfaces = [BareSurface.of(mesh) for mesh in meshes]
-    for axis in np.eye(3)[::-1]:
-        frame = frame_about(axis)
-        found = found_for_all(partial(_whole_or_body, frame=frame), surfaces)
-        if found is not None:
-            return frame, found
-    return None
+    return found_about(np.eye(3)[::-1], _whole_or_body, [BareSurface.of(mesh) for mesh in meshes])
 
 
 def _whole_or_body(surface: BareSurface, frame: NDArray[np.float64]) -> Revolution | None:
@@ -112,9 +105,8 @@ def _center(
 def _half_sections(corners: NDArray[np.float64]) -> list[Boundary]:
     """Return sections in half-planes through the axis, as areas where the first coordinate is positive."""
     found = []
-    for angle in np.arange(_HALVES // 2) * 2.0 * np.pi / _HALVES:
-        cosine, sine = np.cos(angle), np.sin(angle)
-        turn = np.array([[cosine, 0.0, sine], [0.0, 1.0, 0.0], [-sine, 0.0, cosine]])
+    angles = np.arange(_HALVES // 2) * 2.0 * np.pi / _HALVES
+    for turn in rotation_matrices(np.outer(angles, (0.0, 1.0, 0.0))):
         section = plane_section(corners @ turn.T, 0.0)
         found.append(beyond_line(section, np.array([1.0, 0.0]), 0.0))
         found.append(mirrored_half(beyond_line(section, np.array([-1.0, 0.0]), 0.0)))

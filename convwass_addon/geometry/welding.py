@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -27,18 +29,34 @@ def welded(mesh: TriangleMesh) -> TriangleMesh:
     return TriangleMesh(points, np.ascontiguousarray(proper_faces(index[mesh.faces])))
 
 
-def merged_at_seams(mesh: TriangleMesh) -> NDArray[np.int64]:
-    """Return the vertices that vertices are merged with, (n,), to close seams, such as UV seams in glTF files.
+@dataclass(frozen=True)
+class ClosedSeams:
+    """A mesh whose seams are closed, such as UV seams in glTF files.
 
-    Coincident vertices of open edges are merged; other vertices stay, so that bodies that touch stay apart.
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        The mesh with coincident vertices of open edges merged. Vertices and triangles keep their numbers; bodies that
+        touch stay apart.
+    merged : (n,) int64
+        The vertex that every vertex is merged with, or itself.
     """
-    use = edge_use(mesh.faces)
-    sides = use.side[use.start[use.count == 1]]
-    rim = np.unique(np.r_[mesh.faces.ravel()[sides], np.roll(mesh.faces, -1, axis=1).ravel()[sides]])
-    _, first, places = np.unique(place_labels(mesh.vertices[rim]), return_index=True, return_inverse=True)
-    merged = np.arange(len(mesh.vertices))
-    merged[rim] = rim[first[places]]
-    return merged
+
+    mesh: TriangleMesh
+    merged: NDArray[np.int64]
+
+    @classmethod
+    def of(cls, mesh: TriangleMesh) -> ClosedSeams:
+        """Close the seams of a mesh; if there are none, it stays the same."""
+        use = edge_use(mesh.faces)
+        sides = use.side[use.start[use.count == 1]]
+        rim = np.unique(np.r_[mesh.faces.ravel()[sides], np.roll(mesh.faces, -1, axis=1).ravel()[sides]])
+        _, first, places = np.unique(place_labels(mesh.vertices[rim]), return_index=True, return_inverse=True)
+        merged = np.arange(len(mesh.vertices))
+        if len(first) == len(rim):
+            return cls(mesh, merged)
+        merged[rim] = rim[first[places]]
+        return cls(TriangleMesh(mesh.vertices, merged[mesh.faces]), merged)
 
 
 def place_labels(points: NDArray[np.float64]) -> NDArray[np.int64]:

@@ -6,7 +6,7 @@ import numpy as np
 
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.geometry.welding import merged_at_seams, welded
+from convwass_addon.geometry.welding import ClosedSeams, welded
 from tests.shapes import ball, box, joined, piece_count
 
 
@@ -45,7 +45,9 @@ def test_merged_vertices_keep_order_and_positions():
 
 def test_seams_are_closed_and_bodies_that_touch_stay_apart():
     apart = joined(in_triangles(ball(points=60)), box(), box(center=(1.0, 0.0, 0.0)))
-    found = TriangleMesh(apart.vertices, merged_at_seams(apart)[apart.faces])
+    closed = ClosedSeams.of(apart)
+    found = closed.mesh
+    np.testing.assert_array_equal(found.faces, closed.merged[apart.faces])
     assert topology(found).closed
     assert piece_count(found) == 3
     np.testing.assert_array_equal(found.corners, apart.corners)
@@ -53,4 +55,6 @@ def test_seams_are_closed_and_bodies_that_touch_stay_apart():
 
 def test_without_seams_nothing_is_merged():
     opened = TriangleMesh(box().vertices, box().faces[:-1])
-    np.testing.assert_array_equal(merged_at_seams(opened), np.arange(len(opened.vertices)))
+    closed = ClosedSeams.of(opened)
+    assert closed.mesh is opened
+    np.testing.assert_array_equal(closed.merged, np.arange(len(opened.vertices)))

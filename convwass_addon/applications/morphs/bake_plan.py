@@ -12,7 +12,7 @@ import numpy as np
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
-from ...geometry.welding import merged_at_seams
+from ...geometry.welding import ClosedSeams
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..memory import check_memory, fitting_beside
@@ -225,12 +225,9 @@ class BakePlan:
         # With "transport" the shapes are oriented when they are voxelized.
         if kind != "transport":
             check_guides(guides, moving, self.names)
-            merged = [merged_at_seams(shape) for shape in moving]
-            guides = [{shape: int(merged[shape][vertex]) for shape, vertex in guide.items()} for guide in guides]
-            moving = [
-                orient_outward(TriangleMesh(shape.vertices, own[shape.faces]))
-                for shape, own in zip(moving, merged, strict=True)
-            ]
+            closed = [ClosedSeams.of(shape) for shape in moving]
+            guides = [{shape: int(closed[shape].merged[vertex]) for shape, vertex in guide.items()} for guide in guides]
+            moving = [orient_outward(own.mesh) for own in closed]
         request = MotionRequest(moving, self.names, self.pairs, kind, coherence, guides)
         memory = self.computation.motions or MotionMemory()
         return (yield from within(memory.chosen(request, control), VOXEL_SHARE, self._chosen_at))

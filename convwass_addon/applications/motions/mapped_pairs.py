@@ -126,10 +126,11 @@ def mapped_pair(
     turned about the vertical axis. The result that follows more guides is returned, or the one with the best score: a
     bent limb may seem to face another way. Guides on symmetric shapes also count for the other side, and may leave no
     doubt about the turn. Without guides, shapes whose mirror planes are perpendicular, such as animals and people, and
-    people who look in opposite directions are turned and registered by their limbs first. Flat shapes that do not map
-    beyond doubt as they stand are turned if they do so then, or clearly better, above all upside down: a w turns to
-    become an m, but a bolt does not turn to become a drop. Where the score is poor, flat shapes fold, or shapes with
-    limbs are turned over or seem to face opposite ways, they are also registered from the best of several rough maps.
+    those that look in opposite directions, as limbs tell, are turned and registered by their limbs first. Flat shapes
+    that do not map beyond doubt as they stand are turned if they do so then, or clearly better, above all upside down:
+    a w turns to become an m, but a bolt does not turn to become a drop. Where the score is poor, flat shapes fold, or
+    shapes with limbs are turned over or seem to face opposite ways, they are also registered from the best of several
+    rough maps.
 
     Parameters
     ----------

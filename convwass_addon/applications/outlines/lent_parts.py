@@ -14,7 +14,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.mesh import TriangleMesh
+from ...geometry.mesh import TriangleMesh, joined_meshes
+from ...geometry.subdivision import Subdivision
 from ..motions.motion import Motion, MovedShape, arriving, unmoved
 
 
@@ -80,32 +81,55 @@ class LendingMotion:
     ----------
     motion : Motion
         The motion of the shapes.
-    parts : mapping of int to LentPart
-        Parts that are added, by their borrowers.
+    parts : mapping of int to sequence of LentPart
+        The parts that are added, by their borrowers.
+    rests : mapping of int to Subdivision
+        The borrowers at rest, with these parts.
     """
 
     motion: Motion
     parts: Mapping[int, Sequence[LentPart]]
+    rests: Mapping[int, Subdivision]
+
+    @classmethod
+    def of(
+        cls, motion: Motion, is_loose: Sequence[NDArray[np.bool_]], pairs: Sequence[tuple[int, int]]
+    ) -> LendingMotion:
+        """Lend what is attached to shapes to those that they occur with.
+
+        Parameters
+        ----------
+        motion : Motion
+            As for :meth:`LentPart.of`.
+        is_loose : sequence of (v,) bool
+            Which vertices of every shape are on attached parts.
+        pairs : sequence of (int, int)
+            Shapes that occur together in a blend.
+        """
+        parts: dict[int, list[LentPart]] = {}
+        for lender, borrower in [way for pair in pairs for way in (pair, pair[::-1])]:
+            if is_loose[lender].any():
+                part = LentPart.of(motion, (lender, borrower), len(is_loose), is_loose[lender])
+                parts.setdefault(borrower, []).append(part)
+        rests = {index: _with_parts(unmoved(motion, len(is_loose), index), own) for index, own in parts.items()}
+        return cls(motion, parts, rests)
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
         shapes = self.motion.moved(weights)
-        return [
-            own if own is None else _with_parts(own, self.parts.get(index, ()), shapes)
-            for index, own in enumerate(shapes)
-        ]
+        found = list(shapes)
+        for index, parts in self.parts.items():
+            own = shapes[index]
+            if own is not None:
+                added = [part.added(own.mesh, shapes[part.lender]) for part in parts]
+                rest = self.rests[index]
+                found[index] = MovedShape(rest.mesh, np.concatenate([own.vertices, *added]), rest.parents)
+        return found
 
 
-def _with_parts(shape: MovedShape, parts: Sequence[LentPart], shapes: Sequence[MovedShape | None]) -> MovedShape:
-    """Add parts to a moved shape."""
-    rest, vertices, faces = [shape.rest.vertices], [shape.vertices], [shape.rest.faces]
-    parents = [np.arange(len(shape.rest.faces)) if shape.parents is None else shape.parents]
-    for part in parts:
-        rest.append(part.added(shape.rest, None))
-        faces.append(part.faces + sum(map(len, vertices)))
-        vertices.append(part.added(shape.mesh, shapes[part.lender]))
-        parents.append(parents[0][part.places.triangles[part.faces[: len(part.faces) // 2, 0]]])
-        parents.append(parents[-1])
-    return MovedShape(
-        TriangleMesh(np.concatenate(rest), np.concatenate(faces)), np.concatenate(vertices), np.concatenate(parents)
-    )
+def _with_parts(shape: MovedShape, parts: Sequence[LentPart]) -> Subdivision:
+    """Return a shape at rest with parts, whose triangles belong to those of the shape that they are on."""
+    added = [TriangleMesh(part.added(shape.rest, None), part.faces) for part in parts]
+    parents = np.arange(len(shape.rest.faces)) if shape.parents is None else shape.parents
+    below = [parents[part.places.triangles[np.tile(part.faces[: len(part.faces) // 2, 0], 2)]] for part in parts]
+    return Subdivision(joined_meshes([shape.rest, *added]), np.concatenate([parents, *below]))

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,7 +18,7 @@ from ..motions.motion import Motion, weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from .even_volume import EvenVolumeMotion
-from .lent_parts import LendingMotion, LentPart
+from .lent_parts import LendingMotion
 from .matched_outlines import MatchedOutlines, placed_outlines
 from .outline_curves import OutlineCurve
 from .outline_motion import outline_motion
@@ -68,23 +67,12 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
                 return None
     centers = np.stack([own.center for own in revolutions])
     volumes = np.array([mesh.volume for mesh in request.shapes])
-    motion = SectionMotion(flat, shapes, centers)
+    motion: Motion = SectionMotion(flat, shapes, centers)
     # Shapes that do not come all the way are not where the others' parts are.
-    if flat.guided.settings.way == 1.0:
-        motion = _with_lent_parts(motion, shapes, request.pairs)
+    if flat.guided.settings.way == 1.0 and not all(own.is_whole for own in revolutions):
+        motion = LendingMotion.of(motion, [own.attached.looseness > 0.0 for own in shapes], request.pairs)
     motion = EvenVolumeMotion(motion, volumes, centers, flat.guided.settings.way)
     return replace(moved.choice, motion=motion)
-
-
-def _with_lent_parts(motion: Motion, shapes: Sequence[RevolvedShape], pairs: Sequence[tuple[int, int]]) -> Motion:
-    """Return a motion in which what is attached to a shape is also attached to those without such parts."""
-    parts: dict[int, list[LentPart]] = {}
-    for lender, borrower in [way for pair in pairs for way in (pair, pair[::-1])]:
-        is_loose = shapes[lender].attached.looseness > 0.0
-        if is_loose.any():
-            part = LentPart.of(motion, (lender, borrower), len(shapes), is_loose)
-            parts.setdefault(borrower, []).append(part)
-    return LendingMotion(motion, parts) if parts else motion
 
 
 def _upright(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:
