@@ -94,6 +94,14 @@ def is_free_to_bake(operator: type[bpy.types.Operator], context: bpy.types.Conte
     return is_idle(operator, context)
 
 
+def is_refused_as_linked(operator: type[bpy.types.Operator], morph: bpy.types.ID) -> bool:
+    """Return whether a morph cannot be changed because it is linked; then set the operator's poll message."""
+    if not is_linked(morph):
+        return False
+    operator.poll_message_set("The morph is linked from another file; open that file to change it")
+    return True
+
+
 class OnActiveMorph:
     """Base of operators on a baked morph, which they change unless `changes_morph` is false."""
 
@@ -107,10 +115,7 @@ class OnActiveMorph:
         if morph is None:
             cls.poll_message_set("Select an object of a baked morph")
             return False
-        if cls.changes_morph and is_linked(morph):
-            cls.poll_message_set("The morph is linked from another file; open that file to change it")
-            return False
-        return True
+        return not (cls.changes_morph and is_refused_as_linked(cls, morph))
 
 
 class _OnActiveBake(OnActiveMorph):
@@ -178,10 +183,12 @@ class CONVWASS_OT_rebake_morph(bpy.types.Operator):
     def poll(cls, context):
         if not is_free_to_bake(cls, context):
             return False
-        if not baked_blocks():
+        if baked_blocks():
+            return True
+        active = active_bake(context)
+        if active is None or not is_refused_as_linked(cls, active):
             cls.poll_message_set("Bake a morph first")
-            return False
-        return True
+        return False
 
     def invoke(self, context, event):
         return self._bake(context, "INVOKE_DEFAULT")

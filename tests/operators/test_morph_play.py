@@ -367,7 +367,7 @@ def test_what_a_linked_player_in_a_linked_set_shows_is_baked_to_the_scene(tmp_pa
 
 def test_an_overridden_morph_is_not_baked_again(path, tmp_path):
     collection = linked(path, tmp_path / "library.blend", "overridden")
-    assert "Bake a morph first" in refused("rebake_morph", morphs=collection.name)
+    assert "linked from another file" in refused("rebake_morph", morphs=collection.name)
 
 
 @pytest.mark.usefixtures("handle")
