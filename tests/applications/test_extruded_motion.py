@@ -64,7 +64,7 @@ def test_moved_shapes_coincide_with_ends_between(first, second):
     ends = [0.5 * (first.bounds[side, 2] + second.bounds[side, 2]) for side in (0, 1)]
     for own, target in ((one, other), (other, one)):
         assert own.mesh.bounds[:, 2] == pytest.approx(ends)
-        assert target.finder.find(own.vertices).distances.max() < 0.03
+        assert target.finder.find_about(own.vertices).distances.max() < 0.03
 
 
 def test_shapes_without_weight_of_others_are_unchanged():
@@ -89,7 +89,7 @@ def test_the_axis_does_not_matter():
     tilted, _ = moved_halfway(rotated(DISC, TILT), rotated(PLATE, TILT))
     wanted = rotated(one.mesh, TILT)
     assert tilted.mesh.volume == pytest.approx(wanted.volume, rel=0.01)
-    assert tilted.finder.find(wanted.vertices).distances.max() < 0.02
+    assert tilted.finder.find_about(wanted.vertices).distances.max() < 0.02
 
 
 def test_chamfers_are_followed():
@@ -103,7 +103,7 @@ def test_chamfers_are_followed():
     chamfered = TriangleMesh.from_arrays(points, faces)
     rest, _ = choice(chamfered, box((3.0, 3.0, 0.6))).motion.moved([1.0, 0.0])
     assert rest.mesh.volume == pytest.approx(chamfered.volume, rel=0.005)
-    assert rest.finder.find(points).distances.max() < 0.02
+    assert rest.finder.find_about(points).distances.max() < 0.02
 
 
 def test_all_shapes_must_be_extruded_along_one_axis():

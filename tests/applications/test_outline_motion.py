@@ -275,7 +275,7 @@ def test_tips_that_touch_come_apart():
 
 @pytest.mark.filterwarnings("error")
 def test_noisy_outlines_are_matched():
-    around = np.linspace(0.0, 2.0 * np.pi, 2000, endpoint=False)
+    around = np.linspace(0.0, 2.0 * np.pi, 1000, endpoint=False)
     radii = 0.8 + 0.15 * np.sin(3 * around) + np.random.default_rng(0).normal(0.0, 0.02, len(around))
     noisy = filled(radii[:, None] * np.stack([np.cos(around), np.sin(around)], axis=1))
     assert overlap(*halfway(noisy, filled(HEART))) > 0.9

@@ -67,7 +67,7 @@ def test_moved_shapes_coincide_and_are_revolved(first, second, time):
     center = (2.0 * time, 0.0, 0.0)
     for own, other in (moved, moved[::-1]):
         assert asideness(own.mesh, (0.0, 0.0, 1.0), center) < 0.05
-        assert other.finder.find(own.vertices).distances.max() < 0.05
+        assert other.finder.find_about(own.vertices).distances.max() < 0.05
     assert moved[0].mesh.volume == pytest.approx(moved[1].mesh.volume, rel=0.03)
 
 
@@ -129,7 +129,7 @@ def test_the_axis_does_not_matter():
     one = choice(CUP, BOWL).motion.moved([0.5, 0.5])[0]
     tilted = choice(rotated(CUP, TILT), rotated(BOWL, TILT)).motion.moved([0.5, 0.5])[0]
     wanted = rotated(one.mesh, TILT)
-    assert tilted.finder.find(wanted.vertices).distances.max() < 0.02
+    assert tilted.finder.find_about(wanted.vertices).distances.max() < 0.02
 
 
 def test_less_coherence_moves_part_of_the_way():
@@ -150,7 +150,7 @@ def test_attached_parts_retract_and_are_in_both_shapes(time, turned_around):
     moved = found.motion.moved([time, 1.0 - time] if turned_around else [1.0 - time, time])
     wall, out = 1.0 + time, PEG.bounds[1, 0] - 0.92
     for own, other in (moved, moved[::-1]):
-        assert other.finder.find(own.vertices).distances.max() < 0.05 * wall
+        assert other.finder.find_about(own.vertices).distances.max() < 0.05 * wall
         # At the height of the peg, whose tip is as wide as ever, the wall is at 0.92 of the radius.
         tip = own.mesh.vertices[own.mesh.vertices[:, 0] > own.mesh.bounds[1, 0] - 0.05]
         assert own.mesh.bounds[1, 0] == pytest.approx(max(wall, 0.92 * wall + (1.0 - time) * out), abs=0.06)
