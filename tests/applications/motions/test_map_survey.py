@@ -24,13 +24,11 @@ def cow():
     return carrier_of(mesh, "cow", np.empty(0, np.int64), 500, UNINTERRUPTED)
 
 
-@pytest.mark.parametrize("is_first", [True, False])
-def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow, is_first):
+def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow):
     monkeypatch.setattr(map_survey, "_VERTICES", (120, 160))
     turned = cow.posed(cow.rest.vertices @ HALF.T)
-    poses = [(HALF, turned), (None, cow)][:: 1 if is_first else -1]
-    found = drained(best_rough_map([pose for _, pose in poses], turned, UNINTERRUPTED))
-    assert poses[found.pose][0] is HALF
+    found = drained(best_rough_map([cow, turned], turned, UNINTERRUPTED))
+    assert found.pose == 1
     # Costs of shapes that have nothing in common are above 6.
     assert found.cost < 1.0
     for laid in found.starts:
