@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import chain
 
 import numpy as np
@@ -93,9 +94,8 @@ class TriangleSamples:
         points, owners = [], []
         for count in np.unique(cuts):
             own = np.flatnonzero(cuts == count)
-            shares = _cut_centers(int(count))
-            points.append(np.einsum("sc,mcd->msd", shares, corners[own]).reshape(-1, 3))
-            owners.append(np.repeat(own, len(shares)))
+            points.append(_placed(_cut_centers(int(count)), corners[own]))
+            owners.append(np.repeat(own, len(points[-1]) // len(own)))
         return cls(np.concatenate(points), np.concatenate(owners), float((reach / cuts).max()))
 
     def divided(self, amounts: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -248,6 +248,17 @@ def _chunks(count: int, size: int = _AT_ONCE) -> Iterator[slice]:
     return (slice(start, min(start + size, count)) for start in range(0, count, size))
 
 
+def _placed(shares: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points with the given barycentric coordinates, (s, 3), in every triangle, (m, 3, 3), as (m s, 3)."""
+    points = np.empty((len(corners), len(shares), 3))
+    # One coordinate after the other takes half the time of np.einsum, and rounds in the same way.
+    for axis in range(3):
+        first, second, third = (np.multiply.outer(corners[:, k, axis], shares[:, k]) for k in range(3))
+        points[:, :, axis] = first + second + third
+    return points.reshape(-1, 3)
+
+
+@lru_cache(maxsize=32)
 def _cut_centers(count: int) -> NDArray[np.float64]:
     """Barycentric coordinates of the centers of the count^2 parts of a triangle, (count^2, 3)."""
     i, j = (axis.ravel() for axis in np.meshgrid(np.arange(count), np.arange(count), indexing="ij"))
