@@ -51,24 +51,26 @@ def test_an_upright_pin_turns_to_become_a_lying_one(falling):
     for t in (0.1, 0.5, 0.8):
         upright, lying = falling.motion.moved([1.0 - t, t])
         center = (1.0 - t) * begin + t * end
-        assert upright.vertices == pytest.approx(placed(upright.rest, t, center), abs=1e-3)
-        assert lying.vertices == pytest.approx(placed(lying.rest, t - 1.0, center), abs=1e-3)
+        np.testing.assert_allclose(upright.vertices, placed(upright.rest, t, center), rtol=0.0, atol=1e-3)
+        np.testing.assert_allclose(lying.vertices, placed(lying.rest, t - 1.0, center), rtol=0.0, atol=1e-3)
 
 
 def test_shapes_alone_are_unchanged(falling):
     one, none = falling.motion.moved([1.0, 0.0])
     assert none is None
     assert np.array_equal(one.vertices, one.rest.vertices)
-    assert one.vertices[: len(PIN.vertices)] == pytest.approx(PIN.vertices)
+    np.testing.assert_allclose(one.vertices[: len(PIN.vertices)], PIN.vertices, rtol=0.0, atol=1e-12)
     _, other = falling.motion.moved([0.0, 1.0])
-    assert other.vertices == pytest.approx(falling.motion.moved([1e-9, 1.0 - 1e-9])[1].vertices, abs=1e-6)
+    np.testing.assert_allclose(
+        other.vertices, falling.motion.moved([1e-9, 1.0 - 1e-9])[1].vertices, rtol=0.0, atol=1e-6
+    )
 
 
 def test_swapped_shapes_move_the_same_way(falling):
     swapped, count = choice(LYING, PIN), len(PIN.vertices)
     for t in (0.2, 0.6):
         one, other = (found.motion.moved(w) for found, w in ((falling, [1.0 - t, t]), (swapped, [t, 1.0 - t])))
-        assert one[0].vertices[:count] == pytest.approx(other[1].vertices[:count], abs=1e-3)
+        np.testing.assert_allclose(one[0].vertices[:count], other[1].vertices[:count], rtol=0.0, atol=1e-3)
 
 
 def test_ends_that_correspond_meet():
@@ -92,10 +94,10 @@ def test_around_a_triangle_the_way_closes():
         for begin, end in pairwise(corners)
         for t in (1e-6, 0.5, 1.0 - 1e-6)
     ]
-    assert places[0][0].vertices == pytest.approx(places[-1][0].vertices, abs=1e-4)
+    np.testing.assert_allclose(places[0][0].vertices, places[-1][0].vertices, rtol=0.0, atol=1e-4)
     # No jump at a corner, where another shape fades out.
     for before, after, shape in ((2, 3, 1), (5, 6, 2)):
-        assert places[before][shape].vertices == pytest.approx(places[after][shape].vertices, abs=1e-4)
+        np.testing.assert_allclose(places[before][shape].vertices, places[after][shape].vertices, rtol=0.0, atol=1e-4)
     between = found.motion.moved([0.3, 0.3, 0.4])
     for shape in between:
         assert shape.mesh.volume == pytest.approx(ROD.volume, rel=1e-3)
@@ -104,8 +106,12 @@ def test_around_a_triangle_the_way_closes():
 def test_with_half_the_way_shapes_turn_half_as_far():
     upright, lying = choice(PIN, LYING, coherence=0.25).motion.moved([0.5, 0.5])
     begin, end = centroid(PIN), centroid(LYING)
-    assert upright.vertices == pytest.approx(placed(upright.rest, 0.25, 0.75 * begin + 0.25 * end), abs=1e-3)
-    assert lying.vertices == pytest.approx(placed(lying.rest, -0.25, 0.25 * begin + 0.75 * end), abs=1e-3)
+    np.testing.assert_allclose(
+        upright.vertices, placed(upright.rest, 0.25, 0.75 * begin + 0.25 * end), rtol=0.0, atol=1e-3
+    )
+    np.testing.assert_allclose(
+        lying.vertices, placed(lying.rest, -0.25, 0.25 * begin + 0.75 * end), rtol=0.0, atol=1e-3
+    )
 
 
 @pytest.mark.parametrize(
