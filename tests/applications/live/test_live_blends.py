@@ -49,6 +49,14 @@ class TurningFound(MotionMemory):
         yield
 
 
+class NothingFound(MotionMemory):
+    """A memory that knows of no motion."""
+
+    def chosen(self, *_arguments: object) -> Work[MotionChoice]:
+        return MotionChoice("transport", "SOLID")
+        yield
+
+
 def live_balls(clock: Clock, count: int = 2, motion: str = "transport", **live: int) -> LiveBlends:
     """Return live blends of balls; of more than two the last ones are like the first."""
     meshes = tuple(ball(RADII[i % 2], CENTERS[i % 2], 400) for i in range(count))
@@ -201,8 +209,8 @@ def test_a_motion_takes_over_from_plain_transport():
 
 
 def test_shapes_without_a_motion_get_the_complete_lattice():
-    # Balls have no limbs that transport could tear off.
-    live = live_balls(Clock(), motion="automatic", live_resolution=24)
+    shapes = LiveShapes(SHAPES, NAMES, unparted(2))
+    live = LiveBlends(shapes, MorphSettings(), LiveSettings(live_resolution=24), Clock(), NothingFound())
     drained(live.work(Control()))
     assert live.filled >= 17 and not live.has_work
 
