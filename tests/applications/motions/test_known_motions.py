@@ -261,8 +261,8 @@ def test_it_can_be_sent_to_another_process(bent_rod):
 
 
 def test_only_prepared_shapes_occur_together():
-    rod = arm()[0]
-    shapes = [rod, deformed(rod, bent(rod.vertices, 1.0)), deformed(rod, bent(rod.vertices, 2.0))]
+    body = arm()[0]
+    shapes = [body, deformed(body, bent(body.vertices, 1.0)), deformed(body, bent(body.vertices, 2.0))]
     motion = known_motion(shapes, [(0, 1), (1, 2)])
     assert motion.moved([0.0, 0.5, 0.5])[0] is None
     with pytest.raises(ValueError, match="not prepared"):
