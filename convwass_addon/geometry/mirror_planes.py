@@ -4,9 +4,7 @@
 
 from __future__ import annotations
 
-import hashlib
-from dataclasses import dataclass, field
-from functools import lru_cache
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,8 +26,6 @@ _NEARLY, _CLEARLY = 0.045, 0.03
 # than in the best one: people are nearly symmetric from front to back, too. A shape that looks alike from all sides has
 # more than so many planes, which say nothing.
 _FACTOR, _SLACK, _MOST = 1.1, 3e-3, 8
-# Number of shapes whose asymmetries are kept: those of a pair are asked for again and again, turned and as they stand.
-_KEPT = 16
 
 
 @dataclass(frozen=True)
@@ -101,24 +97,13 @@ def mirror_planes(mesh: TriangleMesh) -> list[MirrorPlane]:
 
 def _counted_asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the asymmetries in the planes in which a shape is nearly symmetric; infinite in others, (planes,)."""
-    digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).digest()
-    found = _asymmetries(_Shape(digest, mesh))
+    found = _asymmetries(mesh)
     counted = found <= min(_NEARLY, _FACTOR * found.min() + _SLACK)
     return np.where(counted, found, np.inf) if counted.sum() <= _MOST else np.full(_PLANES, np.inf)
 
 
-@dataclass(frozen=True)
-class _Shape:
-    """A mesh that equals its copies."""
-
-    digest: bytes
-    mesh: TriangleMesh = field(compare=False)
-
-
-@lru_cache(maxsize=_KEPT)
-def _asymmetries(shape: _Shape) -> NDArray[np.float64]:
+def _asymmetries(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the mean distances of a shape from its mirror images, (planes,), in sizes of the surface."""
-    mesh = shape.mesh
     samples, size = TriangleSamples.of(mesh.corners), np.sqrt(mesh.area)
     points = (samples.points - mesh.area_center) / size
     normals = triangle_normals(mesh.corners)[samples.triangles]
