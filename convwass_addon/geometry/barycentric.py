@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Barycentric coordinates in given triangles."""
+"""Barycentric coordinates, and points of given ones, in triangles."""
 
 from __future__ import annotations
 
@@ -33,6 +33,16 @@ def barycentric_coordinates(corners: NDArray[np.floating], points: NDArray[np.fl
     second = np.where(sound, (other[:, None] * at_one - mixed[:, None] * at_other) / area, 0.0)
     third = np.where(sound, (one[:, None] * at_other - mixed[:, None] * at_one) / area, 0.0)
     return np.stack([1.0 - second - third, second, third], axis=2)
+
+
+def points_of_triangles(shares: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points with given barycentric coordinates, (s, 3), in every triangle, (m, 3, 3), as (m s, 3)."""
+    points = np.empty((len(corners), len(shares), 3))
+    # One coordinate after the other takes half the time of np.einsum, and rounds in the same way.
+    for axis in range(3):
+        first, second, third = (np.multiply.outer(corners[:, k, axis], shares[:, k]) for k in range(3))
+        points[:, :, axis] = first + second + third
+    return points.reshape(-1, 3)
 
 
 def clamped_to_triangle(shares: NDArray[np.float64]) -> NDArray[np.float64]:

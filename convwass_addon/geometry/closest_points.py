@@ -13,6 +13,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..progress import UNINTERRUPTED, Control
+from .barycentric import points_of_triangles
+from .distinct import sorted_distinct
 from .point_tree import point_tree
 
 # Least number of samples of a surface, such that large triangles have many, and number of samples per triangle.
@@ -94,7 +96,7 @@ class TriangleSamples:
         points, owners = [], []
         for count in np.unique(cuts):
             own = np.flatnonzero(cuts == count)
-            points.append(_placed(_cut_centers(int(count)), corners[own]))
+            points.append(points_of_triangles(_cut_centers(int(count)), corners[own]))
             owners.append(np.repeat(own, len(points[-1]) // len(own)))
         return cls(np.concatenate(points), np.concatenate(owners), float((reach / cuts).max()))
 
@@ -185,9 +187,8 @@ class ClosestPointFinder:
         balls = self._tree.query_ball_point(points[unsure], best[unsure] + self._radius, return_sorted=False)
         queries = np.repeat(unsure, [len(ball) for ball in balls])
         owners = self._owners[np.fromiter(chain.from_iterable(balls), np.int64, len(queries))]
-        # Pairs sort much faster as single numbers. np.unique hashes them in NumPy 2.3, which takes four times as long.
-        pairs = np.sort(queries * len(self._corners) + owners)
-        pairs = pairs[np.diff(pairs, prepend=-1) > 0]
+        # Encode pairs as single numbers, which sort much faster.
+        pairs = sorted_distinct(queries * len(self._corners) + owners)
         for some in _chunks(len(pairs), _AT_ONCE * _NEIGHBORS):
             self._measure(points, *np.divmod(pairs[some], len(self._corners)), start, found)
 
@@ -246,16 +247,6 @@ def _prepared(points: ArrayLike) -> tuple[NDArray[np.float64], ClosestPoints]:
 
 def _chunks(count: int, size: int = _AT_ONCE) -> Iterator[slice]:
     return (slice(start, min(start + size, count)) for start in range(0, count, size))
-
-
-def _placed(shares: NDArray[np.float64], corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the points with the given barycentric coordinates, (s, 3), in every triangle, (m, 3, 3), as (m s, 3)."""
-    points = np.empty((len(corners), len(shares), 3))
-    # One coordinate after the other takes half the time of np.einsum, and rounds in the same way.
-    for axis in range(3):
-        first, second, third = (np.multiply.outer(corners[:, k, axis], shares[:, k]) for k in range(3))
-        points[:, :, axis] = first + second + third
-    return points.reshape(-1, 3)
 
 
 @lru_cache(maxsize=32)

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ..progress import UNINTERRUPTED, Control
+from .barycentric import points_of_triangles
 from .closest_points import ClosestPointFinder, ClosestPoints, closest_in_triangles
 from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
@@ -148,10 +149,11 @@ class OrientedSamples:
     def __init__(self, mesh: TriangleMesh, turn: float) -> None:
         self._corners, self._turn = mesh.corners, turn
         normals = vertex_normals(mesh.vertices, mesh.faces)
-        smooth = np.einsum("sc,mcd->msd", self._SHARES, normals[mesh.faces]) + triangle_normals(mesh.corners)[:, None]
-        smooth /= np.maximum(np.linalg.norm(smooth, axis=2, keepdims=True), np.finfo(float).tiny)
-        samples = np.einsum("sc,mcd->msd", self._SHARES, mesh.corners)
-        self._tree = point_tree(np.concatenate([samples, turn * smooth], axis=2).reshape(-1, 6))
+        smooth = points_of_triangles(self._SHARES, normals[mesh.faces])
+        smooth += np.repeat(triangle_normals(mesh.corners), len(self._SHARES), axis=0)
+        smooth /= np.maximum(np.linalg.norm(smooth, axis=1, keepdims=True), np.finfo(float).tiny)
+        samples = points_of_triangles(self._SHARES, mesh.corners)
+        self._tree = point_tree(np.concatenate([samples, turn * smooth], axis=1))
 
     def find(self, points: NDArray[np.float64], normals: NDArray[np.float64]) -> ClosestPoints:
         """Find a point for each of `points`, (n, 3), with unit normals, (n, 3): the closest on the nearest triangle."""
