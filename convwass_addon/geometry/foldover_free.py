@@ -19,6 +19,7 @@ from .edges import vertex_components
 from .factorization import Factorization, factorize
 from .laplacian import laplacian
 from .mesh import TriangleMesh
+from .normals import doubled_areas
 
 # Weight of the change of area beside that of angles.
 _AREA = 0.5
@@ -187,11 +188,11 @@ class _Energy:
     @classmethod
     def of(cls, mesh: TriangleMesh, start: NDArray[np.float64]) -> _Energy:
         corners = mesh.vertices[mesh.faces][..., :2]
-        doubled = _doubled_areas(corners)
+        doubled = doubled_areas(corners)
         kept = doubled > 1e-12 * np.abs(doubled).sum()
         faces, corners, doubled = mesh.faces[kept], corners[kept], doubled[kept]
         # The area inside a held outline, by the signed areas of its triangles, does not depend on the other vertices.
-        rest, after = float(doubled.sum()), float(_doubled_areas(start[faces]).sum())
+        rest, after = float(doubled.sum()), float(doubled_areas(start[faces]).sum())
         opposite = np.roll(corners, -2, axis=1) - np.roll(corners, -1, axis=1)
         scale = np.sqrt(max(after, _LEAST_AFTER * rest) / rest)
         across = np.stack([-opposite[..., 1], opposite[..., 0]]) / (doubled[:, None] * scale)
@@ -236,9 +237,3 @@ class _Energy:
         by_x = np.stack([share * a + along * d, share * c - along * b], axis=1)
         by_y = np.stack([share * b - along * c, share * d + along * a], axis=1)
         return energy, self.transposed @ np.concatenate([by_x, by_y])
-
-
-def _doubled_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return twice the signed area of triangles, (m, 3, 2)."""
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]

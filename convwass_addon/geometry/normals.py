@@ -36,6 +36,12 @@ def triangle_areas(corners: NDArray[np.float64]) -> NDArray[np.float64]:
     return 0.5 * np.sqrt(x * x + y * y + z * z)
 
 
+def doubled_areas(corners: NDArray[np.floating]) -> NDArray[np.floating]:
+    """Return twice the signed areas of triangles in a plane, (m,), from their corners, (m, 3, 2)."""
+    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
+    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
+
+
 def area_normals(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return vertex normals, (n, 3), with a third of the area of the adjacent triangles as length.
 

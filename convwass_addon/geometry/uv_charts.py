@@ -74,12 +74,6 @@ def chart_labels(faces: NDArray[np.int64], uvs: NDArray[np.floating], repeats: b
     return component_labels(*pairs.T, len(faces))
 
 
-def doubled_areas(uvs: NDArray[np.floating]) -> NDArray[np.floating]:
-    """Return twice the signed areas of triangles in a plane, (m, 3, 2): (m,)."""
-    first, second = uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]
-    return first[:, 0] * second[:, 1] - first[:, 1] * second[:, 0]
-
-
 def uv_sizes(corners: NDArray[np.floating], uvs: NDArray[np.floating]) -> NDArray[np.float64]:
     """Return the largest stretch from each triangle, (m, 3, 3), to its UVs, (m, 3, 2): (m,).
 

@@ -18,8 +18,8 @@ from ...errors import InputError
 from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
 from ...geometry.components import component_labels
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import triangle_areas
-from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, doubled_areas, uv_sizes
+from ...geometry.normals import doubled_areas, triangle_areas
+from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
 from ...sentence import Sentence
 from .surface_maps import PointMap
 from .transfer import check_giver

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...geometry.uv_charts import doubled_areas
+from ...geometry.normals import doubled_areas
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ..element_values import element_values, triangle_corners
 from ..morphs.appearance import render_uv_map
