@@ -76,6 +76,27 @@ def overlaps(areas: Sequence[Boundary], cells: int) -> NDArray[np.float64]:
     return np.stack([np.minimum(own, covered).sum(axis=1) / np.maximum(own, covered).sum(axis=1) for own in covered])
 
 
+def self_overlap(boundary: Boundary, cells: int) -> float:
+    """Return the share of an area that lies upon itself, or is turned over, with its outline running clockwise.
+
+    Parameters
+    ----------
+    boundary : Boundary
+        Edges that may cross, not empty.
+    cells : int
+        Cells along the longest side of a grid over the area.
+    """
+    low, high = boundary.bounds
+    spacing = float((high - low).max()) / cells
+    shape = tuple(np.ceil((high - low) / spacing).astype(int))
+    moved = boundary.moved(-low / spacing, 1.0 / spacing)
+    covered, turned_over = (
+        float(coverage(own, shape).sum()) * spacing**2 for own in (moved, Boundary(moved.ends, moved.starts))
+    )
+    # The area of a boundary counts what is turned over as negative.
+    return 1.0 - covered / (boundary.area + 2.0 * turned_over)
+
+
 def _cut_at_lines(boundary: Boundary) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Cut edges at integer coordinates; return the starts and ends of the pieces."""
     starts, ends = boundary.starts, boundary.ends

@@ -234,10 +234,13 @@ def arc(center, radius, begin, end):
     return center + radius * np.stack([np.cos(angles), np.sin(angles)], axis=1)
 
 
+S_BOWS = arc((0, 0.5), 0.5, 30, 270), arc((0, -0.5), 0.5, 85, -150)
+
+
 def test_limbs_do_not_swing_across_each_other():
     """The tail of a G would swing through its bowl to become that of an S."""
     tail = np.array([(0.87, -0.3), (0.87, -0.1), (0.85, 0.0), (0.7, 0.02), (0.5, 0.02), (0.3, 0.02)])
-    g, s = stroke(arc((0, 0), 1, 50, 330), tail), stroke(arc((0, 0.5), 0.5, 30, 270), arc((0, -0.5), 0.5, 85, -150))
+    g, s = stroke(arc((0, 0), 1, 50, 330), tail), stroke(*S_BOWS)
     match = least_distorted(matched_shapes(OutlinedShape.of(g), OutlinedShape.of(s)), UNINTERRUPTED)
     assert match.swings
     for _, shapes in moved(g, s, *TIMES):
@@ -314,6 +317,37 @@ def test_equal_regions_do_not_turn_because_of_their_neighbors():
     other = filled(rectangle((-1, -1), (0, 0)), rectangle((2, 2), (3, 3)))
     match = matched_shapes(OutlinedShape.of(one), OutlinedShape.of(other))[0]
     assert [pair.turn for pair in match.pairs] == [0.0, 0.0]
+
+
+def test_pieces_turn_where_they_are():
+    """Two of three pieces turn upside down; the row that they are part of does not, and the third one unrolls."""
+    bracket, straight = 0.6 * (BRACKET - filled(BRACKET).center), np.linspace((-1.2, -0.5), (1.2, -0.5), 40)
+    row, turned = (
+        filled(piece - (2, 0), *boundary_rings(stroke(*line)), np.add(piece, (2, 0)))
+        for piece, line in ((bracket, S_BOWS), (-bracket, [straight]))
+    )
+    for own in halfway(row, turned):
+        pieces = sorted(map(filled, boundary_rings(own)), key=lambda piece: piece.center[0])
+        for piece, place in ((pieces[0], -2.0), (pieces[2], 2.0)):
+            assert piece.center == pytest.approx((place, 0.0), abs=0.15)
+            assert piece.area == pytest.approx(filled(bracket).area, rel=0.02)
+
+
+def face(mouth):
+    """A ring around a mouth."""
+    return filled(ellipse(radii=(1.2, 1.2)), ellipse(radii=(1.05, 1.05))[::-1], *boundary_rings(mouth))
+
+
+def test_a_piece_that_would_turn_into_another_one_bends_instead():
+    """The mouth of a face would turn upside down, and its ends would sweep across the ring around it."""
+    smile = stroke(arc((0, 0.6), 1.2, 225, 315))
+    frown = stroke(arc((0, -1.4), 1.2, 45, 135)[::-1])
+    for _, shapes in moved(face(smile), face(frown), *TIMES):
+        for own in shapes:
+            mouth = min(boundary_rings(own), key=lambda ring: abs(ring_area(ring)))
+            assert np.ptp(mouth[:, 0]) > 1.6
+            cells = coverage(own.moved(-own.bounds[0] * 100, 100.0), (300, 300))
+            assert cells.sum() / 100**2 == pytest.approx(own.area, rel=0.005)
 
 
 def test_frames_have_the_area_between_and_nothing_left_to_transport():

@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from convwass_addon.geometry.coverage import overlap
-from convwass_addon.geometry.planar_fill import filled_boundary
+from convwass_addon.geometry.coverage import overlap, self_overlap
+from convwass_addon.geometry.planar_fill import Boundary, filled_boundary
 from tests.flat_shapes import rectangle
 
 
@@ -29,3 +29,14 @@ def test_overlaps_depend_on_neither_place_nor_size():
     assert found == pytest.approx(0.4 / (2.0 + 0.9 - 0.4), abs=0.01)
     far = [own.moved(np.array([-30.0, 7.0]), 1e-3) for own in (one, other)]
     assert overlap(*far, 200) == pytest.approx(found, abs=1e-6)
+
+
+@pytest.mark.parametrize(("offset", "share"), [(2.0, 0.0), (0.5, 0.25), (0.0, 0.5)])
+def test_what_lies_upon_itself_is_counted_once(offset, share):
+    squares = [rectangle((x, 0.0), (x + 1.0, 1.0)) for x in (0.0, offset)]
+    assert self_overlap(Boundary.of_rings(squares), 128) == pytest.approx(share, abs=0.01)
+
+
+def test_what_is_turned_over_counts_as_overlap():
+    squares = [rectangle((0.0, 0.0), (2.0, 2.0)), rectangle((3.0, 0.0), (4.0, 1.0))[::-1]]
+    assert self_overlap(Boundary.of_rings(squares), 128) == pytest.approx(0.2, abs=0.01)

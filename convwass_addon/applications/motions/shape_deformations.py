@@ -31,6 +31,9 @@ from .laid_meshes import Laid
 
 # Size of the neighborhoods that rotate together, in sizes of the surface.
 _TURN_WIDTH = 0.03
+# A body whose parts rotate does not turn itself if its points move by less than this share of what they would without
+# the common rotation of the parts: the letters of a word may turn where they are.
+_STAYS = 0.5
 
 
 @dataclass(frozen=True)
@@ -107,7 +110,7 @@ def split_deformation(
         images = target.finder.find(laid.points, vertex_normals(laid.points, source.mesh.faces), control=control)
     rotations = _smooth_rotations(source, laid.points)
     if back is None:
-        whole = _whole_turn(source, rotations)
+        whole = _whole_turn(source, laid.points, rotations)
         turns = divided_turns(whole, _vectors(source, rotations, whole), source.limb_axes)
     else:
         # Both shapes then pass through the same rotations.
@@ -141,7 +144,7 @@ def posed_deformation(
     # Parts must rotate in the same sense from frame to frame.
     earlier = deformation.turns
     rotations = _smooth_rotations(source, points)
-    whole = nearest_branches(_whole_turn(source, rotations)[None], earlier[:1, 0])[0]
+    whole = nearest_branches(_whole_turn(source, points, rotations)[None], earlier[:1, 0])[0]
     vectors = _vectors(source, rotations, whole, earlier[:, 1] + earlier[:, 2])
     turns = divided_turns(whole, vectors, source.limb_axes)
     return _split(source, Laid(points, deformation.confidence), images, turns, control)
@@ -164,9 +167,16 @@ def _split(
     return ShapeDeformation(points, turns, stretches, link_stretches, pose, offsets, scale, images, laid.trust)
 
 
-def _whole_turn(source: Carrier, rotations: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the shortest rotation vector, (3,), of most of a body whose vertices have these rotations, (n, 3, 3)."""
-    return rotation_vectors(median_rotation(rotations, source.mesh.vertex_areas)[None])[0]
+def _whole_turn(source: Carrier, points: NDArray[np.float64], rotations: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the shortest rotation vector, (3,), of most of a body that moves to points, (n, 3).
+
+    It is that of most of its vertices, whose rotations are (n, 3, 3), unless their positions contradict it.
+    """
+    areas = source.mesh.vertex_areas
+    turn = median_rotation(rotations, areas)
+    start, end = (own - areas @ own / areas.sum() for own in (source.mesh.vertices, points))
+    turned, still = (areas @ np.square(end - own).sum(axis=1) for own in (start @ turn.T, start))
+    return rotation_vectors(turn[None])[0] if still >= _STAYS**2 * turned else np.zeros(3)
 
 
 def _vectors(

@@ -176,6 +176,11 @@ def placed_outlines(one: OutlineCurve, other: OutlineCurve) -> MatchedOutlines:
     return _finished(one, other, _best_placed(one, other), swings=False)
 
 
+def only_placed(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:
+    """Match two closed curves only as they are placed: neither turned nor as if limbs swung."""
+    return [placed_outlines(one, other)]
+
+
 def _best_placed(one: OutlineCurve, other: OutlineCurve) -> _Candidate:
     """Return the rough match of two curves as they are placed."""
     upright = [pose for pose in _symmetric_poses(one.axes, other.axes) if abs(pose.turn) < _STANDING]

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ...geometry.closed_curves import boundary_of
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.coverage import coverage
+from ...geometry.coverage import self_overlap
 from ...geometry.foldover_free import UNDISTORTED, DeformedTriangles
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control
@@ -122,6 +122,11 @@ class MatchedShapes:
         """Whether limbs swing in a match."""
         return any(match.swings for match in self.matches.values())
 
+    @property
+    def turns(self) -> bool:
+        """Whether one of several regions turns in a match."""
+        return any(len(match.regions) > 1 and match.turns for match in self.matches.values())
+
 
 def least_cost(shapes: Sequence[OutlinedShape], pairs: Sequence[tuple[int, int]]) -> float:
     """Return a lower bound of the cost of moving shapes: that without any distortion or overlap."""
@@ -185,15 +190,11 @@ def _deformed(
 
 
 def _overlap(sheets: Sequence[Sheet], motion: AgreeingMotion, pair: tuple[int, int]) -> float:
-    """Return the largest share of the area of two moved shapes that overlaps itself, at some times on their way."""
+    """Return the largest share of the area of two moved shapes that overlaps itself at some times on their way."""
 
     def overlap(number: int) -> float:
-        moved = sheets[pair[0]].moved(motion.moved(weights_between(len(sheets), pair, _TIMES[number]))[pair[0]])
-        low, high = moved.bounds
-        spacing = float((high - low).max()) / _CELLS
-        cells = tuple(np.ceil((high - low) / spacing).astype(int))
-        covered = coverage(moved.moved(-low / spacing, 1.0 / spacing), cells).sum() * spacing**2
-        return 1.0 - float(covered) / moved.area
+        moved = motion.moved(weights_between(len(sheets), pair, _TIMES[number]))[pair[0]]
+        return self_overlap(sheets[pair[0]].moved(moved), _CELLS)
 
     return max(side_by_side(overlap, len(_TIMES)))
 

@@ -12,7 +12,7 @@ from ..motions.guided_settings import GuidedSettings
 from ..motions.motion_choice import attempted
 from ..workers import one_blas_thread
 from .hole_openings import surplus_holes, with_open_holes
-from .matched_outlines import matched_outlines
+from .matched_outlines import matched_outlines, only_placed
 from .moved_sheets import MatchedShapes, MovedSheets, least_cost, moved_sheets
 from .outline_pairs import CurveMatcher, KnownMatches, ShapePair
 from .outlined_shape import OutlinedShape
@@ -93,13 +93,18 @@ def _best_moved(
     known: KnownMatches,
     control: Control,
 ) -> MovedSheets:
-    """Return the motion of shapes of equal numbers of regions; with limbs that swing, unless they cross each other."""
+    """Return the motion of shapes of equal numbers of regions; these turn and their limbs swing unless they collide."""
     found = MatchedShapes.of(shapes, pairs, least_distorted, known, control)
     moved = moved_sheets(found, names, settings, control)
     if found.swings and moved.overlap > _MOST_OVERLAP:
         as_placed = MatchedShapes.of(shapes, pairs, _as_placed, known, control)
         placed = moved_sheets(as_placed, names, settings, control)
         moved = min(moved, placed, key=lambda own: own.overlap)
+    if found.turns and moved.overlap > _MOST_OVERLAP:
+        upright = MatchedShapes.of(shapes, pairs, _as_placed, KnownMatches(only_placed), control)
+        placed = moved_sheets(upright, names, settings, control)
+        if placed.overlap <= _MOST_OVERLAP:
+            moved = placed
     return moved
 
 

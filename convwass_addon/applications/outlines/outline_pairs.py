@@ -87,6 +87,11 @@ class ShapePair:
         """Whether limbs swing."""
         return any(pair.slides for pair in self.pairs)
 
+    @property
+    def turns(self) -> bool:
+        """Whether a region turns."""
+        return any(pair.turn != 0.0 for pair in self.pairs)
+
     def swapped(self) -> ShapePair:
         """Return the pair with the shapes swapped."""
         return ShapePair(self.second, self.first, tuple(pair.swapped() for pair in self.pairs))

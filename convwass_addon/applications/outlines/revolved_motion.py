@@ -19,8 +19,7 @@ from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from .even_volume import EvenVolumeMotion
 from .lent_parts import LendingMotion
-from .matched_outlines import MatchedOutlines, placed_outlines
-from .outline_curves import OutlineCurve
+from .matched_outlines import only_placed
 from .outline_motion import outline_motion
 from .revolved_shape import RevolvedShape
 from .section_motion import SectionMotion
@@ -52,7 +51,7 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
         return None
     # With the arithmetic mean of stretches, thin walls would become thick on the way.
     settings = GuidedSettings(coherence=request.coherence, mean_stretch=area_preserving_mean)
-    moved = outline_motion(sections, request.names, request.pairs, settings, control, _upright)
+    moved = outline_motion(sections, request.names, request.pairs, settings, control, only_placed)
     if moved is None or moved.overlap > _MOST_OVERLAP:
         return None
     flat = moved.choice.motion
@@ -73,8 +72,3 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
         motion = LendingMotion.of(motion, [own.attached.looseness > 0.0 for own in shapes], request.pairs)
     motion = EvenVolumeMotion(motion, volumes, centers, flat.guided.settings.way)
     return replace(moved.choice, motion=motion)
-
-
-def _upright(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:
-    """Match two sections about their axes, neither turned upside down nor with limbs that swing to one side."""
-    return [placed_outlines(one, other)]
