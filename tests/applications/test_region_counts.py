@@ -75,6 +75,14 @@ def test_every_region_has_a_counterpart():
     assert centers == pytest.approx([-4 / (3 * np.pi), 4 / (3 * np.pi), 10.0], abs=0.01)
 
 
+def test_a_dot_divides_within_a_frame_of_the_same_center():
+    """The dots of a die belong to the dot, and not to the frame around it."""
+    frame = rectangle((-3, -3), (3, 3)), rectangle((-2.5, -2.5), (2.5, 2.5))
+    six = [ellipse((x, y), (0.4, 0.4)) for x in (-1, 1) for y in (-1.5, 0, 1.5)]
+    divided, _ = with_equal_counts([shape(*frame, ellipse(radii=(0.4, 0.4))), shape(*frame, *six)], [(0, 1)], 0.1)
+    assert areas(divided) == pytest.approx([36.0 - 25.0, *[np.pi * 0.4**2 / 6.0] * 6], rel=0.02)
+
+
 def test_a_region_that_a_cut_would_tear_is_left_whole():
     """The upper half of a U is two pieces."""
     u = np.array([(0, 0), (3, 0), (3, 4), (2, 4), (2, 1), (1, 1), (1, 4), (0, 4)], dtype=np.float64)

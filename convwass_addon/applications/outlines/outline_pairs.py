@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
-from ...geometry.closed_curves import ClosedCurve, boundary_of
+from ...geometry.closed_curves import ClosedCurve
 from ...geometry.curve_maps import CurveMap, even_map
 from ...geometry.mean_value import polygon_coordinates
 from ...geometry.plane_angles import best_turn
@@ -162,12 +162,7 @@ def region_pairs(one: OutlinedShape, other: OutlinedShape) -> list[tuple[int, in
 
     These are near each other, relative to the centers of the shapes, and similar in size.
     """
-    places = []
-    for shape in (one, other):
-        filled = [boundary_of([shape.curves[region.outer]]) for region in shape.regions]
-        centers = np.array([own.center for own in filled]) - shape.filled.center
-        places.append(np.column_stack([centers, np.sqrt([own.area for own in filled])]))
-    away = np.square(places[0][:, None] - places[1]).sum(axis=2)
+    away = np.square(one.region_places[:, None] - other.region_places).sum(axis=2)
     return [(int(region), int(there)) for region, there in zip(*linear_sum_assignment(away), strict=True)]
 
 

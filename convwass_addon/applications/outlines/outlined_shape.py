@@ -100,6 +100,16 @@ class OutlinedShape:
         """Square root of the area."""
         return float(np.sqrt(self.filled.area))
 
+    @property
+    def region_places(self) -> NDArray[np.float64]:
+        """Centers of the regions relative to that of the shape, and square roots of their areas, without holes, (n, 3).
+
+        Regions with similar rows are near each other and similar in size.
+        """
+        filled = [boundary_of([self.curves[region.outer]]) for region in self.regions]
+        centers = np.array([own.center for own in filled]) - self.filled.center
+        return np.column_stack([centers, np.sqrt([own.area for own in filled])])
+
     def center(self, index: int) -> NDArray[np.float64]:
         """Center of what a curve encloses, (2,)."""
         return boundary_of([self.curves[index]]).center

@@ -43,8 +43,8 @@ def with_equal_counts(
 ) -> list[OutlinedShape]:
     """Return shapes of which those that occur together have equal numbers of regions.
 
-    Every region of the shape that has more belongs to one of the other shape, near it. Regions of the latter to which
-    several belong are divided between them by straight cuts, in proportion to their areas.
+    Every region of the shape that has more belongs to one of the other shape, near it and similar in size. Regions of
+    the latter to which several belong are divided between them by straight cuts, in proportion to their areas.
 
     Parameters
     ----------
@@ -75,7 +75,7 @@ def with_equal_counts(
 def _with_regions_of(few: OutlinedShape, many: OutlinedShape, least_share: float) -> OutlinedShape:
     """Return a shape with as many regions as another one that has more."""
     ours, theirs = _Regions.of(few), _Regions.of(many)
-    owner = _owners(ours, theirs)
+    owner = _owners(few.region_places, many.region_places, theirs.areas)
     pieces, points = [], []
     for region, filled in enumerate(ours.filled):
         own = np.flatnonzero(owner == region)
@@ -89,16 +89,17 @@ def _with_regions_of(few: OutlinedShape, many: OutlinedShape, least_share: float
     return shape
 
 
-def _owners(ours: _Regions, theirs: _Regions) -> NDArray[np.int64]:
+def _owners(ours: NDArray[np.float64], theirs: NDArray[np.float64], areas: NDArray[np.float64]) -> NDArray[np.int64]:
     """Return the region of ours that each of theirs belongs to, (n,); every one of ours has at least one.
 
-    The total work, area by squared distance of the centers, is least.
+    The total work is least: area by squared distance of their places, see :attr:`.OutlinedShape.region_places`.
     """
-    work = theirs.areas[:, None] * np.square(theirs.centers[:, None] - ours.centers).sum(axis=2)
+    work = areas[:, None] * np.square(theirs[:, None] - ours).sum(axis=2)
     nearest = work.argmin(axis=1)
-    extra = len(theirs.areas) - len(ours.areas)
-    rows, columns = linear_sum_assignment(np.column_stack([work, np.tile(work.min(axis=1)[:, None], extra)]))
-    return np.where(columns < len(ours.areas), columns, nearest[rows])
+    rows, columns = linear_sum_assignment(
+        np.column_stack([work, np.tile(work.min(axis=1)[:, None], len(theirs) - len(ours))])
+    )
+    return np.where(columns < len(ours), columns, nearest[rows])
 
 
 @dataclass(frozen=True)
