@@ -87,6 +87,16 @@ def test_a_square_that_grows_keeps_its_corners():
             assert own.area == pytest.approx(np.prod(sides), rel=0.015)
 
 
+def test_a_square_that_becomes_a_bar_keeps_its_corners():
+    """Its sides are more like the long ones of the bar than like the ends."""
+    square, bar = filled(rectangle((-1, -1), (1, 1))), filled(rectangle((-8, -1), (8, 1)))
+    for time, shapes in moved(square, bar, *TIMES):
+        for own in shapes:
+            width, height = np.ptp(own.bounds, axis=0)
+            assert (width, height) == pytest.approx((2.0 + 14.0 * time, 2.0), rel=0.04)
+            assert own.area == pytest.approx(width * height, rel=0.04)
+
+
 def test_a_hole_of_one_shape_shrinks_to_a_point():
     ring, disc = filled(ellipse(), ellipse(radii=(0.6, 0.6))[::-1]), filled(ellipse())
     for time, shapes in moved(ring, disc, *TIMES):

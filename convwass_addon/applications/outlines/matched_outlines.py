@@ -76,8 +76,9 @@ class _Pose:
     ----------
     turn : float
         Angle in radians, from -pi to pi.
-    ends : (2, 2) float64 or None
-        Places at which the axis crosses each curve.
+    ends : (2, k) float64 or None
+        Places at which the axis crosses each curve: the first one, the second one and, a round later, the first one
+        again. If both curves have an axis across that one, too, the place where they cross it comes after the first.
     axis : float
         Direction of the axis in radians.
     """
@@ -120,13 +121,15 @@ class _Match:
         strain = match_work(*samples, found, replace(_AS_PLACED, turning=0.0, moving=0.0))
         return cls(places, images, found.cost / share, strain / share)
 
-    def mirrored(self, curves: tuple[OutlineCurve, OutlineCurve]) -> _Match:
-        """Complete the match of halves of two curves by their mirror images."""
+    def mirrored(self, curves: tuple[OutlineCurve, OutlineCurve], ends: NDArray[np.float64]) -> _Match:
+        """Complete the match of halves or quarters of two curves by their mirror images; see :class:`_Pose`."""
         both = []
-        for half, curve in zip((self.places, self.images), curves, strict=True):
-            rest = curve.curve.length / (half[-1] - half[0]) - 1.0
-            whole = np.concatenate([half, half[-1] + (half[-1] - half[-2::-1]) * rest])
-            both.append(_at_corners(whole, len(half), curve))
+        for part, stops, curve in zip((self.places, self.images), ends[:, 2:], curves, strict=True):
+            whole = part
+            for stop in stops:
+                rest = (stop - whole[-1]) / (whole[-1] - whole[0])
+                whole = np.concatenate([whole, whole[-1] + (whole[-1] - whole[-2::-1]) * rest])
+            both.append(_at_corners(whole, len(part), curve))
         return _Match(*both, self.cost, self.strain)
 
 
@@ -142,12 +145,13 @@ class _Candidate:
 def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]:
     """Match two closed curves: as they are placed, and perhaps also as if limbs swung.
 
-    If both have a common axis as they stand, half of a curve is matched, and the other half is its mirror image. The
-    first curve is turned by a multiple of 30 degrees, or so that both have a common axis, only if they match much
-    better then. Curves with a common axis are only turned upside down, or if they are alike then. If pieces keep their
-    shape better where their places are disregarded, the second match is that one.
+    If both have a common axis as they stand, half of a curve is matched, and the other half is its mirror image; of
+    curves with two common axes, a quarter is matched. The first curve is turned by a multiple of 30 degrees, or so that
+    both have a common axis, only if they match much better then. Curves with a common axis are only turned upside down,
+    or if they are alike then. If pieces keep their shape better where their places are disregarded, the second match is
+    that one.
     """
-    symmetric = list(_symmetric_poses(one.axes, other.axes))
+    symmetric = list(_symmetric_poses(one, other))
     upright = [pose for pose in symmetric if abs(pose.turn) < _STANDING]
     turned = [pose for pose in symmetric if abs(pose.turn) > _STANDING]
     if not upright:
@@ -183,7 +187,7 @@ def only_placed(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]
 
 def _best_placed(one: OutlineCurve, other: OutlineCurve) -> _Candidate:
     """Return the rough match of two curves as they are placed."""
-    upright = [pose for pose in _symmetric_poses(one.axes, other.axes) if abs(pose.turn) < _STANDING]
+    upright = [pose for pose in _symmetric_poses(one, other) if abs(pose.turn) < _STANDING]
     return _best(one, other, _straightest(upright) or [_Pose(0.0)], _AS_PLACED)
 
 
@@ -194,7 +198,7 @@ def _finished(one: OutlineCurve, other: OutlineCurve, rough: _Candidate, swings:
         fine = _around(one, other, pose.turn, rough.weights, rough.match)
         turn = _best_turn(one, other, fine)
     else:
-        fine = _along_axis(one, other, pose, rough.weights, _FINE).mirrored((one, other))
+        fine = _along_axis(one, other, pose, rough.weights, _FINE).mirrored((one, other), pose.ends)
         turn = pose.turn
     found = smooth_map((one.curve, other.curve), (one.corners, other.corners), fine.places, fine.images)
     turns = not swings and abs(turn) > _TURNED
@@ -252,24 +256,39 @@ def _best_turn(one: OutlineCurve, other: OutlineCurve, match: _Match) -> float:
     return best_turn(ours, theirs)
 
 
-def _symmetric_poses(one: MirrorAxes, other: MirrorAxes) -> Iterator[_Pose]:
+def _symmetric_poses(one: OutlineCurve, other: OutlineCurve) -> Iterator[_Pose]:
     """Yield the turns after which two curves have a common axis."""
+    for own, place in _common_axes(one.axes, other.axes):
+        angle = float(other.axes.angles[place])
+        for flipped in (False, True):
+            ends = _crossings(one, own, flipped=False), _crossings(other, place, flipped=flipped)
+            # The second axis is of use only if both have one.
+            fewest = min(map(len, ends))
+            both = np.stack([each if len(each) == fewest else each[[0, 2, 3]] for each in ends])
+            yield _Pose(_wrapped(angle + np.pi * flipped - one.axes.angles[own]), both, angle)
+
+
+def _common_axes(one: MirrorAxes, other: MirrorAxes) -> list[tuple[int, int]]:
+    """Return pairs of axes that may become the same one; a round curve has one in every direction."""
     ours, theirs = (np.flatnonzero(axes.is_best) for axes in (one, other))
     if not len(ours) or not len(theirs):
-        return
+        return []
     if len(ours) > _MOST_AXES:
         theirs = theirs if len(theirs) <= _MOST_AXES else [_nearest(other.angles, 0.5 * np.pi)]
-        pairs = [(_nearest(one.angles, other.angles[place]), place) for place in theirs]
-    elif len(theirs) > _MOST_AXES:
-        pairs = [(place, _nearest(other.angles, one.angles[place])) for place in ours]
-    else:
-        pairs = [(own, place) for own in ours for place in theirs]
-    for own, place in pairs:
-        for flipped in (False, True):
-            turn = other.angles[place] + np.pi * flipped - one.angles[own]
-            ends = other.places[place][::-1] if flipped else other.places[place]
-            both = np.stack([one.places[own], ends])
-            yield _Pose(_wrapped(turn), both, float(other.angles[place]))
+        return [(_nearest(one.angles, other.angles[place]), place) for place in theirs]
+    if len(theirs) > _MOST_AXES:
+        return [(place, _nearest(other.angles, one.angles[place])) for place in ours]
+    return [(own, place) for own in ours for place in theirs]
+
+
+def _crossings(outline: OutlineCurve, index: int, *, flipped: bool) -> NDArray[np.float64]:
+    """Return where a curve crosses an axis, (3,), or that and an axis across it, (4,); see :class:`_Pose`."""
+    axes, length = outline.axes, outline.curve.length
+    begin, end = axes.places[index][::-1] if flipped else axes.places[index]
+    across = axes.is_best & (np.abs(np.cos(axes.angles - axes.angles[index])) < _EQUAL)
+    after = np.mod(np.append(axes.places[across].ravel(), end) - begin, length)
+    middle = after[:-1][after[:-1] < after[-1]]
+    return begin + np.array([0.0, *middle[:1], after[-1], length])
 
 
 def _wrapped(angle: float) -> float:
@@ -297,10 +316,8 @@ def _around(
 
 
 def _along_axis(one: OutlineCurve, other: OutlineCurve, pose: _Pose, weights: MatchWeights, count: int) -> _Match:
-    """Match the halves of two closed curves on one side of their common axis."""
-    halves = []
-    for curve, (begin, end) in zip((one, other), pose.ends, strict=True):
-        halves.append(curve.samples(begin, end if end > begin else end + curve.curve.length, count))
-    own, theirs = halves[0].turned(pose.turn), halves[1]
+    """Match the halves of two closed curves on one side of their common axis, or quarters between two axes."""
+    parts = [curve.samples(*ends[:2], count) for curve, ends in zip((one, other), pose.ends, strict=True)]
+    own, theirs = parts[0].turned(pose.turn), parts[1]
     found = matched_curves(own, theirs, range(1), len(theirs.places) - 1, weights)
-    return _Match.of((one, other), (own, theirs), found, 0.5)
+    return _Match.of((one, other), (own, theirs), found, 0.5 if pose.ends.shape[1] == 3 else 0.25)
