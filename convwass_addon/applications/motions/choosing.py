@@ -46,7 +46,8 @@ _WELL_WARPED = 0.5
 # largest step between frames is smaller.
 _FINE = WarpEffort(cells=40, rounds=10, filled=3500)
 # Where the guided motion leaves more than this share of the distance, a warp alone is tried, too: the map of an O to an
-# X cuts the O open and leaves three quarters.
+# X cuts the O open and leaves three quarters. So is one instead of a map that also makes long detours: a stool that
+# became a trophy turned a somersault on the way. Of such maps, those between animals leave at most a third.
 _MOST_LEFT = 0.5
 # Without a map, a warp is used if at most this share of the whole distance is left. From two dolphins to a bird, four
 # fifths are, and torn; half from two balls to three, and at most a third from solids to each other.
@@ -230,11 +231,15 @@ def _by_uncertain_map(
         smooth = _lying_smoothly(alone, request, control)
         if smooth is not None:
             return smooth
+    unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
     if unfit or score < DOUBTED:
-        unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
         return (yield from _unmapped(unmoved, request, control))
     if (score < _UNSURE or _crumpling(guided) > _MUCH_CRUMPLED) and not request.guides:
         return (yield from _unless_failing(_perhaps_warped_instead, alone, request, control))
+    if far and not request.guides:
+        alone = replace(alone, left=attempted(_left, alone.motion, request, control))
+        if alone.left is not None and alone.left > _MOST_LEFT:
+            return (yield from _unmapped(unmoved, request, control))
     if far:
         return alone
     return (yield from _unless_failing(_perhaps_warped, alone, request, control))

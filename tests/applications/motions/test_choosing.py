@@ -45,6 +45,13 @@ def work_of(outcome):
     return work
 
 
+def unless_guided(motion, *_arguments):
+    """Return that half of the distance is left, or fail to measure it for a guided motion."""
+    if motion == ("guided", 0.5):
+        raise ResourceError("no memory")
+    return 0.5
+
+
 @pytest.fixture
 def motions(monkeypatch):
     def given(
@@ -114,6 +121,23 @@ def test_the_record_says_how_many_guides_were_left_out(motions, kind, score):
 
 def test_maps_that_make_detours_are_not_completed_by_a_warp(motions):
     motions(guided_with(0.6, detour=1.8), combined=AssertionError("must not be asked for"))
+    assert choice().record() == {"kind": "guided", "reason": "PARTLY", "score": 0.6, "detour": 1.8, "left": 0.4}
+
+
+@pytest.mark.parametrize(
+    ("left", "by_warp_alone", "kind"), [(0.5, 0.1, "guided"), (0.6, 0.1, "warp"), (0.6, 0.7, "transport")]
+)
+def test_maps_that_make_detours_and_leave_most_are_given_up(motions, left, by_warp_alone, kind):
+    """Unless guides say what corresponds."""
+    motions(guided_with(0.6, detour=1.8), left=left, by_warp_alone=by_warp_alone)
+    found = choice()
+    assert (found.kind, found.reason) == (kind, "PARTLY" if kind == "guided" else "APART")
+    assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
+
+
+def test_maps_that_make_detours_are_kept_if_what_they_leave_cannot_be_measured(motions, monkeypatch):
+    motions(guided_with(0.6, detour=1.8))
+    monkeypatch.setattr(choosing, "remaining_share", unless_guided)
     assert choice().record() == {"kind": "guided", "reason": "PARTLY", "score": 0.6, "detour": 1.8}
 
 
@@ -288,13 +312,7 @@ def test_a_warp_that_crumples_less_replaces_a_map_that_leaves_less(
 
 def test_a_poor_map_is_given_up_if_what_it_leaves_cannot_be_measured(motions, monkeypatch):
     motions(guided_with(0.1))
-
-    def measured(motion, *_arguments):
-        if motion == ("guided", 0.5):
-            raise ResourceError("no memory")
-        return 0.5
-
-    monkeypatch.setattr(choosing, "remaining_share", measured)
+    monkeypatch.setattr(choosing, "remaining_share", unless_guided)
     assert choice().record() == {"kind": "warp", "reason": "APART", "score": 0.1, "detour": 1.0, "left": 0.5}
 
 
