@@ -49,6 +49,9 @@ _FINE = WarpEffort(cells=40, rounds=10, filled=3500)
 # X cuts the O open and leaves three quarters. So is one instead of a map that also makes long detours: a stool that
 # became a trophy turned a somersault on the way. Of such maps, those between animals leave at most a third.
 _MOST_LEFT = 0.5
+# Beyond this share, a map is given up without guides, even if no warp is better: from a stool to a wine glass, a map
+# leaves 0.99 and tears the bowl. From a table to a trophy, it leaves 0.57, and looks better than transport.
+_NEARLY_ALL_LEFT = 0.75
 # Without a map, a warp is used if at most this share of the whole distance is left. From two dolphins to a bird, four
 # fifths are, and torn; half from two balls to three, and at most a third from solids to each other.
 _JOINED = 0.65
@@ -234,15 +237,25 @@ def _by_uncertain_map(
     unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
     if unfit or score < DOUBTED:
         return (yield from _unmapped(unmoved, request, control))
-    if (score < _UNSURE or _crumpling(guided) > _MUCH_CRUMPLED) and not request.guides:
-        return (yield from _unless_failing(_perhaps_warped_instead, alone, request, control))
-    if far and not request.guides:
-        alone = replace(alone, left=attempted(_left, alone.motion, request, control))
-        if alone.left is not None and alone.left > _MOST_LEFT:
-            return (yield from _unmapped(unmoved, request, control))
-    if far:
+    doubtful = (score < _UNSURE or _crumpling(guided) > _MUCH_CRUMPLED) and not request.guides
+    if far and not doubtful:
+        return (yield from _by_detours(alone, unmoved, request, control))
+    better = _perhaps_warped_instead if doubtful else _perhaps_warped
+    found = yield from _unless_failing(better, alone, request, control)
+    leaves_all = found.kind != "warp" and found.left is not None and found.left > _NEARLY_ALL_LEFT
+    return replace(unmoved, left=found.left) if leaves_all and not request.guides else found
+
+
+def _by_detours(
+    alone: MotionChoice, unmoved: MotionChoice, request: MotionRequest, control: Control
+) -> Work[MotionChoice]:
+    """Return the guided motion of a map that makes detours, unless it leaves most of the distance without guides."""
+    if request.guides:
         return alone
-    return (yield from _unless_failing(_perhaps_warped, alone, request, control))
+    alone = replace(alone, left=attempted(_left, alone.motion, request, control))
+    if alone.left is None or alone.left <= _MOST_LEFT:
+        return alone
+    return (yield from _unmapped(unmoved, request, control))
 
 
 def _mapped(reason: str, guided: GuidedMotion) -> MotionChoice:

@@ -135,6 +135,18 @@ def test_maps_that_make_detours_and_leave_most_are_given_up(motions, left, by_wa
     assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
 
 
+@pytest.mark.parametrize("score", [0.3, 0.6])
+@pytest.mark.parametrize(("left", "kind"), [(0.75, "guided"), (0.8, "transport")])
+def test_maps_that_leave_nearly_all_are_given_up(motions, score, left, kind):
+    """Unless a warp is better, or guides say what corresponds."""
+    motions(guided_with(score), left=left, by_coarse=1.0, by_warps=0.9)
+    found = choice()
+    assert (found.kind, found.reason, found.left) == (kind, "PARTLY" if kind == "guided" else "APART", left)
+    assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
+    motions(guided_with(score), left=left, by_coarse=1.0, by_warps=0.9, by_warp_alone=0.3)
+    assert choice().kind == "warp"
+
+
 def test_maps_that_make_detours_are_kept_if_what_they_leave_cannot_be_measured(motions, monkeypatch):
     motions(guided_with(0.6, detour=1.8))
     monkeypatch.setattr(choosing, "remaining_share", unless_guided)
@@ -197,7 +209,7 @@ def test_a_coarse_warp_is_tried_before_a_fine_one(motions, left, by_coarse, by_w
 
 @pytest.mark.parametrize(
     ("left", "by_warps", "by_warp_alone", "kind"),
-    [(0.9, 0.4, 0.2, "combined"), (0.9, 0.5, 0.6, "warp"), (0.9, 0.5, 0.7, "guided"), (0.5, 0.3, 0.2, "guided")],
+    [(0.9, 0.4, 0.2, "combined"), (0.9, 0.5, 0.6, "warp"), (0.7, 0.5, 0.7, "guided"), (0.5, 0.3, 0.2, "guided")],
 )
 def test_a_warp_replaces_what_leaves_most(motions, left, by_warps, by_warp_alone, kind):
     motions(guided_with(0.6, turn=30.0), left=left, by_warps=by_warps, by_warp_alone=by_warp_alone)
