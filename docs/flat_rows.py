@@ -31,8 +31,9 @@ _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
 # Width and height of a tile, and pixels per unit: a word's length, or a letter's height.
 _WORD, _LETTER = (300, 110, 270.0), (120, 150, 75.0)
 # Of the last ones, one has more holes or separate areas than the other.
-_DIVIDED = (("O", "C"), ("B", "E"), ("?", "7"), ("=", "H"), ("heart", "hearts"), ("sun", "moon"))
-_PAIRS = (("5", "2"), ("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"), *_DIVIDED)
+_DIVIDED = (("O", "C"), ("B", "E"), ("?", "7"), ("=", "H"), ("heart", "hearts"), ("sun", "moon"), ("one", "six"))
+_WHOLE = (("5", "2"), ("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"), ("smile", "frown"))
+_PAIRS = (*_WHOLE, *_DIVIDED)
 # Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 
@@ -58,6 +59,8 @@ def draw_words() -> None:
 def draw_motions() -> None:
     """Draw letters and signs: by transport alone, and with the automatic motion."""
     signs = {"heart": heart(), "star": _star(), "gear": _gear(), "hearts": _hearts(), "sun": _sun(), "moon": _moon()}
+    signs |= {"smile": _face(1.0), "frown": _face(-1.0)}
+    signs |= {"one": _die([(0.0, 0.0)]), "six": _die([(x, y) for x in (-0.2, 0.2) for y in (-0.25, 0.0, 0.25)])}
     rows = []
     for pair in _PAIRS:
         shapes = (signs[name] if name in signs else lettered(name) for name in pair)
@@ -110,6 +113,23 @@ def _moon() -> FlatShape:
     begin = float(np.arctan2(outer[0, 1], outer[0, 0] - right))
     inner = _arc(radius, begin, 2.0 * np.pi - begin)[::-1] + np.array([right, 0.0])
     return centered([np.concatenate([outer, inner[1:-1]])], "even-odd")
+
+
+def _face(mood: float) -> FlatShape:
+    """Draw a face in a ring, whose mouth is bent up or, for -1, down."""
+    eye = _arc(0.055, 0.0, 2.0 * np.pi)[:-1]
+    tip = np.radians(50.0)
+    lips = [_arc(radius, -0.5 * np.pi - tip, -0.5 * np.pi + tip) for radius in (0.34, 0.27)]
+    mouth = np.concatenate([lips[0], lips[1][::-1]]) + np.array([0.0, 0.2])
+    ring = [_arc(radius, 0.0, 2.0 * np.pi)[:-1] for radius in (0.5, 0.43)]
+    eyes = [np.add(eye, (side * 0.16, 0.14)) for side in (-1, 1)]
+    return centered([*ring, *eyes, np.add(mouth * (1.0, mood), (0.0, 0.1 * mood - 0.1))], "even-odd")
+
+
+def _die(dots: Sequence[tuple[float, float]]) -> FlatShape:
+    """Draw the frame of a die around dots."""
+    corners = np.array([(-0.5, -0.5), (0.5, -0.5), (0.5, 0.5), (-0.5, 0.5)])
+    return centered([corners, 0.86 * corners, *(_arc(0.08, 0.0, 2.0 * np.pi)[:-1] + dot for dot in dots)], "even-odd")
 
 
 def _arc(radius: float, begin: float, end: float) -> NDArray[np.float64]:
