@@ -46,8 +46,8 @@ _WELL_WARPED = 0.5
 # largest step between frames is smaller.
 _FINE = WarpEffort(cells=40, rounds=10, filled=3500)
 # Where the guided motion leaves more than this share of the distance, a warp alone is tried, too: the map of an O to an
-# X cuts the O open and leaves three quarters. So is one instead of a map that also makes long detours: a stool that
-# became a trophy turned a somersault on the way. Of such maps, those between animals leave at most a third.
+# X cuts the O open and leaves three quarters. A map that makes long detours is given up then: a stool that became a
+# trophy turned a somersault on the way. Between animals, such maps leave at most a third.
 _MOST_LEFT = 0.5
 # Beyond this share, a map is given up without guides, even if no warp is better: from a stool to a wine glass, a map
 # leaves 0.99 and tears the bowl. From a table to a trophy, it leaves 0.57, and looks better than transport.
@@ -243,7 +243,8 @@ def _by_uncertain_map(
     better = _perhaps_warped_instead if doubtful else _perhaps_warped
     found = yield from _unless_failing(better, alone, request, control)
     leaves_all = found.kind != "warp" and found.left is not None and found.left > _NEARLY_ALL_LEFT
-    return replace(unmoved, left=found.left) if leaves_all and not request.guides else found
+    given_up = leaves_all and not request.guides
+    return replace(unmoved, left=found.left, failure=found.failure) if given_up else found
 
 
 def _by_detours(

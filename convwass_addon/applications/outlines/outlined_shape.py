@@ -102,9 +102,9 @@ class OutlinedShape:
 
     @property
     def region_places(self) -> NDArray[np.float64]:
-        """Centers of the regions relative to that of the shape, and square roots of their areas, without holes, (n, 3).
+        """Centers of the regions, relative to that of the shape, and square roots of their areas, (n, 3).
 
-        Regions with similar rows are near each other and similar in size.
+        Their holes are filled for it. Regions with similar rows are near each other and similar in size.
         """
         filled = [boundary_of([self.curves[region.outer]]) for region in self.regions]
         centers = np.array([own.center for own in filled]) - self.filled.center

@@ -147,6 +147,12 @@ def test_maps_that_leave_nearly_all_are_given_up(motions, score, left, kind):
     assert choice().kind == "warp"
 
 
+def test_a_map_that_leaves_nearly_all_is_given_up_if_a_warp_fails(motions):
+    motions(guided_with(0.6), left=0.8, combined=ResourceError("no memory"))
+    found = choice()
+    assert (found.kind, found.left, found.failure) == ("transport", 0.8, "no memory")
+
+
 def test_maps_that_make_detours_are_kept_if_what_they_leave_cannot_be_measured(motions, monkeypatch):
     motions(guided_with(0.6, detour=1.8))
     monkeypatch.setattr(choosing, "remaining_share", unless_guided)
