@@ -29,6 +29,7 @@ from .motion_choice import FAILURES, MotionChoice, attempted
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .remaining_distance import remaining_share
+from .separate_bodies import SeparateBodies
 from .skinned_motion import following, with_skins
 from .turned_motion import Turning
 from .warp_motion import WarpEffort, WarpMotion, warp_motion
@@ -95,8 +96,9 @@ _BODY = 0.1
 _BETTER_APART = 0.5
 # Cells of the grid on which distances are compared; with 32, shares differ by less than 0.006 on the benchmark.
 _CELLS = 24
-# Fractions of the work for a rough map, for the guided motion, if a warp follows, and for outer surfaces.
-_ROUGH_SHARE, _GUIDED_SHARE, _SKIN_SHARE = 0.05, 0.4, 0.6
+# Fractions of the work for a rough map, for the guided motion, if a warp follows, for outer surfaces, and for bodies
+# that lie apart.
+_ROUGH_SHARE, _GUIDED_SHARE, _SKIN_SHARE, _APART_SHARE = 0.05, 0.4, 0.6, 0.7
 
 
 def chosen_motion(request: MotionRequest, control: Control) -> Work[MotionChoice]:
@@ -120,6 +122,31 @@ def _chosen(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
+    apart = attempted(SeparateBodies.of, request) if request.is_free else None
+    if apart is None:
+        return (yield from _unless_outlined(request, control))
+    found = yield from within(_by_separate_bodies(apart, control), 0.0, _APART_SHARE)
+    return found or (yield from within(_unless_outlined(request, control), _APART_SHARE, 1.0))
+
+
+def _by_separate_bodies(apart: SeparateBodies, control: Control) -> Work[MotionChoice | None]:
+    """Return the motion of shapes whose bodies move by themselves, or None if a body is not guided."""
+    found = []
+    for number, request in enumerate(apart.requests):
+        choice = _by_outlines(request, control)
+        if choice is None:
+            if all(map(is_compact, request.shapes)):
+                return None
+            begin, end = (share / len(apart.requests) for share in (number, number + 1))
+            choice = yield from within(_unless_outlined(request, control), begin, end)
+        if choice.kind != "guided":
+            return None
+        found.append(choice)
+    return apart.joined(found)
+
+
+def _unless_outlined(request: MotionRequest, control: Control) -> Work[MotionChoice]:
+    """Return the motion of shapes that outlines do not determine as they stand, though perhaps once they are turned."""
     turning = attempted(Turning.of, request, control) if request.is_free else None
     if turning is None:
         return (yield from _by_bodies(request, control))

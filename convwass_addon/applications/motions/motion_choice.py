@@ -58,6 +58,8 @@ class MotionChoice:
         Largest share of the distance between two shapes that the motion leaves, if it was measured.
     guides_left_out : int
         Number of guides without which two shapes map better, so that they were left out.
+    bodies : int
+        Number of bodies of each shape that move by themselves; see :mod:`.separate_bodies`.
     """
 
     kind: str
@@ -69,9 +71,11 @@ class MotionChoice:
     detour: float | None = None
     left: float | None = None
     guides_left_out: int = 0
+    bodies: int = 1
 
     def record(self) -> dict[str, object]:
         """Return the description of the motion for the record of every frame, ready for JSON."""
         known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
         known |= {"detour": self.detour, "left": self.left, "guides_left_out": self.guides_left_out or None}
+        known["bodies"] = self.bodies if self.bodies > 1 else None
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}

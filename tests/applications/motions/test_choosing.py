@@ -54,6 +54,9 @@ def unless_guided(motion, *_arguments):
 
 @pytest.fixture
 def motions(monkeypatch):
+    # The balls of a barbell lie apart.
+    monkeypatch.setattr(choosing.SeparateBodies, "of", lambda request: None)
+
     def given(
         guided, warp=WARP, combined=COMBINED, left=0.4, by_coarse=1.0, by_warps=0.1, by_warp_alone=0.7, may_map=True
     ):
