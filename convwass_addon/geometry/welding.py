@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .edges import edge_use, proper_faces
+from .edges import edge_use, proper_faces, used_part
 from .mesh import TriangleMesh
 
 
@@ -18,15 +18,11 @@ def welded(mesh: TriangleMesh) -> TriangleMesh:
 
     Unused vertices are removed as well.
     """
-    is_used = np.zeros(len(mesh.vertices), bool)
-    is_used[mesh.faces] = True
-    used = np.flatnonzero(is_used)
+    used, faces = used_part(mesh.faces, len(mesh.vertices))
     places = place_labels(mesh.vertices[used])
     points = np.empty((int(places.max(initial=-1)) + 1, 3))
     points[places] = mesh.vertices[used]
-    index = np.empty(len(mesh.vertices), np.int64)
-    index[used] = places
-    return TriangleMesh(points, np.ascontiguousarray(proper_faces(index[mesh.faces])))
+    return TriangleMesh(points, np.ascontiguousarray(proper_faces(places[faces])))
 
 
 @dataclass(frozen=True)
