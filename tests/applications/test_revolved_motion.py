@@ -15,13 +15,10 @@ from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals
 from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.revolutions import BOWL, CONE, CUP, LARGER_CONE
 from tests.shapes import box, joined, piece_count, rotated, torus
 
 TILT = np.array([0.5, 1.0, -0.25])
-CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
-LARGER = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])
-CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.85, 1.5), (0.65, 0.15), (0.0, 0.15)])
-BOWL = revolved([(0.0, 0.0), (0.6, 0.0), (1.6, 0.8), (1.45, 0.85), (0.5, 0.2), (0.0, 0.2)])
 # Alike if one of them is turned upside down.
 PIN = revolved(smooth([(0.0, 0.0), (0.25, 0.0), (0.42, 0.5), (0.38, 0.9), (0.16, 1.4), (0.22, 1.65), (0.0, 1.92)]))
 BULB = revolved(smooth([(0.0, 0.0), (0.2, 0.0), (0.2, 0.4), (0.5, 0.95), (0.5, 1.2), (0.3, 1.5), (0.0, 1.6)]))
@@ -49,7 +46,7 @@ def asideness(mesh, axis, center):
 
 
 def test_a_cone_that_grows_stays_a_cone():
-    found = choice(CONE, LARGER)
+    found = choice(CONE, LARGER_CONE)
     assert (found.kind, found.reason) == ("guided", "OUTLINES")
     for time in TIMES:
         for own in found.motion.moved([1.0 - time, time]):
@@ -60,7 +57,7 @@ def test_a_cone_that_grows_stays_a_cone():
 
 @pytest.mark.parametrize(
     ("first", "second", "time"),
-    [*((CUP, BOWL, time) for time in TIMES), (CONE, LARGER, 0.5), (PIN, BULB, 0.5), (PAWN, BOWL, 0.5)],
+    [*((CUP, BOWL, time) for time in TIMES), (CONE, LARGER_CONE, 0.5), (PIN, BULB, 0.5), (PAWN, BOWL, 0.5)],
 )
 def test_moved_shapes_coincide_and_are_revolved(first, second, time):
     moved = choice(first, second.moved((2.0, 0.0, 0.0))).motion.moved([1.0 - time, time])
@@ -133,7 +130,7 @@ def test_the_axis_does_not_matter():
 
 
 def test_less_coherence_moves_part_of_the_way():
-    cone = choice(CONE, LARGER.moved((1.0, 0.0, 0.0)), coherence=0.25).motion.moved([0.5, 0.5])[0]
+    cone = choice(CONE, LARGER_CONE.moved((1.0, 0.0, 0.0)), coherence=0.25).motion.moved([0.5, 0.5])[0]
     assert cone.mesh.bounds[:, 0].mean() == pytest.approx(0.5 * 0.5 * 1.0, abs=0.01)
 
 

@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 from scipy.optimize import linear_sum_assignment
 
 from ...geometry.components import component_labels
-from ...geometry.edges import vertex_components
+from ...geometry.edges import used_part, vertex_components
 from ...geometry.mesh import TriangleMesh, joined_meshes
-from .motion import Motion, MovedShape
+from .motion import Motion, MovedShape, unmoved
 from .motion_choice import MotionChoice
 from .motion_request import MotionRequest
 
@@ -50,11 +50,8 @@ class Body:
     @classmethod
     def of(cls, shape: TriangleMesh, triangles: NDArray[np.int64]) -> Body:
         """Return the body of some triangles of a shape."""
-        faces = shape.faces[triangles]
-        # NumPy's unique takes seconds for millions of corners.
-        used = np.zeros(len(shape.vertices), bool)
-        used[faces] = True
-        return cls(TriangleMesh(shape.vertices[used], (np.cumsum(used) - 1)[faces]), triangles)
+        used, faces = used_part(shape.faces[triangles], len(shape.vertices))
+        return cls(TriangleMesh(shape.vertices[used], faces), triangles)
 
 
 @dataclass(frozen=True)
@@ -65,19 +62,29 @@ class BodiesMotion:
     ----------
     motions : tuple of Motion
         The motion of every body.
-    bodies : tuple of tuple of Body
-        By motion, and by shape.
+    still : tuple of MovedShape
+        The shapes at rest, with the triangles that the motions give their bodies.
     """
 
     motions: tuple[Motion, ...]
-    bodies: tuple[tuple[Body, ...], ...]
+    still: tuple[MovedShape, ...]
+
+    @classmethod
+    def of(cls, motions: Sequence[Motion], bodies: Sequence[Sequence[Body]]) -> BodiesMotion:
+        """Return the motion of shapes for those of their bodies, by place and by shape."""
+        count = len(bodies[0])
+        still = tuple(
+            _joined([unmoved(motion, count, index) for motion in motions], [own[index] for own in bodies])
+            for index in range(count)
+        )
+        return cls(tuple(motions), still)
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        by_body = [motion.moved(weights) for motion in self.motions]
+        by_shape = zip(*(motion.moved(weights) for motion in self.motions), strict=True)
         return [
-            None if shapes[0] is None else _joined(shapes, bodies)
-            for shapes, bodies in zip(zip(*by_body, strict=True), zip(*self.bodies, strict=True), strict=True)
+            None if bodies[0] is None else replace(still, vertices=np.concatenate([body.vertices for body in bodies]))
+            for still, bodies in zip(self.still, by_shape, strict=True)
         ]
 
 
@@ -123,7 +130,7 @@ class SeparateBodies:
         return MotionChoice(
             "guided",
             max((own.reason for own in found), key=_REASONS.index),
-            BodiesMotion(tuple(own.motion for own in found), self.bodies),
+            BodiesMotion.of([own.motion for own in found], self.bodies),
             score=min(scores, default=None),
             turned=max(own.turned for own in found),
             detour=max(detours, default=None),
@@ -133,7 +140,7 @@ class SeparateBodies:
 
 
 def _joined(shapes: Sequence[MovedShape], bodies: Sequence[Body]) -> MovedShape:
-    """Return the moved bodies of a shape as one."""
+    """Return the bodies of a shape as one."""
     rest = joined_meshes([shape.rest for shape in shapes])
     triangles = [
         body.triangles if shape.parents is None else body.triangles[shape.parents]

@@ -7,7 +7,6 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from benchmarks.props import revolved
 from convwass_addon.applications.motions import choosing
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_choice import MotionChoice
@@ -15,12 +14,9 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.separate_bodies import SeparateBodies
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
+from tests.revolutions import BOWL, CONE, CUP, LARGER_CONE
 from tests.shapes import box, joined
 
-CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.85, 1.5), (0.65, 0.15), (0.0, 0.15)])
-BOWL = revolved([(0.0, 0.0), (0.6, 0.0), (1.6, 0.8), (1.45, 0.85), (0.5, 0.2), (0.0, 0.2)])
-CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
-LARGER = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])
 ASIDE = np.array([6.0, 1.0, 0.0])
 
 
@@ -36,8 +32,8 @@ def chosen(*shapes, **about):
 
 def test_every_body_moves_as_it_would_alone():
     """Although they are in a different order in both shapes."""
-    pairs = (CUP, BOWL), (CONE.moved(ASIDE), LARGER.moved(ASIDE))
-    found = chosen(joined(CUP, CONE.moved(ASIDE)), joined(LARGER.moved(ASIDE), BOWL))
+    pairs = (CUP, BOWL), (CONE.moved(ASIDE), LARGER_CONE.moved(ASIDE))
+    found = chosen(joined(CUP, CONE.moved(ASIDE)), joined(LARGER_CONE.moved(ASIDE), BOWL))
     assert found.record() == {"kind": "guided", "reason": "OUTLINES", "bodies": 2}
     alone = [chosen(*pair).motion for pair in pairs]
     for time in (0.0, 0.3, 1.0):
@@ -53,7 +49,7 @@ def test_every_body_moves_as_it_would_alone():
 
 
 def test_triangles_know_those_of_the_shape():
-    shapes = joined(CONE.moved(ASIDE), CUP), joined(BOWL, LARGER.moved(ASIDE))
+    shapes = joined(CONE.moved(ASIDE), CUP), joined(BOWL, LARGER_CONE.moved(ASIDE))
     moved = chosen(*shapes).motion.moved([0.5, 0.5])
     for shape, own in zip(shapes, moved, strict=True):
         normals, corners = np.cross(*np.diff(shape.corners, axis=1).transpose(1, 0, 2))[own.parents], shape.corners

@@ -1,0 +1,12 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Solids of revolution about the z axis."""
+
+from __future__ import annotations
+
+from benchmarks.props import revolved
+
+CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
+LARGER_CONE = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])
+CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.85, 1.5), (0.65, 0.15), (0.0, 0.15)])
+BOWL = revolved([(0.0, 0.0), (0.6, 0.0), (1.6, 0.8), (1.45, 0.85), (0.5, 0.2), (0.0, 0.2)])
