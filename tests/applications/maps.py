@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions import choosing
+from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
@@ -24,8 +24,10 @@ from convwass_addon.geometry.mesh import TriangleMesh
 def coarse_maps() -> Iterator[None]:
     """Let bakes map, deform and warp shapes on coarse meshes and cells, which are enough for shapes of few limbs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(choosing, "warp_motion", partial(warp_motion, effort=WarpEffort(24, 4)))
-        patch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=300, carrier_vertices=400))
+        patch.setattr(motion_candidates, "warp_motion", partial(warp_motion, effort=WarpEffort(24, 4)))
+        patch.setattr(
+            motion_candidates, "GuidedSettings", partial(GuidedSettings, map_vertices=300, carrier_vertices=400)
+        )
         yield
 
 

@@ -18,7 +18,7 @@ from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.applications.motions import choosing
+from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
@@ -103,7 +103,7 @@ def test_a_hole_that_opens_at_once_is_dug_from_both_sides():
 
 
 def test_a_hole_that_opens_between_warped_shapes_is_dug_from_both_sides(monkeypatch):
-    monkeypatch.setattr(choosing, "warp_motion", partial(warp_motion, effort=WarpEffort(32, 6)))
+    monkeypatch.setattr(motion_candidates, "warp_motion", partial(warp_motion, effort=WarpEffort(32, 6)))
     frames = made((ball(0.9), torus(1.0, 0.35)), 32, motion="warp")
     assert 0.45 < falls(frames[: len(BLENDS)]).max() < 0.7
     assert falls(final(frames)).max() < 0.45

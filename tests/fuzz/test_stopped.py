@@ -13,7 +13,7 @@ from itertools import cycle
 import bpy
 import pytest
 
-from convwass_addon.applications.motions import choosing
+from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.errors import Cancelled
@@ -29,7 +29,7 @@ pytestmark = pytest.mark.usefixtures("empty_scene")
 @pytest.fixture(autouse=True)
 def coarse(monkeypatch):
     """Use coarse maps for guiding, and coarse lobes, since quality does not matter here."""
-    monkeypatch.setattr(choosing, "GuidedSettings", partial(GuidedSettings, map_vertices=100))
+    monkeypatch.setattr(motion_candidates, "GuidedSettings", partial(GuidedSettings, map_vertices=100))
     with coarse_lobes():
         yield
 
