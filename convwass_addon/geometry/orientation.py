@@ -12,11 +12,14 @@ from numpy.typing import NDArray
 from .components import component_labels
 from .edges import EdgeUse, edge_use, face_components
 from .mesh import TriangleMesh
+from .normals import triangle_normals
 from .solid_angles import winding_numbers
 from .welding import place_labels
 
 # Sample points per component for deciding whether it lies inside the others.
 _PROBES = 9
+# How far inside the component they are, relative to its longest side.
+_WITHIN = 1e-3
 
 
 def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMesh:
@@ -109,11 +112,14 @@ def _disagreeing_faces(neighbors: _Neighbors, pieces: NDArray[np.int64]) -> tupl
 
 
 def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) -> bool:
-    """Return whether most of a component lies inside the solid of the others."""
-    own = np.unique(mesh.faces[pieces == piece])
+    """Return whether most of the space that an inward-facing component encloses is inside the solid of the others."""
+    own = TriangleMesh(mesh.vertices, mesh.faces[pieces == piece])
     others = TriangleMesh(mesh.vertices, mesh.faces[pieces != piece])
-    low, high = mesh.vertices[own].min(axis=0), mesh.vertices[own].max(axis=0)
+    low, high = own.corners.min(axis=(0, 1)), own.corners.max(axis=(0, 1))
     if not len(others.faces) or (others.bounds[0] > high).any() or (others.bounds[1] < low).any():
         return False
-    probes = mesh.vertices[own[np.linspace(0, len(own) - 1, _PROBES).astype(int)]]
+    # Evenly spread over the area, and off the surface, which the component may share with others.
+    area = np.cumsum(own.face_areas)
+    corners = own.corners[np.searchsorted(area, area[-1] * (np.arange(_PROBES) + 0.5) / _PROBES)]
+    probes = corners.mean(axis=1) + _WITHIN * (high - low).max() * triangle_normals(corners)
     return float(np.median(winding_numbers(probes, others))) > 0.5

@@ -87,6 +87,13 @@ def test_a_cavity_stays_a_cavity():
     assert orient_outward(hollow).volume == pytest.approx(ball(1.0).volume - ball(0.6).volume)
 
 
+@pytest.mark.parametrize("side", [1.0, -1.0])
+def test_a_cavity_that_ends_at_the_surface_stays_one(side):
+    """Half of its corners are on the surface, or just beyond it."""
+    cavity = box((0.5, 0.5, 0.5), (0.0, 0.0, side * 0.25025)).flipped()
+    assert orient_outward(joined(box(), cavity)).volume == pytest.approx(1.0 - 0.125)
+
+
 def in_two_pieces(mesh):
     """A ring whose inner wall has vertices of its own, as Blender's solid text has."""
     inner = (np.linalg.norm(mesh.corners[..., :2], axis=2) <= 1.0 + 1e-9).all(axis=1)
