@@ -3,7 +3,7 @@
 """Draw the motions of morphs into docs/pictures: ``python3 run.py python docs/motions.py``.
 
 Pairs of the coherence benchmark, seven frames each: transport alone above, a motion below. ``--only NAME`` draws one of
-the pictures: motions, pairs_one_build, pairs_other, pairs_held_back, pairs_solid or pairs_props.
+the pictures: motions, pairs_one_build, pairs_other, pairs_held_back, pairs_solid, pairs_props or pairs_vessels.
 """
 
 from __future__ import annotations
@@ -93,6 +93,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
                 *("wine glass to vase", "trophy to wine glass", "robot to chair", "locomotive to car"),
             )
         ],
+        "pairs_vessels": [Block.compared(pair) for pair in ("mug to bottle", "goblet to bottle", "pawn to bowl")],
     }
 
 

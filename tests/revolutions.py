@@ -4,9 +4,21 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from benchmarks.props import revolved
 
 CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
 LARGER_CONE = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])
 CUP = revolved([(0.0, 0.0), (0.8, 0.0), (1.0, 1.5), (0.85, 1.5), (0.65, 0.15), (0.0, 0.15)])
 BOWL = revolved([(0.0, 0.0), (0.6, 0.0), (1.6, 0.8), (1.45, 0.85), (0.5, 0.2), (0.0, 0.2)])
+
+
+def asideness(mesh, axis, center):
+    """Root mean square of how far normals lie beside the planes through an axis."""
+    corners = mesh.corners - center
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    around = np.cross(axis, corners.mean(axis=1))
+    around /= np.linalg.norm(around, axis=1)[:, None]
+    areas = np.linalg.norm(normals, axis=1)
+    return np.sqrt(np.square((normals * around).sum(axis=1) / areas) @ areas / areas.sum())

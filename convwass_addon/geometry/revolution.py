@@ -53,6 +53,10 @@ class Revolution:
     across: CrossSection
     is_whole: bool = True
 
+    def profile_of(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the points of the section that points about the center, (n, 3), in the frame are on when revolved."""
+        return np.column_stack([self.across.radii(points), points[:, 1]])
+
 
 def common_revolutions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float64], list[Revolution]] | None:
     """Return solids of revolution about parallel axes, if all meshes are some.

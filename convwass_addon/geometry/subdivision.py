@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -34,7 +35,11 @@ class Subdivision:
     parents: NDArray[np.int64] | None
 
 
-def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int) -> Subdivision:
+Image = Callable[[NDArray[np.float64]], NDArray[np.float64]]
+"""Maps points of a surface, (n, 3), to where they move, (n, d)."""
+
+
+def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int, image: Image | None = None) -> Subdivision:
     """Halve all edges longer than `longest` repeatedly; the surface does not change.
 
     Parameters
@@ -45,17 +50,19 @@ def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int) -> 
         In units of the mesh.
     most_vertices : int
         Subdivision ends before it exceeds this number.
+    image : callable, optional
+        Edges whose ends move farther apart than `longest` are halved, too.
     """
     found = Subdivision(mesh, None)
     for _ in range(_MOST_ROUNDS):
-        finer = _halved(found.mesh, longest)
+        finer = _halved(found.mesh, longest, image)
         if finer is None or len(finer.mesh.vertices) > most_vertices:
             break
         found = finer if found.parents is None else Subdivision(finer.mesh, found.parents[finer.parents])
     return found
 
 
-def bendable(mesh: TriangleMesh, most_vertices: int = 60_000) -> Subdivision:
+def bendable(mesh: TriangleMesh, most_vertices: int = 60_000, image: Image | None = None) -> Subdivision:
     """Divide edges that are too long to bend, so that a shape can be deformed like a limb; the surface does not change.
 
     Parameters
@@ -64,8 +71,10 @@ def bendable(mesh: TriangleMesh, most_vertices: int = 60_000) -> Subdivision:
         Of any topology.
     most_vertices : int
         Subdivision ends before it exceeds this number, or that of the mesh.
+    image : callable, optional
+        Where points of the shape move; edges that become too long are divided, too.
     """
-    return with_short_edges(mesh, _BENDING * np.sqrt(mesh.area), max(len(mesh.vertices), most_vertices))
+    return with_short_edges(mesh, _BENDING * np.sqrt(mesh.area), max(len(mesh.vertices), most_vertices), image)
 
 
 @dataclass(frozen=True)
@@ -113,12 +122,20 @@ def with_edges_halved(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_
     return HalvedEdges(TriangleMesh(vertices, parts), parents, ends)
 
 
-def _halved(mesh: TriangleMesh, longest: float) -> HalvedEdges | None:
+def _halved(mesh: TriangleMesh, longest: float, image: Image | None) -> HalvedEdges | None:
     """Halve every long edge once; None if there is none."""
     use = edge_use(mesh.faces)
-    first, second = mesh.vertices[edge_ends(mesh.faces, use)].swapaxes(0, 1)
-    long = np.linalg.norm(second - first, axis=1) > longest
+    ends = edge_ends(mesh.faces, use)
+    long = _lengths(mesh.vertices, ends) > longest
+    if image is not None:
+        long |= _lengths(image(mesh.vertices), ends) > longest
     return with_edges_halved(mesh, use, long) if long.any() else None
+
+
+def _lengths(points: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the distances between the ends of edges, (e,)."""
+    first, last = points[ends].swapaxes(0, 1)
+    return np.linalg.norm(last - first, axis=1)
 
 
 def _cut(

@@ -39,6 +39,16 @@ def test_parts_lie_in_their_parent_triangles():
     np.testing.assert_allclose(np.bincount(found.parents, areas), np.linalg.norm(normals, axis=1))
 
 
+def test_edges_that_become_long_are_divided():
+    """Along x, where the shape is stretched."""
+    mesh = box((1.0, 1.0, 1.0))
+    found = with_short_edges(mesh, 2.0, 1000, image=lambda points: points * (9.0, 1.0, 1.0)).mesh
+    corners = found.corners * (9.0, 1.0, 1.0)
+    assert np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max() <= 2.0
+    assert found.volume == pytest.approx(mesh.volume)
+    assert 8 < len(found.vertices) < len(with_short_edges(mesh, 2.0 / 9.0, 10_000).mesh.vertices)
+
+
 def test_short_edges_are_unchanged():
     mesh = ball(points=200)
     found = with_short_edges(mesh, 3.0, 1000)

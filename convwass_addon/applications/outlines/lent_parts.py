@@ -45,13 +45,13 @@ class LentPart:
     places: ClosestPoints
 
     @classmethod
-    def of(cls, motion: Motion, pair: tuple[int, int], count: int, is_loose: NDArray[np.bool_]) -> LentPart:
+    def of(cls, retracting: Motion, pair: tuple[int, int], count: int, is_loose: NDArray[np.bool_]) -> LentPart:
         """Lend a part of the first one of a pair to the second one, of `count` shapes.
 
         Parameters
         ----------
-        motion : Motion
-            Retracts the part where the first shape becomes the second one.
+        retracting : Motion
+            A motion by which the part has retracted where the first shape becomes the second one.
         pair : (int, int)
             The shapes.
         count : int
@@ -59,12 +59,12 @@ class LentPart:
         is_loose : (v,) bool
             Which vertices of the first shape are on the part.
         """
-        retracted = arriving(motion, count, *pair)
+        retracted = arriving(retracting, count, *pair)
         chosen = retracted.rest.faces[is_loose[retracted.rest.faces].any(axis=1)]
         vertices, faces = np.unique(chosen, return_inverse=True)
         faces, own = faces.reshape(-1, 3), is_loose[vertices]
         ends = np.where(own, len(vertices) + np.cumsum(own) - 1, np.arange(len(vertices)))
-        places = ClosestPointFinder(unmoved(motion, count, pair[1]).mesh.corners).find(retracted.vertices[vertices])
+        places = ClosestPointFinder(unmoved(retracting, count, pair[1]).mesh.corners).find(retracted.vertices[vertices])
         return cls(pair[0], vertices, own, np.concatenate([faces, ends[faces][:, ::-1]]), places)
 
     def added(self, borrower: TriangleMesh, lender: MovedShape | None) -> NDArray[np.float64]:
@@ -93,23 +93,29 @@ class LendingMotion:
 
     @classmethod
     def of(
-        cls, motion: Motion, is_loose: Sequence[NDArray[np.bool_]], pairs: Sequence[tuple[int, int]]
+        cls,
+        motion: Motion,
+        retracting: Motion,
+        is_loose: Sequence[NDArray[np.bool_]],
+        pairs: Sequence[tuple[int, int]],
     ) -> LendingMotion:
-        """Lend what is attached to shapes to those that they occur with.
+        """Lend parts of shapes to those that they occur with.
 
         Parameters
         ----------
         motion : Motion
+            The motion of the shapes.
+        retracting : Motion
             As for :meth:`LentPart.of`.
         is_loose : sequence of (v,) bool
-            Which vertices of every shape are on attached parts.
+            Which vertices of every shape are on such parts.
         pairs : sequence of (int, int)
             Shapes that occur together in a blend.
         """
         parts: dict[int, list[LentPart]] = {}
         for lender, borrower in [way for pair in pairs for way in (pair, pair[::-1])]:
             if is_loose[lender].any():
-                part = LentPart.of(motion, (lender, borrower), len(is_loose), is_loose[lender])
+                part = LentPart.of(retracting, (lender, borrower), len(is_loose), is_loose[lender])
                 parts.setdefault(borrower, []).append(part)
         rests = {index: _with_parts(unmoved(motion, len(is_loose), index), own) for index, own in parts.items()}
         return cls(motion, parts, rests)

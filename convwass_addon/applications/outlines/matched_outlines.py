@@ -20,8 +20,11 @@ from ...geometry.curve_symmetry import MirrorAxes
 from ...geometry.plane_angles import best_turn
 from .outline_curves import OutlineCurve
 
-# Samples of an outline for a rough match, by which turns are compared, and for the final one.
-_ROUGH, _FINE = 64, 160
+FINE = 160
+"""Samples of an outline for the final match."""
+
+# Samples of an outline for a rough match, by which turns are compared.
+_ROUGH = 64
 # A final match begins within this share of the curve from where a rough one does.
 _NEAR = 0.05
 # Turns that are tried, as fractions of a full one; the largest turn, in radians, after which curves still stand; and
@@ -30,9 +33,11 @@ _TURNS, _STANDING, _SIMILAR, _CLEARLY = 12, np.radians(10.0), 0.5, 0.45
 # Curves that match with less work are alike. As they stand, they are not turned, which rounding or neighbors would
 # decide. Of all pairs of 30 letters and digits, those that turn have at least 0.27 as they stand.
 _ALIKE = 0.05
-# Weights of the work for curves as they are placed, and for limbs that swing, chosen by eye; and the share of the
-# strain of the former below which limbs may swing.
-_AS_PLACED, _BENT = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02), MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
+AS_PLACED = MatchWeights(0.3, 2.0, 0.2, 8.0, 0.02)
+"""Weights of the work for curves as they are placed, chosen by eye."""
+
+# Those for limbs that swing, and the share of the strain as they are placed below which limbs may swing.
+_BENT = MatchWeights(0.0, 0.1, 0.2, 8.0, 0.02)
 _LESS_STRAIN = 0.97
 # A mirrored corner is a corner if there is one this close to it, relative to the length of the curve.
 _AT_CORNER = 0.004
@@ -118,7 +123,7 @@ class _Match:
         """Return the match of samples of a share of both curves."""
         chosen = zip(curves, samples, (found.first, found.second), strict=True)
         places, images = (curve.curve.length * own.places[rows] for curve, own, rows in chosen)
-        strain = match_work(*samples, found, replace(_AS_PLACED, turning=0.0, moving=0.0))
+        strain = match_work(*samples, found, replace(AS_PLACED, turning=0.0, moving=0.0))
         return cls(places, images, found.cost / share, strain / share)
 
     def mirrored(self, curves: tuple[OutlineCurve, OutlineCurve], ends: NDArray[np.float64]) -> _Match:
@@ -157,9 +162,9 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutl
     if not upright:
         turned += [_Pose(_wrapped(turn)) for turn in np.arange(1, _TURNS) * (2.0 * np.pi / _TURNS)]
     stands = _straightest(upright) or [_Pose(0.0)]
-    placed, bent = _best(one, other, stands, _AS_PLACED), _best(one, other, stands, _BENT)
+    placed, bent = _best(one, other, stands, AS_PLACED), _best(one, other, stands, _BENT)
     swings = bent.match.strain < _LESS_STRAIN * placed.match.strain
-    found = _rough(one, other, turned, _AS_PLACED) if placed.match.cost > _ALIKE else []
+    found = _rough(one, other, turned, AS_PLACED) if placed.match.cost > _ALIKE else []
     lying = _least(found)
     if upright and lying is not None and lying.match.cost > _ALIKE:
         lying = _least([own for own in found if abs(own.pose.turn) > np.pi - _STANDING])
@@ -188,7 +193,7 @@ def only_placed(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutlines]
 def _best_placed(one: OutlineCurve, other: OutlineCurve) -> _Candidate:
     """Return the rough match of two curves as they are placed."""
     upright = [pose for pose in _symmetric_poses(one, other) if abs(pose.turn) < _STANDING]
-    return _best(one, other, _straightest(upright) or [_Pose(0.0)], _AS_PLACED)
+    return _best(one, other, _straightest(upright) or [_Pose(0.0)], AS_PLACED)
 
 
 def _finished(one: OutlineCurve, other: OutlineCurve, rough: _Candidate, swings: bool) -> MatchedOutlines:
@@ -198,7 +203,7 @@ def _finished(one: OutlineCurve, other: OutlineCurve, rough: _Candidate, swings:
         fine = _around(one, other, pose.turn, rough.weights, rough.match)
         turn = _best_turn(one, other, fine)
     else:
-        fine = _along_axis(one, other, pose, rough.weights, _FINE).mirrored((one, other), pose.ends)
+        fine = _along_axis(one, other, pose, rough.weights, FINE).mirrored((one, other), pose.ends)
         turn = pose.turn
     found = smooth_map((one.curve, other.curve), (one.corners, other.corners), fine.places, fine.images)
     turns = not swings and abs(turn) > _TURNED
@@ -305,7 +310,7 @@ def _around(
     one: OutlineCurve, other: OutlineCurve, turn: float, weights: MatchWeights, near: _Match | None = None
 ) -> _Match:
     """Match two closed curves after a turn: roughly, from every start, or finely, next to a rough match."""
-    count = _ROUGH if near is None else _FINE
+    count = _ROUGH if near is None else FINE
     begin = one.corners[0] if len(one.corners) else 0.0
     start = 0.0 if near is None else near.images[0] - _NEAR * other.curve.length
     own = one.samples(begin, begin + one.curve.length, count).turned(turn)

@@ -4,25 +4,32 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from ...geometry.mean_stretches import area_preserving_mean
+from ...geometry.mesh import TriangleMesh
+from ...geometry.planar_fill import Boundary
 from ...geometry.revolution import common_revolutions
 from ...geometry.revolved_bodies import common_revolved_bodies
 from ...geometry.ring_nesting import outline_of
+from ...geometry.section_cavities import SectionCavity, revolved_volume
 from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
-from ..motions.motion import Motion, weights_between
+from ..motions.motion import Motion, arriving, weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
+from .agreeing_motion import AgreeingMotion
 from .even_volume import EvenVolumeMotion
+from .filling_motion import FillingMotion
+from .hollow_shape import HollowShape
 from .lent_parts import LendingMotion
 from .matched_outlines import only_placed
+from .matched_sections import RimMatcher
 from .outline_motion import outline_motion
 from .revolved_shape import RevolvedShape
-from .section_motion import SectionMotion
 
 # A section is symmetric all along the way if both sides differ at most by this share of its longest side.
 _SYMMETRIC = 0.05
@@ -49,26 +56,59 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     sections = [own.section for own in revolutions]
     if len({tuple(len(region.holes) for region in outline_of(own).regions) for own in sections}) > 1:
         return None
+    cavities = _filling_cavities(sections, request.pairs)
+    filled = [own if cavity is None else cavity.filled for own, cavity in zip(sections, cavities, strict=True)]
+    vessels = [own for own in cavities if own is not None]
+    match = RimMatcher(tuple(own.rim for own in vessels), vessels[0].side) if vessels else only_placed
     # With the arithmetic mean of stretches, thin walls would become thick on the way.
     settings = GuidedSettings(coherence=request.coherence, mean_stretch=area_preserving_mean)
-    moved = outline_motion(sections, request.names, request.pairs, settings, control, only_placed)
+    moved = outline_motion(filled, request.names, request.pairs, settings, control, match)
     if moved is None or moved.overlap > _MOST_OVERLAP:
         return None
     flat = moved.choice.motion
-    shapes = tuple(
-        RevolvedShape.of(mesh, own, frame, carrier.rest)
-        for mesh, own, carrier in zip(request.shapes, revolutions, flat.guided.carriers, strict=True)
+    rests = [carrier.rest for carrier in flat.guided.carriers]
+    shapes = [
+        RevolvedShape.of(mesh, own, frame, rest, _arrivals(flat, index, request))
+        for index, (mesh, own, rest) in enumerate(zip(request.shapes, revolutions, rests, strict=True))
+    ]
+    if not all(_stay_symmetric(flat, shapes, sections, pair) for pair in request.pairs):
+        return None
+    solids = tuple(
+        shape if cavity is None else HollowShape.of(shape, own, frame, rest, cavity)
+        for shape, own, rest, cavity in zip(shapes, revolutions, rests, cavities, strict=True)
     )
-    for pair in request.pairs:
-        halfway = flat.moved(weights_between(len(shapes), pair, 0.5))
-        for index in pair:
-            if shapes[index].asymmetry(halfway[index].mesh) > _SYMMETRIC * np.ptp(sections[index].bounds, axis=0).max():
-                return None
     centers = np.stack([own.center for own in revolutions])
-    volumes = np.array([mesh.volume for mesh in request.shapes])
-    motion: Motion = SectionMotion(flat, shapes, centers)
+    whole = [revolved_volume(own) for own in filled]
+    hollow = np.subtract(whole, [revolved_volume(own) for own in sections])
+    motion: Motion = FillingMotion(flat, moved.sheets, solids, np.column_stack([hollow, whole]), centers)
+    loose = [own.is_loose for own in solids]
     # Shapes that do not come all the way are not where the others' parts are.
-    if flat.guided.settings.way == 1.0 and not all(own.is_whole for own in revolutions):
-        motion = LendingMotion.of(motion, [own.attached.looseness > 0.0 for own in shapes], request.pairs)
-    motion = EvenVolumeMotion(motion, volumes, centers, flat.guided.settings.way)
-    return replace(moved.choice, motion=motion)
+    if flat.guided.settings.way == 1.0 and any(map(np.any, loose)):
+        motion = LendingMotion.of(motion, motion.full, loose, request.pairs)
+    volumes = np.array([mesh.volume for mesh in request.shapes])
+    return replace(moved.choice, motion=EvenVolumeMotion(motion, volumes, centers, flat.guided.settings.way))
+
+
+def _arrivals(flat: AgreeingMotion, index: int, request: MotionRequest) -> list[TriangleMesh]:
+    """Return a section moved onto every section that it occurs with."""
+    ways = [way for pair in request.pairs for way in (pair, pair[::-1])]
+    return [arriving(flat, len(request.shapes), *way).mesh for way in ways if way[0] == index]
+
+
+def _stay_symmetric(
+    flat: AgreeingMotion, shapes: Sequence[RevolvedShape], sections: Sequence[Boundary], pair: tuple[int, int]
+) -> bool:
+    """Return whether both sides of two sections are the same halfway."""
+    halfway = flat.moved(weights_between(len(shapes), pair, 0.5))
+    return all(
+        shapes[index].places.asymmetry(halfway[index].mesh) <= _SYMMETRIC * np.ptp(sections[index].bounds, axis=0).max()
+        for index in pair
+    )
+
+
+def _filling_cavities(sections: Sequence[Boundary], pairs: Sequence[tuple[int, int]]) -> list[SectionCavity | None]:
+    """Return the cavities of sections if one of every pair has one, and all are open to the same side; else none."""
+    found = [SectionCavity.of(own) for own in sections]
+    sides = {own.side for own in found if own is not None}
+    fills = len(sides) == 1 and all((found[one] is None) != (found[other] is None) for one, other in pairs)
+    return found if fills else [None] * len(found)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,12 +17,10 @@ from ...geometry.revolution import Revolution
 from ...geometry.subdivision import Subdivision, bendable
 from ..motions.motion import MovedShape
 from .attached_parts import AttachedParts
-from .sheets import AttachedPoints
+from .profile_points import ProfilePoints
 
 # Least and largest distance of a chord from the axis, relative to that of its ends; for six sides, it is 0.87.
 _SAG = 0.8, 1.0
-# The mirror image of a section about the axis.
-_MIRROR = (-1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -34,8 +33,8 @@ class RevolvedShape:
         The shape in scene space, with long edges divided.
     distances : (n,) float64
         Distances of its vertices from the axis.
-    sides : AttachedPoints
-        The places on the outline of the section nearest to the vertices, and then their mirror images.
+    places : ProfilePoints
+        The places on the outline of the section nearest to the vertices.
     shares : (n,) float64
         Distances of the vertices from the axis, relative to those of these places. Edges around the axis are chords,
         whose sag would grow where a thin wall becomes thick.
@@ -51,7 +50,7 @@ class RevolvedShape:
 
     divided: Subdivision
     distances: NDArray[np.float64]
-    sides: AttachedPoints
+    places: ProfilePoints
     shares: NDArray[np.float64]
     offsets: NDArray[np.float64]
     attached: AttachedParts
@@ -60,29 +59,72 @@ class RevolvedShape:
 
     @classmethod
     def of(
-        cls, mesh: TriangleMesh, found: Revolution, frame: NDArray[np.float64], section: TriangleMesh
+        cls,
+        mesh: TriangleMesh,
+        found: Revolution,
+        frame: NDArray[np.float64],
+        section: TriangleMesh,
+        arrivals: Sequence[TriangleMesh],
     ) -> RevolvedShape:
-        """Attach an input to the triangles of its section."""
-        divided = bendable(mesh)
+        """Attach an input to the triangles of its section.
+
+        Parameters
+        ----------
+        mesh : TriangleMesh
+            The input.
+        found : Revolution
+            What it is.
+        frame : (3, 3)
+            A direction across the axis, the axis, and the direction across both, as rows.
+        section : TriangleMesh
+            The triangles of its section.
+        arrivals : sequence of TriangleMesh
+            These triangles where they become other sections. Edges that become long there are divided.
+        """
+
+        def places_of(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+            profile = found.profile_of((vertices - found.center) @ frame.T)
+            return np.maximum(nearest_on(found.section, profile), (0.0, -np.inf))
+
+        def image(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
+            own = ProfilePoints.of(places_of(vertices), section)
+            return np.concatenate([own.on(arrival) for arrival in arrivals], axis=1)
+
+        divided = bendable(mesh, image=image if arrivals else None)
         points = (divided.mesh.vertices - found.center) @ frame.T
         radii = np.hypot(points[:, 0], points[:, 2])
         away = np.divide(points, radii[:, None], out=np.zeros_like(points), where=radii[:, None] > 0.0)
-        profile = np.column_stack([found.across.radii(points), points[:, 1]])
-        places = _on_outline(found.section, profile)
-        both = np.concatenate([places, places * _MIRROR])
-        sides = AttachedPoints.of(both, section, ClosestPointFinder(section.corners))
+        places = places_of(divided.mesh.vertices)
         shares = np.divide(radii, places[:, 0], out=np.ones_like(radii), where=places[:, 0] > 0.0).clip(*_SAG)
         offsets = np.column_stack([radii, points[:, 1]]) - places * np.column_stack([shares, np.ones_like(shares)])
         directions, axis = (away * (1.0, 0.0, 1.0)) @ frame, frame[1]
         attached = AttachedParts.none(len(points))
         if not found.is_whole:
             attached = AttachedParts.of(divided.mesh, np.linalg.norm(offsets, axis=1), directions, axis)
-        return cls(divided, radii, sides, shares, offsets, attached, directions, axis)
+        return cls(divided, radii, ProfilePoints.of(places, section), shares, offsets, attached, directions, axis)
+
+    @property
+    def is_loose(self) -> NDArray[np.bool_]:
+        """Which vertices are on attached parts, (n,)."""
+        return self.attached.looseness > 0.0
 
     def moved(self, section: TriangleMesh, place: NDArray[np.float64], left: float) -> MovedShape:
-        """Return the shape for its moved section, about a point; see :class:`.section_motion.SectionShape`."""
-        right, mirrored = self._sides(section)
-        away, along = 0.5 * (right + mirrored).T
+        """Return the shape for its moved section.
+
+        Parameters
+        ----------
+        section : TriangleMesh
+            In the plane z = 0.
+        place : (3,)
+            The point of the axis that is the origin of the section.
+        left : float
+            How far the solid is from the others, from 1 at rest to 0.
+        """
+        return self.beside(self.places.on(section), place, left)
+
+    def beside(self, profile: NDArray[np.float64], place: NDArray[np.float64], left: float) -> MovedShape:
+        """Return the shape with vertices beside points of its moved section, (n, 2), otherwise as :meth:`moved`."""
+        away, along = profile.T
         offsets = self.attached.retracted(self.offsets, left)
         away, along = self.shares * away + offsets[:, 0], along + offsets[:, 1]
         ratios = np.divide(self.distances, away, out=np.ones_like(away), where=away > 0.0)
@@ -91,18 +133,8 @@ class RevolvedShape:
         vertices = place + away[:, None] * directions + along[:, None] * self.axis
         return MovedShape(self.divided.mesh, vertices, self.divided.parents)
 
-    def asymmetry(self, moved: TriangleMesh) -> float:
-        """Return the largest distance between a point of a moved section and the mirror image of its counterpart."""
-        right, mirrored = self._sides(moved)
-        return float(np.linalg.norm(right - mirrored, axis=1).max())
 
-    def _sides(self, moved: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        right, left = np.split(self.sides.on(moved), 2)
-        return right, left * _MIRROR
-
-
-def _on_outline(section: Boundary, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the points of an outline nearest to others, (n, 2), on the side of the axis that these are on."""
-    edges = np.pad(np.stack([section.starts, section.ends, section.ends], axis=1), ((0, 0), (0, 0), (0, 1)))
-    found = ClosestPointFinder(edges).find(np.pad(points, ((0, 0), (0, 1))))
-    return np.maximum(found.interpolated(edges)[:, :2], (0.0, -np.inf))
+def nearest_on(outline: Boundary, points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the points of an outline nearest to others, (n, 2)."""
+    edges = np.pad(np.stack([outline.starts, outline.ends, outline.ends], axis=1), ((0, 0), (0, 0), (0, 1)))
+    return ClosestPointFinder(edges).find(np.pad(points, ((0, 0), (0, 1)))).interpolated(edges)[:, :2]
