@@ -15,6 +15,9 @@ from .mesh import TriangleMesh
 
 # Every round halves long edges.
 _MOST_ROUNDS = 12
+# Edges that become long are halved if they are longer than this share of the longest one; the tip of a candle that
+# becomes the mouth of a pot would get thousands of triangles.
+_SHORTEST = 1.0 / 6.0
 # Longer edges, in sizes of the surface (the square root of its area), cannot bend like limbs.
 _BENDING = 0.03
 
@@ -51,7 +54,7 @@ def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int, ima
     most_vertices : int
         Subdivision ends before it exceeds this number.
     image : callable, optional
-        Edges whose ends move farther apart than `longest` are halved, too.
+        Edges whose ends move farther apart than `longest` are halved, too, down to a sixth of that.
     """
     found = Subdivision(mesh, None)
     for _ in range(_MOST_ROUNDS):
@@ -126,9 +129,10 @@ def _halved(mesh: TriangleMesh, longest: float, image: Image | None) -> HalvedEd
     """Halve every long edge once; None if there is none."""
     use = edge_use(mesh.faces)
     ends = edge_ends(mesh.faces, use)
-    long = _lengths(mesh.vertices, ends) > longest
+    lengths = _lengths(mesh.vertices, ends)
+    long = lengths > longest
     if image is not None:
-        long |= _lengths(image(mesh.vertices), ends) > longest
+        long |= (lengths > _SHORTEST * longest) & (_lengths(image(mesh.vertices), ends) > longest)
     return with_edges_halved(mesh, use, long) if long.any() else None
 
 

@@ -42,11 +42,16 @@ def test_parts_lie_in_their_parent_triangles():
 def test_edges_that_become_long_are_divided():
     """Along x, where the shape is stretched."""
     mesh = box((1.0, 1.0, 1.0))
-    found = with_short_edges(mesh, 2.0, 1000, image=lambda points: points * (9.0, 1.0, 1.0)).mesh
-    corners = found.corners * (9.0, 1.0, 1.0)
+    found = with_short_edges(mesh, 2.0, 1000, image=lambda points: points * (5.0, 1.0, 1.0)).mesh
+    corners = found.corners * (5.0, 1.0, 1.0)
     assert np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max() <= 2.0
     assert found.volume == pytest.approx(mesh.volume)
-    assert 8 < len(found.vertices) < len(with_short_edges(mesh, 2.0 / 9.0, 10_000).mesh.vertices)
+    assert 8 < len(found.vertices) < len(with_short_edges(mesh, 2.0 / 5.0, 10_000).mesh.vertices)
+
+
+def test_short_edges_are_not_divided_however_long_they_become():
+    small = box((0.2, 0.2, 0.2))
+    assert with_short_edges(small, 2.0, 1000, image=lambda points: points * 100.0).mesh is small
 
 
 def test_short_edges_are_unchanged():

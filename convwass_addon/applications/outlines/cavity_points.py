@@ -98,11 +98,20 @@ class MovedCavity:
         Below the rim, walls do not become thinner than they are at rest: where the solid is narrow, so is the cavity.
         """
         level = self.lids - (0.0, self.side * depth)
-        found = np.where((self.depths > depth)[:, None], level, self.points)
-        outside = _outside(self.outside, found)
-        narrow = np.minimum(found[:, 0], np.maximum(outside - self.walls, OPEN * outside))
+        # The surface reaches to the wall, which may be farther away than the rim.
+        inner = self._inner(level)
+        beside = np.where(np.isfinite(inner), inner, 0.0)
+        reached = np.minimum(self.points[:, 0], np.maximum(level[:, 0], beside))
+        is_filled = self.depths > depth
+        found = np.where(is_filled[:, None], np.column_stack([reached, level[:, 1]]), self.points)
         shares = (self.side * (self.lids[:, 1] - found[:, 1]) / self.thickness).clip(0.0, 1.0)
+        narrow = np.minimum(found[:, 0], self._inner(found))
         return np.column_stack([found[:, 0] + shares * (narrow - found[:, 0]), found[:, 1]])
+
+    def _inner(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far the wall is from the axis beyond points, (n,); infinite above it."""
+        outside = _outside(self.outside, points)
+        return np.maximum(outside - self.walls, OPEN * outside)
 
 
 def _right(outline: Boundary) -> Boundary:

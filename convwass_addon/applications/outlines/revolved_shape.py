@@ -21,6 +21,8 @@ from .profile_points import ProfilePoints
 
 # Least and largest distance of a chord from the axis, relative to that of its ends; for six sides, it is 0.87.
 _SAG = 0.8, 1.0
+# Edges may be longer by this factor where they arrive.
+_LONGER = 1.5
 
 
 @dataclass(frozen=True)
@@ -88,7 +90,7 @@ class RevolvedShape:
 
         def image(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
             own = ProfilePoints.of(places_of(vertices), section)
-            return np.concatenate([own.on(arrival) for arrival in arrivals], axis=1)
+            return np.concatenate([own.on(arrival) for arrival in arrivals], axis=1) / _LONGER
 
         divided = bendable(mesh, image=image if arrivals else None)
         points = (divided.mesh.vertices - found.center) @ frame.T
