@@ -73,7 +73,10 @@ def overlaps(areas: Sequence[Boundary], cells: int) -> NDArray[np.float64]:
     scale = cells / float(size.max())
     shape = tuple(int(count) for count in np.ceil(size * scale).astype(int) + 1)
     covered = np.stack([coverage(area.moved(-low * scale, scale), shape).ravel() for area in areas])
-    return np.stack([np.minimum(own, covered).sum(axis=1) / np.maximum(own, covered).sum(axis=1) for own in covered])
+    unions = np.stack([np.maximum(own, covered).sum(axis=1) for own in covered])
+    both = np.stack([np.minimum(own, covered).sum(axis=1) for own in covered])
+    # Areas much smaller than a cell may cover none.
+    return np.divide(both, unions, out=np.zeros_like(both), where=unions > 0.0)
 
 
 def self_overlap(boundary: Boundary, cells: int) -> float:

@@ -44,8 +44,10 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
     """
     use = edge_use(mesh.faces) if use is None else use
     neighbors, pieces = _Neighbors.of(use), face_components(mesh.faces)
-    if (use.count == 1).any():
-        seams = _Neighbors.of(edge_use(place_labels(mesh.vertices)[mesh.faces]))
+    is_open = np.isin(pieces, pieces[use.face[use.start[use.count == 1]]])
+    if is_open.any():
+        # Closed components have no seams, even if others touch them.
+        seams = _Neighbors.of(edge_use(place_labels(mesh.vertices)[mesh.faces[is_open]])).among(is_open)
         neighbors, pieces = neighbors.and_across(seams), seams.joined(pieces)
     turn, repaired = _disagreeing_faces(neighbors, pieces)
     outward = mesh
@@ -77,6 +79,11 @@ class _Neighbors:
     def of(cls, use: EdgeUse) -> _Neighbors:
         paired = use.start[use.count == 2]
         return cls(use.face[paired], use.face[paired + 1], use.forward[paired] != use.forward[paired + 1])
+
+    def among(self, chosen: NDArray[np.bool_]) -> _Neighbors:
+        """Return these neighbors, of the chosen ones of all triangles, (m,), as neighbors of all of them."""
+        rows = np.flatnonzero(chosen)
+        return _Neighbors(rows[self.one], rows[self.other], self.agree)
 
     def and_across(self, seams: _Neighbors) -> _Neighbors:
         """Return these and others; edges may be repeated."""
