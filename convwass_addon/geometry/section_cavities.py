@@ -67,6 +67,11 @@ class SectionCavity:
         """The section, filled to the rim."""
         return Boundary.joined([self.outside, Boundary(self.outside.ends[-1:], self.outside.starts[:1])])
 
+    def at_top(self, outline: Boundary) -> NDArray[np.bool_]:
+        """Return which edges of an outline at rest are at the height of the rim, (e,)."""
+        lowest = self.rim[1] * self.side - _AT_RIM * np.ptp(self.outside.bounds[:, 1])
+        return np.minimum(self.side * outline.starts[:, 1], self.side * outline.ends[:, 1]) >= lowest
+
     @property
     def profile(self) -> NDArray[np.float64]:
         """Points of the surface of the cavity on one side of the axis, from the rim to the axis, (k, 2)."""

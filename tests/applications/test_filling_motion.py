@@ -13,6 +13,7 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.revolutions import BOWL, CUP, asideness
 
@@ -115,6 +116,17 @@ def test_at_rest_a_lent_cavity_is_flat_and_closed():
     assert cylinder.mesh.volume == pytest.approx(CYLINDER.volume, rel=1e-3)
     assert topology(cylinder.mesh).closed
     assert cylinder.parents.max() < len(CYLINDER.faces)
+
+
+def test_a_lent_cavity_of_an_open_solid_stays_a_cavity():
+    """Its pole is open, by rounding; a cavity has no seam with it."""
+    angles = np.linspace(0.0, np.pi, 40)
+    egg = revolved([(np.sin(t) * 0.5 * (1.0 - 0.15 * np.cos(t)), 0.7 - 0.7 * np.cos(t)) for t in angles])
+    assert not topology(egg).closed
+    outside = [(0.0, 0.0), (0.42, 0.0), (0.42, 1.0), (0.15, 1.4), (0.15, 1.9)]
+    inside = [(0.11, 1.9), (0.11, 1.38), (0.37, 0.97), (0.37, 0.06), (0.0, 0.06)]
+    moved = choice(revolved([*outside, *inside]), egg).motion.moved([0.5, 0.5])[1].mesh
+    assert orient_outward(moved).volume == pytest.approx(moved.volume, rel=1e-3)
 
 
 def test_between_two_vessels_nothing_fills_up():

@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
 from ...geometry.planar_fill import Boundary
 from ...geometry.section_cavities import SectionCavity
 from .profile_points import ProfilePoints
+from .revolved_shape import nearest_on, outline_triangles
 
 OPEN = 0.5
 """Where a solid is narrow, at least this share of its radius stays hollow, so that no bubble is enclosed."""
@@ -56,14 +59,16 @@ class CavityPoints:
             How thick the wall is typically. Nowhere does it count as thicker: the bottom is no wall.
         """
         lids = np.column_stack([np.minimum(points[:, 0], cavity.rim[0]), np.full(len(points), cavity.rim[1])])
-        walls = np.minimum(_outside(_right(cavity.outside), points) - points[:, 0], thickness)
+        outside = _chosen(cavity.outside, ~cavity.at_top(cavity.outside))
+        walls = np.linalg.norm(nearest_on(outside, points) - points, axis=1)
         places = (ProfilePoints.of(each, section) for each in (points, lids))
-        return cls(*places, walls, thickness, cavity.side)
+        return cls(*places, np.minimum(walls, thickness), thickness, cavity.side)
 
-    def moved(self, section: TriangleMesh, outline: Boundary) -> MovedCavity:
-        """Return the points for a moved section, whose outline is given."""
+    def moved(self, section: TriangleMesh, outside: Boundary) -> MovedCavity:
+        """Return the points for a moved section, whose outline is given, without its top."""
         places, lids = self.places.on(section), self.lids.on(section)
-        return MovedCavity(places, lids, self.walls, self.thickness, self.side, _right(outline))
+        right = _chosen(outside, (outside.starts[:, 0] > 0.0) & (outside.ends[:, 0] > 0.0))
+        return MovedCavity(places, lids, self.walls, self.thickness, self.side, right)
 
 
 @dataclass(frozen=True)
@@ -77,7 +82,7 @@ class MovedCavity:
     walls, thickness, side
         As for :class:`CavityPoints`.
     outside : Boundary
-        The part of the outline on one side of the axis.
+        The outline on one side of the axis, without the top.
     """
 
     points: NDArray[np.float64]
@@ -99,34 +104,40 @@ class MovedCavity:
         """
         level = self.lids - (0.0, self.side * depth)
         # The surface reaches to the wall, which may be farther away than the rim.
-        inner = self._inner(level)
-        beside = np.where(np.isfinite(inner), inner, 0.0)
-        reached = np.minimum(self.points[:, 0], np.maximum(level[:, 0], beside))
+        reached = np.minimum(self.points[:, 0], np.maximum(level[:, 0], self._room(level) - self.walls))
         is_filled = self.depths > depth
         found = np.where(is_filled[:, None], np.column_stack([reached, level[:, 1]]), self.points)
         shares = (self.side * (self.lids[:, 1] - found[:, 1]) / self.thickness).clip(0.0, 1.0)
-        narrow = np.minimum(found[:, 0], self._inner(found))
-        return np.column_stack([found[:, 0] + shares * (narrow - found[:, 0]), found[:, 1]])
+        return found + shares[:, None] * (self._within_walls(found) - found)
 
-    def _inner(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return how far the wall is from the axis beyond points, (n,); infinite above it."""
-        outside = _outside(self.outside, points)
-        return np.maximum(outside - self.walls, OPEN * outside)
+    def _within_walls(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points, (n, 2), at least as far from the outside as the wall is thick, if there is room."""
+        edges, finder = self._edges
+        nearest = finder.find(np.pad(points, ((0, 0), (0, 1)))).interpolated(edges)[:, :2]
+        away = points - nearest
+        distances = np.linalg.norm(away, axis=1)
+        factors = np.divide(self.walls, distances, out=np.ones_like(distances), where=distances > 0.0)
+        found = nearest + np.maximum(factors, 1.0)[:, None] * away
+        found[:, 0] = np.maximum(found[:, 0], np.minimum(points[:, 0], OPEN * self._room(points)))
+        return found
+
+    @cached_property
+    def _edges(self) -> tuple[NDArray[np.float64], ClosestPointFinder]:
+        edges = outline_triangles(self.outside)
+        return edges, ClosestPointFinder(edges)
+
+    def _room(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far the outside is from the axis beyond points inside, (n,); zero above it."""
+        (first, low), (last, high) = self.outside.starts.T, self.outside.ends.T
+        rows, edges = np.nonzero((low <= points[:, 1, None]) != (high <= points[:, 1, None]))
+        shares = (points[rows, 1] - low[edges]) / (high[edges] - low[edges])
+        away = first[edges] + shares * (last[edges] - first[edges])
+        beyond = away >= points[rows, 0]
+        found = np.full(len(points), np.inf)
+        np.minimum.at(found, rows[beyond], away[beyond])
+        return np.where(np.isfinite(found), found, 0.0)
 
 
-def _right(outline: Boundary) -> Boundary:
-    """Return the edges of an outline on one side of the axis."""
-    chosen = (outline.starts[:, 0] > 0.0) & (outline.ends[:, 0] > 0.0)
+def _chosen(outline: Boundary, chosen: NDArray[np.bool_]) -> Boundary:
+    """Return some edges of an outline, (e,) bool."""
     return Boundary(outline.starts[chosen], outline.ends[chosen])
-
-
-def _outside(outline: Boundary, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return how far the outline is from the axis beyond points inside, (n,); infinite above it."""
-    (first, low), (last, high) = outline.starts.T, outline.ends.T
-    rows, edges = np.nonzero((low <= points[:, 1, None]) != (high <= points[:, 1, None]))
-    shares = (points[rows, 1] - low[edges]) / (high[edges] - low[edges])
-    away = first[edges] + shares * (last[edges] - first[edges])
-    beyond = away >= points[rows, 0]
-    found = np.full(len(points), np.inf)
-    np.minimum.at(found, rows[beyond], away[beyond])
-    return found

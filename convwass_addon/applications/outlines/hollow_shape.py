@@ -42,12 +42,15 @@ class HollowShape:
         These vertices.
     profile : CavityPoints
         Points from the rim to the axis, by which the volume of the cavity is measured.
+    is_top : (e,) bool
+        Which edges of the outline of the filled section are at its rim, or on its lid.
     """
 
     shape: RevolvedShape
     in_cavity: NDArray[np.bool_]
     vertices: CavityPoints
     profile: CavityPoints
+    is_top: NDArray[np.bool_]
 
     @classmethod
     def of(
@@ -56,9 +59,10 @@ class HollowShape:
         found: Revolution,
         frame: NDArray[np.float64],
         section: TriangleMesh,
+        outline: Boundary,
         cavity: SectionCavity,
     ) -> HollowShape:
-        """Find the cavity of a solid that is attached to the triangles of its filled section."""
+        """Find the cavity of a solid that is attached to the triangles of its filled section, which has an outline."""
         profile = found.profile_of((shape.divided.mesh.vertices - found.center) @ frame.T)
         size = np.ptp(found.section.bounds, axis=0).max()
         inside, outside = (
@@ -71,7 +75,8 @@ class HollowShape:
         # Half of the wall is thicker.
         thickness = float(np.median(np.linalg.norm(nearest_on(cavity.outside, points) - points, axis=1)))
         own = np.maximum(profile[in_cavity], (0.0, -np.inf))
-        return cls(shape, in_cavity, *(CavityPoints.of(each, cavity, section, thickness) for each in (own, points)))
+        both = (CavityPoints.of(each, cavity, section, thickness) for each in (own, points))
+        return cls(shape, in_cavity, *both, cavity.at_top(outline))
 
     @property
     def is_loose(self) -> NDArray[np.bool_]:
@@ -93,11 +98,12 @@ class HollowShape:
             The share of the filled solid that the cavity has, if there is room for it, and unless its bottom would move
             too fast.
         """
-        profile = self.profile.moved(section, outline)
+        outside = Boundary(outline.starts[~self.is_top], outline.ends[~self.is_top])
+        profile = self.profile.moved(section, outside)
         most = _FASTEST * left * float(profile.depths.max())
         depth = min(_depth(profile, hollow * revolved_volume(outline)), most)
         points = self.shape.places.on(section)
-        points[self.in_cavity] = self.vertices.moved(section, outline).at(depth)
+        points[self.in_cavity] = self.vertices.moved(section, outside).at(depth)
         return self.shape.beside(points, place, left)
 
 

@@ -74,8 +74,8 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     if not all(_stay_symmetric(flat, shapes, sections, pair) for pair in request.pairs):
         return None
     solids = tuple(
-        shape if cavity is None else HollowShape.of(shape, own, frame, rest, cavity)
-        for shape, own, rest, cavity in zip(shapes, revolutions, rests, cavities, strict=True)
+        shape if cavity is None else HollowShape.of(shape, own, frame, rest, sheet.boundary, cavity)
+        for shape, own, rest, sheet, cavity in zip(shapes, revolutions, rests, moved.sheets, cavities, strict=True)
     )
     centers = np.stack([own.center for own in revolutions])
     whole = [revolved_volume(own) for own in filled]

@@ -138,5 +138,10 @@ class RevolvedShape:
 
 def nearest_on(outline: Boundary, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points of an outline nearest to others, (n, 2)."""
-    edges = np.pad(np.stack([outline.starts, outline.ends, outline.ends], axis=1), ((0, 0), (0, 0), (0, 1)))
+    edges = outline_triangles(outline)
     return ClosestPointFinder(edges).find(np.pad(points, ((0, 0), (0, 1)))).interpolated(edges)[:, :2]
+
+
+def outline_triangles(outline: Boundary) -> NDArray[np.float64]:
+    """Return the edges of an outline as degenerate triangles, (e, 3, 3), in the plane z = 0."""
+    return np.pad(np.stack([outline.starts, outline.ends, outline.ends], axis=1), ((0, 0), (0, 0), (0, 1)))
