@@ -79,6 +79,10 @@ class Boundary:
         shift = np.asarray(offset, dtype=np.float64)
         return Boundary(self.starts * factor + shift, self.ends * factor + shift)
 
+    def part(self, chosen: NDArray[np.bool_]) -> Boundary:
+        """Return some of the edges, (e,) bool."""
+        return Boundary(self.starts[chosen], self.ends[chosen])
+
     def divided(self, longest: float) -> Boundary:
         """Return the boundary with edges divided evenly into pieces no longer than `longest`."""
         along = self.ends - self.starts

@@ -5,17 +5,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
-from ...geometry.planar_fill import Boundary
+from ...geometry.outline_finder import OutlineFinder
 from ...geometry.section_cavities import SectionCavity
 from .profile_points import ProfilePoints
-from .revolved_shape import nearest_on, outline_triangles
 
 OPEN = 0.5
 """Where a solid is narrow, at least this share of its radius stays hollow, so that no bubble is enclosed."""
@@ -59,16 +56,14 @@ class CavityPoints:
             How thick the wall is typically. Nowhere does it count as thicker: the bottom is no wall.
         """
         lids = np.column_stack([np.minimum(points[:, 0], cavity.rim[0]), np.full(len(points), cavity.rim[1])])
-        outside = _chosen(cavity.outside, ~cavity.at_top(cavity.outside))
-        walls = np.linalg.norm(nearest_on(outside, points) - points, axis=1)
+        walls = OutlineFinder(cavity.outside.part(~cavity.at_top(cavity.outside))).distances(points)
         places = (ProfilePoints.of(each, section) for each in (points, lids))
         return cls(*places, np.minimum(walls, thickness), thickness, cavity.side)
 
-    def moved(self, section: TriangleMesh, outside: Boundary) -> MovedCavity:
-        """Return the points for a moved section, whose outline is given, without its top."""
+    def moved(self, section: TriangleMesh, outside: OutlineFinder) -> MovedCavity:
+        """Return the points for a moved section, whose outline on one side of the axis is given, without its top."""
         places, lids = self.places.on(section), self.lids.on(section)
-        right = _chosen(outside, (outside.starts[:, 0] > 0.0) & (outside.ends[:, 0] > 0.0))
-        return MovedCavity(places, lids, self.walls, self.thickness, self.side, right)
+        return MovedCavity(places, lids, self.walls, self.thickness, self.side, outside)
 
 
 @dataclass(frozen=True)
@@ -81,7 +76,7 @@ class MovedCavity:
         The points, and where they are once the cavity is full.
     walls, thickness, side
         As for :class:`CavityPoints`.
-    outside : Boundary
+    outside : OutlineFinder
         The outline on one side of the axis, without the top.
     """
 
@@ -90,7 +85,7 @@ class MovedCavity:
     walls: NDArray[np.float64]
     thickness: float
     side: float
-    outside: Boundary
+    outside: OutlineFinder
 
     @property
     def depths(self) -> NDArray[np.float64]:
@@ -112,8 +107,7 @@ class MovedCavity:
 
     def _within_walls(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return points, (n, 2), at least as far from the outside as the wall is thick, if there is room."""
-        edges, finder = self._edges
-        nearest = finder.find(np.pad(points, ((0, 0), (0, 1)))).interpolated(edges)[:, :2]
+        nearest = self.outside.nearest(points)
         away = points - nearest
         distances = np.linalg.norm(away, axis=1)
         factors = np.divide(self.walls, distances, out=np.ones_like(distances), where=distances > 0.0)
@@ -121,14 +115,9 @@ class MovedCavity:
         found[:, 0] = np.maximum(found[:, 0], np.minimum(points[:, 0], OPEN * self._room(points)))
         return found
 
-    @cached_property
-    def _edges(self) -> tuple[NDArray[np.float64], ClosestPointFinder]:
-        edges = outline_triangles(self.outside)
-        return edges, ClosestPointFinder(edges)
-
     def _room(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return how far the outside is from the axis beyond points inside, (n,); zero above it."""
-        (first, low), (last, high) = self.outside.starts.T, self.outside.ends.T
+        (first, low), (last, high) = self.outside.outline.starts.T, self.outside.outline.ends.T
         rows, edges = np.nonzero((low <= points[:, 1, None]) != (high <= points[:, 1, None]))
         shares = (points[rows, 1] - low[edges]) / (high[edges] - low[edges])
         away = first[edges] + shares * (last[edges] - first[edges])
@@ -136,8 +125,3 @@ class MovedCavity:
         found = np.full(len(points), np.inf)
         np.minimum.at(found, rows[beyond], away[beyond])
         return np.where(np.isfinite(found), found, 0.0)
-
-
-def _chosen(outline: Boundary, chosen: NDArray[np.bool_]) -> Boundary:
-    """Return some edges of an outline, (e,) bool."""
-    return Boundary(outline.starts[chosen], outline.ends[chosen])

@@ -11,12 +11,13 @@ from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from ...geometry.mesh import TriangleMesh
+from ...geometry.outline_finder import OutlineFinder
 from ...geometry.planar_fill import Boundary
 from ...geometry.revolution import Revolution
 from ...geometry.section_cavities import SectionCavity, revolved_volume
 from ..motions.motion import MovedShape
 from .cavity_points import CavityPoints, MovedCavity
-from .revolved_shape import RevolvedShape, nearest_on
+from .revolved_shape import RevolvedShape
 
 # Points of the profile of a cavity are at most this share of its size apart.
 _SPACING = 0.01
@@ -65,15 +66,13 @@ class HollowShape:
         """Find the cavity of a solid that is attached to the triangles of its filled section, which has an outline."""
         profile = found.profile_of((shape.divided.mesh.vertices - found.center) @ frame.T)
         size = np.ptp(found.section.bounds, axis=0).max()
-        inside, outside = (
-            np.linalg.norm(nearest_on(own, profile) - profile, axis=1) for own in (cavity.surface, cavity.outside)
-        )
-        in_cavity = inside < outside - _CLOSER * size
+        outside = OutlineFinder(cavity.outside)
+        in_cavity = OutlineFinder(cavity.surface).distances(profile) < outside.distances(profile) - _CLOSER * size
         corners = cavity.profile
         fine = Boundary(corners[:-1], corners[1:]).divided(_SPACING * size)
         points = np.concatenate([fine.starts, fine.ends[-1:]])
         # Half of the wall is thicker.
-        thickness = float(np.median(np.linalg.norm(nearest_on(cavity.outside, points) - points, axis=1)))
+        thickness = float(np.median(outside.distances(points)))
         own = np.maximum(profile[in_cavity], (0.0, -np.inf))
         both = (CavityPoints.of(each, cavity, section, thickness) for each in (own, points))
         return cls(shape, in_cavity, *both, cavity.at_top(outline))
@@ -98,7 +97,8 @@ class HollowShape:
             The share of the filled solid that the cavity has, if there is room for it, and unless its bottom would move
             too fast.
         """
-        outside = Boundary(outline.starts[~self.is_top], outline.ends[~self.is_top])
+        is_right = (outline.starts[:, 0] > 0.0) & (outline.ends[:, 0] > 0.0)
+        outside = OutlineFinder(outline.part(is_right & ~self.is_top))
         profile = self.profile.moved(section, outside)
         most = _FASTEST * left * float(profile.depths.max())
         depth = min(_depth(profile, hollow * revolved_volume(outline)), most)
@@ -120,7 +120,5 @@ def _depth(profile: MovedCavity, wanted: float) -> float:
 
 
 def _integral(profile: NDArray[np.float64]) -> float:
-    """Return the integral of pi r^2 dy along points, (n, 2)."""
-    radii, heights = profile.T
-    squares = (radii[:-1] ** 2 + radii[:-1] * radii[1:] + radii[1:] ** 2) / 3.0
-    return np.pi * float(squares @ np.diff(heights))
+    """Return the integral of pi r^2 dy along points on one side of the axis, (n, 2)."""
+    return 2.0 * revolved_volume(Boundary(profile[:-1], profile[1:]))

@@ -10,9 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.mesh import TriangleMesh
-from ...geometry.planar_fill import Boundary
+from ...geometry.outline_finder import OutlineFinder
 from ...geometry.revolution import Revolution
 from ...geometry.subdivision import Subdivision, bendable
 from ..motions.motion import MovedShape
@@ -83,10 +82,11 @@ class RevolvedShape:
         arrivals : sequence of TriangleMesh
             These triangles where they become other sections. Edges that become long there are divided.
         """
+        finder = OutlineFinder(found.section)
 
         def places_of(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
             profile = found.profile_of((vertices - found.center) @ frame.T)
-            return np.maximum(nearest_on(found.section, profile), (0.0, -np.inf))
+            return np.maximum(finder.nearest(profile), (0.0, -np.inf))
 
         def image(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
             own = ProfilePoints.of(places_of(vertices), section)
@@ -134,14 +134,3 @@ class RevolvedShape:
         directions = np.cos(turns) * self.directions + np.sin(turns) * np.cross(self.axis, self.directions)
         vertices = place + away[:, None] * directions + along[:, None] * self.axis
         return MovedShape(self.divided.mesh, vertices, self.divided.parents)
-
-
-def nearest_on(outline: Boundary, points: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the points of an outline nearest to others, (n, 2)."""
-    edges = outline_triangles(outline)
-    return ClosestPointFinder(edges).find(np.pad(points, ((0, 0), (0, 1)))).interpolated(edges)[:, :2]
-
-
-def outline_triangles(outline: Boundary) -> NDArray[np.float64]:
-    """Return the edges of an outline as degenerate triangles, (e, 3, 3), in the plane z = 0."""
-    return np.pad(np.stack([outline.starts, outline.ends, outline.ends], axis=1), ((0, 0), (0, 0), (0, 1)))
