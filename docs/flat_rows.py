@@ -30,10 +30,11 @@ _WORDS = ("MILK", "TOAST")
 _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
 # Width and height of a tile, and pixels per unit: a word's length, or a letter's height.
 _WORD, _LETTER = (300, 110, 270.0), (120, 150, 75.0)
-# Of the last ones, one has more holes or separate areas than the other.
+# Of the second ones, one has limbs that the other has not, and of the last ones, more holes or separate areas.
+_SHORTENED = (("E", "F"), ("L", "T"), ("P", "R"))
 _DIVIDED = (("O", "C"), ("B", "E"), ("?", "7"), ("=", "H"), ("heart", "hearts"), ("sun", "moon"), ("one", "six"))
 _WHOLE = (("5", "2"), ("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"), ("smile", "frown"))
-_PAIRS = (*_WHOLE, *_DIVIDED)
+_PAIRS = (*_WHOLE, *_SHORTENED, *_DIVIDED)
 # Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 

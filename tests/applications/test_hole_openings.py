@@ -95,7 +95,7 @@ def test_a_slit_that_fails_leaves_the_hole_closed(monkeypatch):
         raise ValueError("no slit")
 
     ring, gap = shape(*RING), shape(arc(30.0, 330.0))
-    monkeypatch.setattr("convwass_addon.applications.outlines.outline_motion.with_open_holes", failing)
+    monkeypatch.setattr("convwass_addon.applications.outlines.matched_motion.with_open_holes", failing)
     for _, shapes in moved(ring, gap, 0.5):
         for own in shapes:
             assert sorted(ring_area(each) > 0 for each in boundary_rings(own)) == [False, True]

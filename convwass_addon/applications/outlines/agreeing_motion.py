@@ -27,11 +27,16 @@ class AgreeingMotion:
 
     guided: GuidedMotion
 
+    @property
+    def way(self) -> float:
+        """Fraction of the way towards the others that shapes move, from 0 to 1."""
+        return self.guided.settings.way
+
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
         moved = self.guided.moved(weights)
         active = [shape for shape, own in enumerate(moved) if own is not None]
-        if len(active) < 2 or self.guided.settings.way < 1.0:
+        if len(active) < 2 or self.way < 1.0:
             return moved
         found: list[MovedShape | None] = [None] * len(moved)
         total = sum(weights[shape] for shape in active)

@@ -11,12 +11,18 @@ import numpy as np
 from ...geometry.extrusion import common_extrusions
 from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
+from ..motions.motion import Motion, unmoved
 from ..motions.motion_choice import MotionChoice
 from ..motions.motion_request import MotionRequest
 from ..workers import side_by_side
 from .extruded_shape import ExtrudedShape
+from .lent_parts import LendingMotion
+from .limb_motion import LimbMotion
 from .outline_motion import outline_motion
 from .section_motion import SectionMotion
+
+# Points of triangles of which a corner with this share is on a limb are on it, too.
+_LOOSE = 1e-6
 
 
 def extruded_motion(request: MotionRequest, control: Control) -> MotionChoice | None:
@@ -37,11 +43,18 @@ def extruded_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     if moved is None or moved.is_distorted:
         return None
     flat = moved.choice.motion
-    meshes, rests = request.shapes, [carrier.rest for carrier in flat.guided.carriers]
+    meshes, rests = request.shapes, [unmoved(flat, len(sections), index).rest for index in range(len(sections))]
 
     def extruded(shape: int) -> ExtrudedShape:
         return ExtrudedShape.of(meshes[shape], extrusions[shape], frame, rests[shape])
 
     shapes = tuple(side_by_side(extruded, len(meshes)))
     ends = np.array([[own.low, own.high] for own in extrusions])
-    return replace(moved.choice, motion=SectionMotion(flat, shapes, ends))
+    motion: Motion = SectionMotion(flat, shapes, ends)
+    if isinstance(flat, LimbMotion) and flat.way == 1.0:
+        loose = [
+            own.places.interpolated(is_loose[rest.faces][..., None].astype(np.float64))[:, 0] > _LOOSE
+            for own, rest, is_loose in zip(shapes, rests, flat.is_loose, strict=True)
+        ]
+        motion = LendingMotion.of(motion, motion, loose, request.pairs)
+    return replace(moved.choice, motion=motion)

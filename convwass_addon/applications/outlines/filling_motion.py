@@ -56,7 +56,7 @@ class FillingMotion:
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        way = self.flat.guided.settings.way
+        way = self.flat.way
         places, volumes = (moved_towards_mean(own, weights, way) for own in (self.centers, self.volumes))
         found: list[MovedShape | None] = []
         for index, (shape, flat) in enumerate(zip(self.shapes, self.flat.moved(weights), strict=True)):

@@ -58,6 +58,8 @@ class MovedSheets:
         The shapes.
     choice : MotionChoice
         Their motion.
+    score : float
+        Least score of a match.
     distortion : float
         By how much it distorts their insides: 3 for similar shapes, 4 to 25 for letters.
     overlap : float
@@ -70,6 +72,7 @@ class MovedSheets:
 
     sheets: tuple[Sheet, ...]
     choice: MotionChoice
+    score: float = 1.0
     distortion: float = 0.0
     overlap: float = 0.0
     vanishing: float = 0.0
@@ -83,9 +86,8 @@ class MovedSheets:
     @property
     def is_distorted(self) -> bool:
         """Whether shapes would be distorted, or overlap, too much."""
-        score = min((pair.score for pair in self.choice.motion.guided.pairs.values()), default=1.0)
         overlaps = self.regions > 1 and self.overlap > _MOST_OVERLAP
-        return self.distortion > _MOST_DISTORTED or score < _LEAST_SCORE or overlaps
+        return self.distortion > _MOST_DISTORTED or self.score < _LEAST_SCORE or overlaps
 
 
 @dataclass(frozen=True)
@@ -164,7 +166,9 @@ def moved_sheets(
     choice = MotionChoice("guided", "OUTLINES", motion, turned=turned)
     overlap = max((_overlap(sheets, motion, pair) for pair in matches), default=0.0)
     vanishing = max((vanishing_share(match.first, match.second) for match in matches.values()), default=0.0)
-    return MovedSheets(sheets, choice, distortion, overlap, vanishing, max(len(shape.regions) for shape in shapes))
+    score = min((pair.score for pair in known.values()), default=1.0)
+    regions = max(len(shape.regions) for shape in shapes)
+    return MovedSheets(sheets, choice, score, distortion, overlap, vanishing, regions)
 
 
 def _deformed(

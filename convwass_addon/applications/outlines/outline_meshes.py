@@ -20,7 +20,6 @@ from ...geometry.laplacian import laplacian
 from ...geometry.mesh import TriangleMesh
 from ...geometry.planar_mesh import planar_mesh, without_bridges
 from ...progress import Control
-from .outline_curves import sharp_corners
 from .outline_pairs import ShapePair
 from .outlined_shape import OutlinedShape
 
@@ -36,8 +35,8 @@ _HELD = 1e8
 def outline_knots(
     shapes: Sequence[OutlinedShape], matches: Mapping[tuple[int, int], ShapePair]
 ) -> list[list[NDArray[np.float64]]]:
-    """Return the places of corners on every curve of every shape, and of the images of corners of the others."""
-    corners = [[sharp_corners(curve) for curve in shape.curves] for shape in shapes]
+    """Return the places of corners and marks on every curve of every shape, and the images of those of the others."""
+    corners = [[shape.knots(index) for index in range(len(shape.curves))] for shape in shapes]
     found = [[[own] for own in shape] for shape in corners]
     for (one, other), match in matches.items():
         for pair in match.pairs:

@@ -10,32 +10,13 @@ from ...geometry.planar_fill import Boundary
 from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
 from ..motions.motion_choice import attempted
-from ..workers import one_blas_thread
-from .hole_openings import surplus_holes, with_open_holes
-from .matched_outlines import matched_outlines, only_placed
-from .moved_sheets import MatchedShapes, MovedSheets, least_cost, moved_sheets
-from .outline_pairs import CurveMatcher, KnownMatches, ShapePair
+from .limb_motion import with_limbs
+from .matched_motion import matched_motion
+from .matched_outlines import only_placed
+from .moved_sheets import MovedSheets
+from .outline_pairs import KnownMatches
 from .outlined_shape import OutlinedShape
-from .region_counts import with_equal_counts
-from .sliding_outlines import least_distorted
-
-MOST_REGIONS = 32
-"""Shapes of more regions are not matched by their outlines."""
-
-# Where shapes have different numbers of regions, those with less than the first of these shares of the area of what
-# they belong to grow from points, and larger ones get pieces of it; or else all but the largest one grow.
-_LEAST_SHARES = 0.1, 1.0
-# Holes that the other shape has not are opened to the outside if the cost is then less than this share of that if they
-# shrink to points, which is tried from this cost on, and for up to so many holes. By eye, shares up to 0.4 are better
-# opened, such as an O that becomes a C (0.09) and a B that becomes an E (0.22), and shares from 0.65 on are not, such
-# as a ring that becomes a heart (0.68).
-_CLEARLY_LESS, _OPENED_FROM, _MOST_OPENED = 0.5, 6.0, 4
-# Limbs do not swing if more than this share of the area overlaps itself then, at some moments.
-_MOST_OVERLAP = 0.01
-# If more than the first share overlaps where regions turn, they are also moved as they stand. Shares count this many
-# times as much as the distortion then: a mouth that would turn across an eye bends (share 0.003, distortion 3.0 and as
-# it stands 3.2), and an M that becomes a W beside an O turns, although it touches that (0.003, 3.4 and 14).
-_TOUCHING, _COLLIDING = 0.001, 300.0
+from .vanishing_limbs import shape_bodies
 
 
 def outline_motion(
@@ -44,12 +25,11 @@ def outline_motion(
     pairs: Sequence[tuple[int, int]],
     settings: GuidedSettings,
     control: Control,
-    match: CurveMatcher = matched_outlines,
 ) -> MovedSheets | None:
-    """Return the guided motion of flat shapes, or None if one has more than `MOST_REGIONS` regions, or none.
+    """Return the guided motion of flat shapes, or None if one has too many regions, or none.
 
-    Where one shape has fewer regions than another, these are divided, or those of the other one grow from points,
-    whichever distorts the shapes less. Where one has more holes, these shrink to points, or are opened to the outside.
+    Limbs that vanish are cut off, and retract into what is left. That moves as its outlines are matched; see
+    :func:`.matched_motion.matched_motion`.
 
     Parameters
     ----------
@@ -63,54 +43,19 @@ def outline_motion(
         Its `coherence` and `mean_stretch` are used.
     control : Control
         Stops the work.
-    match : callable
-        Matches two curves around regions, as :func:`.matched_outlines.matched_outlines` does.
+
+    Returns
+    -------
+    MovedSheets or None
+        If limbs retract, its motion is a :class:`.limb_motion.LimbMotion`.
     """
-    shapes = [OutlinedShape.of(part) for part in parts]
-    if not all(1 <= len(shape.regions) <= MOST_REGIONS for shape in shapes):
-        return None
-    completed = {_points(own): own for own in (with_equal_counts(shapes, pairs, share) for share in _LEAST_SHARES)}
-    known = KnownMatches(match)
-    with one_blas_thread():
-        closed, whole = None, shapes
-        for own in completed.values():
-            if closed is None or least_cost(own, pairs) < closed.cost:
-                found = _best_moved(own, names, pairs, settings, known, control)
-                if closed is None or found.cost < closed.cost:
-                    closed, whole = found, own
-        if closed.cost < _OPENED_FROM or not 0 < surplus_holes(whole, pairs) <= _MOST_OPENED:
-            return closed
-        opened = attempted(lambda: _best_moved(with_open_holes(whole, pairs), names, pairs, settings, known, control))
-    return opened if opened is not None and opened.cost < _CLEARLY_LESS * closed.cost else closed
-
-
-def _points(shapes: Sequence[OutlinedShape]) -> tuple[int, ...]:
-    """Return how many regions of each shape are points, which tells ways to complete the shapes apart."""
-    return tuple(sum(region.is_point for region in shape.regions) for shape in shapes)
-
-
-def _best_moved(
-    shapes: Sequence[OutlinedShape],
-    names: Sequence[str],
-    pairs: Sequence[tuple[int, int]],
-    settings: GuidedSettings,
-    known: KnownMatches,
-    control: Control,
-) -> MovedSheets:
-    """Return the motion of shapes of equal numbers of regions; these turn and their limbs swing unless they collide."""
-    found = MatchedShapes.of(shapes, pairs, least_distorted, known, control)
-    moved = moved_sheets(found, names, settings, control)
-    if found.swings and moved.overlap > _MOST_OVERLAP:
-        as_placed = MatchedShapes.of(shapes, pairs, _as_placed, known, control)
-        placed = moved_sheets(as_placed, names, settings, control)
-        moved = min(moved, placed, key=lambda own: own.overlap)
-    if found.turns and moved.overlap > _TOUCHING:
-        upright = MatchedShapes.of(shapes, pairs, _as_placed, KnownMatches(only_placed), control)
-        placed = moved_sheets(upright, names, settings, control)
-        moved = min(moved, placed, key=lambda own: own.distortion + _COLLIDING * own.overlap)
-    return moved
-
-
-def _as_placed(matches: Sequence[ShapePair], control: Control) -> ShapePair:
-    """Return the match of two shapes as they are placed."""
-    return matches[0]
+    shapes, known = [OutlinedShape.of(part) for part in parts], KnownMatches()
+    bodies = attempted(shape_bodies, shapes, pairs, known)
+    if bodies is not None and any(own.limbs for own in bodies):
+        # Limbs were chosen for bodies that stay as they stand.
+        left, upright = [own.shape for own in bodies], KnownMatches(only_placed)
+        moved = attempted(matched_motion, left, names, pairs, settings, upright, control)
+        whole = None if moved is None else attempted(with_limbs, moved, parts, bodies)
+        if whole is not None:
+            return whole
+    return matched_motion(shapes, names, pairs, settings, known, control)

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from scipy.spatial import cKDTree
 from ...geometry.closed_curves import ClosedCurve, boundary_of, opened_curve
 from ...geometry.planar_fill import Boundary
 from ...geometry.ring_nesting import outline_of
-from .outline_curves import OutlineCurve
+from .outline_curves import OutlineCurve, sharp_corners
 
 # Corners at which curves touch are cut by this, relative to the square root of the area.
 _GAP = 2e-3
@@ -22,6 +22,8 @@ _GAP = 2e-3
 _PIECE = 1e-3
 # Width of a slit that connects a hole to the outside, relative to the square root of the area.
 _SLIT = 0.004
+# Marks within this distance of a curve are on it, relative to the square root of the area.
+_ON_CURVE = 1e-9
 # Extent of a hole or a region that grows from a point, relative to the square root of the area.
 _POINT = 0.004
 # Least distance of such a hole from the outline, relative to the square root of the area; and cells along both sides
@@ -78,11 +80,14 @@ class OutlinedShape:
         Curves around its regions and holes, and points that are those of other shapes.
     regions : tuple of OutlinedRegion
         Its regions, and points that are regions of other shapes.
+    marks : (k, 2) float64
+        Points of the curves that triangles have as vertices, such as the ends of cuts.
     """
 
     filled: Boundary
     curves: tuple[ClosedCurve, ...]
     regions: tuple[OutlinedRegion, ...]
+    marks: NDArray[np.float64] = field(default_factory=lambda: np.empty((0, 2)))
 
     @classmethod
     def of(cls, filled: Boundary) -> OutlinedShape:
@@ -109,6 +114,12 @@ class OutlinedShape:
         filled = [boundary_of([self.curves[region.outer]]) for region in self.regions]
         centers = np.array([own.center for own in filled]) - self.filled.center
         return np.column_stack([centers, np.sqrt([own.area for own in filled])])
+
+    def knots(self, index: int) -> NDArray[np.float64]:
+        """Return the places on a curve that triangles have as vertices: of its corners and marks."""
+        places, away = self.curves[index].nearest(self.marks)
+        marks = places[away < _ON_CURVE * self.size]
+        return np.concatenate([sharp_corners(self.curves[index]), marks])
 
     def center(self, index: int) -> NDArray[np.float64]:
         """Center of what a curve encloses, (2,)."""
@@ -151,7 +162,7 @@ class OutlinedShape:
         curves = tuple(self.curves[index] for index in region.curves)
         count = len(region.rim)
         alone = replace(region, outer=0, holes=tuple(range(1, count)), points=tuple(range(count, len(curves))))
-        return OutlinedShape(self.filled, curves, (alone,))
+        return replace(self, curves=curves, regions=(alone,))
 
     def with_region(self, rim: Sequence[ClosedCurve], place: NDArray[np.float64]) -> OutlinedShape:
         """Return the shape with a tiny copy of another shape's region at a place, (2,)."""

@@ -26,9 +26,11 @@ from .even_volume import EvenVolumeMotion
 from .filling_motion import FillingMotion
 from .hollow_shape import HollowShape
 from .lent_parts import LendingMotion
+from .matched_motion import matched_motion
 from .matched_outlines import only_placed
 from .matched_sections import RimMatcher
-from .outline_motion import outline_motion
+from .outline_pairs import KnownMatches
+from .outlined_shape import OutlinedShape
 from .revolved_shape import RevolvedShape
 
 # A section is symmetric all along the way if both sides differ at most by this share of its longest side.
@@ -62,7 +64,8 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     match = RimMatcher(tuple(own.rim for own in vessels), vessels[0].side) if vessels else only_placed
     # With the arithmetic mean of stretches, thin walls would become thick on the way.
     settings = GuidedSettings(coherence=request.coherence, mean_stretch=area_preserving_mean)
-    moved = outline_motion(filled, request.names, request.pairs, settings, control, match)
+    outlined = [OutlinedShape.of(own) for own in filled]
+    moved = matched_motion(outlined, request.names, request.pairs, settings, KnownMatches(match), control)
     if moved is None or moved.overlap > _MOST_OVERLAP:
         return None
     flat = moved.choice.motion
@@ -83,10 +86,10 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     motion: Motion = FillingMotion(flat, moved.sheets, solids, np.column_stack([hollow, whole]), centers)
     loose = [own.is_loose for own in solids]
     # Shapes that do not come all the way are not where the others' parts are.
-    if flat.guided.settings.way == 1.0 and any(map(np.any, loose)):
+    if flat.way == 1.0 and any(map(np.any, loose)):
         motion = LendingMotion.of(motion, motion.full, loose, request.pairs)
     volumes = np.array([mesh.volume for mesh in request.shapes])
-    return replace(moved.choice, motion=EvenVolumeMotion(motion, volumes, centers, flat.guided.settings.way))
+    return replace(moved.choice, motion=EvenVolumeMotion(motion, volumes, centers, flat.way))
 
 
 def _arrivals(flat: AgreeingMotion, index: int, request: MotionRequest) -> list[TriangleMesh]:

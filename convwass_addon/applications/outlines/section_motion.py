@@ -12,8 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
-from ..motions.motion import MovedShape
-from .agreeing_motion import AgreeingMotion
+from ..motions.motion import Motion, MovedShape
+
+
+class FlatMotion(Motion, Protocol):
+    """A motion of sections in their plane."""
+
+    @property
+    def way(self) -> float:
+        """Fraction of the way towards the others that sections move, from 0 to 1."""
+        ...
 
 
 class SectionShape(Protocol):
@@ -40,7 +48,7 @@ class SectionMotion:
 
     Attributes
     ----------
-    flat : AgreeingMotion
+    flat : FlatMotion
         The motion of the sections.
     shapes : tuple of SectionShape
         The solids.
@@ -48,13 +56,13 @@ class SectionMotion:
         Where every solid is across its section: its ends along an axis, or a point of it.
     """
 
-    flat: AgreeingMotion
+    flat: FlatMotion
     shapes: tuple[SectionShape, ...]
     places: NDArray[np.float64]
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
-        way = self.flat.guided.settings.way
+        way = self.flat.way
         places = moved_towards_mean(self.places, weights, way)
         return [
             None if flat is None else own.moved(flat.mesh, place, 1.0 - way * (1.0 - weight))

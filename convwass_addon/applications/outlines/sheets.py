@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.edges import edge_ends, edge_use
 from ...geometry.mesh import TriangleMesh, joined_meshes
 from ...geometry.planar_fill import Boundary
 from ...geometry.planar_mesh import planar_mesh
@@ -68,6 +69,29 @@ class Sheet:
         )
         return cls(joined_meshes([own.mesh for own in sheets]), boundary, starts, ends)
 
+    def with_triangles(self, mesh: TriangleMesh, rows: NDArray[np.int64]) -> Sheet:
+        """Return the sheet with more triangles, bounded by their own edges.
+
+        Parameters
+        ----------
+        mesh : TriangleMesh
+            The triangles of the sheet, and more after them.
+        rows : (k,) int64
+            Indices of those to be bounded.
+        """
+        faces = mesh.faces[rows]
+        use = edge_use(faces)
+        is_rim = use.count == 1
+        owners, ends = rows[use.face[use.start][is_rim]], edge_ends(faces, use)[is_rim]
+        starts, ends = (AttachedPoints.corners(mesh, owners, own) for own in ends.T)
+        boundary = Boundary(starts.on(mesh), ends.on(mesh))
+        return Sheet(
+            mesh,
+            Boundary.joined([self.boundary, boundary]),
+            self.starts.and_also(starts),
+            self.ends.and_also(ends),
+        )
+
     def moved(self, shape: MovedShape) -> Boundary:
         """Return the boundary of the moved sheet."""
         moved = TriangleMesh(shape.vertices[: len(self.mesh.vertices)], self.mesh.faces)
@@ -101,6 +125,17 @@ class AttachedPoints:
         others = np.linalg.solve(sides, (points - corners[:, 0])[:, :, None])[:, :, 0]
         others[flat] = 1.0 / 3.0
         return cls(triangles, np.column_stack([1.0 - others.sum(axis=1), others]))
+
+    @classmethod
+    def corners(cls, mesh: TriangleMesh, triangles: NDArray[np.int64], vertices: NDArray[np.int64]) -> AttachedPoints:
+        """Attach vertices, (n,), of a mesh to triangles, (n,), of which they are corners."""
+        return cls(triangles, (mesh.faces[triangles] == vertices[:, None]).astype(np.float64))
+
+    def and_also(self, others: AttachedPoints) -> AttachedPoints:
+        """Return these points, and others of the same triangles after them."""
+        return AttachedPoints(
+            np.concatenate([self.triangles, others.triangles]), np.concatenate([self.shares, others.shares])
+        )
 
     def on(self, moved: TriangleMesh) -> NDArray[np.float64]:
         """Return the points, (n, 2), on the moved mesh."""

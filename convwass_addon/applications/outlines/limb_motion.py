@@ -1,0 +1,109 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The motion of flat shapes whose bodies move as their outlines do, while limbs that others have not retract."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...geometry.mesh import TriangleMesh
+from ...geometry.planar_fill import Boundary
+from ..motions.motion import MovedShape, unmoved
+from .agreeing_motion import AgreeingMotion
+from .attached_limbs import AttachedLimb, with_limb
+from .lent_parts import LendingMotion
+from .moved_sheets import MovedSheets
+from .sheets import Sheet
+from .vanishing_limbs import ShapeBody
+
+# Edge length of the triangles of limbs, relative to the size of the body.
+_TRIANGLES = 0.028
+
+
+@dataclass(frozen=True)
+class LimbMotion:
+    """Moves the bodies of flat shapes, and retracts their limbs; a :class:`.motion.Motion`.
+
+    Attributes
+    ----------
+    bodies : AgreeingMotion
+        The motion of the bodies.
+    rests : tuple of TriangleMesh
+        The shapes at rest; the vertices of their bodies come first.
+    limbs : tuple of tuple of AttachedLimb
+        Their limbs, whose vertices follow in this order.
+    """
+
+    bodies: AgreeingMotion
+    rests: tuple[TriangleMesh, ...]
+    limbs: tuple[tuple[AttachedLimb, ...], ...]
+
+    @property
+    def way(self) -> float:
+        """Fraction of the way towards the others that shapes move, from 0 to 1."""
+        return self.bodies.way
+
+    @property
+    def is_loose(self) -> list[NDArray[np.bool_]]:
+        """Which vertices of every shape are on limbs."""
+        return [
+            np.arange(len(rest.vertices)) >= len(rest.vertices) - sum(len(limb.coordinates) for limb in own)
+            for rest, own in zip(self.rests, self.limbs, strict=True)
+        ]
+
+    def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
+        """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
+        found = self.bodies.moved(weights)
+        for index, (body, rest, limbs) in enumerate(zip(found, self.rests, self.limbs, strict=True)):
+            if body is not None and limbs:
+                left = 1.0 - self.way * (1.0 - weights[index])
+                vertices = [limb.moved(body.vertices, left) for limb in limbs]
+                found[index] = MovedShape(rest, np.concatenate([body.vertices, *vertices]))
+        return found
+
+
+def with_limbs(moved: MovedSheets, parts: Sequence[Boundary], bodies: Sequence[ShapeBody]) -> MovedSheets:
+    """Return moved bodies with their limbs.
+
+    Parameters
+    ----------
+    moved : MovedSheets
+        The bodies with their motion.
+    parts : sequence of Boundary
+        The whole shapes.
+    bodies : sequence of ShapeBody
+        The bodies with the limbs that they lack.
+    """
+    flat = moved.choice.motion
+    rests, limbs = [], []
+    for index, body in enumerate(bodies):
+        rest, attached = unmoved(flat, len(bodies), index).rest, []
+        for limb in body.limbs:
+            rest, own = with_limb(rest, limb, _TRIANGLES * body.shape.size)
+            attached.append(own)
+        rests.append(rest)
+        limbs.append(tuple(attached))
+    motion = LimbMotion(flat, tuple(rests), tuple(limbs))
+    sheets = tuple(Sheet.attached(part, rest) for part, rest in zip(parts, rests, strict=True))
+    return replace(moved, sheets=sheets, choice=replace(moved.choice, motion=motion))
+
+
+def with_lent_limbs(moved: MovedSheets, pairs: Sequence[tuple[int, int]]) -> MovedSheets:
+    """Return moved sheets with the limbs of those that they occur with, which grow while these retract."""
+    motion = moved.choice.motion
+    if not isinstance(motion, LimbMotion) or motion.way < 1.0:
+        return moved
+    lending = LendingMotion.of(motion, motion, motion.is_loose, pairs)
+    sheets = list(moved.sheets)
+    for index, parts in lending.parts.items():
+        rest, first = lending.rests[index].mesh, len(sheets[index].mesh.faces)
+        for part in parts:
+            # What closes a solid part is not needed.
+            count = len(part.faces) // 2
+            sheets[index] = sheets[index].with_triangles(rest, np.arange(first, first + count))
+            first += len(part.faces)
+    return replace(moved, sheets=tuple(sheets), choice=replace(moved.choice, motion=lending))

@@ -1,0 +1,179 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Limbs of flat shapes, such as the strokes of letters: what short cuts from concave points separate.
+
+M. Singh, G. Seyranian and D. Hoffman, "Parsing silhouettes: The short-cut rule", Perception & Psychophysics 61(4),
+1999: silhouettes are divided by the shortest cuts of which at least one end is a concave point.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .closed_curves import ClosedCurve, boundary_of
+from .planar_fill import Boundary
+from .plane_angles import signed_angles
+
+# Samples of a curve, and by how many of them it is followed to both sides of a point to measure how it turns there.
+_SAMPLES, _SIDE = 200, 2
+# Angle from which on points of a curve are corners.
+_CORNER = np.radians(20.0)
+# A curve is concave where it turns to the right by more than this angle.
+_CONCAVE = np.radians(35.0)
+# Points of a cut, without its ends, that have to be inside the shape.
+_ALONG = np.linspace(0.1, 0.9, 7)
+# Largest share of the area of a shape that a limb has.
+_MOST_AREA = 0.3
+# A limb reaches at least so far, in lengths of its cut; and its sides run along it: they leave the strip over the cut
+# at most by the second share of its length, and go back behind the cut at most by the third one.
+_LEAST_REACH, _BESIDE, _BEHIND = 1.2, 0.35, 0.05
+# Sine of the least angle between a cut and the limb.
+_LEAST_SINE = 0.4
+# Limbs whose ends are closer than this to those of another, relative to the length of the curve, are the same.
+_SAME = 0.06
+
+
+@dataclass(frozen=True)
+class OutlineLimb:
+    """A limb of a flat shape.
+
+    Attributes
+    ----------
+    curve : ClosedCurve
+        The outline of the shape.
+    begin, end : float
+        Places on it between which the limb is, the second one larger and by less than a round.
+    """
+
+    curve: ClosedCurve
+    begin: float
+    end: float
+
+    def sampled(self, spacing: float) -> NDArray[np.float64]:
+        """Return points of the outline from one end of the cut to the other one, corners included, (n, 2)."""
+        return self.curve.at(self.curve.spread(self.begin, self.end, self.curve.sharp_places(_CORNER), spacing))
+
+    @cached_property
+    def outline(self) -> ClosedCurve:
+        """The outline of the limb, whose first and last point are the ends of the cut."""
+        return ClosedCurve(self.curve.at(self.curve.spread(self.begin, self.end, self.curve.starts[:-1], np.inf)))
+
+    @property
+    def cut(self) -> NDArray[np.float64]:
+        """Both ends of the cut, (2, 2)."""
+        return self.outline.points[[0, -1]]
+
+    @property
+    def width(self) -> float:
+        """Length of the cut."""
+        return float(np.linalg.norm(self.cut[1] - self.cut[0]))
+
+    @cached_property
+    def axis(self) -> NDArray[np.float64]:
+        """Direction of the limb, from the middle of the cut to the center of the limb, (2,)."""
+        along = boundary_of([self.outline]).center - self.cut.mean(axis=0)
+        return along / np.linalg.norm(along)
+
+    def coordinates(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return where points, (n, 2), are along the cut, from 0 to 1, and their distances from it along the axis."""
+        begin, end = self.cut
+        return np.linalg.solve(np.stack([end - begin, self.axis], axis=1), (points - begin).T).T
+
+    def meets(self, other: OutlineLimb) -> bool:
+        """Return whether two limbs of a curve have points of it in common."""
+        length = self.curve.length
+        apart = (other.begin - self.begin) % length, (self.begin - other.begin) % length
+        return apart[0] < self.end - self.begin or apart[1] < other.end - other.begin
+
+    @property
+    def is_slender(self) -> bool:
+        """Whether it reaches far enough, and its sides run along it."""
+        begin, end = self.cut
+        across = (end - begin) / self.width
+        if abs(across[0] * self.axis[1] - across[1] * self.axis[0]) < _LEAST_SINE:
+            return False
+        beside, beyond = self.coordinates(self.outline.points).T
+        return bool(
+            beside.min() >= -_BESIDE
+            and beside.max() <= 1.0 + _BESIDE
+            and beyond.min() >= -_BEHIND * self.width
+            and beyond.max() >= _LEAST_REACH * self.width
+        )
+
+
+def outline_limbs(curve: ClosedCurve, filled: Boundary) -> list[OutlineLimb]:
+    """Return the limbs of a shape, those of the shortest cuts first; they may contain each other.
+
+    Parameters
+    ----------
+    curve : ClosedCurve
+        The outline of the shape.
+    filled : Boundary
+        The shape, with its holes, which no limb contains.
+    """
+    area = boundary_of([curve]).area
+    holes = filled.starts[~_are_on(curve, filled.starts)]
+    found: list[OutlineLimb] = []
+    for limb in sorted(_separated(curve, filled), key=lambda own: own.width):
+        inside = boundary_of([limb.outline])
+        if not 0.0 < inside.area <= _MOST_AREA * area or inside.contains(holes).any():
+            continue
+        if limb.is_slender and not any(_are_same(limb, own) for own in found):
+            found.append(limb)
+    return found
+
+
+def without_limbs(curve: ClosedCurve, limbs: Sequence[OutlineLimb]) -> ClosedCurve:
+    """Return a curve with straight cuts instead of limbs that do not meet."""
+    places = curve.starts[:-1]
+    for limb in limbs:
+        places = places[np.mod(places - limb.begin, curve.length) > limb.end - limb.begin]
+    cuts = np.mod([place for limb in limbs for place in (limb.begin, limb.end)], curve.length)
+    return ClosedCurve(curve.at(np.unique(np.concatenate([places, cuts]))))
+
+
+def _separated(curve: ClosedCurve, filled: Boundary) -> Iterator[OutlineLimb]:
+    """Yield what is on both sides of all cuts."""
+    spacing = curve.length / _SAMPLES
+    places = curve.spread(0.0, curve.length, curve.sharp_places(_CONCAVE), spacing)[:-1]
+    points, side = curve.at(places), _SIDE * spacing
+    turns = signed_angles(points - curve.at(places - side), curve.at(places + side) - points)
+    apart = np.abs(curve.differences(places, places))
+    for place in np.flatnonzero(turns < -_CONCAVE):
+        if turns[place] > turns[apart[place] < side].min():
+            continue
+        away = np.linalg.norm(points - points[place], axis=1)
+        is_nearest = (away <= np.roll(away, 1)) & (away <= np.roll(away, -1)) & (apart[place] > 2.0 * side)
+        for other in np.flatnonzero(is_nearest):
+            if filled.contains(points[place] + _ALONG[:, None] * (points[other] - points[place])).all():
+                foot = _foot(curve, points[place], places[other] - spacing, places[other] + spacing)
+                for begin, end in ((float(places[place]), foot), (foot, float(places[place]))):
+                    yield OutlineLimb(curve, begin, begin + (end - begin) % curve.length)
+
+
+def _foot(curve: ClosedCurve, point: NDArray[np.float64], low: float, high: float) -> float:
+    """Return the place between two others, at most a round apart, that is nearest to a point, (2,)."""
+    places = curve.spread(low, high, curve.starts[:-1], np.inf)
+    corners = curve.at(places)
+    along = np.diff(corners, axis=0)
+    squares = np.maximum(np.square(along).sum(axis=1), np.finfo(np.float64).tiny)
+    shares = np.clip(((point - corners[:-1]) * along).sum(axis=1) / squares, 0.0, 1.0)
+    nearest = int(np.square(corners[:-1] + shares[:, None] * along - point).sum(axis=1).argmin())
+    return float(places[nearest] + shares[nearest] * (places[nearest + 1] - places[nearest]))
+
+
+def _are_on(curve: ClosedCurve, points: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Return which points are corners of a curve."""
+    corners = set(map(tuple, curve.points.tolist()))
+    return np.array([tuple(point) in corners for point in points.tolist()], bool)
+
+
+def _are_same(one: OutlineLimb, other: OutlineLimb) -> bool:
+    """Return whether two limbs of a curve have nearly the same ends."""
+    ends = np.array([[own.begin, own.end] for own in (one, other)])
+    return bool(np.abs(np.diag(one.curve.differences(*ends))).sum() < _SAME * one.curve.length)

@@ -1,0 +1,84 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Limbs of flat shapes are what the shortest cuts from concave points separate."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of
+from convwass_addon.geometry.outline_limbs import outline_limbs, without_limbs
+from tests.flat_shapes import ellipse, rectangle
+
+LETTER_T = np.array([(-0.5, 0), (0.5, 0), (0.5, 4), (2, 4), (2, 5), (-2, 5), (-2, 4), (-0.5, 4)], float)
+# One unit wide.
+LETTER_L = np.array([(0, 0), (4, 0), (4, 1), (1, 1), (1, 8), (0, 8)], float)
+
+
+def limbs(ring, *holes):
+    curve = ClosedCurve(np.asarray(ring, float))
+    return outline_limbs(curve, boundary_of([curve, *map(ClosedCurve, holes)]))
+
+
+def turned(points, angle):
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return points @ np.array([[cosine, sine], [-sine, cosine]])
+
+
+@pytest.mark.parametrize("angle", [0.0, 0.4, 2.0])
+@pytest.mark.parametrize("size", [1.0, 1e-3, 1e4])
+def test_the_arms_of_a_t(angle, size):
+    found = limbs(size * turned(LETTER_T, angle))
+    assert [limb.width for limb in found] == pytest.approx([size, size])
+    centers = np.array([boundary_of([limb.outline]).center for limb in found]) / size
+    centers = turned(centers, -angle)
+    assert sorted(centers[:, 0]) == pytest.approx([-1.25, 1.25])
+    assert centers[:, 1] == pytest.approx([4.5, 4.5])
+    axes = turned(np.array([limb.axis for limb in found]), -angle)
+    assert axes == pytest.approx(np.sign(centers[:, :1]) * (1.0, 0.0), abs=1e-9)
+    for limb in found:
+        places, distances = limb.coordinates(limb.outline.points).T
+        assert sorted(places) == pytest.approx([0, 0, 1, 1], abs=1e-9)
+        assert sorted(distances) == pytest.approx([0, 0, 1.5 * size, 1.5 * size], abs=1e-9 * size)
+
+
+def test_a_t_without_arms_is_an_i():
+    curve = ClosedCurve(LETTER_T)
+    left = without_limbs(curve, limbs(LETTER_T))
+    assert boundary_of([left]).area == pytest.approx(5.0)
+    assert boundary_of([left]).bounds == pytest.approx(np.array([(-0.5, 0.0), (0.5, 5.0)]))
+
+
+@pytest.mark.parametrize(
+    "ring",
+    [ellipse(), rectangle(), np.array([(0, 0), (3, 0), (1, 1), (0, 3)], float), ellipse(radii=(4.0, 0.5))],
+    ids=["disc", "square", "kite", "ellipse"],
+)
+def test_shapes_without_limbs(ring):
+    assert limbs(ring) == []
+
+
+def test_limbs_are_small():
+    """The long stroke of an L is more than half of it."""
+    (limb,) = limbs(LETTER_L)
+    assert boundary_of([limb.outline]).area == pytest.approx(3.0)
+    assert without_limbs(limb.curve, [limb]).length == pytest.approx(18.0)
+
+
+def test_what_has_a_hole_is_no_limb():
+    hole = np.array([(2.3, 0.3), (2.3, 0.7), (2.7, 0.7), (2.7, 0.3)])
+    assert limbs(LETTER_L, hole) == []
+
+
+def test_limbs_meet_where_their_outlines_do():
+    one, other = limbs(LETTER_T)
+    assert one.meets(one)
+    assert not one.meets(other)
+    assert not other.meets(one)
+
+
+def test_a_limb_across_the_first_point_of_the_outline():
+    for shift in range(len(LETTER_T)):
+        found = limbs(np.roll(LETTER_T, shift, axis=0))
+        assert [boundary_of([limb.outline]).area for limb in found] == pytest.approx([1.5, 1.5])
