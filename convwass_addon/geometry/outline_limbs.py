@@ -8,7 +8,7 @@ M. Singh, G. Seyranian and D. Hoffman, "Parsing silhouettes: The short-cut rule"
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -27,8 +27,10 @@ _CORNER = np.radians(20.0)
 _CONCAVE = np.radians(35.0)
 # Points of a cut, without its ends, that have to be inside the shape.
 _ALONG = np.linspace(0.1, 0.9, 7)
-# Largest share of the area of a shape that a limb has.
-_MOST_AREA = 0.3
+# Half the width of the neighborhood in which limbs reach equally far, in lengths of the cut.
+_NEAR = 0.05
+# Points this close to a curve, relative to its length, are on it.
+_ON_CURVE = 1e-9
 # A limb reaches at least so far, in lengths of its cut; and its sides run along it: they leave the strip over the cut
 # at most by the second share of its length, and go back behind the cut at most by the third one.
 _LEAST_REACH, _BESIDE, _BEHIND = 1.2, 0.35, 0.05
@@ -54,9 +56,19 @@ class OutlineLimb:
     begin: float
     end: float
 
-    def sampled(self, spacing: float) -> NDArray[np.float64]:
-        """Return points of the outline from one end of the cut to the other one, corners included, (n, 2)."""
-        return self.curve.at(self.curve.spread(self.begin, self.end, self.curve.sharp_places(_CORNER), spacing))
+    def sampled(self, spacing: float, marks: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return points of the outline from one end of the cut to the other one, (n, 2).
+
+        Parameters
+        ----------
+        spacing : float
+            Their approximate distance.
+        marks : (k, 2)
+            Points that are among them if they are on the outline, as corners are.
+        """
+        places, away = self.curve.nearest(marks)
+        knots = np.concatenate([self.curve.sharp_places(_CORNER), places[away <= _ON_CURVE * self.curve.length]])
+        return self.curve.at(self.curve.spread(self.begin, self.end, knots, spacing))
 
     @cached_property
     def outline(self) -> ClosedCurve:
@@ -84,11 +96,23 @@ class OutlineLimb:
         begin, end = self.cut
         return np.linalg.solve(np.stack([end - begin, self.axis], axis=1), (points - begin).T).T
 
-    def meets(self, other: OutlineLimb) -> bool:
-        """Return whether two limbs of a curve have points of it in common."""
-        length = self.curve.length
-        apart = (other.begin - self.begin) % length, (self.begin - other.begin) % length
-        return apart[0] < self.end - self.begin or apart[1] < other.end - other.begin
+    def reaches(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far the limb reaches along the axis near places on the line of the cut, (n,); see `coordinates`.
+
+        At the sides, which are hardly ever parallel to the axis, it reaches as far as just beside them.
+        """
+        return np.max([self._reaches(places + offset) for offset in (-_NEAR, 0.0, _NEAR)], axis=0)
+
+    def _reaches(self, places: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return how far the limb reaches along the axis at places, (n,)."""
+        begin, low = self.coordinates(self.outline.points).T
+        end, high = np.roll(begin, -1), np.roll(low, -1)
+        along = end - begin
+        # The ends of edges along the axis are those of others, too.
+        is_across = np.abs(along) > _ON_CURVE
+        shares = (places[:, None] - begin) / np.where(is_across, along, 1.0)
+        crosses = is_across & (shares >= -_ON_CURVE) & (shares <= 1.0 + _ON_CURVE)
+        return np.where(crosses, low + shares * (high - low), 0.0).max(axis=1)
 
     @property
     def is_slender(self) -> bool:
@@ -106,7 +130,7 @@ class OutlineLimb:
         )
 
 
-def outline_limbs(curve: ClosedCurve, filled: Boundary) -> list[OutlineLimb]:
+def outline_limbs(curve: ClosedCurve, filled: Boundary, largest: float) -> list[OutlineLimb]:
     """Return the limbs of a shape, those of the shortest cuts first; they may contain each other.
 
     Parameters
@@ -115,26 +139,27 @@ def outline_limbs(curve: ClosedCurve, filled: Boundary) -> list[OutlineLimb]:
         The outline of the shape.
     filled : Boundary
         The shape, with its holes, which no limb contains.
+    largest : float
+        Largest area of a limb.
     """
-    area = boundary_of([curve]).area
     holes = filled.starts[~_are_on(curve, filled.starts)]
     found: list[OutlineLimb] = []
     for limb in sorted(_separated(curve, filled), key=lambda own: own.width):
         inside = boundary_of([limb.outline])
-        if not 0.0 < inside.area <= _MOST_AREA * area or inside.contains(holes).any():
+        if not 0.0 < inside.area <= largest or inside.contains(holes).any():
             continue
         if limb.is_slender and not any(_are_same(limb, own) for own in found):
             found.append(limb)
     return found
 
 
-def without_limbs(curve: ClosedCurve, limbs: Sequence[OutlineLimb]) -> ClosedCurve:
-    """Return a curve with straight cuts instead of limbs that do not meet."""
+def without_limb(limb: OutlineLimb) -> ClosedCurve:
+    """Return the outline of a shape with a straight cut instead of one of its limbs."""
+    curve = limb.curve
     places = curve.starts[:-1]
-    for limb in limbs:
-        places = places[np.mod(places - limb.begin, curve.length) > limb.end - limb.begin]
-    cuts = np.mod([place for limb in limbs for place in (limb.begin, limb.end)], curve.length)
-    return ClosedCurve(curve.at(np.unique(np.concatenate([places, cuts]))))
+    places = places[np.mod(places - limb.begin, curve.length) > limb.end - limb.begin]
+    cut = np.mod([limb.begin, limb.end], curve.length)
+    return ClosedCurve(curve.at(np.unique(np.concatenate([places, cut]))))
 
 
 def _separated(curve: ClosedCurve, filled: Boundary) -> Iterator[OutlineLimb]:

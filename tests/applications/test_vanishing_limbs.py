@@ -13,6 +13,7 @@ from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.motion_request import MotionRequest
+from convwass_addon.applications.outlines.agreeing_motion import AgreeingMotion
 from convwass_addon.applications.outlines.attached_limbs import with_limb
 from convwass_addon.applications.outlines.extruded_motion import extruded_motion
 from convwass_addon.applications.outlines.limb_motion import LimbMotion, with_lent_limbs
@@ -22,7 +23,7 @@ from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.vanishing_limbs import shape_bodies
 from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of
 from convwass_addon.geometry.edges import topology, vertex_components
-from convwass_addon.geometry.outline_limbs import outline_limbs, without_limbs
+from convwass_addon.geometry.outline_limbs import outline_limbs, without_limb
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.planar_mesh import planar_mesh
 from convwass_addon.progress import UNINTERRUPTED
@@ -36,6 +37,10 @@ LETTER_E = np.array(
     [(0, 0), (4, 0), (4, 1), (1, 1), (1, 3), (3.5, 3), (3.5, 4), (1, 4), (1, 6), (4, 6), (4, 7), (0, 7)], float
 )
 LETTER_F = np.array([(0, 0), (1, 0), (1, 3), (3.5, 3), (3.5, 4), (1, 4), (1, 6), (4, 6), (4, 7), (0, 7)], float)
+# Without both halves of a stem, the bar is a limb.
+LETTER_H = np.array(
+    [(0, 0), (1, 0), (1, 3.5), (4, 3.5), (4, 0), (5, 0), (5, 8), (4, 8), (4, 4.5), (1, 4.5), (1, 8), (0, 8)], float
+)
 LETTER_A = np.array([(-2.5, 0), (-1.3, 0), (-0.9, 1.4), (0.9, 1.4), (1.3, 0), (2.5, 0), (0.7, 7), (-0.7, 7)], float)
 HALF_X = np.array([(2.5, 0), (0.7, 3.5), (2.5, 7), (1.3, 7), (0, 4.6)], float)
 LETTER_X = np.concatenate([HALF_X, HALF_X[-2::-1] * (-1, 1), [(-1.3, 0), (0, 2.4), (1.3, 0)]])
@@ -70,6 +75,7 @@ def motion_of(*rings, pairs=BOTH_WAYS, coherence=0.5):
         (LETTER_L, LETTER_I, [1, 0]),
         (LETTER_T, LETTER_I, [2, 0]),
         (LETTER_E, LETTER_I, [3, 0]),
+        (LETTER_H, LETTER_I, [3, 0]),
         (LETTER_E, LETTER_E, [0, 0]),
         (LETTER_E, 2.0 * LETTER_E + 1.0, [0, 0]),
     ],
@@ -111,22 +117,30 @@ def test_shapes_of_different_numbers_of_regions_keep_their_limbs():
     assert [body.limbs for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches())] == [(), ()]
 
 
+def test_regions_of_different_numbers_of_holes_keep_their_limbs():
+    hole = rectangle((0.2, 0.2), (0.8, 0.8))
+    shapes = [OutlinedShape.of(own) for own in (filled(LETTER_E), filled(LETTER_F, hole))]
+    assert [body.limbs for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches())] == [(), ()]
+    shapes = [OutlinedShape.of(own) for own in (filled(LETTER_E, hole), filled(LETTER_F, hole))]
+    assert [len(body.limbs) for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches())] == [1, 0]
+
+
 def test_a_limb_slides_back_onto_a_cut_that_bends():
     """A limb of length 3 on a body that turned by 90 degrees, twice as large, and whose side became an arc."""
     curve = ClosedCurve(LETTER_L)
-    (limb,) = outline_limbs(curve, boundary_of([curve]))
-    body = planar_mesh(boundary_of([without_limbs(curve, [limb])]).divided(0.25), 0.25)
-    whole, attached = with_limb(body, limb, 0.3)
+    (limb,) = outline_limbs(curve, boundary_of([curve]), 4.0)
+    body = planar_mesh(boundary_of([without_limb(limb)]).divided(0.25), 0.25)
+    whole, attached = with_limb(body, limb, 0.3, np.empty((0, 2)))
     assert whole.area == pytest.approx(11.0)
     assert topology(whole).open_edges > 0
     assert attached.along[[0, -1]] == pytest.approx([0.0, 1.0])
     places = whole.vertices[len(body.vertices) :, :2]
-    assert attached.moved(body.vertices, 1.0)[:, :2] == pytest.approx(places)
+    assert attached.moved(body.vertices, 1.0, 1.0)[:, :2] == pytest.approx(places)
     bent = body.vertices.copy()
     inner = body.vertices[attached.root, 1]
     bent[attached.root, 0] += inner * (1.0 - inner)
     bent = np.column_stack([-2.0 * bent[:, 1], 2.0 * bent[:, 0], bent[:, 2]])
-    found = attached.moved(bent, 0.5)[:, :2]
+    found = attached.moved(bent, 0.5, 2.0)[:, :2]
     back = np.column_stack([found[:, 1], -found[:, 0]]) / 2.0
     on_root = np.interp(places[:, 1], np.sort(inner), np.sort(inner) * (1.0 - np.sort(inner)))
     assert back[:, 1] == pytest.approx(places[:, 1])
@@ -147,12 +161,26 @@ def test_the_foot_of_an_l(rings):
             assert found.resolved().contains(tip).tolist() == [True, True, False]
 
 
+def test_the_bar_of_an_h_takes_its_stem_along():
+    """Halfway, the bar is half as long, and both halves of the stem at its end are, too."""
+    moved = with_lent_limbs(motion_of(LETTER_H, LETTER_I), BOTH_WAYS)
+    for sheet, shape in zip(moved.sheets, moved.choice.motion.moved([0.5, 0.5]), strict=True):
+        found = sheet.moved(shape)
+        assert found.area == pytest.approx(8.0 + 2.0 + 3.5, rel=1e-3)
+        assert np.ptp(found.bounds, axis=0) == pytest.approx([3.0, 8.0], rel=1e-3)
+
+
 def test_a_path_back_to_the_same_shape():
     moved = with_lent_limbs(motion_of(LETTER_E, LETTER_F, LETTER_E, pairs=[(0, 1), (1, 2)]), [(0, 1), (1, 2)])
     for weights in ((0.5, 0.5, 0.0), (0.0, 0.5, 0.5)):
         shapes = moved.choice.motion.moved(weights)
         areas = [sheet.moved(own).area for sheet, own in zip(moved.sheets, shapes, strict=True) if own is not None]
         assert areas == pytest.approx([14.0] * 2, rel=1e-3)
+
+
+def test_limbs_that_would_collide_stay(monkeypatch):
+    monkeypatch.setattr("convwass_addon.applications.outlines.limb_motion.largest_overlap", lambda *_: 0.002)
+    assert isinstance(motion_of(LETTER_L, LETTER_I).choice.motion, AgreeingMotion)
 
 
 def test_shapes_that_come_half_of_the_way_lend_nothing():

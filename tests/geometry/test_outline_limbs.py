@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of
-from convwass_addon.geometry.outline_limbs import outline_limbs, without_limbs
+from convwass_addon.geometry.outline_limbs import outline_limbs, without_limb
 from tests.flat_shapes import ellipse, rectangle
 
 LETTER_T = np.array([(-0.5, 0), (0.5, 0), (0.5, 4), (2, 4), (2, 5), (-2, 5), (-2, 4), (-0.5, 4)], float)
@@ -17,8 +17,8 @@ LETTER_L = np.array([(0, 0), (4, 0), (4, 1), (1, 1), (1, 8), (0, 8)], float)
 
 
 def limbs(ring, *holes):
-    curve = ClosedCurve(np.asarray(ring, float))
-    return outline_limbs(curve, boundary_of([curve, *map(ClosedCurve, holes)]))
+    curve = ring if isinstance(ring, ClosedCurve) else ClosedCurve(np.asarray(ring, float))
+    return outline_limbs(curve, boundary_of([curve, *map(ClosedCurve, holes)]), 0.3 * boundary_of([curve]).area)
 
 
 def turned(points, angle):
@@ -44,8 +44,9 @@ def test_the_arms_of_a_t(angle, size):
 
 
 def test_a_t_without_arms_is_an_i():
-    curve = ClosedCurve(LETTER_T)
-    left = without_limbs(curve, limbs(LETTER_T))
+    once = without_limb(limbs(LETTER_T)[0])
+    (other,) = limbs(once)
+    left = without_limb(other)
     assert boundary_of([left]).area == pytest.approx(5.0)
     assert boundary_of([left]).bounds == pytest.approx(np.array([(-0.5, 0.0), (0.5, 5.0)]))
 
@@ -63,7 +64,7 @@ def test_limbs_are_small():
     """The long stroke of an L is more than half of it."""
     (limb,) = limbs(LETTER_L)
     assert boundary_of([limb.outline]).area == pytest.approx(3.0)
-    assert without_limbs(limb.curve, [limb]).length == pytest.approx(18.0)
+    assert without_limb(limb).length == pytest.approx(18.0)
 
 
 def test_what_has_a_hole_is_no_limb():
@@ -71,11 +72,33 @@ def test_what_has_a_hole_is_no_limb():
     assert limbs(LETTER_L, hole) == []
 
 
-def test_limbs_meet_where_their_outlines_do():
-    one, other = limbs(LETTER_T)
-    assert one.meets(one)
-    assert not one.meets(other)
-    assert not other.meets(one)
+def test_how_far_a_limb_with_a_slanted_end_reaches():
+    """From four at its lower side to two at its upper one; places near each other have the larger reach."""
+    slanted = np.array([(0, 0), (5, 0), (3, 1), (1, 1), (1, 12), (0, 12)], float)
+    (limb,) = limbs(slanted)
+    heights = np.linspace(0.25, 0.9, 5)
+    places = limb.coordinates(np.column_stack([np.full(5, 1.0), heights]))[:, 0]
+    slope = limb.axis[1] / limb.axis[0]
+    # Lines along the axis from the cut meet x = 5 - 2 y.
+    ends = (5.0 - 2.0 * (heights - 0.05) - 1.0) / (1.0 + 2.0 * slope)
+    assert limb.reaches(places) == pytest.approx(ends / limb.axis[0])
+
+
+def test_how_far_a_limb_with_a_step_at_its_end_reaches():
+    stepped = np.array([(0, 0), (4, 0), (4, 0.4), (3, 0.4), (3, 1), (1, 1), (1, 12), (0, 12)], float)
+    limb = limbs(stepped)[-1]
+    assert abs(limb.axis[1]) < 0.1
+    lower, upper = limb.reaches(np.array([0.2, 0.8]))
+    assert (lower, upper) == pytest.approx((3.0, 2.0), abs=0.02)
+
+
+def test_a_limb_is_sampled_at_its_corners_and_marks():
+    (limb,) = limbs(LETTER_L)
+    points = limb.sampled(0.8, np.array([(2.3, 0.0), (0.0, 4.0), (2.5, 0.5)])).tolist()
+    assert [(x, y) for x, y in points if y == pytest.approx(0.0)][1] == pytest.approx((1.65, 0.0))
+    assert [2.3, 0.0] in [pytest.approx(point) for point in points]
+    assert [point for point in points if point in ([4.0, 0.0], [4.0, 1.0])] == [[4.0, 0.0], [4.0, 1.0]]
+    assert np.ptp(points, axis=0) == pytest.approx([3.0, 1.0])
 
 
 def test_a_limb_across_the_first_point_of_the_outline():

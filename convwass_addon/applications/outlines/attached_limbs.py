@@ -32,19 +32,22 @@ class AttachedLimb:
         Their places on the cut at rest, from 0 to 1.
     coordinates : (n, 2) float64
         Of the vertices of the limb, as :meth:`.OutlineLimb.coordinates` gives them.
+    reaches : (n,) float64
+        Distances of the end of the limb along the axis, at the places of the vertices.
     axis : complex
-        The axis of the limb over the vector from the first end of the cut to the last one.
+        The axis of the limb over the direction from the first end of the cut to the last one.
     """
 
     root: NDArray[np.int64]
     along: NDArray[np.float64]
     coordinates: NDArray[np.float64]
+    reaches: NDArray[np.float64]
     axis: complex
 
-    def moved(self, body: NDArray[np.float64], left: float) -> NDArray[np.float64]:
+    def moved(self, body: NDArray[np.float64], left: float, scale: float) -> NDArray[np.float64]:
         """Return the vertices of the limb, (n, 3).
 
-        The limb turns and grows as the line between the ends of the cut does, and slides back along its axis, onto the
+        The limb turns and widens as the line between the ends of the cut does, and slides back along its axis, onto the
         curve that the cut has become. What is beside the cut retracts towards it, too.
 
         Parameters
@@ -53,18 +56,23 @@ class AttachedLimb:
             Vertices of the moved body, in the plane z = 0.
         left : float
             Share of its reach by which the limb stands out.
+        scale : float
+            Size of the body over that at rest.
         """
         x, y = body[self.root, :2].T
         places, distances = self.coordinates.T
-        reached = np.maximum(distances - (1.0 - left) * distances.max(), left * np.minimum(distances, 0.0))
+        reached = np.maximum(distances - (1.0 - left) * self.reaches, left * np.minimum(distances, 0.0))
         on_cut = np.clip(places, 0.0, 1.0)
         across = complex(x[-1] - x[0], y[-1] - y[0])
         found = np.interp(on_cut, self.along, x) + 1j * np.interp(on_cut, self.along, y)
-        found = found + (left * (places - on_cut) + reached * self.axis) * across
+        direction = across / abs(across) if across else 0.0
+        found = found + left * (places - on_cut) * across + scale * reached * self.axis * direction
         return np.column_stack([found.real, found.imag, np.zeros(len(found))])
 
 
-def with_limb(body: TriangleMesh, limb: OutlineLimb, edge: float) -> tuple[TriangleMesh, AttachedLimb]:
+def with_limb(
+    body: TriangleMesh, limb: OutlineLimb, edge: float, marks: NDArray[np.float64]
+) -> tuple[TriangleMesh, AttachedLimb]:
     """Return a triangulated body together with a limb that was cut from it.
 
     Parameters
@@ -75,10 +83,12 @@ def with_limb(body: TriangleMesh, limb: OutlineLimb, edge: float) -> tuple[Trian
         The limb.
     edge : float
         Length of the edges of its triangles.
+    marks : (k, 2)
+        Points of its outline that are vertices, such as the ends of cuts of what was cut from it.
     """
     root, along = _on_cut(body, limb)
     points = body.vertices[root, :2]
-    ring = ClosedCurve(np.concatenate([limb.sampled(edge)[1:-1], points[::-1]]))
+    ring = ClosedCurve(np.concatenate([limb.sampled(edge, marks)[1:-1], points[::-1]]))
     # The root is not divided further.
     longest = max(edge, float(np.linalg.norm(np.diff(points, axis=0), axis=1).max()) * (1.0 + _SAME))
     mesh = without_bridges(planar_mesh(boundary_of([ring]), longest))
@@ -89,8 +99,9 @@ def with_limb(body: TriangleMesh, limb: OutlineLimb, edge: float) -> tuple[Trian
     number = np.where(is_root, root[nearest], len(body.vertices) + np.cumsum(~is_root) - 1)
     whole = TriangleMesh(np.concatenate([body.vertices, own[~is_root]]), np.concatenate([body.faces, number[faces]]))
     begin, end = limb.cut
-    axis = complex(*limb.axis) / complex(*(end - begin))
-    return whole, AttachedLimb(root, along, limb.coordinates(own[~is_root, :2]), axis)
+    axis = complex(*limb.axis) * limb.width / complex(*(end - begin))
+    coordinates = limb.coordinates(own[~is_root, :2])
+    return whole, AttachedLimb(root, along, coordinates, limb.reaches(coordinates[:, 0]), axis)
 
 
 def _on_cut(body: TriangleMesh, limb: OutlineLimb) -> tuple[NDArray[np.int64], NDArray[np.float64]]:

@@ -16,12 +16,15 @@ from ..motions.motion import MovedShape, unmoved
 from .agreeing_motion import AgreeingMotion
 from .attached_limbs import AttachedLimb, with_limb
 from .lent_parts import LendingMotion
-from .moved_sheets import MovedSheets
+from .moved_sheets import MovedSheets, largest_overlap
 from .sheets import Sheet
 from .vanishing_limbs import ShapeBody
 
 # Edge length of the triangles of limbs, relative to the size of the body.
 _TRIANGLES = 0.028
+# Limbs collide if more of the area than this overlaps besides: from an r to an m, with legs that bend, 0.009 does, and
+# for all letters whose limbs retract well at most 0.0001.
+_COLLIDING = 0.001
 
 
 @dataclass(frozen=True)
@@ -35,7 +38,7 @@ class LimbMotion:
     rests : tuple of TriangleMesh
         The shapes at rest; the vertices of their bodies come first.
     limbs : tuple of tuple of AttachedLimb
-        Their limbs, whose vertices follow in this order.
+        Their limbs, whose vertices follow in this order; they are attached to the body or to those before them.
     """
 
     bodies: AgreeingMotion
@@ -61,13 +64,17 @@ class LimbMotion:
         for index, (body, rest, limbs) in enumerate(zip(found, self.rests, self.limbs, strict=True)):
             if body is not None and limbs:
                 left = 1.0 - self.way * (1.0 - weights[index])
-                vertices = [limb.moved(body.vertices, left) for limb in limbs]
-                found[index] = MovedShape(rest, np.concatenate([body.vertices, *vertices]))
+                scale, vertices = float(np.sqrt(body.mesh.area / body.rest.area)), body.vertices
+                for limb in limbs:
+                    vertices = np.concatenate([vertices, limb.moved(vertices, left, scale)])
+                found[index] = MovedShape(rest, vertices)
         return found
 
 
-def with_limbs(moved: MovedSheets, parts: Sequence[Boundary], bodies: Sequence[ShapeBody]) -> MovedSheets:
-    """Return moved bodies with their limbs.
+def with_limbs(
+    moved: MovedSheets, parts: Sequence[Boundary], bodies: Sequence[ShapeBody], pairs: Sequence[tuple[int, int]]
+) -> MovedSheets | None:
+    """Return moved bodies with their limbs, or None if these would collide on the way.
 
     Parameters
     ----------
@@ -77,18 +84,25 @@ def with_limbs(moved: MovedSheets, parts: Sequence[Boundary], bodies: Sequence[S
         The whole shapes.
     bodies : sequence of ShapeBody
         The bodies with the limbs that they lack.
+    pairs : sequence of (int, int)
+        Shapes that occur together in a blend.
     """
     flat = moved.choice.motion
     rests, limbs = [], []
     for index, body in enumerate(bodies):
         rest, attached = unmoved(flat, len(bodies), index).rest, []
-        for limb in body.limbs:
-            rest, own = with_limb(rest, limb, _TRIANGLES * body.shape.size)
+        # What was cut off last is attached first.
+        for limb in reversed(body.limbs):
+            rest, own = with_limb(rest, limb, _TRIANGLES * body.shape.size, body.shape.marks)
             attached.append(own)
         rests.append(rest)
         limbs.append(tuple(attached))
     motion = LimbMotion(flat, tuple(rests), tuple(limbs))
     sheets = tuple(Sheet.attached(part, rest) for part, rest in zip(parts, rests, strict=True))
+    ways = [way for pair in pairs for way in (pair, pair[::-1]) if limbs[way[0]]]
+    overlap = max(largest_overlap(sheets, motion, way) for way in ways)
+    if overlap > moved.overlap + _COLLIDING:
+        return None
     return replace(moved, sheets=sheets, choice=replace(moved.choice, motion=motion))
 
 

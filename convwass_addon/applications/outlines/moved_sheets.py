@@ -21,7 +21,7 @@ from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion, GuidedPair
 from ..motions.guided_settings import GuidedSettings
 from ..motions.laid_meshes import Laid
-from ..motions.motion import weights_between
+from ..motions.motion import Motion, weights_between
 from ..motions.motion_choice import MotionChoice
 from ..motions.shape_deformations import ShapeDeformation, split_deformation
 from ..workers import both_ways, side_by_side
@@ -164,7 +164,7 @@ def moved_sheets(
     motion = AgreeingMotion(GuidedMotion(carriers, deformations, known, settings))
     turned = max((abs(pair.turn) for pair in known.values()), default=0.0)
     choice = MotionChoice("guided", "OUTLINES", motion, turned=turned)
-    overlap = max((_overlap(sheets, motion, pair) for pair in matches), default=0.0)
+    overlap = max((largest_overlap(sheets, motion, pair) for pair in matches), default=0.0)
     vanishing = max((vanishing_share(match.first, match.second) for match in matches.values()), default=0.0)
     score = min((pair.score for pair in known.values()), default=1.0)
     regions = max(len(shape.regions) for shape in shapes)
@@ -193,8 +193,8 @@ def _deformed(
     return there, back, max(first.distortion, second.distortion)
 
 
-def _overlap(sheets: Sequence[Sheet], motion: AgreeingMotion, pair: tuple[int, int]) -> float:
-    """Return the largest share of the area of two moved shapes that overlaps itself at some times on their way."""
+def largest_overlap(sheets: Sequence[Sheet], motion: Motion, pair: tuple[int, int]) -> float:
+    """Return the largest share of the area of a shape that overlaps itself at some times on its way to another one."""
 
     def overlap(number: int) -> float:
         moved = motion.moved(weights_between(len(sheets), pair, _TIMES[number]))[pair[0]]

@@ -28,8 +28,8 @@ def outline_motion(
 ) -> MovedSheets | None:
     """Return the guided motion of flat shapes, or None if one has too many regions, or none.
 
-    Limbs that vanish are cut off, and retract into what is left. That moves as its outlines are matched; see
-    :func:`.matched_motion.matched_motion`.
+    Limbs that vanish are cut off, and retract into what is left, unless they would collide. That moves as its outlines
+    are matched; see :func:`.matched_motion.matched_motion`.
 
     Parameters
     ----------
@@ -55,7 +55,7 @@ def outline_motion(
         # Limbs were chosen for bodies that stay as they stand.
         left, upright = [own.shape for own in bodies], KnownMatches(only_placed)
         moved = attempted(matched_motion, left, names, pairs, settings, upright, control)
-        whole = None if moved is None else attempted(with_limbs, moved, parts, bodies)
+        whole = None if moved is None else attempted(with_limbs, moved, parts, bodies, pairs)
         if whole is not None:
             return whole
     return matched_motion(shapes, names, pairs, settings, known, control)

@@ -14,16 +14,18 @@ from functools import cached_property
 import numpy as np
 
 from ...geometry.closed_curves import ClosedCurve, boundary_of
-from ...geometry.outline_limbs import OutlineLimb, outline_limbs, without_limbs
+from ...geometry.outline_limbs import OutlineLimb, outline_limbs, without_limb
 from .matched_outlines import MatchedOutlines, rough_work
 from .outline_curves import OutlineCurve
 from .outline_pairs import KnownMatches, region_pairs
-from .outlined_shape import OutlinedShape
+from .outlined_shape import OutlinedRegion, OutlinedShape
 
 # Limbs vanish if outlines match with less than this share of the work without one, and with its square without two. By
 # eye, an E that becomes an F (0.01), a y that becomes a K (0.39) and a 1 that becomes a 7 (0.59) are better so, and a K
 # that becomes a 0 (0.44 without three limbs) is not.
 _CLEARLY_LESS = 0.63
+# Largest share of the area of a region that a limb has.
+_MOST_AREA = 0.3
 # Bodies match with less work than this; a d and an F without arms (0.45) do not.
 _MOST_WORK = 0.36
 # Outlines that match with less work than the first number keep all limbs, and with less than the second one those that
@@ -43,7 +45,7 @@ class ShapeBody:
     shape : OutlinedShape
         The shape without them.
     limbs : tuple of OutlineLimb
-        The limbs.
+        The limbs, each of the outline that is left without those before it.
     """
 
     shape: OutlinedShape
@@ -57,33 +59,35 @@ class _Region:
     Attributes
     ----------
     outer : ClosedCurve
-        The curve around it, with all limbs.
+        The curve around what is left.
     holes : tuple of ClosedCurve
         Those around its holes.
+    area : float
+        The area inside the curve around the whole region.
     limbs : tuple of OutlineLimb
-        The limbs that it lacks.
+        The limbs that it lacks, in the order in which they were cut off.
     """
 
     outer: ClosedCurve
     holes: tuple[ClosedCurve, ...]
+    area: float
     limbs: tuple[OutlineLimb, ...] = ()
+
+    @classmethod
+    def of(cls, shape: OutlinedShape, region: OutlinedRegion) -> _Region:
+        """Return a whole region of a shape."""
+        outer, *holes = shape.rim(region)
+        return cls(outer, tuple(holes), boundary_of([outer]).area)
 
     @cached_property
     def outline(self) -> OutlineCurve:
-        """The curve around what is left."""
-        rim = without_limbs(self.outer, self.limbs) if self.limbs else self.outer
-        return OutlineCurve(rim, boundary_of([rim, *self.holes]), boundary_of([rim]).center)
-
-    @cached_property
-    def candidates(self) -> list[OutlineLimb]:
-        """All limbs of the region."""
-        return outline_limbs(self.outer, boundary_of([self.outer, *self.holes]))
+        """The curve around what is left, with what it is compared by."""
+        return OutlineCurve(self.outer, boundary_of([self.outer, *self.holes]), boundary_of([self.outer]).center)
 
     def shorter(self) -> Iterator[_Region]:
         """Yield the region without one more limb."""
-        for limb in self.candidates:
-            if not any(limb.meets(own) for own in self.limbs):
-                yield replace(self, limbs=(*self.limbs, limb))
+        for limb in outline_limbs(self.outer, self.outline.filled, _MOST_AREA * self.area):
+            yield replace(self, outer=without_limb(limb), limbs=(*self.limbs, limb))
 
 
 @dataclass(frozen=True)
@@ -124,7 +128,10 @@ class _Regions:
 def shape_bodies(
     shapes: Sequence[OutlinedShape], pairs: Sequence[tuple[int, int]], known: KnownMatches
 ) -> list[ShapeBody]:
-    """Return shapes without the limbs that vanish; all limbs stay if shapes have different numbers of regions.
+    """Return shapes without the limbs that vanish.
+
+    All limbs stay if shapes have different numbers of regions, and those of regions with different numbers of holes,
+    where outlines change most.
 
     Parameters
     ----------
@@ -138,7 +145,7 @@ def shape_bodies(
     if len({len(shape.regions) for shape in shapes}) > 1:
         return [ShapeBody(shape) for shape in shapes]
     regions = {
-        (index, number): _Region(shape.curves[own.outer], tuple(shape.curves[hole] for hole in own.holes))
+        (index, number): _Region.of(shape, own)
         for index, shape in enumerate(shapes)
         for number, own in enumerate(shape.regions)
     }
@@ -147,6 +154,8 @@ def shape_bodies(
     )
     found = _Regions(regions, links)
     for link in links:
+        if len({len(regions[place].holes) for place in link}) > 1:
+            continue
         shorter = _without_vanishing(found, link)
         if shorter is not found:
             whole, count = _match(shapes, link, known), shorter.limb_count(link) - found.limb_count(link)
@@ -200,6 +209,6 @@ def _body(shape: OutlinedShape, regions: Sequence[_Region]) -> ShapeBody:
         return ShapeBody(shape)
     curves = list(shape.curves)
     for own, region in zip(shape.regions, regions, strict=True):
-        curves[own.outer] = region.outline.curve
+        curves[own.outer] = region.outer
     marks = np.concatenate([limb.cut for limb in limbs])
     return ShapeBody(OutlinedShape(boundary_of(curves), tuple(curves), shape.regions, marks), limbs)
