@@ -183,6 +183,11 @@ def test_limbs_that_would_collide_stay(monkeypatch):
     assert isinstance(motion_of(LETTER_L, LETTER_I).choice.motion, AgreeingMotion)
 
 
+def test_records_tell_how_many_limbs_retract():
+    assert motion_of(LETTER_T, LETTER_I).choice.record()["limbs"] == 2
+    assert "limbs" not in motion_of(LETTER_I, LETTER_I).choice.record()
+
+
 def test_shapes_that_come_half_of_the_way_lend_nothing():
     moved = motion_of(LETTER_L, LETTER_I, coherence=0.25)
     assert isinstance(moved.choice.motion, LimbMotion)

@@ -60,6 +60,8 @@ class MotionChoice:
         Number of guides without which two shapes map better, so that they were left out.
     bodies : int
         Number of bodies of each shape that move by themselves; see :mod:`.separate_bodies`.
+    limbs : int
+        Number of limbs of all shapes that retract along themselves; see :mod:`.vanishing_limbs`.
     """
 
     kind: str
@@ -72,10 +74,11 @@ class MotionChoice:
     left: float | None = None
     guides_left_out: int = 0
     bodies: int = 1
+    limbs: int = 0
 
     def record(self) -> dict[str, object]:
         """Return the description of the motion for the record of every frame, ready for JSON."""
         known = {"score": self.score, "failure": self.failure or None, "turned": round(self.turned) or None}
         known |= {"detour": self.detour, "left": self.left, "guides_left_out": self.guides_left_out or None}
-        known["bodies"] = self.bodies if self.bodies > 1 else None
+        known |= {"bodies": self.bodies if self.bodies > 1 else None, "limbs": self.limbs or None}
         return {"kind": self.kind, "reason": self.reason, **{k: v for k, v in known.items() if v is not None}}

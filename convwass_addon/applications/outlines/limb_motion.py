@@ -103,7 +103,8 @@ def with_limbs(
     overlap = max(largest_overlap(sheets, motion, way) for way in ways)
     if overlap > moved.overlap + _COLLIDING:
         return None
-    return replace(moved, sheets=sheets, choice=replace(moved.choice, motion=motion))
+    choice = replace(moved.choice, motion=motion, limbs=sum(map(len, limbs)))
+    return replace(moved, sheets=sheets, choice=choice)
 
 
 def with_lent_limbs(moved: MovedSheets, pairs: Sequence[tuple[int, int]]) -> MovedSheets:
