@@ -25,6 +25,8 @@ _SAMPLES, _SIDE = 200, 2
 _CORNER = np.radians(20.0)
 # A curve is concave where it turns to the right by more than this angle.
 _CONCAVE = np.radians(35.0)
+# Areas between samples of a curve are those of limbs but for this factor.
+_ABOUT = 1.5
 # Points of a cut, without its ends, that have to be inside the shape.
 _ALONG = np.linspace(0.1, 0.9, 7)
 # Half the width of the neighborhood in which limbs reach equally far, in lengths of the cut.
@@ -130,7 +132,7 @@ class OutlineLimb:
         )
 
 
-def outline_limbs(curve: ClosedCurve, filled: Boundary, largest: float) -> list[OutlineLimb]:
+def outline_limbs(curve: ClosedCurve, filled: Boundary, areas: tuple[float, float]) -> list[OutlineLimb]:
     """Return the limbs of a shape, those of the shortest cuts first; they may contain each other.
 
     Parameters
@@ -139,14 +141,14 @@ def outline_limbs(curve: ClosedCurve, filled: Boundary, largest: float) -> list[
         The outline of the shape.
     filled : Boundary
         The shape, with its holes, which no limb contains.
-    largest : float
-        Largest area of a limb.
+    areas : (float, float)
+        Least and largest area of a limb.
     """
     holes = filled.starts[~_are_on(curve, filled.starts)]
     found: list[OutlineLimb] = []
-    for limb in sorted(_separated(curve, filled), key=lambda own: own.width):
+    for limb in sorted(_separated(curve, filled, areas), key=lambda own: own.width):
         inside = boundary_of([limb.outline])
-        if not 0.0 < inside.area <= largest or inside.contains(holes).any():
+        if not areas[0] <= inside.area <= areas[1] or inside.contains(holes).any():
             continue
         if limb.is_slender and not any(_are_same(limb, own) for own in found):
             found.append(limb)
@@ -162,11 +164,14 @@ def without_limb(limb: OutlineLimb) -> ClosedCurve:
     return ClosedCurve(curve.at(np.unique(np.concatenate([places, cut]))))
 
 
-def _separated(curve: ClosedCurve, filled: Boundary) -> Iterator[OutlineLimb]:
-    """Yield what is on both sides of all cuts."""
+def _separated(curve: ClosedCurve, filled: Boundary, areas: tuple[float, float]) -> Iterator[OutlineLimb]:
+    """Yield what all cuts separate, of areas from about the first of two to about the second one."""
     spacing = curve.length / _SAMPLES
-    places = curve.spread(0.0, curve.length, curve.sharp_places(_CONCAVE), spacing)[:-1]
+    corners = curve.sharp_places(_CONCAVE)
+    # A curve of very many corners, such as a traced one, is treated as smooth.
+    places = curve.spread(0.0, curve.length, corners[: len(corners) if len(corners) <= _SAMPLES else 0], spacing)[:-1]
     points, side = curve.at(places), _SIDE * spacing
+    low, high = areas[0] / _ABOUT, areas[1] * _ABOUT
     turns = signed_angles(points - curve.at(places - side), curve.at(places + side) - points)
     apart = np.abs(curve.differences(places, places))
     for place in np.flatnonzero(turns < -_CONCAVE):
@@ -174,11 +179,24 @@ def _separated(curve: ClosedCurve, filled: Boundary) -> Iterator[OutlineLimb]:
             continue
         away = np.linalg.norm(points - points[place], axis=1)
         is_nearest = (away <= np.roll(away, 1)) & (away <= np.roll(away, -1)) & (apart[place] > 2.0 * side)
-        for other in np.flatnonzero(is_nearest):
+        before, after = _areas(points, place)
+        fits = np.stack([(low <= own) & (own <= high) for own in (before, after)])
+        for other in np.flatnonzero(is_nearest & fits.any(axis=0)):
             if filled.contains(points[place] + _ALONG[:, None] * (points[other] - points[place])).all():
                 foot = _foot(curve, points[place], places[other] - spacing, places[other] + spacing)
-                for begin, end in ((float(places[place]), foot), (foot, float(places[place]))):
-                    yield OutlineLimb(curve, begin, begin + (end - begin) % curve.length)
+                ways = (foot, float(places[place])), (float(places[place]), foot)
+                for (begin, end), is_chosen in zip(ways, fits[:, other], strict=True):
+                    if is_chosen:
+                        yield OutlineLimb(curve, begin, begin + (end - begin) % curve.length)
+
+
+def _areas(points: NDArray[np.float64], place: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the areas of a closed polygon between each of its corners and one of them, and between that and each."""
+    rolled = np.roll(points - points[place], -place, axis=0)
+    # With that corner as the origin, the straight line to it adds nothing.
+    crosses = rolled[:-1, 0] * rolled[1:, 1] - rolled[:-1, 1] * rolled[1:, 0]
+    after = 0.5 * np.concatenate([[0.0], np.cumsum(crosses)])
+    return tuple(np.roll(own, place) for own in (after[-1] - after, after))
 
 
 def _foot(curve: ClosedCurve, point: NDArray[np.float64], low: float, high: float) -> float:

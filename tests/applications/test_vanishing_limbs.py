@@ -128,7 +128,7 @@ def test_regions_of_different_numbers_of_holes_keep_their_limbs():
 def test_a_limb_slides_back_onto_a_cut_that_bends():
     """A limb of length 3 on a body that turned by 90 degrees, twice as large, and whose side became an arc."""
     curve = ClosedCurve(LETTER_L)
-    (limb,) = outline_limbs(curve, boundary_of([curve]), 4.0)
+    (limb,) = outline_limbs(curve, boundary_of([curve]), (0.1, 4.0))
     body = planar_mesh(boundary_of([without_limb(limb)]).divided(0.25), 0.25)
     whole, attached = with_limb(body, limb, 0.3, np.empty((0, 2)))
     assert whole.area == pytest.approx(11.0)

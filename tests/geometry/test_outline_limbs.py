@@ -18,7 +18,8 @@ LETTER_L = np.array([(0, 0), (4, 0), (4, 1), (1, 1), (1, 8), (0, 8)], float)
 
 def limbs(ring, *holes):
     curve = ring if isinstance(ring, ClosedCurve) else ClosedCurve(np.asarray(ring, float))
-    return outline_limbs(curve, boundary_of([curve, *map(ClosedCurve, holes)]), 0.3 * boundary_of([curve]).area)
+    area = boundary_of([curve]).area
+    return outline_limbs(curve, boundary_of([curve, *map(ClosedCurve, holes)]), (0.02 * area, 0.3 * area))
 
 
 def turned(points, angle):
@@ -105,3 +106,9 @@ def test_a_limb_across_the_first_point_of_the_outline():
     for shift in range(len(LETTER_T)):
         found = limbs(np.roll(LETTER_T, shift, axis=0))
         assert [boundary_of([limb.outline]).area for limb in found] == pytest.approx([1.5, 1.5])
+
+
+def test_noise_has_no_limbs():
+    around = np.linspace(0.0, 2.0 * np.pi, 1000, endpoint=False)
+    radii = 1.0 + np.random.default_rng(0).normal(0.0, 0.02, len(around))
+    assert limbs(radii[:, None] * np.stack([np.cos(around), np.sin(around)], axis=1)) == []

@@ -24,8 +24,8 @@ from .outlined_shape import OutlinedRegion, OutlinedShape
 # eye, an E that becomes an F (0.01), a y that becomes a K (0.39) and a 1 that becomes a 7 (0.59) are better so, and a K
 # that becomes a 0 (0.44 without three limbs) is not.
 _CLEARLY_LESS = 0.63
-# Largest share of the area of a region that a limb has.
-_MOST_AREA = 0.3
+# Least and largest share of the area of a region that a limb has.
+_AREAS = 0.02, 0.3
 # Bodies match with less work than this; a d and an F without arms (0.45) do not.
 _MOST_WORK = 0.36
 # Outlines that match with less work than the first number keep all limbs, and with less than the second one those that
@@ -86,7 +86,7 @@ class _Region:
 
     def shorter(self) -> Iterator[_Region]:
         """Yield the region without one more limb."""
-        for limb in outline_limbs(self.outer, self.outline.filled, _MOST_AREA * self.area):
+        for limb in outline_limbs(self.outer, self.outline.filled, tuple(share * self.area for share in _AREAS)):
             yield replace(self, outer=without_limb(limb), limbs=(*self.limbs, limb))
 
 
