@@ -91,11 +91,9 @@ class ClosedCurve:
         inner = inner[np.diff(inner, prepend=-np.inf) > near]
         ends = np.concatenate([[begin], inner, [end]])
         counts = np.maximum(np.rint(np.diff(ends) / spacing).astype(int), 1)
-        pieces = [
-            low + (high - low) * np.arange(count) / count
-            for low, high, count in zip(ends[:-1], ends[1:], counts, strict=True)
-        ]
-        return np.concatenate([*pieces, [end]])
+        piece = np.repeat(np.arange(len(counts)), counts)
+        number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        return np.append(ends[piece] + np.diff(ends)[piece] * number / counts[piece], end)
 
     def resampled(self, knots: NDArray[np.float64], spacing: float) -> ClosedCurve:
         """Return the polygon through points that are evenly spaced between knots, as for :meth:`spread`."""
