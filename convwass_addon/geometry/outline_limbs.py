@@ -8,21 +8,19 @@ M. Singh, G. Seyranian and D. Hoffman, "Parsing silhouettes: The short-cut rule"
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from .closed_curves import ClosedCurve, boundary_of
+from .closed_curves import CORNER, ClosedCurve, boundary_of
 from .planar_fill import Boundary
 from .plane_angles import signed_angles
 
 # Samples of a curve, and by how many of them it is followed to both sides of a point to measure how it turns there.
 _SAMPLES, _SIDE = 200, 2
-# Angle from which on points of a curve are corners.
-_CORNER = np.radians(20.0)
 # A curve is concave where it turns to the right by more than this angle.
 _CONCAVE = np.radians(35.0)
 # Areas between samples of a curve are those of limbs but for this factor.
@@ -31,8 +29,8 @@ _ABOUT = 1.5
 _ALONG = np.linspace(0.1, 0.9, 7)
 # Half the width of the neighborhood in which limbs reach equally far, in lengths of the cut.
 _NEAR = 0.05
-# Points this close to a curve, relative to its length, are on it.
-_ON_CURVE = 1e-9
+# Edges whose ends are this close, in lengths of the cut, are parallel to the axis; and by how much they are extended.
+_PARALLEL = 1e-9
 # A limb reaches at least so far, in lengths of its cut; and its sides run along it: they leave the strip over the cut
 # at most by the second share of its length, and go back behind the cut at most by the third one.
 _LEAST_REACH, _BESIDE, _BEHIND = 1.2, 0.35, 0.05
@@ -68,8 +66,7 @@ class OutlineLimb:
         marks : (k, 2)
             Points that are among them if they are on the outline, as corners are.
         """
-        places, away = self.curve.nearest(marks)
-        knots = np.concatenate([self.curve.sharp_places(_CORNER), places[away <= _ON_CURVE * self.curve.length]])
+        knots = np.concatenate([self.curve.sharp_places(CORNER), self.curve.places_of(marks)])
         return self.curve.at(self.curve.spread(self.begin, self.end, knots, spacing))
 
     @cached_property
@@ -111,9 +108,9 @@ class OutlineLimb:
         end, high = np.roll(begin, -1), np.roll(low, -1)
         along = end - begin
         # The ends of edges along the axis are those of others, too.
-        is_across = np.abs(along) > _ON_CURVE
+        is_across = np.abs(along) > _PARALLEL
         shares = (places[:, None] - begin) / np.where(is_across, along, 1.0)
-        crosses = is_across & (shares >= -_ON_CURVE) & (shares <= 1.0 + _ON_CURVE)
+        crosses = is_across & (shares >= -_PARALLEL) & (shares <= 1.0 + _PARALLEL)
         return np.where(crosses, low + shares * (high - low), 0.0).max(axis=1)
 
     @property
@@ -132,23 +129,23 @@ class OutlineLimb:
         )
 
 
-def outline_limbs(curve: ClosedCurve, filled: Boundary, areas: tuple[float, float]) -> list[OutlineLimb]:
+def outline_limbs(curve: ClosedCurve, holes: Sequence[ClosedCurve], areas: tuple[float, float]) -> list[OutlineLimb]:
     """Return the limbs of a shape, those of the shortest cuts first; they may contain each other.
 
     Parameters
     ----------
     curve : ClosedCurve
         The outline of the shape.
-    filled : Boundary
-        The shape, with its holes, which no limb contains.
+    holes : sequence of ClosedCurve
+        The curves around its holes, which no limb contains.
     areas : (float, float)
         Least and largest area of a limb.
     """
-    holes = filled.starts[~_are_on(curve, filled.starts)]
+    filled, empty = boundary_of([curve, *holes]), np.concatenate([np.empty((0, 2)), *(own.points for own in holes)])
     found: list[OutlineLimb] = []
     for limb in sorted(_separated(curve, filled, areas), key=lambda own: own.width):
         inside = boundary_of([limb.outline])
-        if not areas[0] <= inside.area <= areas[1] or inside.contains(holes).any():
+        if not areas[0] <= inside.area <= areas[1] or inside.contains(empty).any():
             continue
         if limb.is_slender and not any(_are_same(limb, own) for own in found):
             found.append(limb)
@@ -169,7 +166,8 @@ def _separated(curve: ClosedCurve, filled: Boundary, areas: tuple[float, float])
     spacing = curve.length / _SAMPLES
     corners = curve.sharp_places(_CONCAVE)
     # A curve of very many corners, such as a traced one, is treated as smooth.
-    places = curve.spread(0.0, curve.length, corners[: len(corners) if len(corners) <= _SAMPLES else 0], spacing)[:-1]
+    knots = corners if len(corners) <= _SAMPLES else corners[:0]
+    places = curve.spread(0.0, curve.length, knots, spacing)[:-1]
     points, side = curve.at(places), _SIDE * spacing
     low, high = areas[0] / _ABOUT, areas[1] * _ABOUT
     turns = signed_angles(points - curve.at(places - side), curve.at(places + side) - points)
@@ -183,7 +181,7 @@ def _separated(curve: ClosedCurve, filled: Boundary, areas: tuple[float, float])
         fits = np.stack([(low <= own) & (own <= high) for own in (before, after)])
         for other in np.flatnonzero(is_nearest & fits.any(axis=0)):
             if filled.contains(points[place] + _ALONG[:, None] * (points[other] - points[place])).all():
-                foot = _foot(curve, points[place], places[other] - spacing, places[other] + spacing)
+                foot = curve.nearest_between(points[place], places[other] - spacing, places[other] + spacing)
                 ways = (foot, float(places[place])), (float(places[place]), foot)
                 for (begin, end), is_chosen in zip(ways, fits[:, other], strict=True):
                     if is_chosen:
@@ -197,23 +195,6 @@ def _areas(points: NDArray[np.float64], place: int) -> tuple[NDArray[np.float64]
     crosses = rolled[:-1, 0] * rolled[1:, 1] - rolled[:-1, 1] * rolled[1:, 0]
     after = 0.5 * np.concatenate([[0.0], np.cumsum(crosses)])
     return tuple(np.roll(own, place) for own in (after[-1] - after, after))
-
-
-def _foot(curve: ClosedCurve, point: NDArray[np.float64], low: float, high: float) -> float:
-    """Return the place between two others, at most a round apart, that is nearest to a point, (2,)."""
-    places = curve.spread(low, high, curve.starts[:-1], np.inf)
-    corners = curve.at(places)
-    along = np.diff(corners, axis=0)
-    squares = np.maximum(np.square(along).sum(axis=1), np.finfo(np.float64).tiny)
-    shares = np.clip(((point - corners[:-1]) * along).sum(axis=1) / squares, 0.0, 1.0)
-    nearest = int(np.square(corners[:-1] + shares[:, None] * along - point).sum(axis=1).argmin())
-    return float(places[nearest] + shares[nearest] * (places[nearest + 1] - places[nearest]))
-
-
-def _are_on(curve: ClosedCurve, points: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return which points are corners of a curve."""
-    corners = set(map(tuple, curve.points.tolist()))
-    return np.array([tuple(point) in corners for point in points.tolist()], bool)
 
 
 def _are_same(one: OutlineLimb, other: OutlineLimb) -> bool:

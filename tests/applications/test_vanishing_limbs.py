@@ -21,12 +21,13 @@ from convwass_addon.applications.outlines.outline_motion import outline_motion
 from convwass_addon.applications.outlines.outline_pairs import KnownMatches
 from convwass_addon.applications.outlines.outlined_shape import OutlinedShape
 from convwass_addon.applications.outlines.vanishing_limbs import shape_bodies
+from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of
 from convwass_addon.geometry.edges import topology, vertex_components
 from convwass_addon.geometry.outline_limbs import outline_limbs, without_limb
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.planar_mesh import planar_mesh
-from convwass_addon.progress import UNINTERRUPTED
+from convwass_addon.progress import UNINTERRUPTED, Control
 from tests.flat_shapes import rectangle
 from tests.shapes import extruded
 
@@ -57,7 +58,7 @@ def beside(ring):
 
 
 def limb_counts(*rings, pairs=BOTH_WAYS):
-    bodies = shape_bodies([OutlinedShape.of(filled(ring)) for ring in rings], pairs, KnownMatches())
+    bodies = shape_bodies([OutlinedShape.of(filled(ring)) for ring in rings], pairs, KnownMatches(), UNINTERRUPTED)
     return [len(body.limbs) for body in bodies]
 
 
@@ -107,28 +108,37 @@ def test_a_limb_that_the_next_shape_has_stays():
 
 def test_shapes_of_several_regions_lose_the_limbs_of_each():
     shapes = [OutlinedShape.of(filled(*own)) for own in ((LETTER_E, beside(LETTER_L)), (LETTER_F, beside(LETTER_I)))]
-    bodies = shape_bodies(shapes, BOTH_WAYS, KnownMatches())
+    bodies = shape_bodies(shapes, BOTH_WAYS, KnownMatches(), UNINTERRUPTED)
     assert [len(body.limbs) for body in bodies] == [2, 0]
     assert bodies[0].shape.filled.area == pytest.approx(shapes[0].filled.area - 6.0)
 
 
 def test_shapes_of_different_numbers_of_regions_keep_their_limbs():
     shapes = [OutlinedShape.of(filled(*own)) for own in ((LETTER_E, beside(LETTER_L)), (LETTER_F,))]
-    assert [body.limbs for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches())] == [(), ()]
+    assert [body.limbs for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches(), UNINTERRUPTED)] == [(), ()]
 
 
 def test_regions_of_different_numbers_of_holes_keep_their_limbs():
     hole = rectangle((0.2, 0.2), (0.8, 0.8))
     shapes = [OutlinedShape.of(own) for own in (filled(LETTER_E), filled(LETTER_F, hole))]
-    assert [body.limbs for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches())] == [(), ()]
+    assert [body.limbs for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches(), UNINTERRUPTED)] == [(), ()]
     shapes = [OutlinedShape.of(own) for own in (filled(LETTER_E, hole), filled(LETTER_F, hole))]
-    assert [len(body.limbs) for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches())] == [1, 0]
+    assert [len(body.limbs) for body in shape_bodies(shapes, BOTH_WAYS, KnownMatches(), UNINTERRUPTED)] == [1, 0]
+
+
+def test_the_search_stops_when_cancelled():
+    control = Control()
+    control.cancel()
+    with pytest.raises(Cancelled):
+        shape_bodies(
+            [OutlinedShape.of(filled(ring)) for ring in (LETTER_E, LETTER_F)], BOTH_WAYS, KnownMatches(), control
+        )
 
 
 def test_a_limb_slides_back_onto_a_cut_that_bends():
     """A limb of length 3 on a body that turned by 90 degrees, twice as large, and whose side became an arc."""
     curve = ClosedCurve(LETTER_L)
-    (limb,) = outline_limbs(curve, boundary_of([curve]), (0.1, 4.0))
+    (limb,) = outline_limbs(curve, [], (0.1, 4.0))
     body = planar_mesh(boundary_of([without_limb(limb)]).divided(0.25), 0.25)
     whole, attached = with_limb(body, limb, 0.3, np.empty((0, 2)))
     assert whole.area == pytest.approx(11.0)

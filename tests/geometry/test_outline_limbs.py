@@ -9,6 +9,7 @@ import pytest
 
 from convwass_addon.geometry.closed_curves import ClosedCurve, boundary_of
 from convwass_addon.geometry.outline_limbs import outline_limbs, without_limb
+from convwass_addon.geometry.plane_angles import rotated
 from tests.flat_shapes import ellipse, rectangle
 
 LETTER_T = np.array([(-0.5, 0), (0.5, 0), (0.5, 4), (2, 4), (2, 5), (-2, 5), (-2, 4), (-0.5, 4)], float)
@@ -19,24 +20,19 @@ LETTER_L = np.array([(0, 0), (4, 0), (4, 1), (1, 1), (1, 8), (0, 8)], float)
 def limbs(ring, *holes):
     curve = ring if isinstance(ring, ClosedCurve) else ClosedCurve(np.asarray(ring, float))
     area = boundary_of([curve]).area
-    return outline_limbs(curve, boundary_of([curve, *map(ClosedCurve, holes)]), (0.02 * area, 0.3 * area))
-
-
-def turned(points, angle):
-    cosine, sine = np.cos(angle), np.sin(angle)
-    return points @ np.array([[cosine, sine], [-sine, cosine]])
+    return outline_limbs(curve, list(map(ClosedCurve, holes)), (0.02 * area, 0.3 * area))
 
 
 @pytest.mark.parametrize("angle", [0.0, 0.4, 2.0])
 @pytest.mark.parametrize("size", [1.0, 1e-3, 1e4])
 def test_the_arms_of_a_t(angle, size):
-    found = limbs(size * turned(LETTER_T, angle))
+    found = limbs(size * rotated(LETTER_T, angle))
     assert [limb.width for limb in found] == pytest.approx([size, size])
     centers = np.array([boundary_of([limb.outline]).center for limb in found]) / size
-    centers = turned(centers, -angle)
+    centers = rotated(centers, -angle)
     assert sorted(centers[:, 0]) == pytest.approx([-1.25, 1.25])
     assert centers[:, 1] == pytest.approx([4.5, 4.5])
-    axes = turned(np.array([limb.axis for limb in found]), -angle)
+    axes = rotated(np.array([limb.axis for limb in found]), -angle)
     assert axes == pytest.approx(np.sign(centers[:, :1]) * (1.0, 0.0), abs=1e-9)
     for limb in found:
         places, distances = limb.coordinates(limb.outline.points).T

@@ -18,7 +18,7 @@ from ..motions.motion import MovedShape
 from .agreeing_motion import AgreeingMotion
 from .hollow_shape import HollowShape
 from .revolved_shape import RevolvedShape
-from .section_motion import moved_towards_mean
+from .section_motion import moved_towards_mean, share_left
 from .sheets import Sheet
 
 
@@ -60,7 +60,7 @@ class FillingMotion:
         places, volumes = (moved_towards_mean(own, weights, way) for own in (self.centers, self.volumes))
         found: list[MovedShape | None] = []
         for index, (shape, flat) in enumerate(zip(self.shapes, self.flat.moved(weights), strict=True)):
-            left = 1.0 - way * (1.0 - weights[index])
+            left = share_left(weights[index], way)
             if flat is None:
                 found.append(None)
             elif isinstance(shape, RevolvedShape):

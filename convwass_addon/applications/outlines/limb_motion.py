@@ -16,12 +16,11 @@ from ..motions.motion import MovedShape, unmoved
 from .agreeing_motion import AgreeingMotion
 from .attached_limbs import AttachedLimb, with_limb
 from .lent_parts import LendingMotion
-from .moved_sheets import MovedSheets, largest_overlap
+from .moved_sheets import TRIANGLES, MovedSheets, largest_overlap
+from .section_motion import share_left
 from .sheets import Sheet
 from .vanishing_limbs import ShapeBody
 
-# Edge length of the triangles of limbs, relative to the size of the body.
-_TRIANGLES = 0.028
 # Limbs collide if more of the area than this overlaps besides: from an r to an m, with legs that bend, 0.009 does, and
 # for all letters whose limbs retract well at most 0.0001.
 _COLLIDING = 0.001
@@ -63,7 +62,7 @@ class LimbMotion:
         found = self.bodies.moved(weights)
         for index, (body, rest, limbs) in enumerate(zip(found, self.rests, self.limbs, strict=True)):
             if body is not None and limbs:
-                left = 1.0 - self.way * (1.0 - weights[index])
+                left = share_left(weights[index], self.way)
                 scale, vertices = float(np.sqrt(body.mesh.area / body.rest.area)), body.vertices
                 for limb in limbs:
                     vertices = np.concatenate([vertices, limb.moved(vertices, left, scale)])
@@ -93,7 +92,7 @@ def with_limbs(
         rest, attached = unmoved(flat, len(bodies), index).rest, []
         # What was cut off last is attached first.
         for limb in reversed(body.limbs):
-            rest, own = with_limb(rest, limb, _TRIANGLES * body.shape.size, body.shape.marks)
+            rest, own = with_limb(rest, limb, TRIANGLES * body.shape.size, body.shape.marks)
             attached.append(own)
         rests.append(rest)
         limbs.append(tuple(attached))
@@ -115,10 +114,8 @@ def with_lent_limbs(moved: MovedSheets, pairs: Sequence[tuple[int, int]]) -> Mov
     lending = LendingMotion.of(motion, motion, motion.is_loose, pairs)
     sheets = list(moved.sheets)
     for index, parts in lending.parts.items():
-        rest, first = lending.rests[index].mesh, len(sheets[index].mesh.faces)
-        for part in parts:
-            # What closes a solid part is not needed.
-            count = len(part.faces) // 2
-            sheets[index] = sheets[index].with_triangles(rest, np.arange(first, first + count))
-            first += len(part.faces)
+        rest = sheets[index].mesh
+        # What closes a solid part is not needed.
+        lent = [TriangleMesh(part.added(rest, None), part.faces[: len(part.faces) // 2]) for part in parts]
+        sheets[index] = Sheet.joined([sheets[index], *map(Sheet.of_triangles, lent)])
     return replace(moved, sheets=tuple(sheets), choice=replace(moved.choice, motion=lending))

@@ -37,6 +37,11 @@ _MOST_OVERLAP = 0.01
 _TOUCHING, _COLLIDING = 0.001, 300.0
 
 
+def have_few_regions(shapes: Sequence[OutlinedShape]) -> bool:
+    """Return whether shapes have regions, and at most `MOST_REGIONS`."""
+    return all(1 <= len(shape.regions) <= MOST_REGIONS for shape in shapes)
+
+
 def matched_motion(
     shapes: Sequence[OutlinedShape],
     names: Sequence[str],
@@ -65,7 +70,7 @@ def matched_motion(
     control : Control
         Stops the work.
     """
-    if not all(1 <= len(shape.regions) <= MOST_REGIONS for shape in shapes):
+    if not have_few_regions(shapes):
         return None
     completed = {_points(own): own for own in (with_equal_counts(shapes, pairs, share) for share in _LEAST_SHARES)}
     with one_blas_thread():

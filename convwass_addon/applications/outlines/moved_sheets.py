@@ -31,8 +31,9 @@ from .outline_pairs import KnownMatches, ShapePair, matched_shapes, vanishing_sh
 from .outlined_shape import OutlinedShape
 from .sheets import Sheet
 
-# Edge length of the triangles, relative to the size of the shape.
-_TRIANGLES = 0.028
+TRIANGLES = 0.028
+"""Edge length of the triangles, relative to the size of the shape."""
+
 # Carriers have at least this number of vertices, and are never coarser than the shapes.
 _VERTICES = 6000
 # Times at which shapes are checked for overlaps, and cells along the longest side of the grid for that.
@@ -213,7 +214,7 @@ def _figures(match: ShapePair) -> GuidedPair:
 def _sheet(shape: OutlinedShape, knots: Sequence[NDArray[np.float64]]) -> Sheet:
     """Triangulate a shape, with vertices at the knots of every curve."""
     exact = [curve.with_places(own) for curve, own in zip(shape.curves, knots, strict=True)]
-    meshes = region_meshes(shape, knots, _TRIANGLES)
+    meshes = region_meshes(shape, knots, TRIANGLES)
     return Sheet.joined(
         [
             Sheet.attached(boundary_of([exact[index] for index in region.curves]), mesh)

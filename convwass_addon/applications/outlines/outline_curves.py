@@ -11,16 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter, map_coordinates
 
-from ...geometry.closed_curves import ClosedCurve
+from ...geometry.closed_curves import CORNER, ClosedCurve
 from ...geometry.coverage import coverage
 from ...geometry.curve_matching import CurveSamples
 from ...geometry.curve_symmetry import MirrorAxes
 from ...geometry.planar_fill import Boundary
 from ...geometry.plane_angles import rotated, signed_angles
 
-# A corner turns by more than this angle. A curve of more corners than the second number, such as a traced one, is
-# treated as smooth.
-_CORNER, _MOST_CORNERS = np.radians(20.0), 200
+# A curve of more corners, such as a traced one, is treated as smooth.
+_MOST_CORNERS = 200
 # Widths of the Gaussian neighborhoods whose filled fractions are compared, relative to the radius of the curve, and
 # cells along the longest side of the grid on which they are measured.
 _WIDTHS, _CELLS = (0.14, 0.28), 160
@@ -30,7 +29,7 @@ _SAMPLES = 160
 
 def sharp_corners(curve: ClosedCurve) -> NDArray[np.float64]:
     """Return the places of the corners of a curve, which maps keep."""
-    corners = curve.sharp_places(_CORNER)
+    corners = curve.sharp_places(CORNER)
     return corners if len(corners) <= _MOST_CORNERS else corners[:0]
 
 

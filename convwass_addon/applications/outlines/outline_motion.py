@@ -11,7 +11,7 @@ from ...progress import Control
 from ..motions.guided_settings import GuidedSettings
 from ..motions.motion_choice import attempted
 from .limb_motion import with_limbs
-from .matched_motion import matched_motion
+from .matched_motion import have_few_regions, matched_motion
 from .matched_outlines import only_placed
 from .moved_sheets import MovedSheets
 from .outline_pairs import KnownMatches
@@ -50,7 +50,9 @@ def outline_motion(
         If limbs retract, its motion is a :class:`.limb_motion.LimbMotion`.
     """
     shapes, known = [OutlinedShape.of(part) for part in parts], KnownMatches()
-    bodies = attempted(shape_bodies, shapes, pairs, known)
+    if not have_few_regions(shapes):
+        return None
+    bodies = attempted(shape_bodies, shapes, pairs, known, control)
     if bodies is not None and any(own.limbs for own in bodies):
         # Limbs were chosen for bodies that stay as they stand.
         left, upright = [own.shape for own in bodies], KnownMatches(only_placed)

@@ -22,8 +22,6 @@ _GAP = 2e-3
 _PIECE = 1e-3
 # Width of a slit that connects a hole to the outside, relative to the square root of the area.
 _SLIT = 0.004
-# Marks within this distance of a curve are on it, relative to the square root of the area.
-_ON_CURVE = 1e-9
 # Extent of a hole or a region that grows from a point, relative to the square root of the area.
 _POINT = 0.004
 # Least distance of such a hole from the outline, relative to the square root of the area; and cells along both sides
@@ -117,9 +115,8 @@ class OutlinedShape:
 
     def knots(self, index: int) -> NDArray[np.float64]:
         """Return the places on a curve that triangles have as vertices: of its corners and marks."""
-        places, away = self.curves[index].nearest(self.marks)
-        marks = places[away < _ON_CURVE * self.size]
-        return np.concatenate([sharp_corners(self.curves[index]), marks])
+        curve = self.curves[index]
+        return np.concatenate([sharp_corners(curve), curve.places_of(self.marks)])
 
     def center(self, index: int) -> NDArray[np.float64]:
         """Center of what a curve encloses, (2,)."""

@@ -65,9 +65,14 @@ class SectionMotion:
         way = self.flat.way
         places = moved_towards_mean(self.places, weights, way)
         return [
-            None if flat is None else own.moved(flat.mesh, place, 1.0 - way * (1.0 - weight))
+            None if flat is None else own.moved(flat.mesh, place, share_left(weight, way))
             for own, flat, place, weight in zip(self.shapes, self.flat.moved(weights), places, weights, strict=True)
         ]
+
+
+def share_left(weight: float, way: float) -> float:
+    """Return how far a shape of a weight is from the others, from 1 at rest to 0, if it moves a fraction of the way."""
+    return 1.0 - way * (1.0 - weight)
 
 
 def moved_towards_mean(values: NDArray[np.float64], weights: Sequence[float], way: float) -> NDArray[np.float64]:

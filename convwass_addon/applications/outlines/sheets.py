@@ -56,6 +56,15 @@ class Sheet:
         return cls(mesh, fine, *attached)
 
     @classmethod
+    def of_triangles(cls, mesh: TriangleMesh) -> Sheet:
+        """Return triangles, which may have no area, as a sheet that their own edges bound."""
+        use = edge_use(mesh.faces)
+        is_rim = use.count == 1
+        owners, rim = use.face[use.start][is_rim], edge_ends(mesh.faces, use)[is_rim]
+        starts, ends = (AttachedPoints.corners(mesh, owners, own) for own in rim.T)
+        return cls(mesh, Boundary(starts.on(mesh), ends.on(mesh)), starts, ends)
+
+    @classmethod
     def joined(cls, sheets: Sequence[Sheet]) -> Sheet:
         """Return several sheets, which may overlap, as one."""
         firsts = np.cumsum([0, *(len(own.mesh.faces) for own in sheets)])
@@ -68,29 +77,6 @@ class Sheet:
             for each in ([own.starts for own in sheets], [own.ends for own in sheets])
         )
         return cls(joined_meshes([own.mesh for own in sheets]), boundary, starts, ends)
-
-    def with_triangles(self, mesh: TriangleMesh, rows: NDArray[np.int64]) -> Sheet:
-        """Return the sheet with more triangles, bounded by their own edges.
-
-        Parameters
-        ----------
-        mesh : TriangleMesh
-            The triangles of the sheet, and more after them.
-        rows : (k,) int64
-            Indices of those to be bounded.
-        """
-        faces = mesh.faces[rows]
-        use = edge_use(faces)
-        is_rim = use.count == 1
-        owners, ends = rows[use.face[use.start][is_rim]], edge_ends(faces, use)[is_rim]
-        starts, ends = (AttachedPoints.corners(mesh, owners, own) for own in ends.T)
-        boundary = Boundary(starts.on(mesh), ends.on(mesh))
-        return Sheet(
-            mesh,
-            Boundary.joined([self.boundary, boundary]),
-            self.starts.and_also(starts),
-            self.ends.and_also(ends),
-        )
 
     def moved(self, shape: MovedShape) -> Boundary:
         """Return the boundary of the moved sheet."""
@@ -130,12 +116,6 @@ class AttachedPoints:
     def corners(cls, mesh: TriangleMesh, triangles: NDArray[np.int64], vertices: NDArray[np.int64]) -> AttachedPoints:
         """Attach vertices, (n,), of a mesh to triangles, (n,), of which they are corners."""
         return cls(triangles, (mesh.faces[triangles] == vertices[:, None]).astype(np.float64))
-
-    def and_also(self, others: AttachedPoints) -> AttachedPoints:
-        """Return these points, and others of the same triangles after them."""
-        return AttachedPoints(
-            np.concatenate([self.triangles, others.triangles]), np.concatenate([self.shares, others.shares])
-        )
 
     def on(self, moved: TriangleMesh) -> NDArray[np.float64]:
         """Return the points, (n, 2), on the moved mesh."""

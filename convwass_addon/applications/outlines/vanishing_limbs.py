@@ -15,6 +15,7 @@ import numpy as np
 
 from ...geometry.closed_curves import ClosedCurve, boundary_of
 from ...geometry.outline_limbs import OutlineLimb, outline_limbs, without_limb
+from ...progress import Control
 from .matched_outlines import MatchedOutlines, rough_work
 from .outline_curves import OutlineCurve
 from .outline_pairs import KnownMatches, region_pairs
@@ -86,7 +87,7 @@ class _Region:
 
     def shorter(self) -> Iterator[_Region]:
         """Yield the region without one more limb."""
-        for limb in outline_limbs(self.outer, self.outline.filled, tuple(share * self.area for share in _AREAS)):
+        for limb in outline_limbs(self.outer, self.holes, tuple(share * self.area for share in _AREAS)):
             yield replace(self, outer=without_limb(limb), limbs=(*self.limbs, limb))
 
 
@@ -126,7 +127,7 @@ class _Regions:
 
 
 def shape_bodies(
-    shapes: Sequence[OutlinedShape], pairs: Sequence[tuple[int, int]], known: KnownMatches
+    shapes: Sequence[OutlinedShape], pairs: Sequence[tuple[int, int]], known: KnownMatches, control: Control
 ) -> list[ShapeBody]:
     """Return shapes without the limbs that vanish.
 
@@ -141,6 +142,8 @@ def shape_bodies(
         Shapes that occur together in a blend.
     known : KnownMatches
         Matches of their outlines.
+    control : Control
+        Stops the work.
     """
     if len({len(shape.regions) for shape in shapes}) > 1:
         return [ShapeBody(shape) for shape in shapes]
@@ -156,7 +159,7 @@ def shape_bodies(
     for link in links:
         if len({len(regions[place].holes) for place in link}) > 1:
             continue
-        shorter = _without_vanishing(found, link)
+        shorter = _without_vanishing(found, link, control)
         if shorter is not found:
             whole, count = _match(shapes, link, known), shorter.limb_count(link) - found.limb_count(link)
             # Shapes that turn may match with all limbs.
@@ -169,11 +172,12 @@ def shape_bodies(
     ]
 
 
-def _without_vanishing(regions: _Regions, link: tuple[Place, Place]) -> _Regions:
+def _without_vanishing(regions: _Regions, link: tuple[Place, Place], control: Control) -> _Regions:
     """Return regions without the limbs of two of them that vanish where these become each other.
 
     If both are symmetric, so is what is left of them.
     """
+    control.check()
     before = regions.work(link)
     if before < _ALIKE:
         return regions
@@ -183,6 +187,7 @@ def _without_vanishing(regions: _Regions, link: tuple[Place, Place]) -> _Regions
         shorter = list(current.shorter(link))
         if not shorter:
             break
+        control.check()
         works = [own.work(link) for own in shorter]
         current, work = shorter[int(np.argmin(works))], min(works)
         if work > _LESS * last:
