@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from .nearest_edges import nearest_edges
 from .planar_fill import Boundary
 from .plane_angles import signed_angles
 
@@ -19,8 +20,6 @@ CORNER = np.radians(20.0)
 
 # Points this close to a curve, relative to its length, are on it.
 _ON_CURVE = 1e-9
-# Pairs of a point and an edge processed together, few enough for the processor's cache.
-_AT_ONCE = 1 << 15
 
 
 @dataclass(frozen=True)
@@ -69,17 +68,16 @@ class ClosedCurve:
 
     def nearest(self, points: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the places nearest to points, (k, 2), and their distances, (k,)."""
-        places, distances = np.empty(len(points)), np.empty(len(points))
-        for part in np.array_split(np.arange(len(points)), max(1, len(points) * len(self.points) // _AT_ONCE)):
-            edge, shares, distances[part] = _nearest_edges(points[part], self.points, self._sides)
-            places[part] = self.starts[edge] + shares * np.linalg.norm(self._sides[edge], axis=1)
-        return places, distances
+        found = nearest_edges(points, self.points, self._sides)
+        lengths = np.linalg.norm(self._sides[found.edges], axis=1)
+        return self.starts[found.edges] + found.shares * lengths, found.distances
 
     def nearest_between(self, point: NDArray[np.float64], low: float, high: float) -> float:
         """Return the place between two others, the second one larger by at most a round, nearest to a point, (2,)."""
         places = self.spread(low, high, self.starts[:-1], np.inf)
         corners = self.at(places)
-        (edge,), (share,), _ = _nearest_edges(point[None], corners[:-1], np.diff(corners, axis=0))
+        found = nearest_edges(point[None], corners[:-1], np.diff(corners, axis=0))
+        (edge,), (share,) = found.edges, found.shares
         return float(places[edge] + share * (places[edge + 1] - places[edge]))
 
     def spread(self, begin: float, end: float, knots: NDArray[np.float64], spacing: float) -> NDArray[np.float64]:
@@ -124,28 +122,6 @@ class ClosedCurve:
         """Return the same curve with more points on it."""
         knots = np.concatenate([self.starts[:-1], places])
         return ClosedCurve(self.at(self.spread(0.0, self.length, knots, np.inf)[:-1]))
-
-
-def _nearest_edges(
-    points: NDArray[np.float64], starts: NDArray[np.float64], along: NDArray[np.float64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.float64]]:
-    """Return the edges nearest to points, (k,), where on them the nearest points are, from 0 to 1, and the distances.
-
-    Parameters
-    ----------
-    points : (k, 2)
-        The points.
-    starts, along : (e, 2)
-        First ends of the edges, and the vectors from there to the last ones.
-    """
-    (x, y), (along_x, along_y) = starts.T, along.T
-    squares = np.maximum(np.square(along).sum(axis=1), np.finfo(np.float64).tiny)
-    # One array per coordinate: with both in one, this takes three times as long.
-    beyond_x, beyond_y = points[:, 0, None] - x, points[:, 1, None] - y
-    shares = np.clip((beyond_x * along_x + beyond_y * along_y) / squares, 0.0, 1.0)
-    away = np.square(beyond_x - shares * along_x) + np.square(beyond_y - shares * along_y)
-    edge, rows = away.argmin(axis=1), np.arange(len(points))
-    return edge, shares[rows, edge], np.sqrt(away[rows, edge])
 
 
 def opened_curve(outer: ClosedCurve, hole: ClosedCurve, places: tuple[float, float], width: float) -> ClosedCurve:
