@@ -16,6 +16,7 @@ from .mesh import TriangleMesh
 from .planar_fill import Boundary
 from .plane_section import plane_section
 from .revolution import BareSurface, Revolution, both_halves, found_about, mirrored_half, revolution_about
+from .ring_nesting import outline_of
 from .rotation_fields import rotation_matrices
 
 # The first number is the sine of the largest angle between normals of the body and planes through the axis; the second
@@ -79,7 +80,9 @@ def _body(surface: BareSurface, frame: NDArray[np.float64]) -> Revolution | None
     share = 2.0 * np.pi * half.area * half.center[0] / mesh.volume
     if (alike[typical] >= _SAME).mean() < _ALIKE or not _LEAST_BODY <= share <= _MOST_BODY:
         return None
-    return Revolution(both_halves(half), center @ frame, Circle(), is_whole=False)
+    # A handle above the body crosses the axis in all half-planes.
+    section = Boundary.of_rings(outline_of(both_halves(half)).regions[0].rings)
+    return Revolution(section, center @ frame, Circle(), is_whole=False)
 
 
 def _center(

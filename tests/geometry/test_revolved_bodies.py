@@ -36,6 +36,14 @@ def test_the_body_of_a_mug_is_its_cup(mug):
     assert found.center[:2] == pytest.approx(wanted[:2], abs=2e-3)
 
 
+def test_a_handle_across_the_axis_is_no_part_of_the_body():
+    posts = [box((0.12, 0.12, 0.7), (side * 0.92, 0.0, 1.8)) for side in (1.0, -1.0)]
+    _, (bucket,) = common_revolved_bodies([joined(CUP, *posts, box((1.96, 0.12, 0.12), (0.0, 0.0, 2.1)))])
+    assert not bucket.is_whole
+    assert bucket.section.area == pytest.approx(SECTION, rel=0.01)
+    assert bucket.section.bounds[1, 1] - bucket.section.bounds[0, 1] == pytest.approx(1.5, abs=0.01)
+
+
 def test_what_is_revolved_stays_whole():
     _, (cup, mug) = common_revolved_bodies([CUP, MUG])
     assert cup.is_whole
