@@ -10,7 +10,7 @@ import pytest
 from benchmarks.props import revolved, smooth, vase, wine_glass
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
-from convwass_addon.applications.outlines.revolved_motion import revolved_motion
+from convwass_addon.applications.outlines.revolved_motion import motion_with_retracting_parts, revolved_motion
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals
@@ -25,6 +25,9 @@ BULB = revolved(smooth([(0.0, 0.0), (0.2, 0.0), (0.2, 0.4), (0.5, 0.95), (0.5, 1
 # A peg from the middle of the wall to 0.6 beside it, and a cup of twice the size without one.
 PEG = box((0.66, 0.2, 0.2), (1.22, 0.0, 0.9))
 PEGGED, LARGE_CUP = joined(CUP, PEG), TriangleMesh(2.0 * CUP.vertices, CUP.faces)
+# The larger cup with a thicker peg on the other side, 0.9 beside its wall.
+LARGE_PEG = box((1.66, 0.4, 0.4), (-1.91, 0.0, 1.8))
+LARGE_PEGGED = joined(LARGE_CUP, LARGE_PEG)
 VASE = vase()
 TIMES = (0.25, 0.5, 0.75)
 MOTIONS = MotionMemory()
@@ -150,9 +153,28 @@ def test_parts_are_lent_only_to_shapes_that_are_reached():
         assert piece_count(moved.mesh) == pieces
 
 
+def two_pegs(first, second):
+    return MotionRequest([first, second], ["one", "other"], [(0, 1)], "automatic", 0.5)
+
+
 def test_two_handles_are_left_to_the_map():
-    request = MotionRequest([PEGGED, PEGGED], ["one", "other"], [(0, 1)], "automatic", 0.5)
-    assert revolved_motion(request, UNINTERRUPTED) is None
+    assert revolved_motion(two_pegs(PEGGED, LARGE_PEGGED), UNINTERRUPTED) is None
+
+
+def test_of_two_handles_one_retracts_while_the_other_grows():
+    found = motion_with_retracting_parts(two_pegs(PEGGED, LARGE_PEGGED), UNINTERRUPTED)
+    # At the height of the pegs, the wall is at 0.92 of the radius.
+    reaches = np.array([PEG.bounds[1, 0] - 0.92, -LARGE_PEG.bounds[0, 0] - 1.84])
+    for time in TIMES:
+        moved, wall = found.motion.moved([1.0 - time, time]), 1.0 + time
+        ends = np.maximum(wall, 0.92 * wall + [1.0 - time, time] * reaches)
+        for own, other in (moved, moved[::-1]):
+            assert (own.mesh.bounds[1, 0], -own.mesh.bounds[0, 0]) == pytest.approx(ends, abs=0.06)
+            assert other.finder.find_about(own.vertices).distances.max() < 0.05 * wall
+
+
+def test_handles_retract_only_from_two_shapes_that_have_some():
+    assert motion_with_retracting_parts(two_pegs(PEGGED, LARGE_CUP), UNINTERRUPTED) is None
 
 
 def test_the_user_may_ask_for_it():

@@ -9,10 +9,11 @@ from dataclasses import replace
 from ...errors import Cancelled
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
+from ..outlines.revolved_motion import motion_with_retracting_parts
 from .limbs import is_compact
 from .mapped_pairs import TRUSTED
 from .motion_candidates import MotionCandidates, mapped_choice
-from .motion_choice import FAILURES, MotionChoice
+from .motion_choice import FAILURES, MotionChoice, attempted
 from .motion_request import MotionRequest
 from .promising_maps import may_map
 from .uncertain_maps import motion_by_uncertain_map
@@ -21,6 +22,9 @@ from .unmapped_motion import unmapped_motion
 # If one of two shapes is compact, maps are good from this score on. A straight rod and a bent one have 0.99. A monkey's
 # head and a cube have 0.89, and an ear would become a corner; a warp is symmetric.
 _SURE = 0.95
+# Below this score, solids of revolution move as such if what is attached to both does not map beyond doubt. A penguin
+# whose wings become the arms of a snowman has 0.87, a mug whose rim is torn as it becomes a jug 0.78.
+_TORN = 0.85
 # Fractions of the work for a rough map and for the guided motion, if a warp follows.
 _ROUGH_SHARE, _GUIDED_SHARE = 0.05, 0.4
 
@@ -54,9 +58,9 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
     solid = MotionChoice("transport", "SOLID")
     begin = _ROUGH_SHARE if merges else 0.0
     if all(compact):
-        return (yield from unmapped_motion(solid, candidates))
+        return (yield from _unless_revolved(unmapped_motion(solid, candidates), candidates))
     if merges and not (yield from within(_may_all_map(candidates), 0.0, begin)):
-        return (yield from within(unmapped_motion(solid, candidates), begin, 1.0))
+        return (yield from within(_unless_revolved(unmapped_motion(solid, candidates), candidates), begin, 1.0))
     try:
         guided = yield from within(candidates.guided(), begin, _GUIDED_SHARE)
     except Cancelled:
@@ -69,7 +73,17 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
     mapped = mapped_choice("FITS", guided)
     if mapped.score >= (_SURE if merges else TRUSTED):
         return mapped
-    return (yield from within(motion_by_uncertain_map(mapped, merges, candidates), _GUIDED_SHARE, 1.0))
+    uncertain = motion_by_uncertain_map(mapped, merges, candidates)
+    if mapped.score < _TORN:
+        uncertain = _unless_revolved(uncertain, candidates)
+    return (yield from within(uncertain, _GUIDED_SHARE, 1.0))
+
+
+def _unless_revolved(otherwise: Work[MotionChoice], candidates: MotionCandidates) -> Work[MotionChoice]:
+    """Return the motion of solids of revolution whose handles or spouts do not map, or else that of other work."""
+    request = candidates.request
+    revolved = None if request.guides else attempted(motion_with_retracting_parts, request, candidates.control)
+    return revolved or (yield from otherwise)
 
 
 def _may_all_map(candidates: MotionCandidates) -> Work[bool]:

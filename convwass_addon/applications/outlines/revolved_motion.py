@@ -8,11 +8,12 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...geometry.mean_stretches import area_preserving_mean
 from ...geometry.mesh import TriangleMesh
 from ...geometry.planar_fill import Boundary
-from ...geometry.revolution import common_revolutions
+from ...geometry.revolution import Revolution, common_revolutions
 from ...geometry.revolved_bodies import common_revolved_bodies
 from ...geometry.ring_nesting import outline_of
 from ...geometry.section_cavities import SectionCavity, revolved_volume
@@ -49,12 +50,34 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
         holes, do not stay symmetric, or overlap themselves.
     """
     found = common_revolutions(request.shapes) or common_revolved_bodies(request.shapes)
-    if found is None:
-        return None
-    frame, revolutions = found
     # Handles are better mapped onto each other.
-    if any(not revolutions[one].is_whole and not revolutions[other].is_whole for one, other in request.pairs):
-        return None
+    return None if found is None or _two_have_parts(found[1], request) else _by_sections(found, request, control)
+
+
+def motion_with_retracting_parts(request: MotionRequest, control: Control) -> MotionChoice | None:
+    """Return the guided motion of solids of revolution that have attached parts, if two that become each other have.
+
+    The parts of one retract into the body while those of the other grow out of it.
+
+    Returns
+    -------
+    MotionChoice or None
+        None if no two shapes have attached parts, and otherwise as for :func:`revolved_motion`.
+    """
+    found = common_revolved_bodies(request.shapes)
+    return _by_sections(found, request, control) if found is not None and _two_have_parts(found[1], request) else None
+
+
+def _two_have_parts(revolutions: Sequence[Revolution], request: MotionRequest) -> bool:
+    """Return whether there are two shapes with attached parts that become each other."""
+    return any(not revolutions[one].is_whole and not revolutions[other].is_whole for one, other in request.pairs)
+
+
+def _by_sections(
+    found: tuple[NDArray[np.float64], list[Revolution]], request: MotionRequest, control: Control
+) -> MotionChoice | None:
+    """Return the guided motion of solids of revolution, given the frame of their axes, if their sections match."""
+    frame, revolutions = found
     sections = [own.section for own in revolutions]
     if len({tuple(len(region.holes) for region in outline_of(own).regions) for own in sections}) > 1:
         return None

@@ -12,7 +12,8 @@ from scipy.sparse.linalg import ArpackNoConvergence
 from convwass_addon.applications.motions.surface_choice import motion_of_surfaces
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from tests.applications.motions.given_motions import BARBELL, WARP, chosen_by, give, guided_with
-from tests.shapes import ball, box, square
+from tests.revolutions import CUP
+from tests.shapes import ball, box, joined, square
 
 
 @pytest.fixture
@@ -113,3 +114,14 @@ def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeles
     motions(guided_with(0.95), may_map=Cancelled("Cancelled."))
     with pytest.raises(Cancelled):
         choice(shapes=(BARBELL, box()))
+
+
+def test_handles_that_do_not_map_retract_and_grow(motions):
+    """Unless there are guides, which the motion would not follow."""
+    mugs = [joined(CUP, box((0.66, 0.2, 0.2), (side * 1.22, 0.0, 0.9))) for side in (1.0, -1.0)]
+    motions(guided_with(0.6))
+    assert choice(shapes=mugs).record() == {"kind": "guided", "reason": "OUTLINES"}
+    assert choice(shapes=mugs, guides=[{0: 7, 1: 7}]).kind == "combined"
+    for score, reason in ((0.86, "PARTLY"), (0.95, "FITS")):
+        motions(guided_with(score), left=0.1)
+        assert choice(shapes=mugs).reason == reason
