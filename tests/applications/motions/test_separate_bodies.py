@@ -14,7 +14,6 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.separate_bodies import SeparateBodies
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.revolutions import BOWL, CONE, CUP, LARGER_CONE
 from tests.shapes import box, joined
 
 ASIDE = np.array([6.0, 1.0, 0.0])
@@ -30,16 +29,30 @@ def chosen(*shapes, **about):
     return drained(chosen_motion(request(*shapes, **about), UNINTERRUPTED))
 
 
-def test_every_body_moves_as_it_would_alone():
-    """Although they are in a different order in both shapes."""
-    pairs = (CUP, BOWL), (CONE.moved(ASIDE), LARGER_CONE.moved(ASIDE))
-    found = chosen(joined(CUP, CONE.moved(ASIDE)), joined(LARGER_CONE.moved(ASIDE), BOWL))
-    assert found.record() == {"kind": "guided", "reason": "OUTLINES", "bodies": 2}
-    alone = [chosen(*pair).motion for pair in pairs]
+PAIRS = (
+    (box((1.0, 2.0, 0.2)), box((1.2, 1.6, 0.3))),
+    (
+        box((1.0, 1.0, 0.4)).moved(ASIDE),
+        box((1.4, 1.0, 0.4)).moved(ASIDE),
+    ),
+)
+# The bodies are in a different order in both shapes.
+SHAPES = joined(PAIRS[0][0], PAIRS[1][0]), joined(PAIRS[1][1], PAIRS[0][1])
+
+
+@pytest.fixture(scope="module")
+def both():
+    """The choice for two shapes of two bodies."""
+    return chosen(*SHAPES)
+
+
+def test_every_body_moves_as_it_would_alone(both):
+    assert both.record() == {"kind": "guided", "reason": "OUTLINES", "bodies": 2}
+    alone = [chosen(*pair).motion for pair in PAIRS]
     for time in (0.0, 0.3, 1.0):
         weights = [1.0 - time, time]
         for shape, *bodies in zip(
-            found.motion.moved(weights), *(motion.moved(weights) for motion in alone), strict=True
+            both.motion.moved(weights), *(motion.moved(weights) for motion in alone), strict=True
         ):
             if shape is None:
                 assert bodies == [None, None]
@@ -48,10 +61,8 @@ def test_every_body_moves_as_it_would_alone():
             assert shape.mesh.volume == pytest.approx(sum(body.mesh.volume for body in bodies))
 
 
-def test_triangles_know_those_of_the_shape():
-    shapes = joined(CONE.moved(ASIDE), CUP), joined(BOWL, LARGER_CONE.moved(ASIDE))
-    moved = chosen(*shapes).motion.moved([0.5, 0.5])
-    for shape, own in zip(shapes, moved, strict=True):
+def test_triangles_know_those_of_the_shape(both):
+    for shape, own in zip(SHAPES, both.motion.moved([0.5, 0.5]), strict=True):
         normals, corners = np.cross(*np.diff(shape.corners, axis=1).transpose(1, 0, 2))[own.parents], shape.corners
         beside = own.rest.corners - corners[own.parents][:, :1]
         # All corners of a triangle lie in the plane of the one that it is part of.
