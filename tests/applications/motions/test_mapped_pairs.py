@@ -251,7 +251,7 @@ def test_people_who_look_in_opposite_directions_are_turned_around(monkeypatch, d
     """As their toes tell, unless that brings them much farther from each other."""
     first, second = person(), shuffled(person())[0]
     second = TriangleMesh(second.vertices @ about_z(degrees).T, second.faces)
-    carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 700, UNINTERRUPTED) for mesh in (first, second)]
+    carriers = [carrier_of(mesh, "one", np.empty(0, np.int64), 600, UNINTERRUPTED) for mesh in (first, second)]
     registrations(monkeypatch, (0.95, 0.95, 1.0))
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
     monkeypatch.setattr(mapped_pairs, "distances_after", lambda *_shapes: (1.0, farther))
@@ -266,12 +266,11 @@ def test_people_who_look_in_opposite_directions_are_turned_around(monkeypatch, d
     assert np.median(off) < 0.05
 
 
-@pytest.mark.parametrize("degrees", [90.0, 180.0])
-def test_a_raised_tail_does_not_become_the_head(degrees):
+def test_a_raised_tail_does_not_become_the_head():
     """An animal that faces another way than a person is turned, and stands up."""
-    first, second = animal(RAISED_TAIL), person()
+    first, second, degrees = animal(RAISED_TAIL), person(), 90.0
     carriers = [
-        carrier_of(mesh, "shape", np.empty(0, np.int64), 1000, UNINTERRUPTED)
+        carrier_of(mesh, "shape", np.empty(0, np.int64), 600, UNINTERRUPTED)
         for mesh in (TriangleMesh(first.vertices @ about_z(degrees).T, first.faces), second)
     ]
     found = drained(mapped_pair(*carriers, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
@@ -314,8 +313,8 @@ def figure_without_maps(monkeypatch):
         raise AssertionError("no map is needed")
 
     monkeypatch.setattr(mapped_pairs, "pair_map", unwanted)
-    shape = figure(10)[0]
-    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 5000, UNINTERRUPTED)
+    shape = figure()[0]
+    carrier = carrier_of(shape, "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
     return carrier, [
         int(np.argmax(shape.vertices @ way)) for way in ((0.9, 0.1, 0.35), (0.0, 0.15, 1.0), (0.0, -0.9, -0.2))
     ]
@@ -323,8 +322,8 @@ def figure_without_maps(monkeypatch):
 
 @pytest.mark.parametrize(
     ("given", "followed"),
-    [([(0, 0), (1, 1)], [0, 1]), ([(0, 0), (1, 1), (2, 0)], [0, 1]), ([(0, 0), (1, 2)], [0])],
-    ids=["right", "one of three is wrong", "one of two is wrong"],
+    [([(0, 0), (1, 1), (2, 0)], [0, 1]), ([(0, 0), (1, 2)], [0])],
+    ids=["one of three is wrong", "one of two is wrong"],
 )
 def test_shapes_that_grow_on_each_other_need_no_map_with_guides(monkeypatch, given, followed):
     """Those that contradict the registration are left out, unless they are the majority."""
