@@ -9,7 +9,7 @@ import pytest
 
 from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_request import MotionRequest
-from convwass_addon.applications.motions.skinned_motion import SkinnedMotion, with_skins
+from convwass_addon.applications.motions.skinned_motion import SkinnedMotion, following, with_skins
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps
 from tests.shapes import ball, box, joined, rotated
@@ -91,4 +91,8 @@ def test_guides_refer_to_the_shape():
 
 def test_shapes_of_one_body_have_no_skin():
     mesh = ball(points=400)
-    assert not isinstance(choice(mesh, mesh.moved((1.0, 0.0, 0.0)), kind="guided").motion, SkinnedMotion)
+    shapes = mesh, mesh.moved((1.0, 0.0, 0.0))
+    request = MotionRequest(shapes, ["one", "other"], [(0, 1)], "guided", 0.5)
+    assert with_skins(request, UNINTERRUPTED) is request
+    motion = object()
+    assert following(motion, shapes, shapes) is motion
