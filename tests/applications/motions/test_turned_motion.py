@@ -17,9 +17,10 @@ from convwass_addon.geometry.centroid import centroid
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import ball, box, joined, rotated
 
-ROD = revolved([(0.0, -2.0), (0.3, -2.0), (0.3, 2.0), (0.0, 2.0)])
-PIN = revolved([(0.0, 0.0), (0.5, 0.0), (0.5, 1.0), (0.2, 1.6), (0.2, 2.6), (0.0, 2.6)])
-CONE = revolved([(0.0, 0.0), (0.5, 0.0), (0.0, 3.0)])
+SIDES = 12
+ROD = revolved([(0.0, -2.0), (0.3, -2.0), (0.3, 2.0), (0.0, 2.0)], SIDES)
+PIN = revolved([(0.0, 0.0), (0.5, 0.0), (0.5, 1.0), (0.2, 1.6), (0.2, 2.6), (0.0, 2.6)], SIDES)
+CONE = revolved([(0.0, 0.0), (0.5, 0.0), (0.0, 3.0)], SIDES)
 ABOUT_Y = np.array([0.0, 1.0, 0.0])
 QUARTER = 0.5 * np.pi * ABOUT_Y
 LYING = rotated(PIN, QUARTER).moved((3.0, 0.0, -1.0))
