@@ -221,7 +221,7 @@ def test_what_grows_grows_up_from_the_floor():
 @pytest.fixture(scope="module")
 def leaning_rods():
     """A rod that stands, and one that leans, with the lowest points at one height."""
-    rest = fine(TriangleMesh(ball(points=800).vertices * (0.2, 0.2, 1.0), ball(points=800).faces), 0.06)
+    rest = fine(box((0.4, 0.4, 2.0)), 0.15)
     lean = TriangleMesh(turned(rest.vertices, 60.0), rest.faces)
     return [own.moved((0.0, 0.0, -own.bounds[0, 2])) for own in (rest, lean)]
 
