@@ -12,6 +12,7 @@ from convwass_addon.applications.motions.choosing import chosen_motion
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import InputError, ResourceError
+from convwass_addon.geometry import outer_skin
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps
@@ -142,6 +143,7 @@ def test_overlapping_bodies_are_mapped_as_they_are_if_that_leaves_much_less(monk
         return MotionChoice("guided", "PARTLY", kind, left=left)
         yield
 
+    monkeypatch.setattr(outer_skin, "_CELLS", 32)
     monkeypatch.setattr(choosing, "motion_of_surfaces", by_surfaces)
     monkeypatch.setattr(choosing, "following", lambda motion, *_shapes: motion)
     assert choice(shapes=shapes).motion == used
