@@ -13,6 +13,7 @@ from convwass_addon.applications.flat.flat_shapes import FlatShape
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.motion_request import MotionRequest
+from convwass_addon.applications.outlines import vanishing_limbs
 from convwass_addon.applications.outlines.agreeing_motion import AgreeingMotion
 from convwass_addon.applications.outlines.attached_limbs import with_limb
 from convwass_addon.applications.outlines.extruded_motion import extruded_motion
@@ -66,6 +67,14 @@ def motion_of(*rings, pairs=BOTH_WAYS, coherence=0.5):
     names = [f"shape {index}" for index in range(len(rings))]
     parts = [filled(ring) for ring in rings]
     return outline_motion(parts, names, pairs, GuidedSettings(coherence=coherence), UNINTERRUPTED)
+
+
+def test_outlines_without_limbs_are_not_compared(monkeypatch):
+    def unwanted(*_outlines):
+        raise AssertionError("no match is needed")
+
+    monkeypatch.setattr(vanishing_limbs, "rough_work", unwanted)
+    assert limb_counts(LETTER_I, rectangle((0, 0), (3, 4))) == [0, 0]
 
 
 @pytest.mark.parametrize(

@@ -178,15 +178,16 @@ def _without_vanishing(regions: _Regions, link: tuple[Place, Place], control: Co
     If both are symmetric, so is what is left of them.
     """
     control.check()
+    # Matches take longer than the search for limbs, and most shapes have none.
+    shorter = list(regions.shorter(link))
+    if not shorter:
+        return regions
     before = regions.work(link)
     if before < _ALIKE:
         return regions
     symmetric = regions.are_symmetric(link)
     best, least, current, last = regions, 1.0, regions, before
     for count in range(1, _MOST + 1):
-        shorter = list(current.shorter(link))
-        if not shorter:
-            break
         control.check()
         works = [own.work(link) for own in shorter]
         current, work = shorter[int(np.argmin(works))], min(works)
@@ -195,7 +196,8 @@ def _without_vanishing(regions: _Regions, link: tuple[Place, Place], control: Co
         last, share = work, work / (before * _CLEARLY_LESS**count)
         if work < _MOST_WORK and share < least and (current.are_symmetric(link) or not symmetric):
             best, least = current, share
-        if work < _MATCHED:
+        shorter = list(current.shorter(link))
+        if work < _MATCHED or not shorter:
             break
     return best
 
