@@ -17,6 +17,12 @@ from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.shapes import box, joined
 
 ASIDE = np.array([6.0, 1.0, 0.0])
+PAIRS = (
+    (box((1.0, 2.0, 0.2)), box((1.2, 1.6, 0.3))),
+    (box((1.0, 1.0, 0.4)).moved(ASIDE), box((1.4, 1.0, 0.4)).moved(ASIDE)),
+)
+# The bodies are in a different order in both shapes.
+SHAPES = joined(PAIRS[0][0], PAIRS[1][0]), joined(PAIRS[1][1], PAIRS[0][1])
 
 
 def request(*shapes, kind="automatic", guides=()):
@@ -27,17 +33,6 @@ def request(*shapes, kind="automatic", guides=()):
 
 def chosen(*shapes, **about):
     return drained(chosen_motion(request(*shapes, **about), UNINTERRUPTED))
-
-
-PAIRS = (
-    (box((1.0, 2.0, 0.2)), box((1.2, 1.6, 0.3))),
-    (
-        box((1.0, 1.0, 0.4)).moved(ASIDE),
-        box((1.4, 1.0, 0.4)).moved(ASIDE),
-    ),
-)
-# The bodies are in a different order in both shapes.
-SHAPES = joined(PAIRS[0][0], PAIRS[1][0]), joined(PAIRS[1][1], PAIRS[0][1])
 
 
 @pytest.fixture(scope="module")
