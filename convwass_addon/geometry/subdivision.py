@@ -57,11 +57,14 @@ def with_short_edges(mesh: TriangleMesh, longest: float, most_vertices: int, ima
         Edges whose ends move farther apart than `longest` are halved, too, down to a sixth of that.
     """
     found = Subdivision(mesh, None)
+    moved = None if image is None else image(mesh.vertices)
     for _ in range(_MOST_ROUNDS):
-        finer = _halved(found.mesh, longest, image)
+        finer = _halved(found.mesh, longest, moved)
         if finer is None or len(finer.mesh.vertices) > most_vertices:
             break
         found = finer if found.parents is None else Subdivision(finer.mesh, found.parents[finer.parents])
+        if image is not None:
+            moved = np.concatenate([moved, image(finer.mesh.vertices[len(moved) :])])
     return found
 
 
@@ -125,14 +128,14 @@ def with_edges_halved(mesh: TriangleMesh, use: EdgeUse, chosen: NDArray[np.bool_
     return HalvedEdges(TriangleMesh(vertices, parts), parents, ends)
 
 
-def _halved(mesh: TriangleMesh, longest: float, image: Image | None) -> HalvedEdges | None:
-    """Halve every long edge once; None if there is none."""
+def _halved(mesh: TriangleMesh, longest: float, moved: NDArray[np.float64] | None) -> HalvedEdges | None:
+    """Halve every edge once that is long, or becomes so with moved vertices; None if there is none."""
     use = edge_use(mesh.faces)
     ends = edge_ends(mesh.faces, use)
     lengths = _lengths(mesh.vertices, ends)
     long = lengths > longest
-    if image is not None:
-        long |= (lengths > _SHORTEST * longest) & (_lengths(image(mesh.vertices), ends) > longest)
+    if moved is not None:
+        long |= (lengths > _SHORTEST * longest) & (_lengths(moved, ends) > longest)
     return with_edges_halved(mesh, use, long) if long.any() else None
 
 
