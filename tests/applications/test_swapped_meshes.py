@@ -21,7 +21,7 @@ from convwass_addon.progress import UNINTERRUPTED, Progress, drained
 from convwass_addon.sentence import Sentence
 from tests.shapes import ball, torus
 
-SETTINGS = MorphSettings(resolution=24, motion="transport")
+SETTINGS = MorphSettings(resolution=18, motion="transport")
 
 
 def found(shapes):
@@ -29,10 +29,19 @@ def found(shapes):
     return drained(swapped_meshes(shapes, names, 0.005, SETTINGS, (), UNINTERRUPTED, Computation()))
 
 
+@pytest.fixture(scope="module", autouse=True)
+def few_steps():
+    steps = 12
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "_STEPS", steps)
+        patch.setattr(module, "_SWAPS", (0, *range(3, steps - 2), steps))
+        yield
+
+
 @pytest.fixture(scope="module")
 def ring_to_ball():
     """The shapes, what is found, and the morph that their meshes follow."""
-    ring, other, kept = torus(segments=(36, 18)), ball(0.9, points=800), []
+    ring, other, kept = torus(segments=(36, 18)), ball(0.9, points=400), []
     computed = module._moments
 
     def remembered(*arguments):
