@@ -7,6 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from benchmarks.props import revolved
+from convwass_addon.geometry.occupancy import occupancy
 
 CONE = revolved([(0.0, 0.0), (1.0, 0.0), (0.0, 2.0)])
 LARGER_CONE = revolved([(0.0, 0.0), (3.0, 0.0), (0.0, 3.0)])
@@ -22,3 +23,12 @@ def asideness(mesh, axis, center):
     around /= np.linalg.norm(around, axis=1)[:, None]
     areas = np.linalg.norm(normals, axis=1)
     return np.sqrt(np.square((normals * around).sum(axis=1) / areas) @ areas / areas.sum())
+
+
+def floor(mesh):
+    """Height of the upper end of what is solid on the axis, as a share of the height of the shape."""
+    low, high = mesh.bounds
+    cell = (high - low).max() / 70.0
+    filled = occupancy((mesh.corners - low) / cell + 4.0, (78, 78, 78))
+    x, y = (int(middle) for middle in 0.5 * (high - low)[:2] / cell + 4.0)
+    return filled[x, y].sum() * cell / (high[2] - low[2])

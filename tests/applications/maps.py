@@ -16,6 +16,7 @@ from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
+from convwass_addon.geometry import subdivision
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 
@@ -28,6 +29,14 @@ def coarse_maps() -> Iterator[None]:
         patch.setattr(
             motion_candidates, "GuidedSettings", partial(GuidedSettings, map_vertices=300, carrier_vertices=400)
         )
+        yield
+
+
+@contextmanager
+def coarse_surfaces() -> Iterator[None]:
+    """Let triangles that are to bend be divided less than in use."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(subdivision, "_BENDING", 0.06)
         yield
 
 

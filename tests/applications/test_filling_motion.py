@@ -15,7 +15,8 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.occupancy import occupancy
 from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.revolutions import BOWL, CUP, asideness
+from tests.applications.maps import coarse_surfaces
+from tests.revolutions import BOWL, asideness, floor
 
 TIMES = (0.25, 0.5, 0.75)
 VASE, BOTTLE = vase(), bottle()
@@ -24,6 +25,12 @@ CYLINDER = revolved([(0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.0, 2.0)], 32)
 HOLLOW = revolved([(0.0, 0.0), (1.0, 0.0), (1.0, 2.0), (0.75, 2.0), (0.75, 0.5), (0.0, 0.5)], 32)
 BALL = revolved([(np.sin(t), -np.cos(t)) for t in np.linspace(0.0, np.pi, 17)], 24)
 MOTIONS = MotionMemory()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse():
+    with coarse_surfaces():
+        yield
 
 
 def choice(*shapes, coherence=0.5, pairs=((0, 1),)):
@@ -35,15 +42,6 @@ def choice(*shapes, coherence=0.5, pairs=((0, 1),)):
 
 def upside_down(mesh):
     return TriangleMesh(mesh.vertices * (1.0, -1.0, -1.0), mesh.faces)
-
-
-def floor(mesh):
-    """Height of the upper end of what is solid on the axis, as a share of the height of the shape."""
-    low, high = mesh.bounds
-    cell = (high - low).max() / 70.0
-    filled = occupancy((mesh.corners - low) / cell + 4.0, (78, 78, 78))
-    x, y = (int(middle) for middle in 0.5 * (high - low)[:2] / cell + 4.0)
-    return filled[x, y].sum() * cell / (high[2] - low[2])
 
 
 def similarity(one, other):
@@ -129,11 +127,6 @@ def test_a_lent_cavity_of_an_open_solid_stays_a_cavity():
     assert orient_outward(moved).volume == pytest.approx(moved.volume, rel=1e-3)
 
 
-def test_between_two_vessels_nothing_fills_up():
-    moved = choice(CUP, BOWL).motion.moved([0.5, 0.5])[0].mesh
-    assert floor(moved) < 0.25
-
-
 def test_a_path_from_a_vessel_over_a_solid_to_a_vessel():
     motion = choice(HOLLOW, CYLINDER, BOWL, pairs=((0, 1), (1, 2))).motion
     for weights, wanted in (([0.5, 0.5, 0.0], 0.625), ([0.0, 0.98, 0.02], 0.97)):
@@ -146,4 +139,4 @@ def test_with_less_coherence_only_the_vessel_is_hollow():
     cup, cylinder = choice(HOLLOW, CYLINDER, coherence=0.25).motion.moved([0.5, 0.5])
     assert floor(cup.mesh) < 0.7
     assert floor(cylinder.mesh) == pytest.approx(1.0, abs=0.02)
-    assert len(cylinder.vertices) == len(choice(HOLLOW, CYLINDER, coherence=0.2).motion.moved([0.5, 0.5])[1].vertices)
+    assert len(cylinder.vertices) < len(choice(HOLLOW, CYLINDER).motion.moved([0.5, 0.5])[1].vertices)

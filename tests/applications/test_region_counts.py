@@ -113,7 +113,7 @@ def test_a_bar_divides_into_two():
 
 def test_a_dot_grows_evenly():
     """Its diameter is a share of that which it will have, also within the hole of a ring that opens from a point."""
-    disc, eye = shape(ellipse()), shape(ellipse(), ellipse(radii=(0.8, 0.8)), ellipse(radii=(0.2, 0.2)))
+    disc, eye = shape(ellipse()), shape(ellipse(), ellipse(radii=(0.4, 0.4)), ellipse(radii=(0.2, 0.2)))
     for time, shapes in moved(disc, eye, *TIMES):
         for own in shapes:
             _, dot = sorted(regions(own), key=lambda region: -region.area)

@@ -15,10 +15,14 @@ from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.revolutions import BOWL, CONE, CUP, LARGER_CONE, asideness
+from tests.applications.maps import coarse_surfaces
+from tests.revolutions import BOWL, CONE, CUP, LARGER_CONE, asideness, floor
 from tests.shapes import box, joined, piece_count, rotated, torus
 
 TILT = np.array([0.5, 1.0, -0.25])
+AWAY = LARGER_CONE.moved((2.0, 0.0, 0.0))
+# As few sides as solids of revolution may have.
+PYRAMIDS = tuple(revolved([(0.0, 0.0), (radius, 0.0), (0.0, 2.0)], 8) for radius in (1.0, 1.5))
 # Alike if one of them is turned upside down.
 PIN = revolved(smooth([(0.0, 0.0), (0.25, 0.0), (0.42, 0.5), (0.38, 0.9), (0.16, 1.4), (0.22, 1.65), (0.0, 1.92)]))
 BULB = revolved(smooth([(0.0, 0.0), (0.2, 0.0), (0.2, 0.4), (0.5, 0.95), (0.5, 1.2), (0.3, 1.5), (0.0, 1.6)]))
@@ -33,13 +37,19 @@ TIMES = (0.25, 0.5, 0.75)
 MOTIONS = MotionMemory()
 
 
+@pytest.fixture(scope="module", autouse=True)
+def coarse():
+    with coarse_surfaces():
+        yield
+
+
 def choice(*shapes, kind="automatic", coherence=0.5):
     request = MotionRequest(shapes, ["one", "other"], [(0, 1)], kind, coherence)
     return drained(MOTIONS.chosen(request, UNINTERRUPTED))
 
 
 def test_a_cone_that_grows_stays_a_cone():
-    found = choice(CONE, LARGER_CONE)
+    found = choice(CONE, AWAY)
     assert (found.kind, found.reason) == ("guided", "OUTLINES")
     for time in TIMES:
         for own in found.motion.moved([1.0 - time, time]):
@@ -50,11 +60,11 @@ def test_a_cone_that_grows_stays_a_cone():
 
 @pytest.mark.parametrize(
     ("first", "second", "time"),
-    [*((CUP, BOWL, time) for time in TIMES), (CONE, LARGER_CONE, 0.5), (PIN, BULB, 0.5)],
+    [*((CUP, BOWL, time) for time in TIMES), (CONE, AWAY, 0.5), (PIN, BULB, 0.5)],
 )
 def test_moved_shapes_coincide_and_are_revolved(first, second, time):
-    moved = choice(first, second.moved((2.0, 0.0, 0.0))).motion.moved([1.0 - time, time])
-    center = (2.0 * time, 0.0, 0.0)
+    moved = choice(first, second).motion.moved([1.0 - time, time])
+    center = time * second.bounds.mean(axis=0)
     for own, other in (moved, moved[::-1]):
         assert asideness(own.mesh, (0.0, 0.0, 1.0), center) < 0.05
         assert other.finder.find_about(own.vertices).distances.max() < 0.05
@@ -99,6 +109,11 @@ def test_points_of_the_axis_stay_on_it():
     assert np.hypot(*moved[on_axis, :2].T).max() < 1e-9
 
 
+def test_between_two_vessels_nothing_fills_up():
+    moved = choice(CUP, BOWL).motion.moved([0.5, 0.5])[0].mesh
+    assert floor(moved) < 0.25
+
+
 def test_a_shape_alone_is_unchanged():
     cup, none = choice(CUP, BOWL).motion.moved([1.0, 0.0])
     assert none is None
@@ -113,7 +128,8 @@ def test_the_axis_does_not_matter():
 
 
 def test_less_coherence_moves_part_of_the_way():
-    cone = choice(CONE, LARGER_CONE.moved((1.0, 0.0, 0.0)), coherence=0.25).motion.moved([0.5, 0.5])[0]
+    one, other = PYRAMIDS
+    cone = choice(one, other.moved((1.0, 0.0, 0.0)), coherence=0.25).motion.moved([0.5, 0.5])[0]
     assert cone.mesh.bounds[:, 0].mean() == pytest.approx(0.5 * 0.5 * 1.0, abs=0.01)
 
 
@@ -178,4 +194,4 @@ def test_handles_retract_only_from_two_shapes_that_have_some():
 
 
 def test_the_user_may_ask_for_it():
-    assert choice(CUP, BOWL, kind="guided").reason == "ASKED"
+    assert choice(*PYRAMIDS, kind="guided").reason == "ASKED"
