@@ -21,7 +21,7 @@ from convwass_addon.geometry.occupancy import occupancy
 from tests.shapes import ball, box, joined, piece_count, torus
 
 ASSETS = Path(__file__).parents[2] / "assets" / "shapes"
-PLAIN = MorphSettings(motion="transport", resolution=48, thin_parts=False, mend=False)
+PLAIN = MorphSettings(motion="transport", resolution=40, thin_parts=False, mend=False)
 
 
 def animals():
@@ -46,9 +46,9 @@ def filled(mesh, cells=40):
 def test_tears_are_repaired():
     """No frame has more pieces or handles than a horse or a bird."""
     shapes = animals()
-    torn = [piece_count(frame.mesh) for frame in frames_of(shapes, 8, PLAIN)]
+    torn = [piece_count(frame.mesh) for frame in frames_of(shapes, 4, PLAIN)]
     assert max(torn) > 2
-    for frame in frames_of(shapes, 8, MorphSettings(motion="transport", resolution=48)):
+    for frame in frames_of(shapes, 4, MorphSettings(motion="transport", resolution=40)):
         found = topology(frame.mesh)
         assert found.closed
         assert (piece_count(frame.mesh), found.euler) == (1, 2)
