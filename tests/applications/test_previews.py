@@ -104,7 +104,7 @@ def test_frames_are_the_same_with_previews_and_without(settings, workers):
 def test_and_so_they_are_where_the_blur_has_to_grow(monkeypatch):
     """Then the finest levels of some blends cannot go on from the sketch, nor those after them."""
     monkeypatch.setattr(MorphSettings, "sigma", property(lambda settings: 0.5))
-    shapes, settings = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))], MorphSettings(motion="transport", resolution=72)
+    shapes, settings = [box((4, 0.4, 0.4)), box((0.4, 0.4, 4))], MorphSettings(motion="transport", resolution=56)
     blends = path_blends(2, 3)
     with_previews = frames_of(steps_of(shapes, blends, settings))
     sigmas = {frame.record["sigma"] for frame in with_previews if frame.mesh}
@@ -226,13 +226,13 @@ def test_previews_come_from_everywhere_the_nearest_run_first():
 
 
 def test_sketches_are_limited_by_the_memory(monkeypatch):
-    shapes, blends = SHAPES[:2], path_blends(2, 11)
-    problem = problem_of(shapes, QUICK)
-    frames = frames_of(steps_of(shapes, blends, workers=1))
+    shapes, blends, coarse = SHAPES[:2], path_blends(2, 11), MorphSettings(motion="transport", resolution=20)
+    problem = problem_of(shapes, coarse)
+    frames = frames_of(steps_of(shapes, blends, coarse, workers=1))
     for fitting, previews in ((11, 8), (4, 4), (3, 0)):
         free = problem.lattice.memory(shapes, 1, 1) + fitting * problem.transport.sketch_bytes
         monkeypatch.setattr(memory, "available_memory", lambda free=free: free)
-        steps = steps_of(shapes, blends, workers=1)
+        steps = steps_of(shapes, blends, coarse, workers=1)
         assert sum(isinstance(step.payload, MorphPreview) for step in steps) == previews
         assert_same(frames_of(steps), frames)
 
