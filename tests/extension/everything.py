@@ -51,7 +51,7 @@ def _morphs(_folder: Path) -> dict[str, set[str]]:
 
 def _outputs(folder: Path) -> dict[str, set[str]]:
     egg = _ball("pad egg", (6, 8, 0), 0.5)
-    answers = {"bake_morph pad": _baked("pad", 2, egg, layout="TRIANGLE")}
+    answers = {"bake_morph pad": _baked("pad", 2, egg, layout="TRIANGLE", steps=2)}
     answers["make_blend_pad"] = bpy.ops.convwass.make_blend_pad()
     # Guiding takes most of the time, so it is used only once.
     answers["bake_morph volume"] = _baked("volume", 3, is_guided=True)

@@ -69,6 +69,12 @@ def install(zip_file: str) -> list[bool]:
     return list(addon_utils.check(MODULE))
 
 
+def leave_module(folder: str) -> None:
+    """Put a module that nobody imports beside those of the installed extension."""
+    stray = Path(folder) / "convwass_addon" / "of_the_earlier_version.py"
+    stray.write_text("raise RuntimeError('nobody imports this any more')\n", encoding="utf-8")
+
+
 def lock(folder: str) -> None:
     """From now on, allow no writing to the folder of the installed extension."""
     for path in [Path(folder), *Path(folder).rglob("*")]:

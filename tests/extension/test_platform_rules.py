@@ -82,8 +82,8 @@ def complaints(name: str) -> list[str]:
         "print": name == "console.py" or name.startswith("cli/"),
         **dict.fromkeys(("eval", "exec", "__import__", "os.system", "sys.path", "pickle"), False),
     }
-    text = source(name)
-    if not any(all(part in text for part in what.split(".")) for what in (*known, *NETWORK, *PROCESSES)):
+    words = set(re.findall(r"\w+", source(name)))
+    if not any(words.issuperset(what.split(".")) for what in (*known, *NETWORK, *PROCESSES)):
         return []
     nodes = list(ast.walk(tree(name)))
     asked = {what for what in used(nodes) & known.keys() if not known[what]} | imported(nodes) & (NETWORK | PROCESSES)

@@ -60,8 +60,11 @@ def work(profile) -> Path:
 
 
 @pytest.fixture(scope="module")
-def before(profile, earlier_zip, work, is_same_code) -> dict:
-    """The report of a session with the earlier version; only morphs if it has the same code."""
+def before(profile, earlier_zip, zip_file, work, is_same_code) -> dict:
+    """The report of a session with the earlier version, which ends with installing this one.
+
+    It makes only morphs if both have the same code.
+    """
     return profile.run(
         ("install", [str(earlier_zip)]),
         ("clear", []),
@@ -72,15 +75,14 @@ def before(profile, earlier_zip, work, is_same_code) -> dict:
         ("figures", []),
         ("version", []),
         ("own_files", []),
+        ("leave_module", [str(profile.extension)]),
+        ("install", [str(zip_file)]),
     )
 
 
 @pytest.fixture(scope="module")
-def after(before, profile, zip_file, work) -> dict:
+def after(before, profile, work) -> dict:
     """The report of the first session with this version."""
-    stray = profile.extension / "convwass_addon" / "of_the_earlier_version.py"
-    stray.write_text("raise RuntimeError('nobody imports this any more')\n", encoding="utf-8")
-    profile.run(("install", [str(zip_file)]))
     return profile.run(
         ("version", []),
         ("preferred", []),
@@ -98,13 +100,17 @@ def after(before, profile, zip_file, work) -> dict:
 
 
 @pytest.fixture(scope="module")
-def changed(after, profile, changed_zip, work) -> dict:
-    """The report of a session after the solver has changed."""
+def changed(after, profile, changed_zip, earlier_zip, work) -> dict:
+    """The report of a session after the solver has changed, which ends with the earlier version."""
     return profile.run(
         ("install", [str(changed_zip)]),
         ("open_file", [str(work)]),
         ("bake_again", ["Morph objects ball to objects box"]),
         ("own_files", []),
+        ("install", [str(earlier_zip)]),
+        ("version", []),
+        ("preferred", []),
+        ("presets", []),
     )
 
 
@@ -174,8 +180,7 @@ def test_a_file_that_the_earlier_version_saved_needs_no_extension(before, strang
     assert {name: own for name, own in found["leftovers"].items() if own} == {}
 
 
-def test_an_earlier_version_can_be_restored(after, profile, earlier_zip):
-    found = profile.run(("install", [str(earlier_zip)]), ("version", []), ("preferred", []), ("presets", []))
-    assert found["version"] != after["version"]
-    assert found["preferred"] == after["preferred"]
-    assert found["presets"] == after["presets"]
+def test_an_earlier_version_can_be_restored(before, after, changed):
+    assert changed["version"] == before["version"] != after["version"]
+    assert changed["preferred"] == after["preferred"]
+    assert changed["presets"] == after["presets"]

@@ -10,6 +10,8 @@ import runpy
 import shutil
 import tomllib
 import zipfile
+from contextlib import redirect_stdout
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -82,15 +84,21 @@ def wheels(tmp_path_factory) -> Path:
     return folder
 
 
-def all_built(folder: Path, wheels: Path) -> list[Path]:
-    """Build the small zip and those of the platforms."""
-    return [package.build_small(folder / "work", folder), *package.build_platforms(folder / "work", wheels, folder)]
+@pytest.fixture(scope="module")
+def small(tmp_path_factory) -> tuple[Path, str]:
+    """The small zip, built by the command line, and what this printed."""
+    folder = tmp_path_factory.mktemp("first")
+    with redirect_stdout(StringIO()) as said:
+        assert package.main(["--no-wheels", "--output", str(folder)]) == 0
+    (path,) = folder.glob("*.zip")
+    return path, said.getvalue()
 
 
 @pytest.fixture(scope="module")
-def zips(wheels, tmp_path_factory) -> list[Path]:
+def zips(small, wheels, tmp_path_factory) -> list[Path]:
     """The small zip and those of the platforms, which no test changes."""
-    return all_built(tmp_path_factory.mktemp("first"), wheels)
+    folder = tmp_path_factory.mktemp("platforms")
+    return [small[0], *package.build_platforms(folder / "work", wheels, folder)]
 
 
 def test_the_small_zip_contains_exactly_what_is_needed(project, zips):
@@ -120,7 +128,8 @@ def test_same_source_gives_the_same_bytes(zips, wheels, tmp_path, monkeypatch):
     monkeypatch.setenv("TZ", "Asia/Tokyo")
     mask = os.umask(0o077)
     try:
-        again = all_built(tmp_path / "ë elsewhere", wheels)
+        work, output = tmp_path / "work", tmp_path / "ë elsewhere"
+        again = [package.build_small(work, output), *package.build_platforms(work, wheels, output)]
         assert [path.read_bytes() for path in again] == [path.read_bytes() for path in zips]
     finally:
         os.umask(mask)
@@ -164,10 +173,9 @@ def test_the_tracked_manifest_is_only_read(project):
     assert stated == tomllib.loads(text)
 
 
-def test_command_line_reports_what_it_built(tmp_path, capsys):
-    assert package.main(["--no-wheels", "--output", str(tmp_path)]) == 0
-    (path,) = tmp_path.glob("*.zip")
-    assert str(path) in capsys.readouterr().out
+def test_command_line_reports_what_it_built(small):
+    path, said = small
+    assert str(path) in said
 
 
 def test_failure_is_a_message_and_an_exit_code(tmp_path, capsys, monkeypatch):
