@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from convwass_addon.errors import Cancelled
 from convwass_addon.progress import Control
-from convwass_addon.transport import Surface, barycenter, bisect, bisection, distance, propagate
+from convwass_addon.transport import Surface, barycenter, bisect, bisection, distance, mesh_levels, propagate
 from convwass_addon.transport.graph import line
 from convwass_addon.transport.region import Region
 from convwass_addon.transport.sharpening import entropy
@@ -36,6 +36,17 @@ def alone(surface):
 def globe(gamma=0.01):
     """A sphere with 10242 vertices."""
     return sphere(5, gamma)
+
+
+@pytest.fixture(scope="module")
+def small_globe():
+    """A sphere with 4500 vertices, for solves that are compared; it has a coarser surface like larger ones."""
+    mesh = ball(points=4500)
+    surface = Surface(mesh.vertices, mesh.faces, 0.01)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(mesh_levels, "FEWEST_VERTICES", 4000)
+        assert surface.coarser().shape == (1125,)
+    return surface
 
 
 @cache
@@ -119,9 +130,9 @@ OPTIONS = [
 
 
 @pytest.mark.parametrize(("options", "away"), OPTIONS, ids=["plain", "bound", "sharp"])
-def test_barycenters_agree_with_cold_ones(options, away):
+def test_barycenters_agree_with_cold_ones(small_globe, options, away):
     """Within the tolerance, in fewer rounds on the finest mesh; sharp ones have a tighter marginal constraint."""
-    surface = globe()
+    surface = small_globe
     mus = [cap(surface, 0.0), cap(surface, FAR), peaks(surface, 1)]
     found = barycenter(mus, [0.5, 0.3, 0.2], surface, **options)
     cold = barycenter(mus, [0.5, 0.3, 0.2], alone(surface), **options)
@@ -174,9 +185,9 @@ def radius(surface, density):
 
 
 @pytest.mark.parametrize("limit", ["max", None])
-def test_caps_move_along_the_great_circle(limit):
+def test_caps_move_along_the_great_circle(small_globe, limit):
     """At any times; without a bound, the blur of all levels adds up, but the center stays on the path."""
-    surface = globe()
+    surface = small_globe
     ends = cap(surface, 0.0), cap(surface, FAR)
     times = np.arange(1, 12) / 12
     found = bisect(*ends, surface, times=times, entropy_limit=limit)
@@ -191,8 +202,8 @@ def test_caps_move_along_the_great_circle(limit):
     assert max(found.iterations) < 10
 
 
-def test_bisection_agrees_with_cold_solves():
-    surface = globe()
+def test_bisection_agrees_with_cold_solves(small_globe):
+    surface = small_globe
     ends = cap(surface, 0.0), peaks(surface, 1)
     found, cold = (bisect(*ends, domain, levels=2) for domain in (surface, alone(surface)))
     assert sum(found.iterations) < sum(cold.iterations)
@@ -233,8 +244,8 @@ def test_unneeded_frames_are_not_solved():
     assert bisect(*ends, surface, levels=4, times=[0.0, 1.0]).iterations == ()
 
 
-def test_steps_report_the_progress():
-    surface = globe()
+def test_steps_report_the_progress(small_globe):
+    surface = small_globe
     ends = cap(surface, 0.0), cap(surface, FAR)
     reports, results = [], []
 
