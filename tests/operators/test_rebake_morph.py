@@ -39,14 +39,38 @@ def bake(**options):
     for obj in made:
         obj.select_set(True)
     before = set(bpy.data.collections)
-    bpy.ops.convwass.bake_morph(**{"motion": "TRANSPORT", "frames": 3, "resolution": 24, **options})
+    bpy.ops.convwass.bake_morph(**{"motion": "TRANSPORT", "frames": 3, "resolution": 20, **options})
     return next(collection for collection in bpy.data.collections if collection not in before)
+
+
+def bake_two():
+    return [bake() for _ in range(2)]
+
+
+def bake_five():
+    return [bake() for _ in range(5)]
+
+
+def baked_morphs():
+    return [collection for collection in bpy.data.collections if "convwass_morph" in collection]
 
 
 @pytest.fixture
 def morph(empty_scene, scene_with):
     scene_with(bake)
-    return next(collection for collection in bpy.data.collections if "convwass_morph" in collection)
+    return baked_morphs()[0]
+
+
+@pytest.fixture
+def morphs(empty_scene, scene_with):
+    scene_with(bake_two)
+    return baked_morphs()
+
+
+@pytest.fixture
+def many_morphs(empty_scene, scene_with):
+    scene_with(bake_five)
+    return baked_morphs()
 
 
 def middle_width(morph):
@@ -85,9 +109,9 @@ def names_of(morph):
     return [[obj.name, obj.data.name, obj.animation_data.action.name] for obj in frames]
 
 
-def test_frames_keep_their_names(morph):
+def test_frames_keep_their_names(morphs):
     """Those of another morph, which have numbers, too, and those that the user has chosen."""
-    other = bake()
+    morph, other = morphs
     frame_objects(other)[1].name = "Hero"
     frame_objects(other)[1].data.name = "Body"
     names = [names_of(own) for own in (morph, other)]
@@ -111,7 +135,7 @@ def test_what_a_player_consists_of_keeps_its_names(empty_scene):
 @pytest.mark.parametrize("has_player", [False, True])
 def test_what_refers_to_a_frame_refers_to_the_new_one(morph, has_player):
     if has_player:
-        bpy.ops.convwass.make_player()
+        bpy.ops.convwass.make_player(between="NEAREST")
     mine = bpy.data.collections.new("Mine")
     bpy.context.scene.collection.children.link(mine)
     mine.objects.link(frame_objects(morph)[0])
@@ -232,8 +256,8 @@ def test_changed_inputs_are_recognized(morph, change):
     assert changed_inputs(morph) == [name]
 
 
-def test_only_outdated_morphs_are_baked(morph):
-    other = bake()
+def test_only_outdated_morphs_are_baked(morphs):
+    morph, other = morphs
     kept = frame_objects(morph)
     shapes(other)[0].scale.z = 1.5
     bpy.context.view_layer.update()
@@ -246,8 +270,8 @@ def test_only_outdated_morphs_are_baked(morph):
 
 
 @pytest.mark.parametrize("how", ["EXEC_DEFAULT", "INVOKE_DEFAULT"])
-def test_all_morphs_are_baked_although_some_cannot_be(morph, how):
-    others = [bake() for _ in range(4)]
+def test_all_morphs_are_baked_although_some_cannot_be(many_morphs, how):
+    morph, *others = many_morphs
     missing = [shapes(other)[0].name for other in (morph, *others[1:3])]
     for name in missing:
         bpy.data.objects.remove(bpy.data.objects[name])
@@ -265,17 +289,17 @@ def test_all_morphs_are_baked_although_some_cannot_be(morph, how):
 
 
 @pytest.fixture
-def several(morph):
-    """The first of several bakes, in a window, and the morph to bake after it."""
-    other = bake()
+def several(morphs):
+    """The first of several bakes, in a window, the morph that it replaces and the morph to bake after it."""
+    morph, other = morphs
     shapes(other)[0].scale.z = 1.5
     bpy.context.view_layer.update()
     pressed, context = PressedBake(), window_context()
     pressed.inputs, pressed.replaces = ",".join(stored_morph(morph).inputs), morph.name
     pressed.following = str(other.session_uid)
     settings = bpy.context.scene.convwass_morph
-    settings.motion, settings.frames, settings.resolution = "TRANSPORT", 3, 24
-    return SimpleNamespace(pressed=pressed, context=context, other=other)
+    settings.motion, settings.frames, settings.resolution = "TRANSPORT", 3, 20
+    return SimpleNamespace(pressed=pressed, context=context, morph=morph, other=other)
 
 
 def let_writing_fail(monkeypatch):
@@ -288,16 +312,16 @@ def let_writing_fail(monkeypatch):
     monkeypatch.setattr(job.MorphJob, "write", failing)
 
 
-def test_after_a_bake_that_fails_in_the_background_the_next_one_starts(morph, several, monkeypatch):
+def test_after_a_bake_that_fails_in_the_background_the_next_one_starts(several, monkeypatch):
     let_writing_fail(monkeypatch)
-    kept = frame_objects(morph)
+    kept = frame_objects(several.morph)
     assert started(several.pressed, several.context)
     assert until(several.pressed, several.context) == {"CANCELLED"}
     assert several.pressed.reports == ["The disk is full."]
-    assert (frame_objects(morph), changed_inputs(several.other)) == (kept, [])
+    assert (frame_objects(several.morph), changed_inputs(several.other)) == (kept, [])
 
 
-def test_escape_while_a_bake_fails_stops_the_following_ones(morph, several, monkeypatch):
+def test_escape_while_a_bake_fails_stops_the_following_ones(several, monkeypatch):
     assert started(several.pressed, several.context)
     let_writing_fail(monkeypatch)
     wait_for_the_thread()
@@ -307,17 +331,17 @@ def test_escape_while_a_bake_fails_stops_the_following_ones(morph, several, monk
 
 
 @pytest.mark.parametrize("stops", [False, True])
-def test_escape_after_a_bake_is_computed_keeps_it_and_stops_the_following_ones(morph, several, stops):
-    kept = frame_objects(morph)
+def test_escape_after_a_bake_is_computed_keeps_it_and_stops_the_following_ones(several, stops):
+    kept = frame_objects(several.morph)
     assert started(several.pressed, several.context)
     wait_for_the_thread()
     assert until(several.pressed, several.context, event=ESCAPE if stops else TIMER) == {"FINISHED"}
-    assert frame_objects(morph) != kept
+    assert frame_objects(several.morph) != kept
     assert bool(changed_inputs(several.other)) == stops
 
 
 def test_settings_are_those_of_the_morph_and_not_of_the_panel(empty_scene):
-    morph = bake(use_custom_blur=True, blur=2.0, sharpness=0.25, use_custom_sharpness=True, frames=2)
+    morph = bake(use_custom_blur=True, blur=2.0, sharpness=0.25, use_custom_sharpness=True, frames=2, resolution=24)
     before = stored_morph(morph)
     bpy.context.scene.convwass_morph.resolution = 64
     bpy.context.scene.frame_start = 17
@@ -329,7 +353,7 @@ def test_settings_are_those_of_the_morph_and_not_of_the_panel(empty_scene):
 
 
 def test_a_player_keeps_its_keys(morph):
-    bpy.ops.convwass.make_player()
+    bpy.ops.convwass.make_player(between="NEAREST")
     player = bpy.context.object
     keys = [key.co[:] for key in _curve(player).keyframe_points]
     shapes(morph)[0].scale.z = 2.0
@@ -350,7 +374,7 @@ def _curve(player):
 
 
 def test_a_player_keeps_its_materials_and_modifiers_and_is_active(morph):
-    bpy.ops.convwass.make_player()
+    bpy.ops.convwass.make_player(between="NEAREST")
     player = bpy.context.object
     mine, other = bpy.data.materials.new("Mine"), bpy.data.materials.new("Other")
     before = list(player.data.materials)
@@ -769,7 +793,7 @@ def test_shapes_of_a_missing_library_are_named(empty_scene, tmp_path, monkeypatc
     library, shot = tmp_path / "library.blend", tmp_path / "shot.blend"
     hero = bpy.data.collections.new("Hero")
     empty_scene.collection.children.link(hero)
-    bpy.ops.mesh.primitive_ico_sphere_add(subdivisions=2)
+    bpy.ops.mesh.primitive_cube_add()
     hero.objects.link(bpy.context.object)
     bpy.context.object.name = "Hero"
     bpy.ops.wm.save_as_mainfile(filepath=str(library))
@@ -789,9 +813,9 @@ def test_shapes_of_a_missing_library_are_named(empty_scene, tmp_path, monkeypatc
     bpy.ops.wm.save_as_mainfile(filepath=str(shot))
     library.rename(tmp_path / "moved.blend")
     bpy.ops.wm.open_mainfile(filepath=str(shot))
-    with pytest.raises(RuntimeError, match=r"Error: (Hero|Icosphere) was not found in .*library\.blend; relocate"):
+    with pytest.raises(RuntimeError, match=r"Error: (Hero|Cube) was not found in .*library\.blend; relocate"):
         bpy.ops.convwass.rebake_morph(which="ALL")
-    with pytest.raises(RuntimeError, match=r"Error: (Hero|Icosphere) was not found in .*library\.blend; relocate"):
+    with pytest.raises(RuntimeError, match=r"Error: (Hero|Cube) was not found in .*library\.blend; relocate"):
         bpy.ops.convwass.bake_morph(inputs=names)
 
 
@@ -811,7 +835,7 @@ def test_what_only_an_instance_shows_remains(empty_scene, kind):
     for x in (0.0, 3.0, 6.0):
         bpy.ops.mesh.primitive_cube_add(location=(x, 0, 0))
     bpy.ops.object.select_all(action="SELECT")
-    options = {"layout": "TRIANGLE", "steps": 2} if kind == "PAD" else {"frames": 2}
+    options = {"layout": "TRIANGLE", "steps": 2} if kind == "PAD" else {"frames": 2, "between": "NEAREST"}
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", resolution=16, output="PLAYER", **options)
     shown = bpy.context.object
     morph, stage = shown_morph(shown), bpy.data.collections.new("Stage")
@@ -842,7 +866,7 @@ def test_a_player_whose_modifier_was_renamed_is_baked_again(morph):
 
 
 def test_a_player_without_its_modifier_gives_way_to_the_frames(morph):
-    bpy.ops.convwass.make_player()
+    bpy.ops.convwass.make_player(between="NEAREST")
     bpy.context.object.modifiers.clear()
     assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
     assert set(morph.all_objects) == set(frame_objects(morph))
