@@ -105,10 +105,10 @@ _SMALL = {"frames": 2, "resolution": 16, "use_custom_blur": True, "blur": 0.6}
 CASES: dict[str, tuple[Callable[[Path], None], dict[str, object]]] = {
     "bake_morph": (two_cubes, {**_SMALL, "motion": "TRANSPORT"}),
     "bake_morph guided": (two_cubes, {**_SMALL, "motion": "GUIDED"}),
-    "bake_morph flat": (two_circles, {"frames": 2, "flat_resolution": 128}),
+    "bake_morph flat": (two_circles, {"frames": 2, "flat_resolution": 64}),
     "bake_morph pictures": (
         two_grays,
-        {"inputs": "First,Last", "frames": 2, "flat_resolution": 128, "flat_output": "PICTURE", "folder": "OUT"},
+        {"inputs": "First,Last", "frames": 2, "flat_resolution": 64, "flat_output": "PICTURE", "folder": "OUT"},
     ),
     "interpolate_density": (painted_ball, {"first": "A", "second": "B", "steps": 2, "max_iterations": 10}),
     "measure_distance": (painted_ball, {"first": "A", "second": "B"}),

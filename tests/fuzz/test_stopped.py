@@ -160,7 +160,7 @@ def test_repeated_bakes_leave_no_more_than_one():
     two_cubes(None)
     given = CASES["bake_morph"][1]
     counts = []
-    for _ in range(4):
+    for _ in range(3):
         call("bake_morph", **given, inputs="Cube, Cube.001")
         counts.append({(block.id_type, block.name) for block in bpy.data.user_map()})
         call("delete_morph")

@@ -7,6 +7,7 @@ from __future__ import annotations
 import bpy
 import pytest
 
+from convwass_addon.applications.morphs import first_preview
 from convwass_addon.applications.morphs.bake_plan import MorphPreview
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends, single_blend
@@ -279,7 +280,9 @@ def test_a_better_preview_replaces_the_first(press, context, monkeypatch):
         counts.add((len(baked_morph().objects), len(set(previewed))))
 
     monkeypatch.setattr(MorphBake, "preview", previewing)
-    pressed = press(3, resolution=88)
+    # The first preview is coarser than others.
+    monkeypatch.setattr(first_preview, "_RESOLUTION", 24)
+    pressed = press(3, resolution=32)
     assert until(pressed, context) == {"FINISHED"}
     assert len(previewed) == 5
     assert counts == {(number, number) for number in (1, 2, 3, 4)}

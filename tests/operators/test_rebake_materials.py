@@ -58,7 +58,7 @@ def names_of(kind):
 
 @pytest.mark.parametrize(("textured", "output"), [(False, "OBJECTS"), (True, "OBJECTS"), (True, "PLAYER")])
 def test_edited_nodes_of_frames_stay(textured, output):
-    morph = bake(textured, output=output)
+    morph = bake(textured, output=output, between="NEAREST")
     (material,) = frame_objects(morph)[1].data.materials
     material.name = "Mine"
     tree = material.node_tree
