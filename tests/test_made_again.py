@@ -28,7 +28,7 @@ pytestmark = [
 ]
 
 QUICK = ["--resolution", "24", "--frames", "2"]
-FLAT = ["text:A", "text:B", "--resolution", "256", "--frames", "2"]
+FLAT = ["text:A", "text:B", "--resolution", "64", "--frames", "2"]
 # The start of a morph is stored explicitly by rebaking, so that it stays in place.
 TOLD = {"start", "frame_start"}
 
