@@ -118,12 +118,6 @@ def test_outputs_show_every_frame(shapes, tmp_path, capfd, output, files):
         assert len(shown.evaluated_get(depsgraph).to_mesh().vertices) > 7, frame
 
 
-def test_a_pad_is_for_sheets(shapes, tmp_path, capfd):
-    words = [*cube_and_ball(shapes), str(shapes / "cone.stl"), "--output", "pad"]
-    sheet = ["--layout", "triangle", "--steps", "2"]
-    assert cli.main([*TRANSPORT, *words, *sheet, *QUICK, "--out", str(tmp_path / "a")]) == 0
-
-
 @pytest.mark.parametrize(("layout", "count", "expected"), [("triangle", 3, 6), ("grid", 4, 9)])
 def test_sheets(shapes, tmp_path, layout, count, expected):
     out = tmp_path / "sheet.blend"
