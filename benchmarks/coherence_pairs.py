@@ -318,6 +318,7 @@ PROPS = (
     CoherencePair("pawn to bowl", OTHER_BUILD, _props(props.pawn, props.bowl)),
     CoherencePair("mug to bottle", OTHER_BUILD, _props(things.mug(46).mesh, props.bottle)),
     CoherencePair("trophy to wine glass", OTHER_BUILD, _props(things.trophy(47).mesh, props.wine_glass)),
+    CoherencePair("mug to trophy", OTHER_BUILD, _props(things.mug(46).mesh, things.trophy(47).mesh)),
     CoherencePair("bottle to lying rook", OTHER_BUILD, _props(props.bottle, lambda: props.lying(props.rook()))),
     CoherencePair("table to crate", OTHER_BUILD, _props(props.table, props.crate)),
     CoherencePair("sofa to bed", OTHER_BUILD, _props(props.sofa, props.bed)),

@@ -93,7 +93,9 @@ def drawn_pictures() -> dict[str, list[Block]]:
                 *("wine glass to vase", "trophy to wine glass", "robot to chair", "locomotive to car"),
             )
         ],
-        "pairs_vessels": [Block.compared(pair) for pair in ("mug to bottle", "goblet to bottle", "pawn to bowl")],
+        "pairs_vessels": [
+            Block.compared(pair) for pair in ("mug to bottle", "goblet to bottle", "pawn to bowl", "mug to trophy")
+        ],
     }
 
 
