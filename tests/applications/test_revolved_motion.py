@@ -10,12 +10,13 @@ import pytest
 from benchmarks.props import revolved, smooth, vase, wine_glass
 from convwass_addon.applications.motions.motion_memory import MotionMemory
 from convwass_addon.applications.motions.motion_request import MotionRequest
-from convwass_addon.applications.outlines.revolved_motion import motion_with_retracting_parts, revolved_motion
+from convwass_addon.applications.outlines.revolved_motion import motion_with_parts, revolved_motion
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.normals import triangle_normals
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_surfaces
+from tests.applications.motions.test_known_motions import known_motion
 from tests.revolutions import BOWL, CONE, CUP, LARGER_CONE, asideness, floor
 from tests.shapes import box, joined, piece_count, rotated, torus
 
@@ -178,7 +179,7 @@ def test_two_handles_are_left_to_the_map():
 
 
 def test_of_two_handles_one_retracts_while_the_other_grows():
-    found = motion_with_retracting_parts(two_pegs(PEGGED, LARGE_PEGGED), UNINTERRUPTED)
+    found = motion_with_parts(two_pegs(PEGGED, LARGE_PEGGED), None, UNINTERRUPTED)
     # At the height of the pegs, the wall is at 0.92 of the radius.
     reaches = np.array([PEG.bounds[1, 0] - 0.92, -LARGE_PEG.bounds[0, 0] - 1.84])
     for time in TIMES:
@@ -189,8 +190,35 @@ def test_of_two_handles_one_retracts_while_the_other_grows():
             assert other.finder.find_about(own.vertices).distances.max() < 0.05 * wall
 
 
+def test_a_handle_that_becomes_another_one_follows_the_map():
+    """Up the wall, where sections alone would not take it."""
+    peg, other_peg = box((0.64, 0.2, 0.2), (1.23, 0.0, 0.9)), box((0.84, 0.4, 0.4), (2.32, 0.0, 2.4))
+    shapes = [joined(CUP, peg), joined(LARGE_CUP, other_peg)]
+    motion = motion_with_parts(two_pegs(*shapes), known_motion(shapes), UNINTERRUPTED).motion
+    for time in TIMES:
+        moved = motion.moved([1.0 - time, time])
+        out, _, top = (1.0 - time) * peg.bounds[1] + time * other_peg.bounds[1]
+        for own, other in (moved, moved[::-1]):
+            assert own.mesh.bounds[1, 0] == pytest.approx(out, abs=0.1)
+            assert own.vertices[own.vertices[:, 0] > out - 0.2, 2].max() == pytest.approx(top, abs=0.1)
+            # Their feet are drawn to where they begin on the wall.
+            assert other.finder.find_about(own.vertices).distances.max() < 0.1 * (1.0 + time)
+
+
+def test_a_handle_that_the_map_takes_off_the_wall_retracts():
+    """Halfway to the other side, it would be inside the cup."""
+    peg = box((0.64, 0.2, 0.2), (1.23, 0.0, 0.9))
+    shapes = [joined(CUP, peg), joined(CUP, peg.moved((-2.46, 0.0, 0.0)))]
+    found, alone = (
+        motion_with_parts(two_pegs(*shapes), guided, UNINTERRUPTED).motion.moved([0.5, 0.5])
+        for guided in (known_motion(shapes), None)
+    )
+    for own, other in zip(found, alone, strict=True):
+        np.testing.assert_array_equal(own.vertices, other.vertices)
+
+
 def test_handles_retract_only_from_two_shapes_that_have_some():
-    assert motion_with_retracting_parts(two_pegs(PEGGED, LARGE_CUP), UNINTERRUPTED) is None
+    assert motion_with_parts(two_pegs(PEGGED, LARGE_CUP), None, UNINTERRUPTED) is None
 
 
 def test_the_user_may_ask_for_it():

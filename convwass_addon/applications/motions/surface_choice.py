@@ -9,7 +9,8 @@ from dataclasses import replace
 from ...errors import Cancelled
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
-from ..outlines.revolved_motion import motion_with_retracting_parts
+from ..outlines.revolved_motion import motion_with_parts
+from .guided_motion import GuidedMotion
 from .limbs import is_compact
 from .mapped_pairs import TRUSTED
 from .motion_candidates import MotionCandidates, mapped_choice
@@ -75,14 +76,16 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
         return mapped
     uncertain = motion_by_uncertain_map(mapped, merges, candidates)
     if mapped.score < _TORN:
-        uncertain = _unless_revolved(uncertain, candidates)
+        uncertain = _unless_revolved(uncertain, candidates, guided)
     return (yield from within(uncertain, _GUIDED_SHARE, 1.0))
 
 
-def _unless_revolved(otherwise: Work[MotionChoice], candidates: MotionCandidates) -> Work[MotionChoice]:
-    """Return the motion of solids of revolution whose handles or spouts do not map, or else that of other work."""
+def _unless_revolved(
+    otherwise: Work[MotionChoice], candidates: MotionCandidates, guided: GuidedMotion | None = None
+) -> Work[MotionChoice]:
+    """Return the motion of solids of revolution with handles or spouts, some of which may map, or of other work."""
     request = candidates.request
-    revolved = None if request.guides else attempted(motion_with_retracting_parts, request, candidates.control)
+    revolved = None if request.guides else attempted(motion_with_parts, request, guided, candidates.control)
     return revolved or (yield from otherwise)
 
 

@@ -32,11 +32,14 @@ class AttachedParts:
         Largest distance of a vertex of the same part from the body.
     angles : (n,) float64
         Angles about the axis from the middle of the part, in radians.
+    labels : (n,) int64
+        Which part a vertex is on, counted from 1; 0 for the body, and for vertices that are loose alone.
     """
 
     looseness: NDArray[np.float64]
     reaches: NDArray[np.float64]
     angles: NDArray[np.float64]
+    labels: NDArray[np.int64]
 
     @classmethod
     def of(
@@ -61,7 +64,6 @@ class AttachedParts:
         """
         looseness = (distances / (_APART * mesh.longest_side) - 1.0).clip(0.0, 1.0)
         is_loose = looseness > 0.0
-        # Part 0 is the body, and vertices that are loose alone.
         parts = vertex_components(TriangleMesh(mesh.vertices, mesh.faces[is_loose[mesh.faces].all(axis=1)])) + 1
         reaches = np.zeros(parts.max(initial=0) + 1)
         np.maximum.at(reaches, parts, distances)
@@ -73,12 +75,13 @@ class AttachedParts:
             looseness,
             np.where(parts > 0, reaches[parts], distances),
             np.where((parts > 0) & has_middle[parts], angles, 0.0),
+            parts,
         )
 
     @classmethod
     def none(cls, count: int) -> AttachedParts:
         """Return that none of `count` vertices is on a part."""
-        return cls(*np.zeros((3, count)))
+        return cls(*np.zeros((3, count)), np.zeros(count, np.int64))
 
     def retracted(self, offsets: NDArray[np.float64], left: float) -> NDArray[np.float64]:
         """Return offsets of vertices from the body, (n, 2), with parts drawn into it, without becoming thinner.

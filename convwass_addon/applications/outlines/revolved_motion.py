@@ -18,6 +18,7 @@ from ...geometry.revolved_bodies import common_revolved_bodies
 from ...geometry.ring_nesting import outline_of
 from ...geometry.section_cavities import SectionCavity, revolved_volume
 from ...progress import Control
+from ..motions.guided_motion import GuidedMotion
 from ..motions.guided_settings import GuidedSettings
 from ..motions.motion import Motion, arriving, weights_between
 from ..motions.motion_choice import MotionChoice
@@ -27,6 +28,7 @@ from .even_volume import EvenVolumeMotion
 from .filling_motion import FillingMotion
 from .hollow_shape import HollowShape
 from .lent_parts import LendingMotion
+from .mapped_parts import MappedPartsMotion
 from .matched_motion import matched_motion
 from .matched_outlines import only_placed
 from .matched_sections import RimMatcher
@@ -54,10 +56,19 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     return None if found is None or _two_have_parts(found[1], request) else _by_sections(found, request, control)
 
 
-def motion_with_retracting_parts(request: MotionRequest, control: Control) -> MotionChoice | None:
+def motion_with_parts(request: MotionRequest, guided: GuidedMotion | None, control: Control) -> MotionChoice | None:
     """Return the guided motion of solids of revolution that have attached parts, if two that become each other have.
 
-    The parts of one retract into the body while those of the other grow out of it.
+    Of two shapes, parts that are mapped onto each other follow the map. Others retract into the body or grow out of it.
+
+    Parameters
+    ----------
+    request : MotionRequest
+        The shapes.
+    guided : GuidedMotion or None
+        Their motion by maps between the surfaces, if there is one.
+    control : Control
+        Stops the work.
 
     Returns
     -------
@@ -65,7 +76,9 @@ def motion_with_retracting_parts(request: MotionRequest, control: Control) -> Mo
         None if no two shapes have attached parts, and otherwise as for :func:`revolved_motion`.
     """
     found = common_revolved_bodies(request.shapes)
-    return _by_sections(found, request, control) if found is not None and _two_have_parts(found[1], request) else None
+    if found is None or not _two_have_parts(found[1], request):
+        return None
+    return _by_sections(found, request, control, guided)
 
 
 def _two_have_parts(revolutions: Sequence[Revolution], request: MotionRequest) -> bool:
@@ -74,7 +87,10 @@ def _two_have_parts(revolutions: Sequence[Revolution], request: MotionRequest) -
 
 
 def _by_sections(
-    found: tuple[NDArray[np.float64], list[Revolution]], request: MotionRequest, control: Control
+    found: tuple[NDArray[np.float64], list[Revolution]],
+    request: MotionRequest,
+    control: Control,
+    guided: GuidedMotion | None = None,
 ) -> MotionChoice | None:
     """Return the guided motion of solids of revolution, given the frame of their axes, if their sections match."""
     frame, revolutions = found
@@ -106,11 +122,17 @@ def _by_sections(
     centers = np.stack([own.center for own in revolutions])
     whole = [revolved_volume(own) for own in filled]
     hollow = np.subtract(whole, [revolved_volume(own) for own in sections])
-    motion: Motion = FillingMotion(flat, moved.sheets, solids, np.column_stack([hollow, whole]), centers)
+    filling = FillingMotion(flat, moved.sheets, solids, np.column_stack([hollow, whole]), centers)
+    motion: Motion = filling
     loose = [own.is_loose for own in solids]
+    mapped = MappedPartsMotion.of(filling, guided, shapes) if guided is not None and len(shapes) == 2 else None
+    if mapped is not None:
+        motion = mapped
+        for own, parts in zip(loose, mapped.parts, strict=True):
+            own[parts.vertices] = False
     # Shapes that do not come all the way are not where the others' parts are.
     if flat.way == 1.0 and any(map(np.any, loose)):
-        motion = LendingMotion.of(motion, motion.full, loose, request.pairs)
+        motion = LendingMotion.of(motion, filling.full, loose, request.pairs)
     volumes = np.array([mesh.volume for mesh in request.shapes])
     return replace(moved.choice, motion=EvenVolumeMotion(motion, volumes, centers, flat.way))
 

@@ -9,11 +9,12 @@ import numpy as np
 import pytest
 from scipy.sparse.linalg import ArpackNoConvergence
 
+from convwass_addon.applications.motions import surface_choice
+from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.surface_choice import motion_of_surfaces
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from tests.applications.motions.given_motions import BARBELL, WARP, chosen_by, give, guided_with
-from tests.revolutions import CUP
-from tests.shapes import ball, box, joined, square
+from tests.shapes import ball, box, square
 
 
 @pytest.fixture
@@ -116,12 +117,26 @@ def test_limbs_are_not_mapped_to_a_shape_that_has_none_if_a_rough_map_is_hopeles
         choice(shapes=(BARBELL, box()))
 
 
-def test_handles_that_do_not_map_retract_and_grow(motions):
-    """Unless there are guides, which the motion would not follow."""
-    mugs = [joined(CUP, box((0.66, 0.2, 0.2), (side * 1.22, 0.0, 0.9))) for side in (1.0, -1.0)]
-    motions(guided_with(0.6))
-    assert choice(shapes=mugs).record() == {"kind": "guided", "reason": "OUTLINES"}
-    assert choice(shapes=mugs, guides=[{0: 7, 1: 7}]).kind == "combined"
-    for score, reason in ((0.86, "PARTLY"), (0.95, "FITS")):
-        motions(guided_with(score), left=0.1)
-        assert choice(shapes=mugs).reason == reason
+@pytest.mark.parametrize(
+    ("score", "guides", "reason"),
+    [(0.6, (), "OUTLINES"), (0.6, [{0: 7, 1: 7}], "UNLIKE"), (0.86, (), "PARTLY"), (0.95, (), "FITS")],
+)
+def test_solids_of_revolution_move_as_such_if_their_handles_do_not_map(motions, monkeypatch, score, guides, reason):
+    """Unless there are guides, which that motion would not follow. It gets the map, which handles may follow."""
+    guided = guided_with(score)
+    motions(guided, left=0.4 if reason == "UNLIKE" else 0.1)
+
+    def by_sections(request, found, _control):
+        assert found is guided
+        return MotionChoice("guided", "OUTLINES")
+
+    monkeypatch.setattr(surface_choice, "motion_with_parts", by_sections)
+    assert choice(guides=guides).reason == reason
+
+
+@pytest.mark.parametrize("may_map", [True, False])
+def test_solids_of_revolution_without_a_map_move_as_such(motions, monkeypatch, may_map):
+    motions(AssertionError("must not be asked for"), may_map=may_map)
+    found = MotionChoice("guided", "OUTLINES")
+    monkeypatch.setattr(surface_choice, "motion_with_parts", lambda request, guided, _control: guided or found)
+    assert choice(shapes=(box() if may_map else BARBELL, box())) is found
