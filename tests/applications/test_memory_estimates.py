@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 
 import pytest
 
@@ -25,11 +26,11 @@ from tests.shapes import ball, box, torus
 BLENDS = path_blends(2, 4)
 
 
-def peak_of(work):
-    """Return the peak of the second run, which excludes imports and caches of the first."""
-    drained(work())
+def peak_of(work, settings):
+    """Return the peak of a second run, which excludes imports and caches of the first, a coarser one."""
+    drained(work(replace(settings, resolution=settings.resolution // 2)))
     tracemalloc.start()
-    drained(work())
+    drained(work(settings))
     peak = tracemalloc.get_traced_memory()[1]
     tracemalloc.stop()
     return peak
@@ -39,7 +40,7 @@ def peak_of(work):
 def test_of_solids(shapes):
     settings = MorphSettings(motion="transport", resolution=64)
     lattice = Lattice.around(shapes, settings.resolution, settings.sigma)
-    peak = peak_of(lambda: morph(shapes, ["a", "b"], BLENDS, settings, computation=Computation(1)))
+    peak = peak_of(lambda own: morph(shapes, ["a", "b"], BLENDS, own, computation=Computation(1)), settings)
     assert 0.3 < peak / lattice.memory(shapes, 1, 1) < 1.0
 
 
@@ -54,5 +55,5 @@ def test_of_flat_shapes():
     shapes = [FlatShape((ellipse(radii=radii),)) for radii in ((1.0, 1.0), (0.5, 1.5))]
     settings = FlatSettings(resolution=256, motion="transport")
     lattice = flat_problem(shapes, pieces_of(shapes, ["a", "b"], settings), ["a", "b"], settings).lattice
-    peak = peak_of(lambda: flat_morph(shapes, ["a", "b"], BLENDS, settings, workers=1))
+    peak = peak_of(lambda own: flat_morph(shapes, ["a", "b"], BLENDS, own, workers=1), settings)
     assert 0.3 < peak / lattice.memory(2, 1) < 1.0
