@@ -59,6 +59,12 @@ def bake(cache=None, wanted=None, control=UNINTERRUPTED, workers=2):
     return [step.payload for step in steps if step.payload]
 
 
+@pytest.fixture(scope="module")
+def expected():
+    """All frames, without a cache."""
+    return bake()
+
+
 def assert_same(found, expected):
     assert [frame.blend for frame in found] == [frame.blend for frame in expected]
     for one, other in zip(found, expected, strict=True):
@@ -73,9 +79,7 @@ def written(path, frame=None, key=KEY):
     return bytearray(path.read_bytes())
 
 
-def test_frames_that_were_kept_are_the_frames_and_are_not_computed_again(tmp_path, solved):
-    expected = bake()
-    solved.clear()
+def test_frames_that_were_kept_are_the_frames_and_are_not_computed_again(tmp_path, solved, expected):
     assert_same(bake(FrameCache(tmp_path)), expected)
     assert solved == [0, 4, 8]
     assert_same(bake(FrameCache(tmp_path)), expected)
@@ -89,14 +93,14 @@ def test_a_complete_cache_needs_no_voxels(tmp_path, monkeypatch):
     assert_same(bake(FrameCache(tmp_path)), expected)
 
 
-def test_an_interrupted_bake_continues(tmp_path, solved):
+def test_an_interrupted_bake_continues(tmp_path, solved, expected):
     steps = morph(SHAPES, ["a", "b"], BLENDS, QUICK, computation=Computation(1, cache=FrameCache(tmp_path)))
     assert next(step for step in steps if step.payload)
     steps.close()
     kept = len(list(tmp_path.iterdir()))
     assert RUN_LENGTH <= kept < len(BLENDS)
     solved.clear()
-    assert_same(bake(FrameCache(tmp_path)), bake())
+    assert_same(bake(FrameCache(tmp_path)), expected)
     assert 0 not in solved[:2]
 
 
@@ -114,21 +118,20 @@ def test_runs_that_are_finished_before_their_turn_are_kept_too(tmp_path, monkeyp
 @pytest.mark.parametrize(
     ("wanted", "made"), [(range(5, 6), range(4, 8)), (range(3, 9), range(11)), (range(11), range(11))]
 )
-def test_a_range_is_computed_in_complete_runs(tmp_path, wanted, made):
-    expected = bake()
+def test_a_range_is_computed_in_complete_runs(tmp_path, wanted, made, expected):
     frames = bake(FrameCache(tmp_path), wanted)
     assert_same(frames, [expected[index] for index in made])
     assert len(list(tmp_path.iterdir())) == len(made)
 
 
-def test_ranges_together_are_the_complete_morph(tmp_path, solved):
+def test_ranges_together_are_the_complete_morph(tmp_path, solved, expected):
     for wanted in (range(8, 11), range(4), range(4, 8)):
         bake(FrameCache(tmp_path), wanted)
     assert solved == [8, 0, 4]
     solved.clear()
     together = bake(FrameCache(tmp_path))
     assert solved == []
-    assert_same(together, bake())
+    assert_same(together, expected)
 
 
 @pytest.mark.parametrize("wanted", [range(0), range(11, 12), range(-1, 3), range(5, 12)])
@@ -461,13 +464,13 @@ def test_the_oldest_spare_frames_go_first(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == ["0.frame", "1.frame", "2.frame", "mine.txt"]
 
 
-def test_a_bake_continues_if_spare_frames_cannot_be_written(tmp_path, monkeypatch):
+def test_a_bake_continues_if_spare_frames_cannot_be_written(tmp_path, monkeypatch, expected):
     def full(*_):
         raise OSError(28, "No space left on device")
 
     monkeypatch.setattr(frame_cache, "write_frame", full)
     cache = SpareFrameCache(tmp_path, 1 << 30)
-    assert_same(bake(cache), bake())
+    assert_same(bake(cache), expected)
     assert [str(notice) for notice in cache.notices] == [
         f"Frames are not kept in {tmp_path} for the case of an interruption (No space left on device)."
     ]
