@@ -15,6 +15,7 @@ from scipy.spatial.transform import Rotation
 from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
+from convwass_addon.applications.outlines import limb_motion, moved_sheets
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
 from convwass_addon.geometry import subdivision
 from convwass_addon.geometry.closest_points import ClosestPointFinder
@@ -37,6 +38,16 @@ def coarse_surfaces() -> Iterator[None]:
     """Let triangles that are to bend be divided less than in use."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(subdivision, "_BENDING", 0.06)
+        yield
+
+
+@contextmanager
+def coarse_outlines() -> Iterator[None]:
+    """Let flat shapes that move have larger triangles than in use, and fewer vertices."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(moved_sheets, "TRIANGLES", 0.05)
+        patch.setattr(limb_motion, "TRIANGLES", 0.05)
+        patch.setattr(moved_sheets, "_VERTICES", 1000)
         yield
 
 

@@ -22,7 +22,7 @@ from convwass_addon.geometry.coverage import coverage
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.applications.maps import coarse_maps
+from tests.applications.maps import coarse_maps, coarse_outlines
 from tests.flat_shapes import ellipse, rectangle
 
 # A hook without symmetry; its areas are known.
@@ -31,6 +31,12 @@ TURN = np.radians(80.0)
 TILT = 24.0
 SHIFT = np.array([5.0, 1.0])
 RED, BLUE = (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 1.0, 1.0)
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse():
+    with coarse_outlines():
+        yield
 
 
 def turned(points, angle, shift=(0.0, 0.0)):

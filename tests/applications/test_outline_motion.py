@@ -70,7 +70,7 @@ def mirrored(boundary, center=0.0):
 
 @pytest.mark.parametrize(
     ("first", "second"),
-    [(filled(star()), filled(ellipse())), (filled(HEART), filled(star())), (filled(star(8)), filled(star()))],
+    [(filled(HEART), filled(star())), (filled(star(8)), filled(star()))],
 )
 def test_both_shapes_coincide_and_stay_symmetric_all_along_the_way(first, second):
     for _, (one, other) in moved(first, second, *TIMES):
@@ -121,10 +121,9 @@ def rotated(points, angle):
     return points @ np.array([[cosine, sine], [-sine, cosine]])
 
 
-@pytest.mark.parametrize("angle", [1.0, 2.0])
-def test_a_round_hole_turns_with_its_shape(angle):
+def test_a_round_hole_turns_with_its_shape():
     """As it stands, it would match the other one without a turn, and shrink by a third or more on the way."""
-    turned = filled(rotated(BRACKET, angle), rotated(ROUND, angle))
+    turned = filled(rotated(BRACKET, 1.0), rotated(ROUND, 1.0))
     for own in halfway(filled(BRACKET, ROUND), turned):
         assert hole_of(own) == pytest.approx(ring_area(ROUND), rel=0.02)
 

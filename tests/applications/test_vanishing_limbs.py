@@ -29,6 +29,7 @@ from convwass_addon.geometry.outline_limbs import outline_limbs, without_limb
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.planar_mesh import planar_mesh
 from convwass_addon.progress import UNINTERRUPTED, Control
+from tests.applications.maps import coarse_outlines
 from tests.flat_shapes import rectangle
 from tests.shapes import extruded
 
@@ -48,6 +49,12 @@ HALF_X = np.array([(2.5, 0), (0.7, 3.5), (2.5, 7), (1.3, 7), (0, 4.6)], float)
 LETTER_X = np.concatenate([HALF_X, HALF_X[-2::-1] * (-1, 1), [(-1.3, 0), (0, 2.4), (1.3, 0)]])
 TIMES = (0.25, 0.5, 0.75)
 BOTH_WAYS = [(0, 1)]
+
+
+@pytest.fixture(scope="module", autouse=True)
+def coarse():
+    with coarse_outlines():
+        yield
 
 
 def filled(*rings):
