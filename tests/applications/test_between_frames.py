@@ -26,7 +26,9 @@ from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.progress import drained
 from tests.shapes import ball, box, joined
 
-QUICK = MorphSettings(motion="transport", resolution=32)
+QUICK = MorphSettings(motion="transport", resolution=24)
+# Solves at this resolution are so accurate that a hundredth of a frame and every setting show.
+FINE = MorphSettings(motion="transport", resolution=32)
 PATH = path_blends(2, 12)
 # No two balls: something turns and something changes its size.
 SHAPES = (
@@ -61,7 +63,7 @@ def distance(one, other):
 def cache(tmp_path_factory):
     """All frames of the path."""
     kept = FrameCache(tmp_path_factory.mktemp("frames"))
-    assert len(list(morph(SHAPES, NAMES, PATH, QUICK, computation=Computation(2, cache=kept)))) >= len(PATH)
+    assert len(list(morph(SHAPES, NAMES, PATH, FINE, computation=Computation(2, cache=kept)))) >= len(PATH)
     return kept
 
 
@@ -80,8 +82,8 @@ def cold(monkeypatch):
 
 @pytest.mark.parametrize("number", [4.35, 6.5, 7.9])
 def test_between_frames_it_is_the_blend_for_a_part_of_the_rounds(cache, cold, number):
-    (found,) = at(cache, number)
-    truth = solved([1 - number / 12, number / 12])
+    (found,) = at(cache, number, options=FINE)
+    truth = solved([1 - number / 12, number / 12], FINE)
     cell = 2.5 / 28
     assert found.record["between"] == (int(number), int(number) + 1)
     assert found.record["converged"]
@@ -103,7 +105,7 @@ def spread(mesh):
 
 
 def test_from_frame_to_frame_it_moves_in_one_direction(cache, cold):
-    found = [spread(frame.mesh) for frame in at(cache, 5, 5.02, 5.25, 5.5, 5.75, 5.98, 6)]
+    found = [spread(frame.mesh) for frame in at(cache, 5, 5.02, 5.25, 5.5, 5.75, 5.98, 6, options=FINE)]
     steps = np.diff(found)
     assert cold == []
     # Next to a frame it hardly moves, and the remaining error of the solver dominates.
@@ -112,10 +114,10 @@ def test_from_frame_to_frame_it_moves_in_one_direction(cache, cold):
 
 
 def test_whole_numbers_return_stored_frames(cache, monkeypatch):
-    steps = morph(SHAPES, NAMES, PATH, QUICK, computation=Computation(cache=cache))
+    steps = morph(SHAPES, NAMES, PATH, FINE, computation=Computation(cache=cache))
     stored = [step.payload for step in steps if step.payload]
     monkeypatch.setattr(between, "prepared_problem", None)
-    found = at(cache, 12.0, 0, 7)
+    found = at(cache, 12.0, 0, 7, options=FINE)
     assert [frame.blend.place for frame in found] == [(0.0, 0.0), (1.0, 0.0), (2.0, 0.0)]
     for frame, index in zip(found, (12, 0, 7), strict=True):
         assert frame.record == stored[index].record
@@ -127,8 +129,8 @@ def test_whole_numbers_return_stored_frames(cache, monkeypatch):
 
 @pytest.mark.parametrize("number", [0.05, 0.5, 11.6])
 def test_next_to_a_shape_it_starts_from_the_only_neighbor(cache, cold, number):
-    (found,) = at(cache, number)
-    truth = solved([1 - number / 12, number / 12])
+    (found,) = at(cache, number, options=FINE)
+    truth = solved([1 - number / 12, number / 12], FINE)
     assert cold == []
     assert found.record["converged"]
     assert found.record["weights"] == pytest.approx((1 - number / 12, number / 12))
@@ -149,7 +151,7 @@ def test_only_runs_about_the_numbers_are_computed_and_they_are_kept(tmp_path):
 
 @pytest.mark.parametrize("options", [{"locality": 0.5}, {"entropy_limit": "max"}, {"blur": 1.5}, {"sharpness": 0.0}])
 def test_settings_hold_between_frames_too(tmp_path, options):
-    chosen = dataclasses.replace(QUICK, **options)
+    chosen = dataclasses.replace(FINE, **options)
     (found,) = at(FrameCache(tmp_path), 5.5, options=chosen)
     truth = solved([6.5 / 12, 5.5 / 12], chosen)
     assert found.record["between"] == (5, 6)
