@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.applications.skeletons import skeleton_bodies
 from convwass_addon.applications.skeletons.skeleton_carrying import between_pins
 from convwass_addon.applications.skeletons.skeleton_fit import FittedSkeleton, fit_steps
 from convwass_addon.applications.skeletons.skeleton_graph import JointGraph
@@ -24,7 +25,7 @@ from tests.shapes import box, joined, square, torus, with_faces
 _SETTINGS = SkeletonSettings()
 
 
-def tube(axis, radius=0.2, segments=20):
+def tube(axis, radius=0.2, segments=12):
     """A closed tube around a curve in the plane y = 0."""
     axis = np.asarray(axis, float)
     tangents = np.gradient(axis, axis=0)
@@ -62,14 +63,22 @@ def fit(mesh, graph, settings=_SETTINGS) -> FittedSkeleton:
     return found.result
 
 
+@pytest.fixture(scope="module", autouse=True)
+def coarse():
+    """Do not divide bodies of few vertices."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(skeleton_bodies, "_FEWEST_VERTICES", 300)
+        yield
+
+
 @pytest.fixture(scope="module")
 def straight():
-    return tube(np.linspace((0.0, 0.0, 0.0), (3.0, 0.0, 0.0), 50))
+    return tube(np.linspace((0.0, 0.0, 0.0), (3.0, 0.0, 0.0), 30))
 
 
 @pytest.fixture(scope="module")
 def bent():
-    turns = np.linspace(0.0, np.pi, 60)
+    turns = np.linspace(0.0, np.pi, 36)
     return tube(np.stack([np.cos(turns), 0.0 * turns, np.sin(turns)], axis=1))
 
 
