@@ -225,12 +225,6 @@ def test_a_cluster_without_the_package_gives_a_helpful_error(cluster):
         raise RuntimeError("another")
 
 
-def test_a_run_that_costs_every_worker_its_life_is_given_up(cluster, monkeypatch):
-    monkeypatch.setattr(cluster.scheduler, "allowed_failures", 0)
-    with pytest.raises(ConvwassError, match="lack of memory"), cluster_workers(cluster.scheduler_address) as executor:
-        executor.submit(os._exit, 1).result(60)
-
-
 def test_a_scheduler_that_is_lost_ends_the_bake():
     started = local_cluster(n_workers=1, threads_per_worker=1, processes=False, protocol="tcp")
     with (
@@ -268,3 +262,10 @@ def test_a_missing_distributed_is_asked_for(monkeypatch):
     monkeypatch.setitem(sys.modules, "distributed", None)
     with pytest.raises(InputError, match="pip install distributed"), cluster_workers("tcp://127.0.0.1:1"):
         pass
+
+
+def test_a_run_that_costs_every_worker_its_life_is_given_up(cluster, monkeypatch):
+    # The last one, so that the cluster ends before another worker has started.
+    monkeypatch.setattr(cluster.scheduler, "allowed_failures", 0)
+    with pytest.raises(ConvwassError, match="lack of memory"), cluster_workers(cluster.scheduler_address) as executor:
+        executor.submit(os._exit, 1).result(60)
