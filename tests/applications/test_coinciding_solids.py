@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from convwass_addon.applications.morphs import growing_parts, mean_solid
 from convwass_addon.applications.morphs.coinciding_solids import CoincidingSolids
 from convwass_addon.geometry.contours import outline_enclosing
 from convwass_addon.geometry.even_surface import even_surface
@@ -56,16 +55,14 @@ def test_the_mean_of_concentric_disks_is_round_however_far_they_are_apart():
     assert radii.std() < 0.05
 
 
-def test_the_mean_of_concentric_balls_is_round_on_a_fine_grid(monkeypatch):
-    monkeypatch.setattr(growing_parts, "_MOST_CELLS", 32)
-    monkeypatch.setattr(mean_solid, "_MOST_CELLS", 72)
-    center = np.array([40.3, 39.7, 40.1])
-    cells = np.stack(np.meshgrid(*[np.arange(80) + 0.5] * 3, indexing="ij"), axis=-1)
+def test_the_mean_of_concentric_balls_is_round_on_a_fine_grid():
+    center = np.array([80.3, 79.7, 80.1])
+    cells = np.stack(np.meshgrid(*[np.arange(160) + 0.5] * 3, indexing="ij"), axis=-1)
     away = np.linalg.norm(cells - center, axis=-1)
-    balls = [np.clip(radius + 0.5 - away, 0.0, 1.0) for radius in (15.0, 35.0)]
-    inside = CoincidingSolids.of(balls, (0.5, 0.5), 4.0 / 3.0 * np.pi * 25.0**3).density > 0.5
-    assert away[inside].max() < 25.1
-    assert away[~inside].min() > 24.9
+    balls = [np.clip(radius + 0.5 - away, 0.0, 1.0) for radius in (30.0, 70.0)]
+    inside = CoincidingSolids.of(balls, (0.5, 0.5), 4.0 / 3.0 * np.pi * 50.0**3).density > 0.5
+    assert away[inside].max() < 50.1
+    assert away[~inside].min() > 49.9
 
 
 def rod(radius, x, top=34):
