@@ -10,7 +10,7 @@ from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.objects import write_mesh
 from tests.shapes import ball
 
-CELLS, FRAMES, FIRST = 24, 5, 10
+CELLS, FRAMES, FIRST = 24, 3, 10
 TRAVEL = 4.0
 """Distance between the first and the last ball, in radii."""
 
