@@ -29,20 +29,19 @@ class OutlineFinder:
 
     def __init__(self, outline: Boundary) -> None:
         self.outline = outline
-        self._find = self._measured if len(outline.starts) <= _MOST_MEASURED else _tree_search(outline)
+        self._search = _tree_search(outline) if len(outline.starts) > _MOST_MEASURED else None
 
     def nearest(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the points of the outline nearest to others, (n, 2)."""
-        return self._find(points)
+        if self._search is not None:
+            return self._search(points)
+        starts, along = self.outline.starts, self.outline.ends - self.outline.starts
+        found = nearest_edges(points, starts, along)
+        return starts[found.edges] + found.shares[:, None] * along[found.edges]
 
     def distances(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the distances of points, (n, 2), from the outline, (n,)."""
         return np.linalg.norm(self.nearest(points) - points, axis=1)
-
-    def _measured(self, points: NDArray[np.float64]) -> NDArray[np.float64]:
-        starts, along = self.outline.starts, self.outline.ends - self.outline.starts
-        found = nearest_edges(points, starts, along)
-        return starts[found.edges] + found.shares[:, None] * along[found.edges]
 
 
 def _tree_search(outline: Boundary) -> Callable[[NDArray[np.float64]], NDArray[np.float64]]:
