@@ -205,6 +205,17 @@ def test_a_handle_that_becomes_another_one_follows_the_map():
             assert other.finder.find_about(own.vertices).distances.max() < 0.1 * (1.0 + time)
 
 
+def test_a_handle_follows_the_map_around_the_body():
+    """Evenly, although the map turns the bodies, which stay as they are."""
+    one = joined(CUP, box((0.64, 0.2, 0.2), (1.23, 0.0, 0.9)))
+    shapes = [one, rotated(one, (0.0, 0.0, 0.6))]
+    motion = motion_with_parts(two_pegs(*shapes), known_motion(shapes), UNINTERRUPTED).motion
+    for time in (0.01, 0.25, 0.75):
+        for own in motion.moved([1.0 - time, time]):
+            tip = own.vertices[np.hypot(*own.vertices[:, :2].T) > 1.5].mean(axis=0)
+            assert np.arctan2(tip[1], tip[0]) == pytest.approx(0.6 * time, abs=0.02)
+
+
 def test_a_handle_that_the_map_takes_off_the_wall_retracts():
     """Halfway to the other side, it would be inside the cup."""
     peg = box((0.64, 0.2, 0.2), (1.23, 0.0, 0.9))

@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
-from ...geometry.rotations import best_turn
+from ...geometry.rotations import nearest_rotation
 from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion
 from ..motions.motion import Motion, MovedShape, arriving, unmoved
@@ -111,13 +111,17 @@ class MappedPartsMotion:
             return shapes
         corners = [own.mesh.corners for own in self.guided.moved(weights)]
         together = list(zip(shapes, corners, self.parts, strict=True))
-        # The map may tilt the bodies. Both shapes are turned back alike, so that their parts still coincide.
+        # The map may tilt the bodies. Both shapes are turned back alike, so that their parts still coincide, and not at
+        # all where one of them is at rest.
         by_map = np.concatenate([parts.body_places.interpolated(own) for _, own, parts in together])
         by_sections = np.concatenate([shape.vertices[parts.body] for shape, _, parts in together])
-        turn = best_turn(by_map, by_sections)
+        counts = [len(parts.body) for parts in self.parts]
+        shares = np.repeat(np.divide(weights, counts), counts)
+        center, wanted = shares @ by_map, shares @ by_sections
+        turn = nearest_rotation((by_sections - wanted).T @ (shares[:, None] * (by_map - center)))
         found: list[MovedShape | None] = []
         for shape, own, parts in together:
-            there = (parts.places.interpolated(own) - by_map.mean(axis=0)) @ turn.T + by_sections.mean(axis=0)
+            there = (parts.places.interpolated(own) - center) @ turn.T + wanted
             vertices = shape.vertices.copy()
             vertices[parts.vertices] += parts.looseness[:, None] * (there - vertices[parts.vertices])
             found.append(MovedShape(shape.rest, vertices, shape.parents))
