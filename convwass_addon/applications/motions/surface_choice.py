@@ -10,7 +10,6 @@ from ...errors import Cancelled
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..outlines.revolved_motion import motion_with_parts
-from .guided_motion import GuidedMotion
 from .limbs import is_compact
 from .mapped_pairs import TRUSTED
 from .motion_candidates import MotionCandidates, mapped_choice
@@ -59,9 +58,9 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
     solid = MotionChoice("transport", "SOLID")
     begin = _ROUGH_SHARE if merges else 0.0
     if all(compact):
-        return (yield from _unless_revolved(unmapped_motion(solid, candidates), candidates))
+        return (yield from unmapped_motion(solid, candidates))
     if merges and not (yield from within(_may_all_map(candidates), 0.0, begin)):
-        return (yield from within(_unless_revolved(unmapped_motion(solid, candidates), candidates), begin, 1.0))
+        return (yield from within(unmapped_motion(solid, candidates), begin, 1.0))
     try:
         guided = yield from within(candidates.guided(), begin, _GUIDED_SHARE)
     except Cancelled:
@@ -74,19 +73,12 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
     mapped = mapped_choice("FITS", guided)
     if mapped.score >= (_SURE if merges else TRUSTED):
         return mapped
-    uncertain = motion_by_uncertain_map(mapped, merges, candidates)
-    if mapped.score < _TORN:
-        uncertain = _unless_revolved(uncertain, candidates, guided)
-    return (yield from within(uncertain, _GUIDED_SHARE, 1.0))
-
-
-def _unless_revolved(
-    otherwise: Work[MotionChoice], candidates: MotionCandidates, guided: GuidedMotion | None = None
-) -> Work[MotionChoice]:
-    """Return the motion of solids of revolution with handles or spouts, some of which may map, or of other work."""
-    request = candidates.request
-    revolved = None if request.guides else attempted(motion_with_parts, request, guided, candidates.control)
-    return revolved or (yield from otherwise)
+    # Shapes without limbs have no handles either.
+    if mapped.score < _TORN and not merges and not request.guides:
+        revolved = attempted(motion_with_parts, request, guided, candidates.control)
+        if revolved is not None:
+            return revolved
+    return (yield from within(motion_by_uncertain_map(mapped, merges, candidates), _GUIDED_SHARE, 1.0))
 
 
 def _may_all_map(candidates: MotionCandidates) -> Work[bool]:

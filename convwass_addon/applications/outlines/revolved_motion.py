@@ -56,7 +56,7 @@ def revolved_motion(request: MotionRequest, control: Control) -> MotionChoice | 
     return None if found is None or _two_have_parts(found[1], request) else _by_sections(found, request, control)
 
 
-def motion_with_parts(request: MotionRequest, guided: GuidedMotion | None, control: Control) -> MotionChoice | None:
+def motion_with_parts(request: MotionRequest, guided: GuidedMotion, control: Control) -> MotionChoice | None:
     """Return the guided motion of solids of revolution that have attached parts, if two that become each other have.
 
     Of two shapes, parts that are mapped onto each other follow the map. Others retract into the body or grow out of it.
@@ -65,8 +65,8 @@ def motion_with_parts(request: MotionRequest, guided: GuidedMotion | None, contr
     ----------
     request : MotionRequest
         The shapes.
-    guided : GuidedMotion or None
-        Their motion by maps between the surfaces, if there is one.
+    guided : GuidedMotion
+        Their motion by maps between the surfaces.
     control : Control
         Stops the work.
 

@@ -134,9 +134,11 @@ def test_solids_of_revolution_move_as_such_if_their_handles_do_not_map(motions, 
     assert choice(guides=guides).reason == reason
 
 
-@pytest.mark.parametrize("may_map", [True, False])
-def test_solids_of_revolution_without_a_map_move_as_such(motions, monkeypatch, may_map):
-    motions(AssertionError("must not be asked for"), may_map=may_map)
-    found = MotionChoice("guided", "OUTLINES")
-    monkeypatch.setattr(surface_choice, "motion_with_parts", lambda request, guided, _control: guided or found)
-    assert choice(shapes=(box() if may_map else BARBELL, box())) is found
+def test_shapes_without_limbs_have_no_handles(motions, monkeypatch):
+    def unwanted(*_arguments):
+        raise AssertionError("must not be asked for")
+
+    monkeypatch.setattr(surface_choice, "motion_with_parts", unwanted)
+    for shapes in ((box(), box()), (BARBELL, box())):
+        motions(guided_with(0.6), by_warp_alone=0.1)
+        assert choice(shapes=shapes).kind == "warp"
