@@ -12,11 +12,10 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
-from ...geometry.mesh import TriangleMesh
 from ...geometry.rotations import nearest_rotation
 from ..motions.coherence import FULL_COHERENCE
 from ..motions.guided_motion import GuidedMotion
-from ..motions.motion import Motion, MovedShape, arriving, unmoved
+from ..motions.motion import Motion, MovedShape, arriving
 from .revolved_shape import RevolvedShape
 
 # Two parts become each other if at least this share of the surface of each is mapped to the other.
@@ -39,28 +38,23 @@ class MappedParts:
         Vertices of the parts.
     looseness : (n,) float64
         How far they move with their part, from 0, on the body, to 1.
-    places : ClosestPoints
-        Where they are on the surface that the map moves.
     body : (k,) int64
         Some vertices of the body.
-    body_places : ClosestPoints
-        Where these are on that surface.
+    places : ClosestPoints
+        Where all vertices of the shape are on the surface that the map moves.
     """
 
     vertices: NDArray[np.int64]
     looseness: NDArray[np.float64]
-    places: ClosestPoints
     body: NDArray[np.int64]
-    body_places: ClosestPoints
+    places: ClosestPoints
 
     @classmethod
-    def of(cls, shape: RevolvedShape, labels: NDArray[np.int64], surface: TriangleMesh) -> MappedParts:
-        """Find the parts with some labels on the surface that the map moves."""
+    def of(cls, shape: RevolvedShape, labels: NDArray[np.int64], places: ClosestPoints) -> MappedParts:
+        """Find the parts with some labels of a shape whose vertices have places on the surface that the map moves."""
         vertices = np.flatnonzero(np.isin(shape.attached.labels, labels))
         body = np.flatnonzero(shape.attached.labels == 0)
-        body, finder = body[:: 1 + len(body) // _ENOUGH], ClosestPointFinder(surface.corners)
-        places, body_places = (finder.find_about(shape.divided.mesh.vertices[own]) for own in (vertices, body))
-        return cls(vertices, shape.attached.looseness[vertices], places, body, body_places)
+        return cls(vertices, shape.attached.looseness[vertices], body[:: 1 + len(body) // _ENOUGH], places)
 
 
 @dataclass(frozen=True)
@@ -84,55 +78,56 @@ class MappedPartsMotion:
     @classmethod
     def of(cls, motion: Motion, guided: GuidedMotion, shapes: Sequence[RevolvedShape]) -> MappedPartsMotion | None:
         """Return the motion if some parts of two shapes become each other, and None otherwise."""
-        images = [_images(guided, shapes, own) for own in (0, 1)]
+        places = [
+            ClosestPointFinder(carrier.rest.corners).find_about(shape.divided.mesh.vertices)
+            for carrier, shape in zip(guided.carriers, shapes, strict=True)
+        ]
+        images = [_images(guided, shapes, places[own], own) for own in (0, 1)]
         labels = 1 + np.argwhere((images[0] >= _MAPPED) & (images[1].T >= _MAPPED))
-        halfway = cls._with(motion, guided, shapes, labels).moved([0.5, 0.5])
+
+        def following(chosen: NDArray[np.int64]) -> MappedPartsMotion:
+            one, other = map(MappedParts.of, shapes, chosen.T, places)
+            return cls(motion, guided, (one, other))
+
+        halfway = following(labels).moved([0.5, 0.5])
         stay = [
             all(_stays(shape, own.vertices, label) for shape, own, label in zip(shapes, halfway, pair, strict=True))
             for pair in labels
         ]
-        return cls._with(motion, guided, shapes, labels[stay]) if any(stay) else None
-
-    @classmethod
-    def _with(
-        cls, motion: Motion, guided: GuidedMotion, shapes: Sequence[RevolvedShape], labels: NDArray[np.int64]
-    ) -> MappedPartsMotion:
-        """Let the parts with some labels, (m, 2), follow the map."""
-        one, other = (
-            MappedParts.of(shape, labels[:, index], unmoved(guided, 2, index).rest)
-            for index, shape in enumerate(shapes)
-        )
-        return cls(motion, guided, (one, other))
+        return following(labels[stay]) if any(stay) else None
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return both shapes in a blend; see :meth:`.motion.Motion.moved`."""
         shapes = self.motion.moved(weights)
         if any(own is None for own in shapes):
             return shapes
-        corners = [own.mesh.corners for own in self.guided.moved(weights)]
-        together = list(zip(shapes, corners, self.parts, strict=True))
+        by_map = [
+            parts.places.interpolated(own.mesh.corners)
+            for parts, own in zip(self.parts, self.guided.moved(weights), strict=True)
+        ]
         # The map may tilt the bodies. Both shapes are turned back alike, so that their parts still coincide, and not at
         # all where one of them is at rest.
-        by_map = np.concatenate([parts.body_places.interpolated(own) for _, own, parts in together])
-        by_sections = np.concatenate([shape.vertices[parts.body] for shape, _, parts in together])
+        tilted = np.concatenate([own[parts.body] for own, parts in zip(by_map, self.parts, strict=True)])
+        upright = np.concatenate([own.vertices[parts.body] for own, parts in zip(shapes, self.parts, strict=True)])
         counts = [len(parts.body) for parts in self.parts]
         shares = np.repeat(np.divide(weights, counts), counts)
-        center, wanted = shares @ by_map, shares @ by_sections
-        turn = nearest_rotation((by_sections - wanted).T @ (shares[:, None] * (by_map - center)))
+        center, wanted = shares @ tilted, shares @ upright
+        turn = nearest_rotation((upright - wanted).T @ (shares[:, None] * (tilted - center)))
         found: list[MovedShape | None] = []
-        for shape, own, parts in together:
-            there = (parts.places.interpolated(own) - center) @ turn.T + wanted
+        for shape, own, parts in zip(shapes, by_map, self.parts, strict=True):
+            there = (own[parts.vertices] - center) @ turn.T + wanted
             vertices = shape.vertices.copy()
             vertices[parts.vertices] += parts.looseness[:, None] * (there - vertices[parts.vertices])
             found.append(MovedShape(shape.rest, vertices, shape.parents))
         return found
 
 
-def _images(guided: GuidedMotion, shapes: Sequence[RevolvedShape], own: int) -> NDArray[np.float64]:
+def _images(
+    guided: GuidedMotion, shapes: Sequence[RevolvedShape], places: ClosestPoints, own: int
+) -> NDArray[np.float64]:
     """Return the share of every part of one of two shapes, (k,), that is mapped to every part of the other, (k, l)."""
     shape, other = shapes[own], shapes[1 - own]
     arrived = arriving(guided.with_coherence(FULL_COHERENCE), 2, own, 1 - own)
-    places = ClosestPointFinder(arrived.rest.corners).find_about(shape.divided.mesh.vertices)
     arrival = ClosestPointFinder(other.divided.mesh.corners).find_about(places.interpolated(arrived.mesh.corners))
     there = other.attached.labels[other.divided.mesh.faces[arrival.triangles, arrival.shares.argmax(axis=1)]]
     labels, areas = shape.attached.labels, shape.divided.mesh.vertex_areas

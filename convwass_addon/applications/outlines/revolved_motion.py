@@ -123,18 +123,29 @@ def _by_sections(
     whole = [revolved_volume(own) for own in filled]
     hollow = np.subtract(whole, [revolved_volume(own) for own in sections])
     filling = FillingMotion(flat, moved.sheets, solids, np.column_stack([hollow, whole]), centers)
+    motion = _with_parts(filling, shapes, guided, request.pairs)
+    volumes = np.array([mesh.volume for mesh in request.shapes])
+    return replace(moved.choice, motion=EvenVolumeMotion(motion, volumes, centers, flat.way))
+
+
+def _with_parts(
+    filling: FillingMotion,
+    shapes: Sequence[RevolvedShape],
+    guided: GuidedMotion | None,
+    pairs: Sequence[tuple[int, int]],
+) -> Motion:
+    """Return the motion of solids with parts that follow the map of two shapes, and with those that they borrow."""
     motion: Motion = filling
-    loose = [own.is_loose for own in solids]
+    loose = [own.is_loose for own in filling.shapes]
     mapped = MappedPartsMotion.of(filling, guided, shapes) if guided is not None and len(shapes) == 2 else None
     if mapped is not None:
         motion = mapped
         for own, parts in zip(loose, mapped.parts, strict=True):
             own[parts.vertices] = False
     # Shapes that do not come all the way are not where the others' parts are.
-    if flat.way == 1.0 and any(map(np.any, loose)):
-        motion = LendingMotion.of(motion, filling.full, loose, request.pairs)
-    volumes = np.array([mesh.volume for mesh in request.shapes])
-    return replace(moved.choice, motion=EvenVolumeMotion(motion, volumes, centers, flat.way))
+    if filling.flat.way == 1.0 and any(map(np.any, loose)):
+        motion = LendingMotion.of(motion, filling.full, loose, pairs)
+    return motion
 
 
 def _arrivals(flat: AgreeingMotion, index: int, request: MotionRequest) -> list[TriangleMesh]:
