@@ -157,6 +157,28 @@ def elbow(points, swing, twist):
     return across + np.stack([*(np.interp(x, line, along) for along in center.T), np.zeros(len(x))], axis=1)
 
 
+@pytest.fixture(scope="module")
+def thin_rod():
+    return arm(around=6, radius=0.15)[0]
+
+
+def curled(points, angle):
+    """A rod along x whose last two fifths are bent to an arc of a circle in the plane of x and y."""
+    x = points[:, 0]
+    start = x.min() + 0.6 * np.ptp(x)
+    radius = (x.max() - start) / angle
+    turn, out = np.maximum(x - start, 0.0) / radius, radius - points[:, 1]
+    return np.stack([np.minimum(x, start) + out * np.sin(turn), radius - out * np.cos(turn), points[:, 2]], axis=1)
+
+
+def test_a_limb_curls_by_more_than_half_a_turn(thin_rod):
+    """The shortest rotations of its end would bend it the other way."""
+    angle = np.radians(220.0)
+    motion = known_motion([thin_rod, deformed(thin_rod, curled(thin_rod.vertices, angle))])
+    for shape in motion.moved([0.5, 0.5]):
+        np.testing.assert_allclose(shape.vertices, curled(thin_rod.vertices, 0.5 * angle), atol=0.03)
+
+
 def test_a_limb_that_swings_and_twists_stays_in_a_plane(rod):
     """Along the shortest rotations, its end would leave the plane by 8 % of the rod's length."""
     points = elbow(rod.vertices, np.radians(100.0), np.radians(80.0))
