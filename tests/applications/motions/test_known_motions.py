@@ -191,6 +191,17 @@ def test_a_limb_that_swings_and_twists_stays_in_a_plane(rod):
         assert abs(turn.apply(line[-1] - line[0])[2]) < 0.015 * length
 
 
+def test_a_limb_that_becomes_most_of_the_surface_still_swings_and_twists(thin_rod):
+    """By itself, the second shape would rotate as a whole, with its end, and both would be apart halfway."""
+    along = (thin_rod.vertices[:, :1] - thin_rod.vertices[:, 0].min()) / np.ptp(thin_rod.vertices[:, 0])
+    growth = np.clip((along - 0.55) / 0.3, 0.0, 1.0) * (0.0, 2.0, 2.0)
+    swing, twist = np.radians([100.0, 80.0])
+    motion = known_motion([thin_rod, deformed(thin_rod, elbow(thin_rod.vertices * (1.0 + growth), swing, twist))])
+    halfway = elbow(thin_rod.vertices * (1.0 + 0.5 * growth), 0.5 * swing, 0.5 * twist)
+    for shape in motion.moved([0.5, 0.5]):
+        assert np.linalg.norm(shape.vertices - halfway, axis=1).max() < 0.06
+
+
 def test_three_shapes_meet_wherever_they_are_blended(body):
     axis = np.array([0.0, 0.6, 0.8])
     shapes = [deformed(body, rotated(body.vertices, angle * axis, 3.0 * angle)) for angle in (0.0, 1.0, -0.8)]
