@@ -51,6 +51,14 @@ def test_a_shape_grows_and_travels():
         assert np.abs(points - ((1 + t) * mesh.vertices + t * shift)).max() < 0.03
 
 
+def test_a_mesh_stays_on_a_ball_that_grows_at_an_unknown_velocity():
+    """As next to the ends of a morph, only the surfaces tell where it goes."""
+    mesh, radii = ball(points=200), np.linspace(1.0, 1.6, 7)
+    moments = [Moment(radius - 1.0, ball(radius, points=400)) for radius in radii]
+    for radius, points in zip(radii, following(mesh, moments), strict=True):
+        np.testing.assert_allclose(np.linalg.norm(points, axis=1), radius, rtol=0.015)
+
+
 def test_the_way_back_has_the_times_and_velocities_of_the_way_there():
     there = turning(ball(points=300), 1.0)
     back = turned_around(there)
