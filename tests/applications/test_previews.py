@@ -149,6 +149,28 @@ def test_sketched_levels_are_not_solved_again(monkeypatch):
 
 
 @pytest.mark.parametrize(
+    ("sketched", "solved"),
+    [([0, 1], [1]), ([1], [0, 1]), ([0, 1], [2, 1])],
+    ids=["no start", "an additional start", "another start"],
+)
+def test_levels_that_were_sketched_from_another_start_are_solved_again(sketched, solved):
+    """After a blend whose blur had to grow, a solve does not start from what its sketch did."""
+    problem, blends = problem_of(SHAPES[:2], MorphSettings(motion="transport", resolution=20)), path_blends(2, 4)[1:4]
+    (*_, sketch) = blending.sketch_blends(problem, [blends[index] for index in sketched])
+
+    def solved_from(parts):
+        solver = blend_solver.BlendSolver(problem.transport)
+        for index in solved:
+            volumes = problem.transport.blend_volumes(blends[index])
+            (part,) = solver.solve(blends[index], volumes, parts if index == solved[-1] else ()).parts
+        return part
+
+    found, expected = solved_from(sketch.parts), solved_from(())
+    assert found.iterations == expected.iterations
+    np.testing.assert_array_equal(found.density, expected.density)
+
+
+@pytest.mark.parametrize(
     ("sides", "sketched"), [((48, 32, 32), 24), ((104, 88, 96), 52), ((128, 128, 128), 64), ((256, 256, 128), 64)]
 )
 def test_sketches_are_small_on_any_grid(sides, sketched):
