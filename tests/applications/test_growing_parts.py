@@ -8,7 +8,7 @@ import pytest
 from convwass_addon.applications.morphs.growing_parts import extend
 
 
-@pytest.mark.parametrize("shape", [(80, 72, 80), (91, 72, 80), (150, 80, 80), (600, 83)])
+@pytest.mark.parametrize("shape", [(80, 72, 80), (91, 72, 80), (151, 80, 80), (600, 83)])
 def test_distances_from_a_ball_go_on_where_they_were_clipped(shape):
     """On grids that are halved once, also with odd sides, with many cells and in a plane."""
     center = np.array(shape) / 2.0
