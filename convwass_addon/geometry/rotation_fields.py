@@ -19,9 +19,9 @@ from scipy.spatial.transform import Rotation
 
 from .components import component_labels
 
-# Regions that would rotate by more than this, three quarters of a turn, take the short way instead: no limb rotates
-# that far, but maps can twist feet and hands.
-_LARGEST_TURN = 1.5 * np.pi
+LARGEST_TURN = 1.5 * np.pi
+"""Three quarters of a turn, in radians: no limb rotates farther, but maps of surfaces can twist feet and hands."""
+
 # Cutting a limb off at a joint affects less than this fraction of all edges.
 _FEW = 0.02
 # The vectors of one rotation differ by full turns; vectors that differ by more than half a turn are on different
@@ -53,11 +53,13 @@ def rotation_vectors(matrices: NDArray[np.float64]) -> NDArray[np.float64]:
     return Rotation.from_matrix(matrices).as_rotvec()
 
 
-def unwound(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[np.float64]:
+def unwound(
+    vectors: NDArray[np.float64], edges: NDArray[np.int64], largest: float = LARGEST_TURN
+) -> NDArray[np.float64]:
     """Choose rotation vectors that differ as little as possible between neighbors.
 
     Every connected component is traversed along the minimum spanning tree of relative angles, starting at the vertex
-    nearest to the median. Regions that would rotate by more than three quarters of a turn take the short way.
+    nearest to the median.
 
     Parameters
     ----------
@@ -65,6 +67,8 @@ def unwound(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[n
         The shortest rotation vectors, in radians.
     edges : (e, 2) int64
         Pairs of neighbors.
+    largest : float
+        Regions that would rotate by more than this angle, in radians, take the short way instead.
 
     Returns
     -------
@@ -78,22 +82,25 @@ def unwound(vectors: NDArray[np.float64], edges: NDArray[np.int64]) -> NDArray[n
         chosen[children] = nearest_branches(vectors[children], chosen[parents])
     far = np.linalg.norm(chosen - vectors, axis=1) > _HALF_TURN
     regions = component_labels(*edges[far[edges].all(axis=1)].T, len(vectors))
-    largest = np.zeros(len(vectors))
-    np.maximum.at(largest, regions[far], np.linalg.norm(chosen[far], axis=1))
-    back = far & (largest[regions] > _LARGEST_TURN)
+    angles = np.zeros(len(vectors))
+    np.maximum.at(angles, regions[far], np.linalg.norm(chosen[far], axis=1))
+    back = far & (angles[regions] > largest)
     chosen[back] = vectors[back]
     return chosen
 
 
 def unwound_towards(
-    vectors: NDArray[np.float64], guesses: NDArray[np.float64], edges: NDArray[np.int64]
+    vectors: NDArray[np.float64],
+    guesses: NDArray[np.float64],
+    edges: NDArray[np.int64],
+    largest: float = LARGEST_TURN,
 ) -> NDArray[np.float64]:
     """Choose rotation vectors close to `guesses`, (n, 3), if that leaves jumps at no more than a few edges.
 
     A limb that rotates by about 180 degrees can do so in two directions; this makes two shapes that move towards each
     other agree on one. Otherwise the result is that of :func:`unwound`.
     """
-    alone, guided = unwound(vectors, edges), nearest_branches(vectors, guesses)
+    alone, guided = unwound(vectors, edges, largest), nearest_branches(vectors, guesses)
     most = max(_jumps(alone, edges).sum(), _FEW * len(edges))
     return guided if _jumps(guided, edges).sum() <= most else alone
 

@@ -16,6 +16,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.poisson_deformation import deformation_gradients
 from ...geometry.rotation_fields import (
+    LARGEST_TURN,
     nearest_branches,
     rotation_matrices,
     rotation_vectors,
@@ -34,6 +35,8 @@ _TURN_WIDTH = 0.03
 # A body whose parts rotate does not turn itself if its points move by less than this share of what they would without
 # the common rotation of the parts: the letters of a word may turn where they are.
 _STAYS = 0.5
+# If a body turns by about half a circle, rounding does not decide in which sense.
+_CLEARLY = 0.95
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,7 @@ def split_deformation(
     back: ShapeDeformation | None,
     control: Control,
     images: ClosestPoints | None = None,
+    largest_turn: float = LARGEST_TURN,
 ) -> ShapeDeformation:
     """Divide a deformation into rotations and stretches.
 
@@ -104,6 +108,8 @@ def split_deformation(
     images : ClosestPoints, optional
         The points of the target's mesh on which the deformed vertices lie. Otherwise, close ones that face the same
         way are found.
+    largest_turn : float
+        Parts that would rotate by more than this angle, in radians, take the short way instead.
     """
     control.check()
     if images is None:
@@ -111,12 +117,15 @@ def split_deformation(
     rotations = _smooth_rotations(source, laid.points)
     if back is None:
         whole = _whole_turn(source, laid.points, rotations)
-        turns = divided_turns(whole, _vectors(source, rotations, whole), source.limb_axes)
+        vectors = _vectors(source, rotations, whole, largest_turn)
+        whole = _least_on_average(source, whole, vectors)
+        turns = divided_turns(whole, vectors, source.limb_axes)
     else:
         # Both shapes then pass through the same rotations.
         there = back.inverse_turns_at(images, target.mesh)
         whole = there[0, 0]
-        turns = turns_with_twists(whole, _vectors(source, rotations, whole, there[:, 1] + there[:, 2]), there[:, 2])
+        vectors = _vectors(source, rotations, whole, largest_turn, there[:, 1] + there[:, 2])
+        turns = turns_with_twists(whole, vectors, there[:, 2])
     return _split(source, laid, images, turns, control)
 
 
@@ -145,7 +154,7 @@ def posed_deformation(
     earlier = deformation.turns
     rotations = _smooth_rotations(source, points)
     whole = nearest_branches(_whole_turn(source, points, rotations)[None], earlier[:1, 0])[0]
-    vectors = _vectors(source, rotations, whole, earlier[:, 1] + earlier[:, 2])
+    vectors = _vectors(source, rotations, whole, LARGEST_TURN, earlier[:, 1] + earlier[:, 2])
     turns = divided_turns(whole, vectors, source.limb_axes)
     return _split(source, Laid(points, deformation.confidence), images, turns, control)
 
@@ -183,13 +192,26 @@ def _vectors(
     source: Carrier,
     rotations: NDArray[np.float64],
     whole: NDArray[np.float64],
+    largest: float,
     guesses: NDArray[np.float64] | None = None,
 ) -> NDArray[np.float64]:
     """Return vectors of rotations, (n, 3), before that of the whole body; they are close to guesses, if given."""
     shortest = rotation_vectors(rotation_matrices(-whole[None]) @ rotations)
     # A link is the edge of a triangle that repeats a vertex.
     edges = mesh_edges(np.concatenate([source.mesh.faces, source.poisson.links.ends[:, [0, 1, 1]]]))
-    return unwound(shortest, edges) if guesses is None else unwound_towards(shortest, guesses, edges)
+    if guesses is None:
+        return unwound(shortest, edges, largest)
+    return unwound_towards(shortest, guesses, edges, largest)
+
+
+def _least_on_average(source: Carrier, whole: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the rotation vector of a body, (3,), by full turns away, with which all of it turns least on average."""
+    areas = source.mesh.vertex_areas
+    mean = areas @ vectors / areas.sum()
+    angle = np.linalg.norm(whole)
+    axis = whole / angle if angle > 0.0 else mean / max(np.linalg.norm(mean), np.finfo(np.float64).tiny)
+    turns = (whole + mean) @ axis / (2.0 * np.pi)
+    return whole - 2.0 * np.pi * np.round(_CLEARLY * turns) * axis
 
 
 def _smooth_rotations(source: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:

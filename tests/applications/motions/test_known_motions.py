@@ -179,6 +179,17 @@ def test_a_limb_curls_by_more_than_half_a_turn(thin_rod):
         np.testing.assert_allclose(shape.vertices, curled(thin_rod.vertices, 0.5 * angle), atol=0.03)
 
 
+def test_a_body_turns_the_way_on_which_all_of_it_turns_less(thin_rod):
+    """Most of it turns by 200 degrees, and its end by 50 back, which is less than 160 and 410."""
+    vertical = np.array([0.0, 0.0, 1.0])
+    turned = rotated(elbow(thin_rod.vertices, np.radians(-250.0), 0.0), np.radians(200.0) * vertical)
+    halfway = rotated(elbow(thin_rod.vertices, np.radians(-125.0), 0.0), np.radians(100.0) * vertical)
+    # The second shape crosses itself.
+    shape, _ = known_motion([thin_rod, deformed(thin_rod, turned)]).moved([0.5, 0.5])
+    apart = shape.vertices - halfway
+    assert np.linalg.norm(apart - apart.mean(axis=0), axis=1).max() < 0.15
+
+
 def test_a_limb_that_swings_and_twists_stays_in_a_plane(rod):
     """Along the shortest rotations, its end would leave the plane by 8 % of the rod's length."""
     points = elbow(rod.vertices, np.radians(100.0), np.radians(80.0))
