@@ -28,13 +28,14 @@ from convwass_addon.geometry.planar_fill import filled_boundary
 _PAPER = np.array([0.985, 0.98, 0.965])
 _WORDS = ("MILK", "TOAST")
 _INKS = ((0.10, 0.22, 0.42), (0.70, 0.28, 0.08))
-# Width and height of a tile, and pixels per unit: a word's length, or a letter's height.
+# Width and height of a tile, and pixels per unit, at most: a word's length, or a letter's height.
 _WORD, _LETTER = (300, 110, 270.0), (120, 150, 75.0)
 # Of the second ones, one has limbs that the other has not, and of the last ones, more holes or separate areas.
 _SHORTENED = (("E", "F"), ("L", "T"), ("P", "R"))
 _DIVIDED = (("O", "C"), ("B", "E"), ("?", "7"), ("=", "H"), ("heart", "hearts"), ("sun", "moon"), ("one", "six"))
-_WHOLE = (("5", "2"), ("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"), ("smile", "frown"))
-_PAIRS = (*_WHOLE, *_SHORTENED, *_DIVIDED)
+_UNROLLED = (("5", "2"), ("S", "Z"), ("spiral", "line"))
+_WHOLE = (("6", "9"), ("F", "y"), ("H", "U"), ("heart", "star"), ("gear", "star"), ("smile", "frown"))
+_PAIRS = (*_UNROLLED, *_WHOLE, *_SHORTENED, *_DIVIDED)
 # Signs of the gray images, and their margin in pixels.
 _SIGNS, _MARGIN = "69", 24
 
@@ -60,7 +61,7 @@ def draw_words() -> None:
 def draw_motions() -> None:
     """Draw letters and signs: by transport alone, and with the automatic motion."""
     signs = {"heart": heart(), "star": _star(), "gear": _gear(), "hearts": _hearts(), "sun": _sun(), "moon": _moon()}
-    signs |= {"smile": _face(1.0), "frown": _face(-1.0)}
+    signs |= {"smile": _face(1.0), "frown": _face(-1.0), "spiral": _spiral(), "line": _line()}
     signs |= {"one": _die([(0.0, 0.0)]), "six": _die([(x, y) for x in (-0.2, 0.2) for y in (-0.25, 0.0, 0.25)])}
     rows = []
     for pair in _PAIRS:
@@ -69,7 +70,8 @@ def draw_motions() -> None:
         halves = []
         for motion in ("transport", "automatic"):
             frames = frames_of(letters, path_blends(2, 6), FlatSettings(resolution=512, motion=motion))
-            halves.append(np.concatenate([_drawn(frame, letters, *_LETTER) for frame in frames], axis=1))
+            tile = (*_LETTER[:2], _fitting(frames, *_LETTER))
+            halves.append(np.concatenate([_drawn(frame, letters, *tile) for frame in frames], axis=1))
         gap = np.ones((_LETTER[1], _LETTER[0] // 2, 3)) * _PAPER
         rows.append(np.concatenate([halves[0], gap, halves[1]], axis=1))
     save(np.concatenate(rows, axis=0), "flat_motions.png")
@@ -89,6 +91,22 @@ def _gear() -> FlatShape:
     teeth = radii[:, None] * np.stack([np.cos(angles.ravel()), np.sin(angles.ravel())], axis=1)
     around = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
     return centered([teeth, 0.18 * np.stack([np.cos(around), np.sin(around)], axis=1)], "even-odd")
+
+
+def _spiral() -> FlatShape:
+    """Draw a band of five half turns."""
+    angles = np.linspace(np.pi, 6.0 * np.pi, 200)
+    radii = 0.43 * angles / angles[-1]
+    sides = [
+        radius[:, None] * np.stack([np.cos(angles), np.sin(angles)], axis=1)
+        for radius in (radii - 0.035, radii + 0.035)
+    ]
+    return centered([np.concatenate([sides[1], sides[0][::-1]])], "even-odd")
+
+
+def _line() -> FlatShape:
+    """Draw a thick line."""
+    return centered([np.array([(-0.7, -0.06), (0.7, -0.06), (0.7, 0.06), (-0.7, 0.06)])], "even-odd")
 
 
 def _hearts() -> FlatShape:
@@ -140,6 +158,12 @@ def _arc(radius: float, begin: float, end: float) -> NDArray[np.float64]:
 
 def _inked(shape: FlatShape, ink: Sequence[float]) -> FlatShape:
     return FlatShape(shape.rings, shape.rule, np.tile([*ink, 1.0], (len(shape.rings), 1)))
+
+
+def _fitting(frames: Sequence[FlatFrame], wide: int, high: int, scale: float) -> float:
+    """Return the scale at which blends fit on a tile."""
+    points = np.concatenate([ring for frame in frames if frame.outline for ring in frame.outline.rings])
+    return float(min(scale, (0.47 * np.array([wide, high]) / np.abs(points).max(axis=0)).min()))
 
 
 def _drawn(frame: FlatFrame, shapes: Sequence[FlatShape], wide: int, high: int, scale: float) -> NDArray[np.float64]:

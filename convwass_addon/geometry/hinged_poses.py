@@ -173,6 +173,9 @@ def _solved_points(
     samples: SurfaceSamples, lines: NDArray[np.float64], weights: NDArray[np.float64], straight: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return points, (s, 3), whose differences match the lines, by weighted least squares."""
+    if not len(samples.pairs):
+        # They are only held where they are.
+        return straight
     one, other = samples.pairs.T
     count = len(samples.seeds)
     links = coo_array((weights, (one, other)), shape=(count, count)).toarray()

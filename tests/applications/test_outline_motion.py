@@ -22,11 +22,18 @@ from convwass_addon.geometry.outlines import ring_area
 from convwass_addon.geometry.planar_fill import filled_boundary
 from convwass_addon.geometry.ring_nesting import boundary_rings
 from convwass_addon.progress import UNINTERRUPTED
+from tests.applications.maps import coarse_outlines
 from tests.flat_shapes import ellipse, rectangle
 
 TIMES = (0.2, 0.5, 0.8)
 AROUND = np.linspace(0.0, 2.0 * np.pi, 96, endpoint=False)
 HEART = np.stack([np.sin(AROUND) ** 3, (13 * np.cos(AROUND) - 5 * np.cos(2 * AROUND) - 2 * np.cos(3 * AROUND)) / 16], 1)
+
+
+@pytest.fixture
+def coarse():
+    with coarse_outlines():
+        yield
 
 
 def star(count=5, inner=0.45):
@@ -248,15 +255,66 @@ S_BOWS = arc((0, 0.5), 0.5, 30, 270), arc((0, -0.5), 0.5, 85, -150)
 
 
 def test_limbs_do_not_swing_across_each_other():
-    """The tail of a G would swing through its bowl to become that of an S."""
+    """The tail of a G would swing through its bowl to become that of an S; it unrolls around the outside."""
     tail = np.array([(0.87, -0.3), (0.87, -0.1), (0.85, 0.0), (0.7, 0.02), (0.5, 0.02), (0.3, 0.02)])
     g, s = stroke(arc((0, 0), 1, 50, 330), tail), stroke(*S_BOWS)
     match = least_distorted(matched_shapes(OutlinedShape.of(g), OutlinedShape.of(s)), UNINTERRUPTED)
     assert match.swings
     for _, shapes in moved(g, s, *TIMES):
         for own in shapes:
-            cells = coverage(own.moved(-own.bounds[0] * 100, 100.0), (300, 300))
+            cells = coverage(own.moved(-own.bounds[0] * 100, 100.0), (400, 400))
             assert cells.sum() / 100**2 == pytest.approx(own.area, rel=0.005)
+
+
+@pytest.mark.usefixtures("coarse")
+def test_an_s_unrolls_to_become_its_mirror_image():
+    """Halfway, it is straight; as long and as wide as ever."""
+    s = stroke(*S_BOWS)
+    length = sum(np.radians(angle) * 0.5 for angle in (240.0, 235.0))
+    straight = rectangle((-0.12, -0.5 * length), (0.12, 0.5 * length))
+    for own in halfway(s, mirrored(s)):
+        assert overlap(own, filled(straight + own.center)) > 0.9
+
+
+@pytest.mark.usefixtures("coarse")
+def test_a_stroke_unrolls_in_the_same_way_back():
+    """Most of a Z turns by more than half of a circle to become an S."""
+    top = np.stack([np.linspace(-0.8, 0.6, 40), np.ones(40)], axis=1), arc((0.6, 0.8), 0.2, 90, -50)
+    s, z = stroke(*S_BOWS), stroke(*top, *(-piece[::-1] for piece in top[::-1]))
+    ((_, (there, _)),), ((_, (_, back)),) = moved(s, z, 0.3), moved(z, s, 0.7)
+    assert overlap(there, back) > 0.9
+
+
+@pytest.mark.usefixtures("coarse")
+def test_a_spiral_unrolls_to_a_straight_line():
+    """Halfway, every piece has turned by half of its angle, and the middle of a spiral by more than a full turn."""
+    angles = np.linspace(np.pi, 6.0 * np.pi, 200)
+    coils = 0.06 * (angles * np.stack([np.cos(angles), np.sin(angles)])).T
+    steps = np.diff(coils, axis=0)
+    lengths, turns = np.linalg.norm(steps, axis=1), np.unwrap(np.arctan2(steps[:, 1], steps[:, 0]))
+    end = np.arange(0.0, lengths.sum(), 0.05)
+    bar = np.stack([end, 0.0 * end], axis=1)
+
+    def line(share):
+        pieces = lengths[:, None] * np.stack([np.cos(share * turns), np.sin(share * turns)], axis=1)
+        return np.concatenate([np.zeros((1, 2)), np.cumsum(pieces, axis=0)])
+
+    expected = stroke(line(0.5))
+    for own in halfway(stroke(coils), stroke(bar)):
+        best = max(
+            overlap(own, filled(rotated(own_ring - expected.center, angle) + own.center))
+            for own_ring in boundary_rings(expected)
+            for angle in np.radians(np.arange(0.0, 360.0, 3.0))
+        )
+        assert best > 0.8
+
+
+@pytest.mark.usefixtures("coarse")
+def test_a_stroke_does_not_unroll_into_its_neighbors():
+    neighbor = rectangle((-0.5, 1.3), (0.5, 1.6))
+    one = filled(*boundary_rings(stroke(*S_BOWS)), neighbor)
+    for own in halfway(one, mirrored(one)):
+        assert np.ptp(own.bounds, axis=0)[1] == pytest.approx(np.ptp(one.bounds, axis=0)[1], rel=0.1)
 
 
 def checkered(pitch):

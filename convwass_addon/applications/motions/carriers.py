@@ -103,6 +103,15 @@ class Carrier:
         vars(posed)["samples"] = self.samples
         return posed
 
+    def following_gradients(self) -> Carrier:
+        """Return the carrier whose triangles follow their gradients alone, while each component moves straight.
+
+        Joints between samples are left out: neighboring coils of a spiral are close to each other, but far along it.
+        """
+        found = replace(self, poisson=PoissonDeformation(self.mesh, Links.none()))
+        vars(found)["samples"] = replace(self.samples, pairs=self.samples.pairs[:0])
+        return found
+
     def places(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the vertices of `mesh` nearest to given vertices of `rest`, (k,)."""
         return cKDTree(self.mesh.vertices).query(self.rest.vertices[vertices])[1]

@@ -102,15 +102,31 @@ def _best_moved(
     """Return the motion of shapes of equal numbers of regions; these turn and their limbs swing unless they collide."""
     found = MatchedShapes.of(shapes, pairs, least_distorted, known, control)
     moved = moved_sheets(found, names, settings, control)
-    if found.swings and moved.overlap > _MOST_OVERLAP:
-        as_placed = MatchedShapes.of(shapes, pairs, _as_placed, known, control)
-        placed = moved_sheets(as_placed, names, settings, control)
-        moved = min(moved, placed, key=lambda own: own.overlap)
+    if (found.swings or found.unrolls) and moved.overlap > _MOST_OVERLAP:
+        for choose in (_rolled if found.unrolls else _as_strokes, _as_placed):
+            other = MatchedShapes.of(shapes, pairs, choose, known, control)
+            if moved.overlap > _MOST_OVERLAP and (choose is not _as_strokes or other.unrolls):
+                moved = min(moved, moved_sheets(other, names, settings, control), key=_damage)
     if found.turns and moved.overlap > _TOUCHING:
         upright = MatchedShapes.of(shapes, pairs, _as_placed, KnownMatches(only_placed), control)
         placed = moved_sheets(upright, names, settings, control)
         moved = min(moved, placed, key=lambda own: own.distortion + _COLLIDING * own.overlap)
     return moved
+
+
+def _damage(moved: MovedSheets) -> tuple[float, float]:
+    """Return what is to be small: the overlap, and of motions without much of it the distortion."""
+    return max(moved.overlap, _MOST_OVERLAP), moved.distortion
+
+
+def _as_strokes(matches: Sequence[ShapePair], control: Control) -> ShapePair:
+    """Return the match of two shapes as strokes, or as they are placed if they are none."""
+    return next((match for match in matches if match.unrolled > 0.0), matches[0])
+
+
+def _rolled(matches: Sequence[ShapePair], control: Control) -> ShapePair:
+    """Return the match of two shapes that distorts them least of those in which no stroke unrolls."""
+    return least_distorted([match for match in matches if match.unrolled == 0.0], control)
 
 
 def _as_placed(matches: Sequence[ShapePair], control: Control) -> ShapePair:

@@ -65,12 +65,16 @@ class MatchedOutlines:
         Angle in radians by which the first curve turns as a whole; zero if it is small, or if limbs swing.
     swings : bool
         Whether limbs swing, so that the places of pieces were disregarded.
+    unrolled : float
+        If they are matched as strokes: how large these are on the way, at most, relative to the larger one. Otherwise
+        zero.
     """
 
     map: CurveMap
     cost: float
     turn: float
     swings: bool
+    unrolled: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -173,6 +177,11 @@ def matched_outlines(one: OutlineCurve, other: OutlineCurve) -> list[MatchedOutl
         turn = _best_turn(one, other, lying.match) if lying.pose.ends is None else lying.pose.turn
         placed = replace(lying, pose=replace(lying.pose, turn=turn))
     return [_finished(one, other, own, own is bent) for own in ([placed, bent] if swings else [placed])]
+
+
+def have_upright_axis(one: OutlineCurve, other: OutlineCurve) -> bool:
+    """Return whether two closed curves are symmetric about the same axis as they are placed."""
+    return any(abs(pose.turn) < _STANDING for pose in _symmetric_poses(one, other))
 
 
 def rough_work(one: OutlineCurve, other: OutlineCurve) -> float:

@@ -126,6 +126,11 @@ class MatchedShapes:
         return any(match.swings for match in self.matches.values())
 
     @property
+    def unrolls(self) -> bool:
+        """Whether regions are matched as strokes."""
+        return any(match.unrolled > 0.0 for match in self.matches.values())
+
+    @property
     def turns(self) -> bool:
         """Whether one of several regions turns in a match."""
         return any(len(match.regions) > 1 and match.turns for match in self.matches.values())
@@ -153,6 +158,8 @@ def moved_sheets(
     carriers = tuple(
         side_by_side(lambda shape: carrier_of(sheets[shape].mesh, names[shape], none, count, control), len(sheets))
     )
+    if matched.unrolls:
+        carriers = tuple(carrier.following_gradients() for carrier in carriers)
     labels = [region_labels(carrier.mesh, shape) for carrier, shape in zip(carriers, shapes, strict=True)]
     deformations: dict[tuple[int, int], ShapeDeformation] = {}
     distortion = 0.0
@@ -189,8 +196,8 @@ def _deformed(
     # The samples of both shapes are needed for both directions.
     both_ways(lambda k: ends[k].samples)
     (first, images), (second, images_back) = both_ways(filled)
-    there = split_deformation(*ends, _laid(first), None, control, images)
-    back = split_deformation(*ends[::-1], _laid(second), there, control, images_back)
+    there = split_deformation(*ends, _laid(first), None, control, images, np.inf)
+    back = split_deformation(*ends[::-1], _laid(second), there, control, images_back, np.inf)
     return there, back, max(first.distortion, second.distortion)
 
 

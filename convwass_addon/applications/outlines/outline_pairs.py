@@ -15,7 +15,8 @@ from ...geometry.closed_curves import ClosedCurve
 from ...geometry.curve_maps import CurveMap, even_map
 from ...geometry.mean_value import polygon_coordinates
 from ...geometry.plane_angles import best_turn
-from .matched_outlines import MatchedOutlines, matched_outlines, placed_outlines
+from .matched_outlines import MatchedOutlines, placed_outlines
+from .matched_strokes import outlines_and_strokes
 from .outline_curves import OutlineCurve
 from .outlined_shape import OutlinedShape
 
@@ -42,7 +43,7 @@ class CurvePair:
         The map from the first to the second one.
     slides : bool
         Whether the map may be changed so that the inside is strained less; see :mod:`.sliding_outlines`.
-    cost, turn : float
+    cost, turn, unrolled : float
         Figures of curves around regions as in :class:`.MatchedOutlines`; zero for holes.
     """
 
@@ -52,6 +53,7 @@ class CurvePair:
     slides: bool = False
     cost: float = 0.0
     turn: float = 0.0
+    unrolled: float = 0.0
 
     def swapped(self) -> CurvePair:
         """Return the pair with the shapes swapped."""
@@ -88,6 +90,11 @@ class ShapePair:
         return any(pair.slides for pair in self.pairs)
 
     @property
+    def unrolled(self) -> float:
+        """How large regions that are matched as strokes become, relative to the larger one; zero if none is."""
+        return max(pair.unrolled for pair in self.pairs)
+
+    @property
     def turns(self) -> bool:
         """Whether a region turns."""
         return any(pair.turn != 0.0 for pair in self.pairs)
@@ -111,7 +118,7 @@ class KnownMatches:
         Matches two curves.
     """
 
-    match: CurveMatcher = matched_outlines
+    match: CurveMatcher = outlines_and_strokes
     _found: dict[tuple[int, int], tuple[ClosedCurve, ClosedCurve, list[MatchedOutlines]]] = field(default_factory=dict)
 
     def of(self, one: OutlinedShape, index: int, other: OutlinedShape, there: int) -> list[MatchedOutlines]:
@@ -178,7 +185,7 @@ def _with_regions(pair: ShapePair, region: int, there: int, match: MatchedOutlin
     """Add the match of the curves around two regions, and those of their holes."""
     one, other = pair.first, pair.second
     outer = one.regions[region].outer, other.regions[there].outer
-    pair = pair.with_pair(CurvePair(*outer, match.map, match.swings, match.cost, match.turn))
+    pair = pair.with_pair(CurvePair(*outer, match.map, match.swings, match.cost, match.turn, match.unrolled))
     holes = one.regions[region].holes, other.regions[there].holes
     there_map = _InsideMap(one.curves[outer[0]], other.curves[outer[1]], match.map)
     back_map = _InsideMap(other.curves[outer[1]], one.curves[outer[0]], match.map.inverse())
