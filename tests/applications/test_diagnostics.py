@@ -164,6 +164,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "warp", "reason": "CRUMPLED", "score": 0.52, "left": 0.4}, ["GOOD", "CRUMPLED"]),
         ({"kind": "warp", "reason": "APART", "score": 0.2, "detour": 1.7, "left": 0.3}, ["GOOD", "WARPED"]),
         ({"kind": "guided", "reason": "OUTLINES"}, ["GOOD", "OUTLINES"]),
+        ({"kind": "guided", "reason": "TUBES"}, ["GOOD", "TUBES"]),
         ({"kind": "guided", "reason": "OUTLINES", "turned": 180}, ["GOOD", "OUTLINES_TURNED"]),
         ({"kind": "transport", "reason": "REGIONS"}, ["GOOD", "REGIONS"]),
         ({"kind": "transport", "reason": "DISTORTED"}, ["GOOD", "DISTORTED"]),

@@ -9,7 +9,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.applications.morphs.extraction import connectivity_of, extract_surface
+from convwass_addon.applications.morphs.extraction import Constraint, connectivity_of, extract_surface
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
@@ -18,6 +18,7 @@ from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mending import Connectivity
 from convwass_addon.geometry.occupancy import occupancy
+from convwass_addon.geometry.surface_bounds import SurfaceBounds
 from tests.shapes import ball, box, joined, piece_count, torus
 
 ASSETS = Path(__file__).parents[2] / "assets" / "shapes"
@@ -54,6 +55,17 @@ def test_tears_are_repaired():
         assert (piece_count(frame.mesh), found.euler) == (1, 2)
         assert frame.record["found"] == {"pieces": 1, "handles": 0, "bubbles": 0}
         assert frame.mesh.volume == pytest.approx(frame.record["volume_wanted"], rel=5e-3)
+
+
+def test_what_is_beyond_all_limits_is_not_limited():
+    """A thin bar that has moved by several times its width."""
+    bars = [box((20.0, 2.0, 2.0), (20.0, 20.0, height)) for height in (10.0, 30.0)]
+    density = occupancy(bars[0].corners, (40, 40, 40))
+    constraint = Constraint(bounds=SurfaceBounds.of(bars[1].corners, density.shape, 3.0))
+    connectivity = [Connectivity(1, 0, 0)]
+    found = extract_surface(density, 80.0, 1.0, connectivity, MorphSettings(thin_parts=False), constraint=constraint)
+    assert found.surface.mesh.volume == pytest.approx(80.0, rel=0.01)
+    assert (found.record["held"], found.record["held_share"]) == (80, 1.0)
 
 
 def test_a_blend_may_have_the_holes_of_one_shape():

@@ -44,6 +44,7 @@ TEXTS: dict[str, str] = {
     "detour {detour:.1f}); guides may help",
     "OUTLINES": "Guided was chosen: the outlines of the shapes match",
     "OUTLINES_TURNED": "Guided was chosen: the outlines of the shapes match if they turn by up to {angle:.0f} degrees",
+    "TUBES": "Guided was chosen: the shapes are tubes, and move as their center lines bend",
     "MERGED": "Warp was chosen: at least one of the shapes has no limbs",
     "SOLID": "Transport was chosen: at least one of the shapes has no limbs",
     "BENT": "Transport was chosen: a warp would bend the plane faces of the shapes",
@@ -83,7 +84,7 @@ SEVERITIES: dict[str, Severity] = {
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CLOSER", "CRUMPLED", "TURNED", "APART"), "INFO"),
     **dict.fromkeys(
-        ("OUTLINES", "OUTLINES_TURNED", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
+        ("OUTLINES", "OUTLINES_TURNED", "TUBES", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
     ),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
@@ -323,7 +324,7 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     reason, kind = str(chosen["motion_reason"]), str(chosen.get("motion_kind"))
     if reason == "SOLID" and kind == "warp":
         return [Diagnostic("MERGED", {})]
-    if reason in ("SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"):
+    if reason in ("TUBES", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"):
         return [Diagnostic(reason, {})]
     if reason == "OUTLINES":
         turned = _number(chosen, "motion_turned")

@@ -235,6 +235,9 @@ def _limited(
         if not held:
             return Extraction(_sized(free, settings, control), {**free.record(), "held": 0, "held_share": 0.0})
         share = float(np.count_nonzero((limited > level) != (free.density > level)) / volume)
+        if np.count_nonzero(limited) <= volume:
+            # A thin part that moves by more than its width is beyond all limits.
+            return Extraction(_sized(free, settings, control), {**free.record(), "held": held, "held_share": share})
         # What the limits change also changes the level, which moves the limited surface.
         before, level = level, level_enclosing(limited, volume)
         if abs(level - before) <= _SAME_LEVEL * before:

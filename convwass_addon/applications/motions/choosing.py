@@ -14,6 +14,7 @@ from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..outlines.extruded_motion import extruded_motion
 from ..outlines.revolved_motion import revolved_motion
+from ..outlines.tube_motion import tube_motion
 from ..workers import one_blas_thread
 from .limbs import is_compact
 from .motion_candidates import MotionCandidates
@@ -65,10 +66,10 @@ def _chosen(request: MotionRequest, control: Control) -> Work[MotionChoice]:
 
 
 def _by_outlines(request: MotionRequest, control: Control) -> MotionChoice | None:
-    """Return the motion of shapes that outlines determine; None if they do not, or if there are guides."""
+    """Return the motion of shapes that outlines or center lines determine, None if there are guides or they do not."""
     if request.guides:
         return None
-    for found_by in (extruded_motion, revolved_motion):
+    for found_by in (extruded_motion, revolved_motion, tube_motion):
         found = attempted(found_by, request, control)
         if found is not None:
             return found

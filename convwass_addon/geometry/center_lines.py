@@ -1,0 +1,193 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Center lines of tubes: solids such as snakes, ropes and springs, whose sections across the line are single loops."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
+from scipy.sparse import coo_array, csr_array
+from scipy.sparse.csgraph import dijkstra
+
+from .components import component_labels
+from .edges import mesh_edges
+from .mesh import TriangleMesh
+from .subdivision import Subdivision, with_short_edges
+
+# A tube is at least so many times as long as wide.
+_LEAST_LENGTH = 6.0
+# Longest edge, relative to the width, and most vertices of a tube with edges of that length.
+_EDGES, _MOST_VERTICES = 0.4, 200_000
+# Least share of the area of a slice that is in one piece.
+_WHOLE = 0.95
+# Rounds in which slices are made perpendicular to the line, points of the line in a slice, and how many slices a vertex
+# may move in a round.
+_ROUNDS, _POINTS, _NEAR = 4, 8, 1.5
+# Vertices that are projected at once.
+_CHUNK = 20_000
+# Largest radius of a slice, relative to the mean one, and bounds of the volume relative to that of round slices.
+_WIDEST, _VOLUMES = 2.5, (0.5, 1.25)
+
+
+@dataclass(frozen=True)
+class SlicedTube:
+    """A tube, cut into slices across its center line.
+
+    Attributes
+    ----------
+    divided : Subdivision
+        The tube, with edges so short that it can bend.
+    points : (n, 3) float64
+        Points of its center line at equal distances.
+    places : (v,) float64
+        The point that is closest to each vertex, from 0 to n - 1, between points a fraction.
+    radii : (n,) float64
+        Root mean square distance of the surface from these points.
+    """
+
+    divided: Subdivision
+    points: NDArray[np.float64]
+    places: NDArray[np.float64]
+    radii: NDArray[np.float64]
+
+
+def sliced_tube(mesh: TriangleMesh) -> SlicedTube | None:
+    """Return a mesh as a tube, None if it is none: if it branches, is closed to a ring, or is not long and narrow.
+
+    Lengths along the surface from one end to the other one cut it into slices that are as thick as it is wide. The
+    line through their centers tells where they are perpendicular to it, which gives better centers.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Closed, oriented outward.
+    """
+    lengths = _lengths_from(mesh, 0)
+    if not np.isfinite(lengths).all():
+        return None
+    tip = int(lengths.argmax())
+    length = float(_lengths_from(mesh, tip).max())
+    width = mesh.area / (np.pi * length)
+    if length < _LEAST_LENGTH * width:
+        return None
+    divided = with_short_edges(mesh, _EDGES * width, _MOST_VERTICES)
+    fine = divided.mesh
+    lengths = _lengths_from(fine, tip)
+    count = int(length / width)
+    places = lengths * (count / lengths.max())
+    areas = fine.vertex_areas
+    if not _is_one_piece_everywhere(fine, _slices(places, count), areas, count):
+        return None
+    for _ in range(_ROUNDS):
+        centers = _means(fine.vertices, areas, _slices(places, count), count)
+        line = _line(centers)
+        places = _projected(fine.vertices, line, places, count)
+    return _checked(divided, line, places, mesh.volume)
+
+
+def _lengths_from(mesh: TriangleMesh, vertex: int) -> NDArray[np.float64]:
+    """Return lengths of paths along edges from a vertex to all others, (n,)."""
+    ends = mesh_edges(mesh.faces)
+    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
+    count = len(mesh.vertices)
+    graph = csr_array(coo_array((np.maximum(lengths, 1e-300), ends.T), shape=(count, count)))
+    return dijkstra(graph, directed=False, indices=vertex)
+
+
+def _slices(places: NDArray[np.float64], count: int) -> NDArray[np.int64]:
+    return np.clip(places.astype(np.int64), 0, count - 1)
+
+
+def _is_one_piece_everywhere(
+    mesh: TriangleMesh, slices: NDArray[np.int64], areas: NDArray[np.float64], count: int
+) -> bool:
+    """Return whether nearly all of every slice is connected."""
+    ends = mesh_edges(mesh.faces)
+    inside = ends[slices[ends[:, 0]] == slices[ends[:, 1]]]
+    labels = component_labels(*inside.T, len(slices))
+    pieces = np.bincount(labels, areas)
+    owners = np.zeros(len(pieces), np.int64)
+    owners[labels] = slices
+    largest = np.zeros(count)
+    np.maximum.at(largest, owners, pieces)
+    return bool((largest >= _WHOLE * np.bincount(slices, areas, count)).all())
+
+
+def _means(
+    values: NDArray[np.float64], areas: NDArray[np.float64], slices: NDArray[np.int64], count: int
+) -> NDArray[np.float64]:
+    """Return mean vectors of slices, (count, 3)."""
+    sums = np.stack([np.bincount(slices, areas * column, count) for column in values.T], axis=1)
+    return sums / np.maximum(np.bincount(slices, areas, count), np.finfo(np.float64).tiny)[:, None]
+
+
+def _line(centers: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points at equal distances on the smooth line through centers, (n, 3)."""
+    steps = np.linalg.norm(np.diff(centers, axis=0), axis=1)
+    along = np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-12 * steps.max()))])
+    spline = CubicSpline(along, centers)
+    fine = spline(np.linspace(0.0, along[-1], 8 * _POINTS * len(centers)))
+    arcs = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
+    even = np.linspace(0.0, arcs[-1], _POINTS * (len(centers) - 1) + 1)
+    return np.stack([np.interp(even, arcs, column) for column in fine.T], axis=1)
+
+
+def _projected(
+    vertices: NDArray[np.float64], line: NDArray[np.float64], places: NDArray[np.float64], count: int
+) -> NDArray[np.float64]:
+    """Return the places, 0 to `count`, of the closest points of a line to vertices, near where they were."""
+    found = np.empty(len(vertices))
+    near = np.arange(-int(_NEAR * _POINTS), int(_NEAR * _POINTS) + 1)
+    for begin in range(0, len(vertices), _CHUNK):
+        own = slice(begin, begin + _CHUNK)
+        # The line begins in the middle of the first slice.
+        middle = np.rint((places[own] - 0.5) * _POINTS).astype(np.int64)
+        rows = np.clip(middle[:, None] + near, 0, len(line) - 1)
+        away = np.square(vertices[own, None] - line[rows]).sum(axis=2)
+        best = np.take_along_axis(rows, away.argmin(axis=1)[:, None], axis=1)[:, 0]
+        found[own] = _between(vertices[own], line, best)
+    return found / _POINTS + 0.5
+
+
+def _between(
+    vertices: NDArray[np.float64], line: NDArray[np.float64], points: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return the places of vertices between the points of a line that are next to the closest ones."""
+    before, after = line[np.maximum(points - 1, 0)], line[np.minimum(points + 1, len(line) - 1)]
+    along = after - before
+    offset = ((vertices - line[points]) * along).sum(axis=1) / np.square(along).sum(axis=1)
+    inner = np.where((points == 0) | (points == len(line) - 1), 1.0, 2.0)
+    return np.clip(points + inner * np.clip(offset, -0.5, 0.5), 0.0, len(line) - 1.0)
+
+
+def _checked(
+    divided: Subdivision, line: NDArray[np.float64], places: NDArray[np.float64], volume: float
+) -> SlicedTube | None:
+    """Return the tube if it is as wide everywhere as its volume tells."""
+    mesh, last = divided.mesh, len(line) - 1
+    own = (places - 0.5) * _POINTS
+    nodes = np.rint(own).astype(np.int64)
+    areas, slices, count = mesh.vertex_areas, nodes // _POINTS, last // _POINTS
+    squares = areas * np.square(mesh.vertices - line[nodes]).sum(axis=1)
+    sums = np.maximum(np.bincount(slices, areas, count + 1), np.finfo(np.float64).tiny)
+    means = (np.bincount(slices, squares, count + 1) / sums)[:count]
+    # The ends, which are caps or points, are as wide as what is next to them.
+    radii = np.sqrt(np.interp(np.arange(len(line)) / _POINTS - 0.5, np.arange(count), means))
+    spacing = float(np.linalg.norm(line[1] - line[0]))
+    # Vertices beyond the ends of the line are on straight continuations.
+    before = np.minimum((mesh.vertices - line[0]) @ (line[1] - line[0]) / spacing**2, 0.0) * (own <= 0.0)
+    beyond = np.maximum((mesh.vertices - line[-1]) @ (line[-1] - line[-2]) / spacing**2, 0.0) * (own >= last)
+    own = own + before + beyond
+    ends = float(own.min()), float(own.max())
+    round_volume = np.pi * float(np.square(radii).mean()) * spacing * (ends[1] - ends[0])
+    if radii.max() > _WIDEST * radii.mean() or not _VOLUMES[0] < volume / round_volume < _VOLUMES[1]:
+        return None
+    even = np.linspace(*ends, len(line))
+    tips = line[0] + ends[0] * (line[1] - line[0]), line[-1] + (ends[1] - last) * (line[-1] - line[-2])
+    knots, points = np.array([ends[0], *range(1, last), ends[1]]), np.concatenate([tips[:1], line[1:-1], tips[1:]])
+    whole = np.stack([np.interp(even, knots, column) for column in points.T], axis=1)
+    scale = last / (ends[1] - ends[0])
+    return SlicedTube(divided, whole, (own - ends[0]) * scale, np.interp(even, np.arange(last + 1), radii))
