@@ -324,8 +324,11 @@ PROPS = (
     CoherencePair("sofa to bed", OTHER_BUILD, _props(props.sofa, props.bed)),
     CoherencePair("robot to chair", OTHER_BUILD, _props(props.robot, props.seat)),
     CoherencePair("locomotive to car", OTHER_BUILD, _props(props.locomotive, props.car)),
+    CoherencePair("coil to rod", OTHER_BUILD, _props(things.coil(61).mesh, things.rod(62).mesh)),
+    CoherencePair("spring to rod", OTHER_BUILD, _props(things.spring(63).mesh, things.rod(62).mesh)),
+    CoherencePair("spring to snake", OTHER_BUILD, _props(things.spring(63).mesh, things.snake(64).mesh)),
 )
-"""Signs, solids of revolution, and things of overlapping parts; only computed if they are named."""
+"""Signs, solids of revolution, things of overlapping parts, and tubes; only computed if they are named."""
 
 _TWELVE = (
     *("man raises arm", "octopus moves", "horse to cow", "chair to man", "star to cross", "ball to knot"),

@@ -1,10 +1,11 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Furniture, plants, machines and signs."""
+"""Furniture, plants, machines, signs and ropes."""
 
 from __future__ import annotations
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from assets.sculpting import both_sides, ellipsoid, extruded, frustum, ribbon, tube
 
@@ -151,4 +152,35 @@ def ring(seed: int) -> Sculpture:
     turns = np.linspace(0.0, 2.0 * np.pi, 48, endpoint=False)
     middle = np.stack([1.1 * np.cos(turns), 1.1 * np.sin(turns), np.full(len(turns), 0.31)], axis=1)
     clay.add(tube(middle, [0.31] * len(turns), 1, closed=True))
+    return clay
+
+
+def coil(seed: int) -> Sculpture:
+    """Sculpt a rope that is coiled up flat, seen from the front."""
+    turns = np.linspace(1.2, 1.2 + 5.0 * np.pi, 90)
+    radii = np.linspace(0.22, 0.95, len(turns))
+    return _rope(seed, [radii * np.cos(turns), np.zeros(len(turns)), 1.05 + radii * np.sin(turns)], 0.1)
+
+
+def spring(seed: int) -> Sculpture:
+    """Sculpt an upright spring of four turns."""
+    turns = np.linspace(0.0, 8.0 * np.pi, 120)
+    return _rope(seed, [0.45 * np.cos(turns), 0.45 * np.sin(turns), np.linspace(0.1, 1.9, len(turns))], 0.1)
+
+
+def rod(seed: int) -> Sculpture:
+    """Sculpt an upright rod."""
+    heights = np.linspace(0.13, 3.4, 12)
+    return _rope(seed, [0.0 * heights, 0.0 * heights, heights], 0.13)
+
+
+def snake(seed: int) -> Sculpture:
+    """Sculpt a snake that lies on the floor and winds along X, its head at the left."""
+    along = np.linspace(0.0, 1.0, 60)
+    return _rope(seed, [3.2 * along - 1.6, 0.4 * np.sin(4.0 * np.pi * along), 0.0 * along + 0.14], 0.14 - 0.1 * along)
+
+
+def _rope(seed: int, line: ArrayLike, radius: ArrayLike) -> Sculpture:
+    clay, points = Sculpture(seed), np.transpose(line)
+    clay.add(tube(points, np.broadcast_to(radius, len(points)), 1))
     return clay

@@ -3,7 +3,8 @@
 """Draw the motions of morphs into docs/pictures: ``python3 run.py python docs/motions.py``.
 
 Pairs of the coherence benchmark, seven frames each: transport alone above, a motion below. ``--only NAME`` draws one of
-the pictures: motions, pairs_one_build, pairs_other, pairs_held_back, pairs_solid, pairs_props or pairs_vessels.
+the pictures: motions, pairs_one_build, pairs_other, pairs_held_back, pairs_solid, pairs_props, pairs_vessels or
+pairs_tubes.
 """
 
 from __future__ import annotations
@@ -96,6 +97,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
         "pairs_vessels": [
             Block.compared(pair) for pair in ("mug to bottle", "goblet to bottle", "pawn to bowl", "mug to trophy")
         ],
+        "pairs_tubes": [Block.compared(pair) for pair in ("coil to rod", "spring to rod", "spring to snake")],
     }
 
 
@@ -156,7 +158,7 @@ def rendered(rows: Sequence[Sequence[TriangleMesh]], width: int, samples: int) -
     for row, frames in enumerate(rows):
         for column, frame in enumerate(frames):
             obj = frame_object(frame, material)
-            obj.location = (across * column, 0.0, -down * row)
+            obj.location = (across * column - float(frame.bounds[:, 0].mean()), 0.0, -down * row)
             share = column / (len(frames) - 1)
             obj[WEIGHTS_KEY], obj[INDEX_KEY] = [1.0 - share, share], row * len(frames) + column
             collection.objects.link(obj)
