@@ -79,20 +79,21 @@ def _box(boxes: NDArray[np.float64], group: NDArray[np.int64]) -> NDArray[np.flo
 def _merged(
     boxes: NDArray[np.float64],
     groups: list[NDArray[np.int64]],
-    belong: Callable[[NDArray[np.float64], NDArray[np.float64]], bool],
+    belong: Callable[[NDArray[np.float64], NDArray[np.float64]], NDArray[np.bool_]],
 ) -> list[NDArray[np.int64]]:
     """Merge groups that belong together, smaller ones first."""
     groups = sorted(groups, key=lambda group: _size(_box(boxes, group)))
+    spans = np.array([_box(boxes, group) for group in groups])
     result: list[NDArray[np.int64]] = []
-    while groups:
-        small = groups.pop(0)
-        own = _box(boxes, small)
-        hosts = [i for i, group in enumerate(groups) if belong(_box(boxes, group), own)]
-        if not hosts:
+    for index, small in enumerate(groups):
+        own = spans[index]
+        hosts = index + 1 + np.flatnonzero(belong(spans[index + 1 :], own))
+        if not len(hosts):
             result.append(small)
             continue
-        host = min(hosts, key=lambda i: _distance(_box(boxes, groups[i]), own))
+        host = hosts[np.argmin(_distances(spans[hosts], own))]
         groups[host] = np.sort(np.concatenate([groups[host], small]))
+        spans[host] = _box(boxes, groups[host])
     return result
 
 
@@ -100,26 +101,26 @@ def _size(box: NDArray[np.float64]) -> float:
     return float((box[2] - box[0]) * (box[3] - box[1]))
 
 
-def _distance(one: NDArray[np.float64], other: NDArray[np.float64]) -> float:
-    return float(np.abs(one[:2] + one[2:] - other[:2] - other[2:]).sum())
+def _distances(boxes: NDArray[np.float64], other: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.abs(boxes[:, :2] + boxes[:, 2:] - other[:2] - other[2:]).sum(axis=1)
 
 
-def _holds(large: NDArray[np.float64], small: NDArray[np.float64]) -> bool:
-    """Whether a ring's box lies within another's, as for a hole or something inside a hole."""
-    return bool((large[:2] <= small[:2]).all() and (large[2:] >= small[2:]).all())
+def _holds(large: NDArray[np.float64], small: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether a ring's box lies within each of others, as for a hole or something inside a hole."""
+    return (large[:, :2] <= small[:2]).all(axis=1) & (large[:, 2:] >= small[2:]).all(axis=1)
 
 
-def _has_dot(large: NDArray[np.float64], small: NDArray[np.float64]) -> bool:
-    """Whether a small box is a dot or an accent of a large one, or both are flat strokes above each other."""
-    common = min(large[2], small[2]) - max(large[0], small[0])
-    gap = max(large[1] - small[3], small[1] - large[3])
-    width, height = large[2:] - large[:2]
+def _has_dot(large: NDArray[np.float64], small: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Whether a small box is a dot or an accent of each large one, or both are flat strokes above each other."""
+    left, bottom, right, top = large.T
+    common = np.minimum(right, small[2]) - np.maximum(left, small[0])
+    gap = np.maximum(bottom - small[3], small[1] - top)
+    width, height = right - left, top - bottom
     own_width, own_height = small[2:] - small[:2]
-    if common < _OVERLAP * min(width, own_width):
-        return False
-    if max(height, own_height) <= _FLAT * min(width, own_width):
-        return bool(gap < 3.0 * max(height, own_height))
-    lower = own_height <= _DOT * height and gap < _GAP * height
+    higher, narrower = np.maximum(height, own_height), np.minimum(width, own_width)
+    lower = (own_height <= _DOT * height) & (gap < _GAP * height)
     # The dot of an i, or a colon: a square above or below another one.
-    square = own_height <= 1.2 * own_width and height <= 1.2 * width and gap < 4.0 * max(height, own_height)
-    return bool(lower or (square and abs(height - own_height) < 0.2 * height and gap > 0))
+    square = (own_height <= 1.2 * own_width) & (height <= 1.2 * width) & (gap < 4.0 * higher)
+    alike = square & (np.abs(height - own_height) < 0.2 * height) & (gap > 0)
+    close = np.where(higher <= _FLAT * narrower, gap < 3.0 * higher, lower | alike)
+    return (common >= _OVERLAP * narrower) & close
