@@ -54,7 +54,8 @@ def _outputs(folder: Path) -> dict[str, set[str]]:
     answers = {"bake_morph pad": _baked("pad", 2, egg, layout="TRIANGLE", steps=2)}
     answers["make_blend_pad"] = bpy.ops.convwass.make_blend_pad()
     # Guiding takes most of the time, so it is used only once.
-    answers["bake_morph volume"] = _baked("volume", 3, is_guided=True)
+    _select(_arm("volume straight", (0, 12, 0), 0.6), _arm("volume bent", (5, 12, 0), 1.5))
+    answers["bake_morph volume"] = bpy.ops.convwass.bake_morph(**QUICK)
     answers["make_volume"] = bpy.ops.convwass.make_volume(folder=str(folder / "volumes"))
     answers["bake_morph cache"] = _baked("cache", 4)
     answers["make_cache"] = bpy.ops.convwass.make_cache(folder=str(folder / "caches"))
@@ -63,10 +64,10 @@ def _outputs(folder: Path) -> dict[str, set[str]]:
     return answers
 
 
-def _baked(output: str, place: int, *others: bpy.types.Object, is_guided: bool = False, **options: object) -> set[str]:
+def _baked(output: str, place: int, *others: bpy.types.Object, **options: object) -> set[str]:
     """Bake a morph from a ball to a box and to further shapes."""
     _select(_ball(f"{output} ball", (0, 4 * place, 0)), _box(f"{output} box", (3, 4 * place, 0)), *others)
-    return bpy.ops.convwass.bake_morph(**QUICK, **({} if is_guided else _transported()), **options)
+    return bpy.ops.convwass.bake_morph(**QUICK, **_transported(), **options)
 
 
 def _transported() -> dict[str, str]:
@@ -127,13 +128,7 @@ def _soft_map(_folder: Path) -> dict[str, set[str]]:
 
 
 def _armature(_folder: Path) -> dict[str, set[str]]:
-    bpy.ops.mesh.primitive_cylinder_add(vertices=12, radius=0.4, depth=4, location=(-12, 18, 0))
-    tube = bpy.context.object
-    tube.name = "Tube"
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="SELECT")
-    bpy.ops.mesh.subdivide(number_cuts=3)
-    bpy.ops.object.mode_set(mode="OBJECT")
+    tube = _tube("Tube", (-12, 18, 0))
     rig = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
     rig.location = tube.location
     bpy.context.collection.objects.link(rig)
@@ -227,6 +222,27 @@ def _box(name: str, location: tuple[float, float, float], cuts: int = 0) -> bpy.
         bpy.ops.object.mode_set(mode="OBJECT")
     bpy.context.object.name = name
     return bpy.context.object
+
+
+def _tube(name: str, location: tuple[float, float, float]) -> bpy.types.Object:
+    bpy.ops.mesh.primitive_cylinder_add(vertices=12, radius=0.4, depth=4, location=location)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.mesh.subdivide(number_cuts=3)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    bpy.context.object.name = name
+    return bpy.context.object
+
+
+def _arm(name: str, location: tuple[float, float, float], bend: float) -> bpy.types.Object:
+    """Add a tube whose upper half is bent to an arc."""
+    arm, radius = _tube(name, location), 2.0 / bend
+    for vertex in arm.data.vertices:
+        x, y, z = vertex.co
+        if z > 0.0:
+            angle = 0.5 * bend * z
+            vertex.co = (radius - (radius - x) * math.cos(angle), y, (radius - x) * math.sin(angle))
+    return arm
 
 
 def _image(name: str, color: tuple[float, float, float]) -> bpy.types.Image:

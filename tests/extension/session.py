@@ -9,11 +9,13 @@ Python's own, or empty.
 
 from __future__ import annotations
 
+import importlib
 import importlib.util
 import json
 import os
 import sys
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 from types import ModuleType
 from urllib.request import url2pathname
@@ -132,6 +134,14 @@ def languages() -> list[str]:
 def clear() -> None:
     """Open an empty file."""
     bpy.ops.wm.read_homefile(use_empty=True)
+
+
+def coarsen() -> None:
+    """Let maps and warps be coarse from now on."""
+    motions = f"{MODULE}.convwass_addon.applications.motions"
+    candidates, warps = (importlib.import_module(f"{motions}.{name}") for name in ("motion_candidates", "warp_motion"))
+    candidates.warp_motion = partial(warps.warp_motion, effort=warps.WarpEffort(24, 4))
+    candidates.GuidedSettings = partial(candidates.GuidedSettings, map_vertices=300, carrier_vertices=400)
 
 
 def make(folder: str, only: str = "") -> dict[str, list[str]]:

@@ -32,6 +32,7 @@ def seen(profile, zip_file, work) -> dict:
         ("languages", []),
         ("presets", []),
         ("manual_page", ["bpy.ops.convwass.bake_morph"]),
+        ("coarsen", []),
         ("make", [str(work)]),
         ("large_products", []),
         ("figures", []),
