@@ -10,6 +10,7 @@ import pytest
 
 from convwass_addon.applications.morphs.layouts import grid_blends, path_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.morphs import asset_marking
 from convwass_addon.bridge.morphs.asset_marking import mark_as_assets
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.blend_pad import make_blend_pad
@@ -19,6 +20,12 @@ from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stand_ins import remove_stand_ins
 from convwass_addon.errors import InputError
 from tests.moving_balls import bake
+
+
+@pytest.fixture(autouse=True)
+def small_pictures(monkeypatch):
+    monkeypatch.setattr(asset_marking, "_SIDE", 32)
+    monkeypatch.setattr(asset_marking, "_SAMPLES", 1)
 
 
 @pytest.fixture
@@ -59,7 +66,7 @@ def test_a_player_is_an_asset_that_plays_in_another_file(collection, tmp_path):
         assert [tag.name for tag in block.asset_data.tags] == ["morph"]
         picture = np.array(block.preview.image_pixels_float).reshape(*block.preview.image_size, 4)
         # The red shape on the white floor.
-        (red, green, _, _), floor = picture[128, 128], picture[8, 8]
+        (red, green, _, _), floor = picture[16, 16], picture[1, 1]
         assert red > green + 0.3
         assert floor[:3].min() > 0.8
     library = left_for_another(tmp_path)
