@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 import scipy.optimize
@@ -131,6 +133,11 @@ STRANGERS = {
 }
 
 
+@cache
+def nearest(name, sharpness):
+    return nearest_barycenter(STRANGERS[name], SPAN, LINE, sharpness=sharpness)
+
+
 def reached(weights, target, sharpness):
     """Distance from the barycenter with these weights, computed from scratch."""
     blend = barycenter(SPAN, weights, LINE, sharpness=sharpness, tolerance=1e-4, max_iterations=1000)
@@ -141,7 +148,7 @@ def reached(weights, target, sharpness):
 def test_the_nearest_barycenter_is_nearer_than_any_other(name, sharpness):
     """Nearer than the starting point, the barycenter of equal weights, and its own neighbors."""
     target = STRANGERS[name]
-    found = nearest_barycenter(target, SPAN, LINE, sharpness=sharpness)
+    found = nearest(name, sharpness)
     assert found.weights.sum() == pytest.approx(1.0)
     assert found.weights.min() >= 0.0
     assert found.distance.value == pytest.approx(reached(found.weights, target, sharpness), abs=1e-3)
@@ -164,7 +171,7 @@ def test_a_barycenter_is_its_own_nearest_barycenter():
 def test_a_search_of_one_step_keeps_the_better_end():
     target = STRANGERS["two bumps"]
     start = reached(barycentric_coordinates(target, SPAN, LINE).weights, target, 0.0)
-    one, many = (nearest_barycenter(target, SPAN, LINE, max_evaluations=n) for n in (1, 20))
+    one, many = nearest_barycenter(target, SPAN, LINE, max_evaluations=1), nearest("two bumps", 0.0)
     assert many.distance.value <= one.distance.value <= start + 1e-4
     assert one.evaluations < many.evaluations
 

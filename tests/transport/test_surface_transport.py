@@ -77,9 +77,9 @@ def test_caps_against_linear_programming(separation, steps, error, error_of_dive
     assert found.value == pytest.approx(surface.area * surface.squared_distance(found.divergence / surface.area))
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", range(2))
 def test_several_peaks_against_linear_programming(seed):
-    """Measured with 20 steps: -1.4 to +0.2 %, with 10 steps -0.7 to +1.8 %."""
+    """Measured with 20 steps for four pairs: -1.4 to +0.2 %, with 10 steps -0.7 to +1.8 %."""
     surface = sphere(4, 0.0145, 20)
     first, second = peaks(surface, 2 * seed), peaks(surface, 2 * seed + 1)
     exact, _ = exact_plan(surface, first, second)
@@ -156,7 +156,7 @@ def dense_value(surface, first, second):
     """Eq. (10), gamma (1 + sum a a pi (ln(pi / H) - 1)), from the plan of a plain Sinkhorn iteration."""
     h = dense_kernel(surface)
     log_w = np.zeros(surface.shape)
-    for _ in range(5000):
+    for _ in range(1000):
         log_v = logarithm(first) - log_product(h * surface.weights, log_w)
         log_w = logarithm(second) - log_product(h * surface.weights, log_v)
     plan = np.exp(log_v[:, None] + np.log(h) + log_w)
@@ -215,7 +215,7 @@ def test_barycenters_against_a_dense_solver(ring, count, sharpness):
     found = barycenter(mus, weights, ring, sharpness=sharpness, tolerance=1e-10, max_iterations=5000)
     assert found.converged
     assert found.numerics == "scaling"
-    expected = dense_barycenter(ring, mus, weights, sharpness, 400)
+    expected = dense_barycenter(ring, mus, weights, sharpness, 200)
     np.testing.assert_allclose(found.density, expected, rtol=1e-7)
     assert found.density @ ring.weights == pytest.approx(1, abs=1e-12)
     assert found.invariant_error < 1e-9
@@ -274,14 +274,13 @@ def test_a_star_is_a_barycenter(ring, weights):
     np.testing.assert_allclose(star.densities[0], found.density, rtol=1e-8)
 
 
-@pytest.mark.parametrize("gamma", [0.0073, 0.0145])
-def test_caps_move_along_the_great_circle(gamma):
+def test_caps_move_along_the_great_circle():
     """Centers of two caps, 1.6 rad apart, on their path; 2562 vertices.
 
     Measured: bisection within 0.002 rad, blends with weights for this kernel within 0.0075, with an entropy bound
     0.039, and with the weights for quadratic costs 0.11 to 0.19, which shows that kernel-specific weights are needed.
     """
-    surface = sphere(4, gamma)
+    surface = sphere(4, 0.0145)
     ends = cap(surface, 0.0), cap(surface, FAR)
     times = [0.25, 0.5, 0.75]
     halved = bisect(*ends, surface, levels=2)
