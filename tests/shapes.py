@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from scipy.spatial import ConvexHull
 from scipy.spatial.transform import Rotation
@@ -35,12 +37,17 @@ def even_directions(count):
 
 def ball(radius=1.0, center=(0.0, 0.0, 0.0), points=1500):
     """The convex hull of evenly spread points on a sphere; its volume is slightly less than the sphere's."""
+    return TriangleMesh.from_arrays(even_directions(points) * radius + center, _hull_faces(points).copy())
+
+
+@cache
+def _hull_faces(points):
     vertices = even_directions(points)
     faces = ConvexHull(vertices).simplices
     a, b, c = np.moveaxis(vertices[faces], 1, 0)
     inward = np.einsum("ij,ij->i", a, np.cross(b, c)) < 0
     faces[inward] = faces[inward, ::-1]
-    return TriangleMesh.from_arrays(vertices * radius + center, faces)
+    return faces
 
 
 def torus(major=1.0, minor=0.35, center=(0.0, 0.0, 0.0), segments=(48, 24)):
