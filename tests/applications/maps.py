@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from convwass_addon.applications.motions import motion_candidates
+from convwass_addon.applications.motions import motion_candidates, promising_maps
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
 from convwass_addon.applications.outlines import limb_motion, moved_sheets
@@ -28,8 +28,10 @@ def coarse_maps() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(motion_candidates, "warp_motion", partial(warp_motion, effort=WarpEffort(24, 4)))
         patch.setattr(
-            motion_candidates, "GuidedSettings", partial(GuidedSettings, map_vertices=300, carrier_vertices=400)
+            motion_candidates, "GuidedSettings", partial(GuidedSettings, map_vertices=200, carrier_vertices=300)
         )
+        patch.setattr(promising_maps, "_CARRIER_VERTICES", 400)
+        patch.setattr(promising_maps, "_MAP_VERTICES", 100)
         yield
 
 

@@ -33,13 +33,13 @@ def baked(shapes, settings, guides=(), **how):
 
 @pytest.fixture(scope="module")
 def arms():
-    return arm(0.0)[0], shuffled(arm(np.radians(100.0))[0])[0]
+    return arm(0.0, 12, 30)[0], shuffled(arm(np.radians(100.0), 12, 30)[0])[0]
 
 
 @pytest.fixture(scope="module")
 def guided(arms, tmp_path_factory):
     cache = FrameCache(tmp_path_factory.mktemp("frames"))
-    settings = MorphSettings(resolution=32)
+    settings = MorphSettings(resolution=24)
     with coarse_maps():
         return baked(arms, settings, previews=True, cache=cache), settings, cache
 
