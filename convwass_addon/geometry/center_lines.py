@@ -23,9 +23,13 @@ _LEAST_LENGTH = 6.0
 _EDGES, _MOST_VERTICES = 0.4, 200_000
 # Least share of the area of a slice that is in one piece.
 _WHOLE = 0.95
-# Rounds in which slices are made perpendicular to the line, points of the line in a slice, and how many slices a vertex
-# may move in a round.
-_ROUNDS, _POINTS, _NEAR = 4, 8, 1.5
+# Most rounds in which slices are made perpendicular to the line, and how much the place of a vertex still moves in the
+# last one, in slices.
+_ROUNDS, _SETTLED = 16, 0.01
+# Points of the line in a slice, and how many slices a vertex may move in a round.
+_POINTS, _NEAR = 8, 1.5
+# Vertices are about equally far if their distances differ by less than this share.
+_TIE = 1e-9
 # Vertices that are projected at once.
 _CHUNK = 20_000
 # Largest radius of a slice, relative to the mean one, and bounds of the volume relative to that of round slices.
@@ -68,7 +72,8 @@ def sliced_tube(mesh: TriangleMesh) -> SlicedTube | None:
     lengths = _lengths_from(mesh, 0)
     if not np.isfinite(lengths).all():
         return None
-    tip = int(lengths.argmax())
+    # The first one of those that are farthest, which does not depend on rounding.
+    tip = int((lengths >= (1.0 - _TIE) * lengths.max()).argmax())
     length = float(_lengths_from(mesh, tip).max())
     width = mesh.area / (np.pi * length)
     if length < _LEAST_LENGTH * width:
@@ -78,14 +83,16 @@ def sliced_tube(mesh: TriangleMesh) -> SlicedTube | None:
     lengths = _lengths_from(fine, tip)
     count = int(length / width)
     places = lengths * (count / lengths.max())
-    areas = fine.vertex_areas
-    if not _is_one_piece_everywhere(fine, _slices(places, count), areas, count):
+    if not _is_one_piece_everywhere(fine, places, count):
         return None
     for _ in range(_ROUNDS):
-        centers = _means(fine.vertices, areas, _slices(places, count), count)
-        line = _line(centers)
-        places = _projected(fine.vertices, line, places, count)
-    return _checked(divided, line, places, mesh.volume)
+        line = _line(_centers(fine, places, count))
+        before, places = places, _projected(fine.vertices, line, places, 0.5)
+        if np.abs(places - before).max() < _SETTLED:
+            break
+    # Once more with ends that reach beyond the middles of the first and the last slice.
+    line = np.concatenate([_mirrored(line), line, _mirrored(line[::-1])[::-1]])
+    return _checked(divided, line, _projected(fine.vertices, line, places, -0.5), mesh.volume)
 
 
 def _lengths_from(mesh: TriangleMesh, vertex: int) -> NDArray[np.float64]:
@@ -93,18 +100,13 @@ def _lengths_from(mesh: TriangleMesh, vertex: int) -> NDArray[np.float64]:
     ends = mesh_edges(mesh.faces)
     lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
     count = len(mesh.vertices)
-    graph = csr_array(coo_array((np.maximum(lengths, 1e-300), ends.T), shape=(count, count)))
+    graph = csr_array(coo_array((np.maximum(lengths, np.finfo(np.float64).tiny), ends.T), shape=(count, count)))
     return dijkstra(graph, directed=False, indices=vertex)
 
 
-def _slices(places: NDArray[np.float64], count: int) -> NDArray[np.int64]:
-    return np.clip(places.astype(np.int64), 0, count - 1)
-
-
-def _is_one_piece_everywhere(
-    mesh: TriangleMesh, slices: NDArray[np.int64], areas: NDArray[np.float64], count: int
-) -> bool:
-    """Return whether nearly all of every slice is connected."""
+def _is_one_piece_everywhere(mesh: TriangleMesh, places: NDArray[np.float64], count: int) -> bool:
+    """Return whether nearly all of every slice is connected, and no slice is empty."""
+    slices, areas = np.clip(places.astype(np.int64), 0, count - 1), mesh.vertex_areas
     ends = mesh_edges(mesh.faces)
     inside = ends[slices[ends[:, 0]] == slices[ends[:, 1]]]
     labels = component_labels(*inside.T, len(slices))
@@ -113,15 +115,23 @@ def _is_one_piece_everywhere(
     owners[labels] = slices
     largest = np.zeros(count)
     np.maximum.at(largest, owners, pieces)
-    return bool((largest >= _WHOLE * np.bincount(slices, areas, count)).all())
+    return bool((largest > 0.0).all() and (largest >= _WHOLE * np.bincount(slices, areas, count)).all())
 
 
-def _means(
-    values: NDArray[np.float64], areas: NDArray[np.float64], slices: NDArray[np.int64], count: int
-) -> NDArray[np.float64]:
-    """Return mean vectors of slices, (count, 3)."""
-    sums = np.stack([np.bincount(slices, areas * column, count) for column in values.T], axis=1)
-    return sums / np.maximum(np.bincount(slices, areas, count), np.finfo(np.float64).tiny)[:, None]
+def _centers(mesh: TriangleMesh, places: NDArray[np.float64], count: int) -> NDArray[np.float64]:
+    """Return the centers of slices, (count, 3).
+
+    Vertices weigh less in a slice the farther they are from its middle, down to nothing at the middles of its
+    neighbors. With slices that end abruptly, a line that should be straight would wind.
+    """
+    near = np.clip(places - 0.5, 0.0, count - 1.0)
+    own = np.minimum(near.astype(np.int64), count - 2)
+    beyond = mesh.vertex_areas * (near - own)
+    rows = np.concatenate([own, own + 1])
+    weights = np.concatenate([mesh.vertex_areas - beyond, beyond])
+    sums = [np.bincount(rows, weights * np.tile(column, 2), count) for column in mesh.vertices.T]
+    # A slice that has lost its vertices puts the line far away, and the volume tells that this is no tube.
+    return np.stack(sums, axis=1) / np.maximum(np.bincount(rows, weights, count), np.finfo(np.float64).tiny)[:, None]
 
 
 def _line(centers: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -135,21 +145,37 @@ def _line(centers: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.stack([np.interp(even, arcs, column) for column in fine.T], axis=1)
 
 
+def _mirrored(line: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return points of a slice before the first one of a line, (n, 3), where it continues with the same curvature.
+
+    A circle is its own mirror image in a plane across it.
+    """
+    tangent = -3.0 * line[0] + 4.0 * line[1] - line[2]
+    tangent /= np.linalg.norm(tangent)
+    after = line[_POINTS:0:-1]
+    return after - 2.0 * ((after - line[0]) @ tangent)[:, None] * tangent
+
+
 def _projected(
-    vertices: NDArray[np.float64], line: NDArray[np.float64], places: NDArray[np.float64], count: int
+    vertices: NDArray[np.float64], line: NDArray[np.float64], places: NDArray[np.float64], begin: float
 ) -> NDArray[np.float64]:
-    """Return the places, 0 to `count`, of the closest points of a line to vertices, near where they were."""
+    """Return the places, in slices, of the closest points of a line to vertices, near where they were.
+
+    Parameters
+    ----------
+    begin : float
+        The place at which the line begins.
+    """
     found = np.empty(len(vertices))
     near = np.arange(-int(_NEAR * _POINTS), int(_NEAR * _POINTS) + 1)
-    for begin in range(0, len(vertices), _CHUNK):
-        own = slice(begin, begin + _CHUNK)
-        # The line begins in the middle of the first slice.
-        middle = np.rint((places[own] - 0.5) * _POINTS).astype(np.int64)
+    for first in range(0, len(vertices), _CHUNK):
+        own = slice(first, first + _CHUNK)
+        middle = np.rint((places[own] - begin) * _POINTS).astype(np.int64)
         rows = np.clip(middle[:, None] + near, 0, len(line) - 1)
         away = np.square(vertices[own, None] - line[rows]).sum(axis=2)
         best = np.take_along_axis(rows, away.argmin(axis=1)[:, None], axis=1)[:, 0]
         found[own] = _between(vertices[own], line, best)
-    return found / _POINTS + 0.5
+    return found / _POINTS + begin
 
 
 def _between(
@@ -167,27 +193,21 @@ def _checked(
     divided: Subdivision, line: NDArray[np.float64], places: NDArray[np.float64], volume: float
 ) -> SlicedTube | None:
     """Return the tube if it is as wide everywhere as its volume tells."""
-    mesh, last = divided.mesh, len(line) - 1
-    own = (places - 0.5) * _POINTS
+    mesh, count = divided.mesh, (len(line) - 1) // _POINTS
+    own = (places + 0.5) * _POINTS
     nodes = np.rint(own).astype(np.int64)
-    areas, slices, count = mesh.vertex_areas, nodes // _POINTS, last // _POINTS
-    squares = areas * np.square(mesh.vertices - line[nodes]).sum(axis=1)
-    sums = np.maximum(np.bincount(slices, areas, count + 1), np.finfo(np.float64).tiny)
-    means = (np.bincount(slices, squares, count + 1) / sums)[:count]
-    # The ends, which are caps or points, are as wide as what is next to them.
-    radii = np.sqrt(np.interp(np.arange(len(line)) / _POINTS - 0.5, np.arange(count), means))
-    spacing = float(np.linalg.norm(line[1] - line[0]))
-    # Vertices beyond the ends of the line are on straight continuations.
-    before = np.minimum((mesh.vertices - line[0]) @ (line[1] - line[0]) / spacing**2, 0.0) * (own <= 0.0)
-    beyond = np.maximum((mesh.vertices - line[-1]) @ (line[-1] - line[-2]) / spacing**2, 0.0) * (own >= last)
-    own = own + before + beyond
+    # The first and the last part of the line reach beyond the mesh, and caps are around them.
+    parts = np.minimum(nodes // _POINTS, count - 1)
+    squares = mesh.vertex_areas * np.square(mesh.vertices - line[nodes]).sum(axis=1)
+    sums = np.maximum(np.bincount(parts, mesh.vertex_areas, count), np.finfo(np.float64).tiny)
+    means = (np.bincount(parts, squares, count) / sums)[1:-1]
     ends = float(own.min()), float(own.max())
-    round_volume = np.pi * float(np.square(radii).mean()) * spacing * (ends[1] - ends[0])
+    even = np.linspace(*ends, len(line))
+    radii = np.sqrt(np.interp(even / _POINTS - 1.5, np.arange(len(means)), means))
+    points = np.stack([np.interp(even, np.arange(len(line)), column) for column in line.T], axis=1)
+    length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+    round_volume = np.pi * float(np.square(radii).mean()) * length
     if radii.max() > _WIDEST * radii.mean() or not _VOLUMES[0] < volume / round_volume < _VOLUMES[1]:
         return None
-    even = np.linspace(*ends, len(line))
-    tips = line[0] + ends[0] * (line[1] - line[0]), line[-1] + (ends[1] - last) * (line[-1] - line[-2])
-    knots, points = np.array([ends[0], *range(1, last), ends[1]]), np.concatenate([tips[:1], line[1:-1], tips[1:]])
-    whole = np.stack([np.interp(even, knots, column) for column in points.T], axis=1)
-    scale = last / (ends[1] - ends[0])
-    return SlicedTube(divided, whole, (own - ends[0]) * scale, np.interp(even, np.arange(last + 1), radii))
+    scale = (len(line) - 1) / (ends[1] - ends[0])
+    return SlicedTube(divided, points, (own - ends[0]) * scale, radii)
