@@ -10,15 +10,20 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
 from scipy.spatial import cKDTree
 
 from ...geometry.attachment import Attachment
+from ...geometry.edges import face_components
 from ...geometry.mesh import TriangleMesh
 from ...geometry.outer_skin import outer_skin
 from ...geometry.subdivision import Subdivision, bendable
 from ...progress import Control
 from .motion import Motion, MovedShape, unmoved
 from .motion_request import MotionRequest
+
+# A body prevails with this share of the area of all: the head of Suzanne has 0.94, the top of a table 0.69.
+_PREVAILING = 0.9
 
 
 @dataclass(frozen=True)
@@ -88,6 +93,12 @@ def with_skins(request: MotionRequest, control: Control) -> MotionRequest:
     guides = [{index: place(index, vertex) for index, vertex in guide.items()} for guide in request.guides]
     shapes = [skins.get(index, shape) for index, shape in enumerate(request.shapes)]
     return replace(request, shapes=shapes, guides=guides)
+
+
+def one_body_prevails(shape: TriangleMesh) -> bool:
+    """Return whether a connected component has nearly all of the area, so that the others are details of it."""
+    areas = np.bincount(face_components(shape.faces), shape.face_areas)
+    return bool(areas.max(initial=0.0) >= _PREVAILING * areas.sum())
 
 
 def following(motion: Motion, shapes: Sequence[TriangleMesh], skins: Sequence[TriangleMesh]) -> Motion:
