@@ -50,6 +50,8 @@ SHORT, _LONGER = 3.0, 2.0
 # Nor do stout parts: those whose largest depth is more than the second fraction of their length. Up to the first, parts
 # are not stout. The corner of a cube has 0.58.
 _LEAN, _STOUT = 0.35, 0.65
+# Cells around what is farther than `SHORT` from the other solids that count as the same part.
+_BASE = int(np.ceil(SHORT)) + 1
 
 
 def shared_core(solids: Sequence[NDArray[np.bool_]]) -> NDArray[np.bool_] | None:
@@ -81,7 +83,7 @@ class SeparatePart:
     cells : (mx, my, mz) bool
         The cells of the parts in the box.
     without_front : (mx, my, mz) float32
-        How little the front of each part counts: 0 if fully, up to 1 if not at all.
+        How little a front counts in each cell: 0 if fully, up to 1 if not at all.
     links : (mx, my, mz) float32
         Half the thickness of links in cells, 0 elsewhere.
     """
@@ -90,6 +92,11 @@ class SeparatePart:
     cells: NDArray[np.bool_]
     without_front: NDArray[np.float32]
     links: NDArray[np.float32]
+
+    @property
+    def fronted(self) -> NDArray[np.bool_]:
+        """The cells in which a front counts."""
+        return self.cells & (self.without_front < 1.0)
 
 
 def linked_components(core: NDArray[np.bool_]) -> NDArray[np.int32]:
@@ -111,7 +118,8 @@ def separate_parts(
 
     The mean of signed distances at the weight w leaves the length r w / (1 - w) of a part of half thickness r; a long
     part vanishes at once. A cone with the depth k x at the distance x from its tip retracts by at most 1 / k times its
-    length per unit of the weight. Short and stout parts, like the corners of a cube, therefore need no front.
+    length per unit of the weight. Short and stout parts, like the corners of a cube, therefore need no front. Where
+    thin layers connect parts, such as the ears of a head that becomes smaller, each part is judged by itself.
 
     Parameters
     ----------
@@ -131,24 +139,22 @@ def separate_parts(
     cells, filled = solid & ~core, np.count_nonzero(solid)
     names, count = label(cells, np.ones((3,) * cells.ndim))
     linking, links = _linking(names, count, components), np.zeros(cells.shape, np.float32)
-    without, boxes = np.zeros(count + 1, np.float32), {}
+    without, boxes = np.ones(cells.shape, np.float32), {}
     for name, box in enumerate(find_objects(names), start=1):
         own = names[box] == name
-        largest, length = (values[box].max(where=own, initial=0.0) for values in (depth, beyond))
-        # Distances may be a cell too short.
-        length = length if length < known - 1.0 else np.inf
         if linking[name] and np.count_nonzero(own) <= _LIGHT * filled:
-            half = maximum_filter(np.where(own, depth[box], 0.0), 2 * int(np.ceil(largest)) + 1)
-            links[box][own] = half[own]
+            inner = np.where(own, depth[box], 0.0)
+            half = maximum_filter(inner, 2 * int(np.ceil(inner.max())) + 1)
+            links[box][own], without[box][own] = half[own], 0.0
         else:
-            without[name] = _without_front(largest, length)
-        if without[name] < 1.0:
+            without[box][own] = _without_fronts(own, depth[box], beyond[box], known)[own]
+        if without[box].min(where=own, initial=1.0) < 1.0:
             boxes[name] = grown_box(box, cells.shape, _MARGIN)
     if sum(names[box].size for box in boxes.values()) > cells.size:
         whole = tuple(slice(0, size) for size in cells.shape)
-        return [SeparatePart(whole, cells & (without < 1.0)[names], without[names], links)]
+        return [SeparatePart(whole, np.isin(names, list(boxes)), without, links)]
     return [
-        SeparatePart(box, own := names[box] == name, without[names[box]], np.where(own, links[box], np.float32(0.0)))
+        SeparatePart(box, own := names[box] == name, without[box], np.where(own, links[box], np.float32(0.0)))
         for name, box in boxes.items()
     ]
 
@@ -164,6 +170,23 @@ def _linking(names: NDArray[np.int32], count: int, components: NDArray[np.int32]
         touched = components[near][binary_dilation(names[near] == name, around)]
         links[name] = len(np.unique(touched[touched > 0])) > 1
     return links
+
+
+def _without_fronts(
+    part: NDArray[np.bool_], depth: NDArray[np.floating], beyond: NDArray[np.floating], known: float
+) -> NDArray[np.float32]:
+    """Return how little a front counts in every cell of a part, from 0 to 1, by the depth and the length around it."""
+    without = np.ones(part.shape, np.float32)
+    tips, _ = label(part & (beyond > SHORT), np.ones((3,) * part.ndim))
+    for tip, box in enumerate(find_objects(tips), start=1):
+        length = float(beyond[box].max(where=tips[box] == tip, initial=0.0))
+        around = grown_box(box, part.shape, _BASE)
+        near = maximum_filter(tips[around] == tip, 2 * _BASE + 1) & part[around]
+        largest = float(depth[around].max(where=near, initial=0.0))
+        # Distances may be a cell too short.
+        value = _without_front(largest, length if length < known - 1.0 else np.inf)
+        without[around][near] = np.minimum(without[around][near], value)
+    return without
 
 
 def _without_front(depth: float, length: float) -> float:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import distance_transform_edt
 
 from convwass_addon.geometry.part_fronts import Along, PartFronts, linked_components, separate_parts, shared_core
 
@@ -128,7 +129,21 @@ def test_short_and_stout_parts_have_no_front(depth, length):
 
 def test_of_parts_that_reach_as_far_as_distances_are_known_stoutness_is_not():
     (part,) = separated(POLE, 30.0, 40.0)
-    assert not part.without_front.any()
+    assert not part.without_front[part.cells].any()
+
+
+def test_parts_that_a_thin_layer_connects_are_judged_by_themselves():
+    layer = filled(((1, 1, 8), (29, 11, 10)))
+    pole, block = filled(((4, 4, 10), (8, 8, 26))), filled(((14, 1, 10), (28, 11, 15)))
+    cells = layer | pole | block
+    depth = distance_transform_edt(cells | SLAB) - 0.5
+    beyond = distance_transform_edt(~SLAB) - 0.5
+    (part,) = separate_parts(cells | SLAB, SLAB, linked_components(SLAB), depth, beyond, 40.0)
+    found = on_grid(np.where(part.cells, part.without_front, np.float32(-1.0)), part.box)
+    assert (found[pole] == 0.0).all()
+    assert (found[block & (np.arange(SHAPE[0]) > 16)[:, None, None]] == 1.0).all()
+    np.testing.assert_array_equal(on_grid(part.cells, part.box), cells)
+    assert not on_grid(part.fronted, part.box)[25:].any()
 
 
 def test_the_core_is_the_largest_common_part():

@@ -208,10 +208,10 @@ class _Growth:
 
 
 def _without(solid: NDArray[np.bool_], parts: Sequence[SeparatePart]) -> NDArray[np.bool_]:
-    """Return what is left of a solid without some of its parts."""
+    """Return what is left of a solid without those of its parts that have fronts."""
     rest = solid.copy()
     for part in parts:
-        rest[part.box] &= ~part.cells
+        rest[part.box] &= ~part.fronted
     return rest
 
 
