@@ -9,13 +9,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
-from scipy.sparse import coo_array, csr_array
-from scipy.sparse.csgraph import dijkstra
 
 from .components import component_labels
 from .edges import mesh_edges
 from .mesh import TriangleMesh
 from .subdivision import Subdivision, with_short_edges
+from .surface_graph import edge_distances
 
 # A tube is at least so many times as long as wide.
 _LEAST_LENGTH = 6.0
@@ -69,39 +68,30 @@ def sliced_tube(mesh: TriangleMesh) -> SlicedTube | None:
     mesh : TriangleMesh
         Closed, oriented outward.
     """
-    lengths = _lengths_from(mesh, 0)
+    lengths = edge_distances(mesh, 0)
     if not np.isfinite(lengths).all():
         return None
     # The first one of those that are farthest, which does not depend on rounding.
     tip = int((lengths >= (1.0 - _TIE) * lengths.max()).argmax())
-    length = float(_lengths_from(mesh, tip).max())
+    length = float(edge_distances(mesh, tip).max())
     width = mesh.area / (np.pi * length)
     if length < _LEAST_LENGTH * width:
         return None
     divided = with_short_edges(mesh, _EDGES * width, _MOST_VERTICES)
     fine = divided.mesh
-    lengths = _lengths_from(fine, tip)
+    lengths = edge_distances(fine, tip)
     count = int(length / width)
     places = lengths * (count / lengths.max())
     if not _is_one_piece_everywhere(fine, places, count):
         return None
     for _ in range(_ROUNDS):
         line = _line(_centers(fine, places, count))
-        before, places = places, _projected(fine.vertices, line, places, 0.5)
+        before, places = places, 0.5 + _projected(fine.vertices, line, (places - 0.5) * _POINTS) / _POINTS
         if np.abs(places - before).max() < _SETTLED:
             break
     # Once more with ends that reach beyond the middles of the first and the last slice.
     line = np.concatenate([_mirrored(line), line, _mirrored(line[::-1])[::-1]])
-    return _checked(divided, line, _projected(fine.vertices, line, places, -0.5), mesh.volume)
-
-
-def _lengths_from(mesh: TriangleMesh, vertex: int) -> NDArray[np.float64]:
-    """Return lengths of paths along edges from a vertex to all others, (n,)."""
-    ends = mesh_edges(mesh.faces)
-    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
-    count = len(mesh.vertices)
-    graph = csr_array(coo_array((np.maximum(lengths, np.finfo(np.float64).tiny), ends.T), shape=(count, count)))
-    return dijkstra(graph, directed=False, indices=vertex)
+    return _checked(divided, line, _projected(fine.vertices, line, (places + 0.5) * _POINTS), mesh.volume)
 
 
 def _is_one_piece_everywhere(mesh: TriangleMesh, places: NDArray[np.float64], count: int) -> bool:
@@ -157,25 +147,19 @@ def _mirrored(line: NDArray[np.float64]) -> NDArray[np.float64]:
 
 
 def _projected(
-    vertices: NDArray[np.float64], line: NDArray[np.float64], places: NDArray[np.float64], begin: float
+    vertices: NDArray[np.float64], line: NDArray[np.float64], places: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the places, in slices, of the closest points of a line to vertices, near where they were.
-
-    Parameters
-    ----------
-    begin : float
-        The place at which the line begins.
-    """
+    """Return the places, between the points of a line, of those closest to vertices, near where they were."""
     found = np.empty(len(vertices))
     near = np.arange(-int(_NEAR * _POINTS), int(_NEAR * _POINTS) + 1)
-    for first in range(0, len(vertices), _CHUNK):
-        own = slice(first, first + _CHUNK)
-        middle = np.rint((places[own] - begin) * _POINTS).astype(np.int64)
+    for begin in range(0, len(vertices), _CHUNK):
+        own = slice(begin, begin + _CHUNK)
+        middle = np.rint(places[own]).astype(np.int64)
         rows = np.clip(middle[:, None] + near, 0, len(line) - 1)
         away = np.square(vertices[own, None] - line[rows]).sum(axis=2)
         best = np.take_along_axis(rows, away.argmin(axis=1)[:, None], axis=1)[:, 0]
         found[own] = _between(vertices[own], line, best)
-    return found / _POINTS + begin
+    return found
 
 
 def _between(
@@ -194,14 +178,13 @@ def _checked(
 ) -> SlicedTube | None:
     """Return the tube if it is as wide everywhere as its volume tells."""
     mesh, count = divided.mesh, (len(line) - 1) // _POINTS
-    own = (places + 0.5) * _POINTS
-    nodes = np.rint(own).astype(np.int64)
+    nodes = np.rint(places).astype(np.int64)
     # The first and the last part of the line reach beyond the mesh, and caps are around them.
     parts = np.minimum(nodes // _POINTS, count - 1)
     squares = mesh.vertex_areas * np.square(mesh.vertices - line[nodes]).sum(axis=1)
     sums = np.maximum(np.bincount(parts, mesh.vertex_areas, count), np.finfo(np.float64).tiny)
     means = (np.bincount(parts, squares, count) / sums)[1:-1]
-    ends = float(own.min()), float(own.max())
+    ends = float(places.min()), float(places.max())
     even = np.linspace(*ends, len(line))
     radii = np.sqrt(np.interp(even / _POINTS - 1.5, np.arange(len(means)), means))
     points = np.stack([np.interp(even, np.arange(len(line)), column) for column in line.T], axis=1)
@@ -210,4 +193,4 @@ def _checked(
     if radii.max() > _WIDEST * radii.mean() or not _VOLUMES[0] < volume / round_volume < _VOLUMES[1]:
         return None
     scale = (len(line) - 1) / (ends[1] - ends[0])
-    return SlicedTube(divided, points, (own - ends[0]) * scale, radii)
+    return SlicedTube(divided, points, (places - ends[0]) * scale, radii)

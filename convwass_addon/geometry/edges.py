@@ -156,6 +156,13 @@ def used_part(faces: NDArray[np.int64], count: int) -> tuple[NDArray[np.int64], 
     return np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[faces]
 
 
+def component_areas(mesh: TriangleMesh) -> NDArray[np.float64]:
+    """Return the areas of the connected components; loose vertices belong to none."""
+    labels = vertex_components(mesh)
+    used = labels >= 0
+    return np.bincount(labels[used], mesh.vertex_areas[used])
+
+
 def _joined_vertices(faces: NDArray[np.int64], count: int) -> NDArray[np.int64]:
     """Label `count` vertices by connected component of the triangles' edges."""
     ends = np.concatenate([faces[:, [0, 1]], faces[:, [1, 2]]])

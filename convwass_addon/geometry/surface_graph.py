@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Graphs of lines along a surface between its vertices, and shortest paths on them."""
+"""Graphs of lines along a surface between its vertices, and shortest paths on them or along edges alone."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from .edges import EdgeUse, edge_ends, edge_use, proper_faces
+from .edges import EdgeUse, edge_ends, edge_use, mesh_edges, proper_faces
 from .mesh import TriangleMesh
 
 # Relative lower limit of the length of a line, because the sparse graph would drop lines of length zero.
@@ -57,6 +57,15 @@ def surface_distances(graph: csr_array, sources: ArrayLike, limit: float = np.in
     """
     found = dijkstra(graph, indices=np.asarray(sources, dtype=np.int64).reshape(-1), limit=limit)
     return found.reshape(-1, graph.shape[0])
+
+
+def edge_distances(mesh: TriangleMesh, vertices: ArrayLike) -> NDArray[np.float64]:
+    """Return the lengths of shortest paths along edges from some vertices to all, (k, n), or from one, (n,)."""
+    ends = mesh_edges(mesh.faces)
+    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
+    lengths = np.maximum(lengths, np.finfo(float).tiny)
+    graph = coo_array((lengths, ends.T), shape=(len(mesh.vertices),) * 2).tocsr()
+    return dijkstra(graph, directed=False, indices=vertices)
 
 
 def _lines_across(

@@ -10,11 +10,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
-import numpy as np
 from scipy.spatial import cKDTree
 
 from ...geometry.attachment import Attachment
-from ...geometry.edges import face_components
+from ...geometry.edges import component_areas
 from ...geometry.mesh import TriangleMesh
 from ...geometry.outer_skin import outer_skin
 from ...geometry.subdivision import Subdivision, bendable
@@ -97,7 +96,7 @@ def with_skins(request: MotionRequest, control: Control) -> MotionRequest:
 
 def one_body_prevails(shape: TriangleMesh) -> bool:
     """Return whether a connected component has nearly all of the area, so that the others are details of it."""
-    areas = np.bincount(face_components(shape.faces), shape.face_areas)
+    areas = component_areas(shape)
     return bool(areas.max(initial=0.0) >= _PREVAILING * areas.sum())
 
 

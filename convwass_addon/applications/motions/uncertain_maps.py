@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...errors import Cancelled
-from ...geometry.edges import vertex_components
+from ...geometry.edges import component_areas
 from ...geometry.mesh import TriangleMesh
 from ...progress import Progress, Work, within
 from ...sentence import Sentence
@@ -110,10 +110,7 @@ def _divides(candidates: MotionCandidates) -> bool:
 
 
 def _bodies(shape: TriangleMesh) -> int:
-    labels = vertex_components(shape)
-    # Vertices without faces belong to no component.
-    used = labels >= 0
-    areas = np.bincount(labels[used], shape.vertex_areas[used])
+    areas = component_areas(shape)
     return int(np.count_nonzero(areas >= _BODY * areas.sum()))
 
 

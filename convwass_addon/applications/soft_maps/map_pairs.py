@@ -8,12 +8,11 @@ from collections.abc import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import dijkstra
 
 from ...errors import InputError
-from ...geometry.edges import mesh_edges, proper_part
+from ...geometry.edges import proper_part
 from ...geometry.mesh import TriangleMesh
+from ...geometry.surface_graph import edge_distances
 from ...sentence import Sentence
 from .map_sides import MapSide
 
@@ -100,12 +99,3 @@ def pair_notices(
         yield Sentence(
             "The pair of vertex {source_vertex} and vertex {target_vertex} contradicts the others; is it right?", values
         )
-
-
-def edge_distances(mesh: TriangleMesh, vertices: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return the distances along edges from some vertices to all, (k, n)."""
-    ends = mesh_edges(mesh.faces)
-    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
-    lengths = np.maximum(lengths, np.finfo(float).tiny)
-    graph = coo_array((lengths, ends.T), shape=(len(mesh.vertices),) * 2).tocsr()
-    return dijkstra(graph, directed=False, indices=vertices)
