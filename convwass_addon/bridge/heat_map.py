@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..applications.palettes.lab_colors import linear_of_srgb
+from ..geometry.polylines import along_polyline
 
 # Perceptually uniform from dark to bright; sRGB.
 _STOPS = ("1a1423", "3b1f52", "6b2569", "a32d63", "d5474b", "f0752f", "f8b13e", "fbf2b5")
@@ -25,7 +26,7 @@ def heat_colors(values: ArrayLike) -> NDArray[np.float64]:
     """Return the heat map colors of values, (n,), as scene linear RGBA, (n, 4); values are clamped to 0 ... 1."""
     stops = heat_stops()
     places = np.linspace(0.0, 1.0, len(stops))
-    return np.stack([np.interp(values, places, channel) for channel in stops.T], axis=1)
+    return along_polyline(values, places, stops)
 
 
 def fill_ramp(ramp: bpy.types.ColorRamp) -> None:

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from .components import component_labels
 from .edges import mesh_edges
 from .mesh import TriangleMesh
+from .polylines import along_polyline, arc_lengths
 from .subdivision import Subdivision, with_short_edges
 from .surface_graph import edge_distances
 
@@ -130,9 +131,9 @@ def _line(centers: NDArray[np.float64]) -> NDArray[np.float64]:
     along = np.concatenate([[0.0], np.cumsum(np.maximum(steps, 1e-12 * steps.max()))])
     spline = CubicSpline(along, centers)
     fine = spline(np.linspace(0.0, along[-1], 8 * _POINTS * len(centers)))
-    arcs = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(fine, axis=0), axis=1))])
+    arcs = arc_lengths(fine)
     even = np.linspace(0.0, arcs[-1], _POINTS * (len(centers) - 1) + 1)
-    return np.stack([np.interp(even, arcs, column) for column in fine.T], axis=1)
+    return along_polyline(even, arcs, fine)
 
 
 def _mirrored(line: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -187,7 +188,7 @@ def _checked(
     ends = float(places.min()), float(places.max())
     even = np.linspace(*ends, len(line))
     radii = np.sqrt(np.interp(even / _POINTS - 1.5, np.arange(len(means)), means))
-    points = np.stack([np.interp(even, np.arange(len(line)), column) for column in line.T], axis=1)
+    points = along_polyline(even, np.arange(len(line)), line)
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     round_volume = np.pi * float(np.square(radii).mean()) * length
     if radii.max() > _WIDEST * radii.mean() or not _VOLUMES[0] < volume / round_volume < _VOLUMES[1]:

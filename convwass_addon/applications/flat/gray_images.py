@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
+from ...geometry.polylines import along_polyline
 from .flat_frames import FlatDensity, FlatFrame
 
 
@@ -68,4 +69,4 @@ def colored(
     places, channels = np.asarray(stops, dtype=np.float64), np.asarray(colors, dtype=np.float64)
     if places.ndim != 1 or channels.ndim != 2 or len(places) != len(channels) or (np.diff(places) <= 0).any():
         raise InputError("A color ramp needs rising stops with a color each.")
-    return np.stack([np.interp(values, places, channel) for channel in channels.T], axis=-1)
+    return along_polyline(values, places, channels)

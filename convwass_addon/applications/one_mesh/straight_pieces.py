@@ -16,6 +16,7 @@ from typing import Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.polylines import along_polyline
 from ...geometry.products import product
 
 # Pieces are chosen by so many times the allowed error, the longest first: twice it is more than any fit makes up for,
@@ -133,7 +134,7 @@ def deviation(path: NDArray[np.float64], knots: Sequence[int], positions: NDArra
 def _fitted(path: NDArray[np.float64], knots: list[int]) -> NDArray[np.float64]:
     """Return positions at the knots, (k, n, 3): at both ends as they are, in between by least squares."""
     times = np.arange(len(path))
-    hats = np.stack([np.interp(times, knots, row) for row in np.eye(len(knots))], axis=1)
+    hats = along_polyline(times, knots, np.eye(len(knots)))
     # The inner positions are linear in the samples.
     inverse = np.linalg.pinv(hats[:, 1:-1])
     weights = inverse.copy()

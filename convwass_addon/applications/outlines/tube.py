@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.center_lines import SlicedTube
+from ...geometry.polylines import along_polyline
 from ...geometry.rotation_fields import rotation_matrices, rotation_vectors
 from ...geometry.subdivision import Subdivision
 
@@ -62,7 +63,7 @@ class Tube:
         """Return a tube with frames that do not twist."""
         old = np.arange(len(sliced.points))
         even = np.linspace(0.0, old[-1], _PIECES + 1)
-        nodes = np.stack([np.interp(even, old, column) for column in sliced.points.T], axis=1)
+        nodes = along_polyline(even, old, sliced.points)
         along = np.diff(nodes, axis=0)
         lengths = np.linalg.norm(along, axis=1)
         frames = _untwisted(along / lengths[:, None])
@@ -116,7 +117,7 @@ class Tube:
     def _at(self, places: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
         """Return points on the line, (n, 3), frames, (n, 3, 3), and radii, (n,), at places."""
         frames, count = self.frames, len(self.radii)
-        points = np.stack([np.interp(places, np.arange(count + 1), column) for column in self.line.T], axis=1)
+        points = along_polyline(places, np.arange(count + 1), self.line)
         # Frames are those of the middles of pieces.
         between = np.clip(places - 0.5, 0.0, count - 1.0)
         piece = np.minimum(between.astype(np.int64), count - 2)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...errors import InputError
+from ...geometry.polylines import along_polyline
 
 MOST_ON_PAD = 16
 """Largest number of blends along each side: all tables lie in one image, whose rows graphics cards limit."""
@@ -38,7 +39,7 @@ def way_weights(rows: ArrayLike, steps: int) -> NDArray[np.float64]:
     if stops.ndim != 2 or len(stops) < 2:
         raise InputError("A path of weights needs at least two stops.")
     places = np.linspace(0.0, len(stops) - 1.0, steps)
-    return np.stack([np.interp(places, np.arange(len(stops)), column) for column in stops.T], axis=1)
+    return along_polyline(places, np.arange(len(stops)), stops)
 
 
 @dataclass(frozen=True)

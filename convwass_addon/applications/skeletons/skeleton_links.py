@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.polylines import along_polyline, arc_lengths
 from .skeleton_graph import JointGraph
 
 
@@ -99,7 +100,7 @@ def spread_along(
 
 def spaced(curve: NDArray[np.float64], lengths: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the points, (k - 1, 3), that divide a curve, (n, 3), in proportion to some lengths, (k,)."""
-    gone = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(curve, axis=0), axis=1))])
+    gone = arc_lengths(curve)
     wanted = np.cumsum(lengths)
     places = wanted[:-1] / wanted[-1] * gone[-1]
-    return np.stack([np.interp(places, gone, axis) for axis in curve.T], axis=1)
+    return along_polyline(places, gone, curve)

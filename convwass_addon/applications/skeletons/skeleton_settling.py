@@ -17,6 +17,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
 from ...geometry.inner_balls import InnerBalls
+from ...geometry.polylines import along_polyline, arc_lengths
 from ...geometry.solid_angles import Inside
 from .skeleton_graph import JointGraph
 from .skeleton_links import chains, spaced
@@ -153,11 +154,11 @@ def _with_pins(balls: InnerBalls, pins: NDArray[np.float64]) -> csr_array:
 
 def _smoothed_path(path: NDArray[np.float64], share: float) -> NDArray[np.float64]:
     """Smooth a path from ball to ball over a fraction of its length, keeping its ends."""
-    covered = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(path, axis=0), axis=1))])
+    covered = arc_lengths(path)
     if not (covered[-1] > 0 and share > 0):
         return path
     places = np.linspace(0.0, covered[-1], _POINTS)
-    curve = np.stack([np.interp(places, covered, axis) for axis in path.T], axis=1)
+    curve = along_polyline(places, covered, path)
     # Extend the curve by point reflection at its ends, which keeps them fixed.
     width = max(1, round(share * _POINTS))
     before, after = 2 * curve[0] - curve[width:0:-1], 2 * curve[-1] - curve[-2 : -width - 2 : -1]
