@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from ..progress import UNINTERRUPTED, Control
 from .components import component_labels
-from .edges import mesh_edges
+from .edges import mesh_edges, used_part
 from .mesh import TriangleMesh
 from .polylines import along_polyline, arc_lengths
 from .subdivision import Subdivision, with_short_edges
@@ -23,17 +24,17 @@ _LEAST_LENGTH = 6.0
 _EDGES, _MOST_VERTICES = 0.4, 200_000
 # Least share of the area of a slice that is in one piece.
 _WHOLE = 0.95
-# Most rounds in which slices are made perpendicular to the line, and how much the place of a vertex still moves in the
-# last one, in slices.
-_ROUNDS, _SETTLED = 16, 0.01
+# Most rounds in which slices are made perpendicular to the line, how far places of vertices still move in the last one,
+# in slices, and the share of the vertices for which that holds: a few next to bends jump back and forth forever.
+_ROUNDS, _SETTLED, _MOST = 16, 0.01, 0.999
 # Points of the line in a slice, and how many slices a vertex may move in a round.
 _POINTS, _NEAR = 8, 1.5
 # Vertices are about equally far if their distances differ by less than this share.
 _TIE = 1e-9
 # Vertices that are projected at once.
 _CHUNK = 20_000
-# Largest radius of a slice, relative to the mean one, and bounds of the volume relative to that of round slices.
-_WIDEST, _VOLUMES = 2.5, (0.5, 1.25)
+# Bounds of the volume relative to that of round slices.
+_VOLUMES = (0.5, 1.25)
 
 
 @dataclass(frozen=True)
@@ -58,7 +59,7 @@ class SlicedTube:
     radii: NDArray[np.float64]
 
 
-def sliced_tube(mesh: TriangleMesh) -> SlicedTube | None:
+def sliced_tube(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> SlicedTube | None:
     """Return a mesh as a tube, None if it is none: if it branches, is closed to a ring, or is not long and narrow.
 
     Lengths along the surface from one end to the other one cut it into slices that are as thick as it is wide. The
@@ -67,8 +68,12 @@ def sliced_tube(mesh: TriangleMesh) -> SlicedTube | None:
     Parameters
     ----------
     mesh : TriangleMesh
-        Closed, oriented outward.
+        Closed, oriented outward. Vertices without triangles are left out.
+    control : Control
+        Stops the work.
     """
+    used, faces = used_part(mesh.faces, len(mesh.vertices))
+    mesh = TriangleMesh(mesh.vertices[used], faces)
     lengths = edge_distances(mesh, 0)
     if not np.isfinite(lengths).all():
         return None
@@ -82,13 +87,17 @@ def sliced_tube(mesh: TriangleMesh) -> SlicedTube | None:
     fine = divided.mesh
     lengths = edge_distances(fine, tip)
     count = int(length / width)
+    # With fewer vertices, some slices are empty.
+    if count > len(fine.vertices):
+        return None
     places = lengths * (count / lengths.max())
     if not _is_one_piece_everywhere(fine, places, count):
         return None
     for _ in range(_ROUNDS):
+        control.check()
         line = _line(_centers(fine, places, count))
         before, places = places, 0.5 + _projected(fine.vertices, line, (places - 0.5) * _POINTS) / _POINTS
-        if np.abs(places - before).max() < _SETTLED:
+        if np.quantile(np.abs(places - before), _MOST) < _SETTLED:
             break
     # Once more with ends that reach beyond the middles of the first and the last slice.
     line = np.concatenate([_mirrored(line), line, _mirrored(line[::-1])[::-1]])
@@ -157,7 +166,7 @@ def _projected(
         own = slice(begin, begin + _CHUNK)
         middle = np.rint(places[own]).astype(np.int64)
         rows = np.clip(middle[:, None] + near, 0, len(line) - 1)
-        away = np.square(vertices[own, None] - line[rows]).sum(axis=2)
+        away = sum(np.square(vertices[own, axis, None] - line[:, axis].take(rows)) for axis in range(3))
         best = np.take_along_axis(rows, away.argmin(axis=1)[:, None], axis=1)[:, 0]
         found[own] = _between(vertices[own], line, best)
     return found
@@ -191,7 +200,7 @@ def _checked(
     points = along_polyline(even, np.arange(len(line)), line)
     length = float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
     round_volume = np.pi * float(np.square(radii).mean()) * length
-    if radii.max() > _WIDEST * radii.mean() or not _VOLUMES[0] < volume / round_volume < _VOLUMES[1]:
+    if not _VOLUMES[0] < volume / round_volume < _VOLUMES[1]:
         return None
     scale = (len(line) - 1) / (ends[1] - ends[0])
     return SlicedTube(divided, points, (places - ends[0]) * scale, radii)

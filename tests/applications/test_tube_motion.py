@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import pickle
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -85,6 +86,38 @@ def test_the_axis_of_a_spring_stays_upright():
         assert np.linalg.norm(course[:2]) < 0.12 * abs(course[2])
 
 
+def test_springs_of_opposite_handedness_do_not_whirl():
+    """Although a spring between them leads nowhere: halfway, its course points along none of its directions."""
+    mirrored = helix(0.5, 0.4, 3.5) * [1.0, -1.0, 1.0]
+    motion = choice(tube(helix(0.6, 0.5, 2.5)), tube(mirrored)).motion
+    moved = [motion.moved([1.0 - time, time])[0].vertices for time in np.linspace(0.01, 0.99, 50)]
+    steps = [np.linalg.norm(after - before, axis=1).mean() for before, after in pairwise(moved)]
+    assert max(steps) < 1.5 * np.median(steps)
+
+
+def test_a_spiral_is_not_turned_by_its_course():
+    angles = np.linspace(2.0 * np.pi, 8.0 * np.pi, 240)
+    spiral = 0.05 * angles[:, None] * np.stack([np.cos(angles), np.sin(angles), 0.0 * angles], axis=1)
+    assert not choice(tube(spiral, 0.05), ROD).motion.directed
+    assert choice(SPRING, ROD).motion.directed
+
+
+def test_volume_is_the_weighted_mean_everywhere():
+    thin, thick = tube(helix(1.0, 0.0, 0.8), 0.1), tube(straight(3.0, 100), np.linspace(0.15, 0.2, 100))
+    motion = choice(thin, thick).motion
+    lengths = 0.8 * 2.0 * np.pi, 3.0
+    for time in (0.25, 0.5, 0.75):
+        one, other = motion.moved([1.0 - time, time])
+        shares = np.array([1.0 - time, time])
+        for shape in (one, other):
+            assert shape.mesh.volume == pytest.approx(shares @ [thin.volume, thick.volume], rel=0.04)
+            radii = sliced_tube(shape.mesh).radii
+            ends = sorted([radii[len(radii) // 6], radii[-len(radii) // 6]])
+            squares = np.stack([np.square([0.1, 0.1]) * lengths[0], np.square([0.158, 0.192]) * lengths[1]])
+            wanted = np.sqrt(shares @ squares / (shares @ lengths))
+            assert ends == pytest.approx(wanted, rel=0.06)
+
+
 def test_similar_tubes_move_alike():
     turn, scale, shift = Rotation.from_rotvec([0.5, -1.2, 0.3]), 7.0, np.array([3.0, 0.0, -5.0])
     others = [TriangleMesh(scale * turn.apply(mesh.vertices) + shift, mesh.faces) for mesh in (SPRING, ROD)]
@@ -93,10 +126,10 @@ def test_similar_tubes_move_alike():
 
 
 def test_the_thick_end_becomes_the_thick_end():
-    """Whichever of both a mesh begins with."""
+    """Whichever of both a mesh begins with, and wherever it is."""
     radii = np.linspace(0.2, 0.1, 160)
     arc = helix(1.0, 0.0, 0.8)
-    for line, own in ((arc, radii), (arc[::-1], radii[::-1])):
+    for line, own in ((arc, radii), (arc[::-1], radii[::-1]), (arc, radii[::-1])):
         one, other = choice(tube(straight(5.0, 160), radii), tube(line, own)).motion.moved([0.5, 0.5])
         assert cKDTree(other.vertices).query(one.vertices)[0].max() < 0.12
 

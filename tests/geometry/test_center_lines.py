@@ -9,13 +9,16 @@ import pytest
 from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
+from convwass_addon.errors import Cancelled
 from convwass_addon.geometry import center_lines
 from convwass_addon.geometry.center_lines import sliced_tube
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.subdivision import with_short_edges
+from convwass_addon.progress import Control
 from tests.applications.maps import arm
 from tests.grids import figure
 from tests.line_tubes import helix, straight, tube
-from tests.shapes import ball, joined, torus
+from tests.shapes import ball, box, capsules, joined, torus
 
 
 @pytest.mark.parametrize(
@@ -61,6 +64,31 @@ def test_the_line_does_not_depend_on_rounding():
         np.testing.assert_allclose(found, turn.apply(expected), atol=1e-6)
 
 
+@pytest.mark.parametrize("longer", [1.0 - 1e-13, 1.0, 1.0 + 1e-13])
+def test_of_two_ends_that_are_equally_far_the_same_one_is_the_first(longer):
+    """Whichever of them rounding makes the farther one from the first vertex."""
+    rod = tube(straight(4.0, 41))
+    half = 20 * 12
+    vertices = np.roll(rod.vertices, -half, axis=0) - [0.0, 0.0, 2.0]
+    vertices[vertices[:, 2] > 0.0] *= longer
+    found = sliced_tube(TriangleMesh(vertices, (rod.faces - half) % len(vertices)))
+    assert found.points[0, 2] > 1.9
+
+
+def test_vertices_without_triangles_do_not_matter():
+    rod = tube(helix(1.0, 0.0, 0.8))
+    expected, found = sliced_tube(rod), sliced_tube(joined(TriangleMesh([[9.0, 9.0, 9.0]], np.empty((0, 3), int)), rod))
+    np.testing.assert_array_equal(found.points, expected.points)
+    np.testing.assert_array_equal(found.divided.parents, expected.divided.parents)
+
+
+def test_the_search_can_be_cancelled():
+    control = Control()
+    control.cancel()
+    with pytest.raises(Cancelled):
+        sliced_tube(tube(straight()), control)
+
+
 def test_vertices_are_beside_their_points():
     found = sliced_tube(tube(helix(0.5, 0.5, 3.0)))
     points = np.stack([np.interp(found.places, np.arange(len(found.points)), own) for own in found.points.T], axis=1)
@@ -76,6 +104,27 @@ def test_vertices_are_beside_their_points():
 )
 def test_what_is_round_closed_branching_or_apart_is_no_tube(solid):
     assert sliced_tube(solid) is None
+
+
+@pytest.mark.parametrize(
+    "solid",
+    [
+        tube(straight(20.0, 401), np.where(np.abs(np.linspace(-10.0, 10.0, 401)) < 0.06, 2.0, 0.1)),
+        with_short_edges(box((0.02, 0.5, 8.0)), 0.2, 20_000).mesh,
+        capsules(
+            [((0, 0, 0), (0, 0, 4), 0.2), ((0, 0, 1), (0, 1.5, 2.5), 0.2)], (-0.4, -0.4, -0.4), (0.4, 2, 4.4), 0.1
+        ),
+    ],
+    ids=["with a disc", "flat", "forked"],
+)
+def test_what_is_long_but_no_tube_is_none(solid):
+    assert sliced_tube(solid) is None
+
+
+@pytest.mark.parametrize("width", [1e-5, 1e-9])
+def test_a_ribbon_as_thin_as_a_hair_is_no_tube(width):
+    corners = [[0.0, 0.0, 0.0], [2.0, 0.0, 0.0], [2.0, width, 0.0], [0.0, width, 0.0]]
+    assert sliced_tube(TriangleMesh.from_arrays(corners, [[0, 1, 2], [0, 2, 3]])) is None
 
 
 def test_what_has_too_few_vertices_along_it_is_no_tube(monkeypatch):

@@ -22,6 +22,9 @@ _PIECES = 240
 _ABOUT, _STRAIGHT = 1.03, 0.01
 # Work of a radius that differs by a factor of e, in radians of bending per length of the line.
 _RADIUS_WORK = 1.0
+# A line that winds so much that its course is shorter, such as a spiral (0.06), leads nowhere; a spring of four turns
+# has 0.16.
+_LEAST_COURSE = 0.1
 
 
 @dataclass(frozen=True)
@@ -104,6 +107,11 @@ class Tube:
         """
         shares = np.linspace(-0.5, 0.5, len(self.line))
         return shares @ self.line / (shares @ shares * self.length)
+
+    @property
+    def leads_somewhere(self) -> bool:
+        """Whether the line has a clear direction."""
+        return bool(np.linalg.norm(self.course) >= _LEAST_COURSE)
 
     def pointing(self, course: NDArray[np.float64]) -> Tube:
         """Return the tube rotated so that its course has the direction of another one."""

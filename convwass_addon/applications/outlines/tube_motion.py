@@ -22,9 +22,8 @@ from .tube import Tube, matched_tube
 # Tubes bend if that is by at least this angle in total, in radians. Surfaces of others are mapped as well, with what
 # they have besides, such as fins.
 _LEAST_BEND = np.pi
-# A line of which one winds so much that its course is shorter, such as a spiral (0.06), leads nowhere; a spring of four
-# turns has 0.16.
-_LEAST_COURSE = 0.1
+# Shares of the second tube of a pair with which blends are tried.
+_SAMPLES = np.linspace(0.0, 1.0, 9)
 
 
 @dataclass(frozen=True)
@@ -41,10 +40,21 @@ class TubeMotion:
         The shapes.
     way : float
         Fraction of the way towards the others that shapes move, from 0 to 1.
+    directed : bool
+        Whether blends are rotated so that their courses have the mean direction of those of the tubes.
     """
 
     tubes: tuple[Tube, ...]
     way: float
+    directed: bool
+
+    @classmethod
+    def of(cls, tubes: Sequence[Tube], pairs: Sequence[tuple[int, int]], way: float) -> TubeMotion:
+        """Return the motion of tubes, directed unless a blend of a pair leads nowhere."""
+        motion = cls(tuple(tubes), way, False)
+        unit = np.eye(len(tubes))
+        blends = [(1.0 - share) * unit[one] + share * unit[other] for one, other in pairs for share in _SAMPLES]
+        return replace(motion, directed=all(motion._undirected(blend).leads_somewhere for blend in blends))
 
     def moved(self, weights: Sequence[float]) -> list[MovedShape | None]:
         """Return every shape in a blend; see :meth:`.motion.Motion.moved`."""
@@ -61,7 +71,10 @@ class TubeMotion:
 
     def _blended(self, shares: NDArray[np.float64]) -> Tube:
         """Return the mean of the tubes, with the surface of the first one."""
+        found = self._undirected(shares)
+        return found.pointing(shares @ np.stack([tube.course for tube in self.tubes])) if self.directed else found
 
+    def _undirected(self, shares: NDArray[np.float64]) -> Tube:
         def mean(values: Sequence[NDArray[np.float64]]) -> NDArray[np.float64]:
             return np.tensordot(shares, np.stack(values), axes=1)
 
@@ -71,11 +84,7 @@ class TubeMotion:
         radii = np.sqrt(mean([np.square(tube.radii) * tube.length for tube in self.tubes]) / length)
         middles = rotation_vectors(np.stack([tube.middle @ first.middle.T for tube in self.tubes]))
         middle = rotation_matrices((shares @ middles)[None])[0] @ first.middle
-        found = replace(first, turns=turns, middle=middle, length=length, radii=radii, center=center)
-        courses = [tube.course for tube in self.tubes]
-        if min(map(np.linalg.norm, courses)) < _LEAST_COURSE:
-            return found
-        return found.pointing(mean(courses))
+        return replace(first, turns=turns, middle=middle, length=length, radii=radii, center=center)
 
 
 def tube_motion(request: MotionRequest, control: Control) -> MotionChoice | None:
@@ -88,11 +97,10 @@ def tube_motion(request: MotionRequest, control: Control) -> MotionChoice | None
     """
     tubes: list[Tube] = []
     for shape in request.shapes:
-        control.check()
-        sliced = sliced_tube(shape)
+        sliced = sliced_tube(shape, control)
         if sliced is None:
             return None
         tubes.append(matched_tube(tubes[0], Tube.of(sliced)) if tubes else Tube.of(sliced))
     if all(tubes[one].bend_to(tubes[other]) < _LEAST_BEND for one, other in request.pairs):
         return None
-    return MotionChoice("guided", "TUBES", TubeMotion(tuple(tubes), way_at(request.coherence)))
+    return MotionChoice("guided", "TUBES", TubeMotion.of(tubes, request.pairs, way_at(request.coherence)))
