@@ -129,7 +129,7 @@ class FaceGraph:
         holes = [part for part in parts if not np.isin(part, beyond).any()]
         if len(holes) == len(parts):
             # On a small closed surface everything is near; the largest part is the outside.
-            holes.remove(max(holes, key=len))
+            holes = sorted(holes, key=len)[:-1]
         return np.sort(np.concatenate([triangles, *holes]))
 
     def disc_around(self, triangles: NDArray[np.int64], most_rings: int) -> MeshDisc | None:

@@ -34,6 +34,15 @@ def test_a_ring_of_triangles_is_filled_to_a_disc(graph):
     assert len(disc.inner) + len(disc.rim) == len(disc.vertices)
 
 
+@pytest.mark.parametrize("height", [-0.5, 0.3])
+def test_on_a_small_surface_the_largest_part_is_outside(height):
+    graph = FaceGraph.of(ball(points=60))
+    middle = graph.mesh.corners[:, :, 2].mean(axis=1)
+    band = np.flatnonzero(np.abs(middle - height) < 0.25)
+    small = np.flatnonzero(middle * np.sign(height) > abs(height))
+    np.testing.assert_array_equal(graph.filled(band), np.union1d(band, small))
+
+
 def test_two_parts_grow_together(graph):
     far = above(graph.mesh, 0.9)[[0, -1]]
     disc = graph.disc_around(far, 12)
