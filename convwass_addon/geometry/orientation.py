@@ -28,7 +28,7 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
     Components with inconsistent faces are made consistent, with positive volume. Consistent components keep their
     orientation (an inward-facing inner shell is a cavity), except inward-facing ones that do not lie inside anything:
     those are flipped. Pieces that meet in a seam, as the front and the sides of solid text, are one component, though
-    they share no vertices: alone, the wall of a hole would face inward.
+    they share no vertices: alone, the wall of a hole would face inward. Copies of a piece in its place meet in no seam.
 
     Parameters
     ----------
@@ -47,7 +47,8 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
     is_open = np.isin(pieces, pieces[use.face[use.start[use.count == 1]]])
     if is_open.any():
         # Closed components have no seams, even if others touch them.
-        seams = _Neighbors.of(edge_use(place_labels(mesh.vertices)[mesh.faces[is_open]])).among(is_open)
+        places = place_labels(mesh.vertices)[mesh.faces[is_open]]
+        seams = _Neighbors.of(edge_use(places)).unless_same(places).among(is_open)
         neighbors, pieces = neighbors.and_across(seams), seams.joined(pieces)
     turn, repaired = _disagreeing_faces(neighbors, pieces)
     outward = mesh
@@ -84,6 +85,12 @@ class _Neighbors:
         """Return these neighbors, of the chosen ones of all triangles, (m,), as neighbors of all of them."""
         rows = np.flatnonzero(chosen)
         return _Neighbors(rows[self.one], rows[self.other], self.agree)
+
+    def unless_same(self, triangles: NDArray[np.int64]) -> _Neighbors:
+        """Return the neighbors that are not the same one of some triangles, (m, 3), twice."""
+        corners = np.sort(triangles, axis=1)
+        differ = (corners[self.one] != corners[self.other]).any(axis=1)
+        return _Neighbors(self.one[differ], self.other[differ], self.agree[differ])
 
     def and_across(self, seams: _Neighbors) -> _Neighbors:
         """Return these and others; edges may be repeated."""

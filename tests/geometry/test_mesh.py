@@ -112,6 +112,15 @@ def test_pieces_that_meet_in_a_seam_are_made_consistent():
     np.testing.assert_array_equal(orient_outward(TriangleMesh(ring.vertices, faces)).faces, ring.faces)
 
 
+def test_a_copy_of_an_open_piece_in_its_place_keeps_its_orientation():
+    """A bowl that was duplicated by mistake is filled twice as much, not emptied."""
+    whole = ball(points=300)
+    bowl = with_faces(whole, whole.corners[:, :, 2].max(axis=1) < 0.5)
+    twice = orient_outward(joined(bowl, bowl))
+    assert twice.volume == pytest.approx(2.0 * orient_outward(bowl).volume)
+    assert winding_numbers(np.array([[0.0, 0.0, -0.5]]), twice)[0] > 1.5
+
+
 def test_of_solids_that_touch_only_the_one_that_is_inside_out_is_flipped():
     boxes = joined(box(), box(center=(1.0, 0.0, 0.0)).flipped(), with_faces(box(center=(4.0, 0.0, 0.0)), slice(11)))
     assert orient_outward(boxes).volume == pytest.approx(2.0 + boxes.face_volumes[24:].sum())
