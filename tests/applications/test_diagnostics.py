@@ -117,7 +117,19 @@ def test_thin_legs_are_measured_in_cells(thickness):
 
 
 def test_legs_of_a_fraction_of_a_cell_are_noticed():
-    assert thin_parts(body_with_leg(0.5))["parts"] == ({"thickness": 0.5, "length": 0.0},)
+    (part,) = thin_parts(body_with_leg(0.5))["parts"]
+    assert part["thickness"] == 0.5
+    assert part["length"] == pytest.approx(14, abs=3)
+
+
+def test_an_antenna_of_hardly_any_volume_is_noticed_because_it_is_seen():
+    shape = body_with_leg(0.2)
+    found = thin_parts(shape)
+    assert found["share"] < 1e-3
+    assert diagnose([{"input": 0, "thin": found}], SETTINGS, ["Cow", "Duck"])[0].kind == "TOO_COARSE"
+    # The ball ends at 23 cells.
+    shape[25:] = 0.0
+    assert thin_parts(shape)["parts"] == ()
 
 
 @pytest.mark.parametrize(
@@ -132,6 +144,10 @@ def test_a_shape_without_thick_parts_is_reported():
     found = thin_parts(sheet)
     assert found["share"] == 1.0
     assert found["parts"][0]["thickness"] == pytest.approx(1.0, abs=0.2)
+    for thickness in (0.48, 0.2, 0.1):
+        halved = thin_parts(occupancy(box((20, 20, thickness), (16, 16, 8.0)).corners, (32, 32, 16)))
+        assert halved["parts"][0]["thickness"] == pytest.approx(thickness, rel=0.2)
+        assert halved["parts"][0]["length"] == pytest.approx(20, abs=1)
     thick_enough = occupancy(box((20, 20, 2.2), (16, 16, 8.0)).corners, (32, 32, 16))
     assert thin_parts(thick_enough)["parts"] == ()
 

@@ -258,7 +258,7 @@ def _too_coarse(figures: Sequence[dict[str, object]], resolution: int, names: Se
         index, cells = figure.get("input"), _number(figure, "thin_thickness")
         if not isinstance(index, int) or not 0 <= index < len(names) or index in said:
             continue
-        if _number(figure, "thin_share") >= LEAST_SHARE and 0.0 < cells < KEPT_CELLS:
+        if 0.0 < cells < KEPT_CELLS:
             said.add(index)
             values = {
                 "resolution": resolution,

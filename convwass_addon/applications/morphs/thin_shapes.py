@@ -18,6 +18,11 @@ _SLENDER = 2.0
 _REACH = 2.0
 # Assumed thickness of parts that fill no cell by a tenth.
 _FAINT_CELLS = 0.5
+# However little their volume, such parts are visible if a shape reaches farther by this share of its longest side, and
+# by this many cells.
+_VISIBLE_SHARE, _VISIBLE_CELLS = 0.05, 3.0
+# Columns through a sheet have at least this share of the mass of the fullest one.
+_COVERED = 0.25
 
 
 def wall_share(density: NDArray[np.floating]) -> float:
@@ -51,20 +56,30 @@ def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
     thin = [part for part in lost.parts if _is_too_thin(part)]
     parts = [{"thickness": part.thickness, "length": part.length} for part in thin]
     share = sum(part.share for part in thin)
-    if lost.scattered >= LEAST_SHARE:
+    faint = _faint_length(inside[1:-1, 1:-1, 1:-1])
+    is_visible = not parts and faint > max(_VISIBLE_SHARE * max(filled.shape), _VISIBLE_CELLS)
+    if lost.scattered >= LEAST_SHARE or is_visible:
         # No single cell has enough mass to trace these parts.
-        parts.append({"thickness": _FAINT_CELLS, "length": 0.0})
+        parts.append({"thickness": _FAINT_CELLS, "length": faint})
         share += lost.scattered
     return {"share": float(share), "parts": tuple(sorted(parts, key=lambda part: part["thickness"]))}
 
 
+def _faint_length(inside: NDArray[np.bool_]) -> float:
+    """Return by how many cells a shape, which just fits the grid, reaches beyond the cells that it fills by a half."""
+    box = box_around(inside, 0)
+    return float(max(max(span.start, size - span.stop) for span, size in zip(box, inside.shape, strict=True)))
+
+
 def _thin_all_over(filled: NDArray[np.float64]) -> dict[str, object]:
     """Measure a shape without thick parts as a sheet: its thickness is the volume divided by the largest projection."""
-    shadows = [np.count_nonzero(filled.max(axis=axis) > 0.25) for axis in range(3)]
+    columns = [filled.sum(axis=axis) for axis in range(3)]
+    shadows = [np.count_nonzero(own > _COVERED * own.max()) for own in columns]
     thickness = float(filled.sum()) / max(*shadows, 1)
     if thickness >= KEPT_CELLS:
         return {"share": 0.0, "parts": ()}
-    length = float(np.ptp(np.argwhere(filled > 0.25), axis=0).max() + 1) if max(shadows) else 0.0
+    filled_cells = np.argwhere(filled > _COVERED * filled.max())
+    length = float(np.ptp(filled_cells, axis=0).max() + 1) if len(filled_cells) else 0.0
     return {"share": 1.0, "parts": ({"thickness": thickness, "length": length},)}
 
 
