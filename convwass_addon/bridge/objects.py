@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Literal
 import bpy
 import numpy as np
 from mathutils import Matrix
+from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..geometry.affine import transformed_points
@@ -139,7 +140,7 @@ def frozen_copy(
     Raises
     ------
     InputError
-        As for `triangle_mesh`, but coordinates are not checked.
+        As for `triangle_mesh`.
     """
     with _evaluated(obj, depsgraph, kinds) as evaluated:
         checked_matrix(evaluated)
@@ -147,6 +148,7 @@ def frozen_copy(
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
     try:
         _check_faces(obj.name, mesh)
+        checked_vertices(obj.name, mesh)
     except InputError:
         bpy.data.meshes.remove(mesh)
         raise
@@ -384,15 +386,20 @@ def checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
 def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> TriangleMesh:
     """Check an evaluated object and its mesh, and transform the mesh to world space."""
     matrix = checked_matrix(evaluated)
-    vertices, faces = vectors_of(mesh.vertices), triangle_corners(mesh, "vertices")
     _check_faces(name, mesh)
+    vertices = checked_vertices(name, mesh)
+    result = TriangleMesh.from_arrays(transformed_points(vertices, matrix), triangle_corners(mesh, "vertices"))
+    return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
+
+
+def checked_vertices(name: str, mesh: bpy.types.Mesh) -> NDArray[np.float64]:
+    """Return the coordinates of a mesh, (n, 3); raises InputError with this name if some are not finite."""
     try:
-        result = TriangleMesh.from_arrays(transformed_points(vertices, matrix), faces)
+        return TriangleMesh.from_arrays(vectors_of(mesh.vertices), np.empty((0, 3), np.int64)).vertices
     except InputError as error:
         raise InputError(
             "{name}: {reason} Delete those vertices, or the modifier that makes them.", name=name, reason=error.sentence
         ) from error
-    return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
 
 
 def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:

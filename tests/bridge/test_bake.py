@@ -298,6 +298,14 @@ def test_first_frame_out_of_range(inputs, inventory, first_frame):
     assert inventory() == before
 
 
+def test_a_morph_ends_at_blenders_last_frame_at_the_latest(inputs, inventory):
+    before = inventory()
+    with pytest.raises(InputError, match=r"would end at frame 1048575, .* start at 1048570 at the latest"):
+        MorphBake.begin(inputs, path_blends(2, 4), SETTINGS, 1_048_571)
+    assert inventory() == before
+    MorphBake.begin(inputs, path_blends(2, 4), SETTINGS, 1_048_570)
+
+
 def test_input_without_faces_leaves_nothing_behind(inputs, make_object, inventory):
     empty = make_object("Empty", [], faces=[])
     before = inventory()

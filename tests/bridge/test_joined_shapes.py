@@ -85,6 +85,17 @@ def test_all_that_hangs_on_a_parent_is_one_shape(add, inventory):
     np.testing.assert_allclose(mesh.bounds, [[-12, -1, -1], [-8, 1, 3.5]], atol=1e-5)
 
 
+def test_of_several_objects_the_one_with_broken_coordinates_is_named(add, inventory):
+    body, head = add("Body"), add("Head", (0, 0, 3))
+    head.parent = body
+    head.data.vertices[2].co.z = np.nan
+    head.data.update()
+    before = inventory()
+    with pytest.raises(InputError, match="Head: 1 of 6 vertices"):
+        read(body, "PARENTS")
+    assert inventory() == before
+
+
 def test_a_collection_is_one_shape_with_all_materials_and_groups(bare_scene, add):
     hero = new_collection("Hero", bare_scene.collection)
     parts = [add("Body", collection=hero), add("Hat", (0, 0, 3), collection=new_collection("Clothes", hero))]

@@ -84,6 +84,18 @@ def test_parts_that_cannot_follow_are_refused(body, hat):
     assert not bpy.ops.convwass.attach_parts.poll()
 
 
+def test_a_part_with_coordinates_that_are_not_numbers_is_refused_before_others_are_changed(body, hat):
+    bpy.ops.mesh.primitive_cube_add(location=(2.0, 0.0, 0.0))
+    broken = bpy.context.object
+    broken.name = "Broken"
+    broken.data.vertices[3].co.y = np.nan
+    select(hat, broken, body)
+    with pytest.raises(RuntimeError, match="Broken: 1 of 8 vertices"):
+        bpy.ops.convwass.attach_parts()
+    assert broken.data.shape_keys is None
+    assert len(hat.data.shape_keys.key_blocks) == 2
+
+
 def test_parts_that_follow_again_lose_keys_that_the_body_no_longer_has(body, hat):
     before = world(hat)
     select(hat, body)

@@ -15,7 +15,7 @@ from mathutils import Matrix
 from ...applications.morphs.layouts import Blend
 from ...geometry.outlines import ring_area
 from ..handles import Handle, found
-from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_first_frame
+from ..morphs.bake import SHEET_SPACING, MorphBake, assign_default_material, check_frames
 from ..morphs.frozen_inputs import FrozenInput
 from ..objects import is_sheared, place_mesh
 from ..unused_data import remove_if_unused
@@ -61,9 +61,9 @@ class FlatBake(MorphBake):
         Raises
         ------
         InputError
-            Blender does not support the first frame; nothing is created then.
+            Blender does not support the first or the last frame; nothing is created then.
         """
-        check_first_frame(first_frame)
+        check_frames(first_frame, blends)
         depsgraph = bpy.context.evaluated_depsgraph_get()
         start = min(first_frame, bpy.context.scene.frame_start)
         copies = [_frozen(obj, flat, kind, depsgraph, start) for obj, flat in zip(inputs, flats, strict=True)]

@@ -24,7 +24,7 @@ from ...errors import InputError
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..image_files import image_path
-from ..morphs.bake import MorphBake, check_first_frame
+from ..morphs.bake import MorphBake, check_frames
 from ..morphs.disk_output import for_blender, named_folder, output_folder, remember_folder
 from ..morphs.frozen_inputs import FrozenInput
 from ..morphs.materials import input_color, is_carrying, mark_as_frames
@@ -65,10 +65,10 @@ class PictureBake(MorphBake):
         Raises
         ------
         InputError
-            Blender does not support the first frame, the layout is a sheet, or the folder cannot be used; nothing is
-            created then.
+            Blender does not support the first or the last frame, the layout is a sheet, or the folder cannot be used;
+            nothing is created then.
         """
-        check_first_frame(first_frame)
+        check_frames(first_frame, blends)
         if blends[0].frame is None and len(blends) > 1:
             raise InputError("Pictures require an animation or a single blend; choose another layout, or other frames.")
         shapes = [_described(obj, gray) for obj, gray in zip(inputs, grays, strict=True)]

@@ -86,9 +86,9 @@ class MorphBake:
         Raises
         ------
         InputError
-            Blender does not support the first frame, or an input has no faces; nothing is created then.
+            Blender does not support the first or the last frame, or an input has no faces; nothing is created then.
         """
-        check_first_frame(first_frame)
+        check_frames(first_frame, blends)
         grouping = settings.get("grouping", OBJECTS)
         sources = [shape_source(obj, grouping) for obj in inputs]
         shapes = frozen_inputs(sources, moves or [None] * len(inputs))
@@ -367,14 +367,21 @@ class MorphBake:
         remove_if_unused(spare)
 
 
-def check_first_frame(first_frame: int) -> None:
-    """Raise InputError if Blender does not support the first frame."""
+def check_frames(first_frame: int, blends: Sequence[Blend]) -> None:
+    """Raise InputError if Blender does not support the first or the last frame of a morph."""
     if not FIRST_FRAMES[0] <= first_frame <= FIRST_FRAMES[1]:
         raise InputError(
             "The first frame must be between {first} and {last}, not {first_frame}.",
             first=FIRST_FRAMES[0],
             last=FIRST_FRAMES[1],
             first_frame=first_frame,
+        )
+    span = max((blend.frame for blend in blends if blend.frame is not None), default=0)
+    if first_frame + span > FIRST_FRAMES[1]:
+        raise InputError(
+            "The morph would end at frame {frame}, after Blender's last one; let it start at {start} at the latest.",
+            frame=first_frame + span,
+            start=FIRST_FRAMES[1] - span,
         )
 
 

@@ -19,6 +19,7 @@ from ...geometry.mesh import TriangleMesh
 from ...sentence import Sentence
 from ..element_values import triangle_corners, vectors_of
 from ..mesh_checks import writable_mesh
+from ..objects import checked_matrix, checked_vertices
 from .records import has_key_record, key_names, key_records
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
 
@@ -52,8 +53,8 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
     Raises
     ------
     InputError
-        The body has no such keys; or an object is not a mesh, is linked from another file, or would show no further
-        keys. Nothing is changed then.
+        The body has no such keys; or an object is not a mesh, has coordinates that are not finite or a scale of zero,
+        is linked from another file, or would show no further keys. Nothing is changed then.
     """
     records, parts = key_records(body), list(parts)
     if not records:
@@ -62,6 +63,8 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
         if part.type != "MESH" or not len(part.data.vertices):
             raise InputError("{name} is not a mesh with vertices; convert it first.", name=part.name)
         writable_mesh(part)
+        checked_matrix(part)
+        checked_vertices(part.name, part.data)
         require_mixable_keys(part)
     blocks = body.data.shape_keys.key_blocks
     missing = [name for record in records for name in _names(record) if name not in blocks]
