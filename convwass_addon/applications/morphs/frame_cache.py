@@ -288,9 +288,9 @@ def _bake_digest(
     """SHA-256 of everything that determines the frames of a bake: code, settings, shapes and their parts."""
     hashed = hashlib.sha256(code_digest())
     description = {"settings": settings.as_dict(), "shapes": len(shapes)}
-    description["guides"] = [sorted(guide.items()) for guide in guides]
     if settings.motion != "transport":
-        # One motion suits all of them.
+        # One motion suits all pairs.
+        description["guides"] = [sorted(guide.items()) for guide in guides]
         description["pairs"] = [list(pair) for pair in pairs]
     followed = []
     if animation is not None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import pickle
 import threading
 from collections import OrderedDict
 from dataclasses import dataclass
@@ -13,9 +14,8 @@ from .choosing import chosen_motion
 from .motion_choice import MotionChoice
 from .motion_request import MotionRequest
 
-# Motions are kept for shapes with at most this many vertices in all: about 150 MB. The motions of horse to cow (5400
-# vertices) and chair to man (8000) take 11 and 26 MB.
-_MOST_VERTICES = 50_000
+# Motions of at most this size in all are kept. Those of horse to cow and chair to man have 11 and 26 MB.
+_MOST_BYTES = 150_000_000
 
 
 class MotionMemory:
@@ -38,16 +38,33 @@ class MotionMemory:
                 self._known.move_to_end(key)
                 return self._known[key].choice
         choice = yield from chosen_motion(request, control)
+        known = _Known(choice, _pickled_bytes(choice))
         with self._lock:
-            self._known[key] = _Known(choice, sum(len(shape.vertices) for shape in request.shapes))
-            while sum(known.vertices for known in self._known.values()) > _MOST_VERTICES:
+            self._known[key] = known
+            while sum(each.bytes for each in self._known.values()) > _MOST_BYTES:
                 self._known.popitem(last=False)
         return choice
 
 
 @dataclass(frozen=True)
 class _Known:
-    """A motion, and the number of vertices of its shapes."""
+    """A motion, and its size."""
 
     choice: MotionChoice
-    vertices: int
+    bytes: int
+
+
+class _Counter:
+    """Counts bytes that are written to it."""
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def write(self, data: bytes | pickle.PickleBuffer) -> None:
+        self.count += memoryview(data).nbytes
+
+
+def _pickled_bytes(choice: MotionChoice) -> int:
+    counter = _Counter()
+    pickle.Pickler(counter, pickle.HIGHEST_PROTOCOL).dump(choice)
+    return counter.count

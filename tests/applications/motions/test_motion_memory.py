@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from convwass_addon.applications.motions import motion_memory
@@ -29,7 +30,7 @@ def finding(monkeypatch):
         searches.append(request)
         if request.kind == "guided":
             raise InputError("no map")
-        return MotionChoice("warp", "ASKED")
+        return MotionChoice("warp", "ASKED", np.zeros(len(request.shapes[0].vertices)))
         yield
 
     monkeypatch.setattr(motion_memory, "chosen_motion", found)
@@ -66,15 +67,16 @@ def test_anything_that_changes_is_found_again(finding, changed):
     assert choice(memory) is first and len(finding) == 2
 
 
-def test_as_many_are_kept_as_fit(finding):
-    memory, shapes = MotionMemory(), (ball(points=10_000), ball(2.0, points=10_000))
+def test_as_many_are_kept_as_fit(finding, monkeypatch):
+    monkeypatch.setattr(motion_memory, "_MOST_BYTES", 200_000)
+    memory, shapes = MotionMemory(), (ball(points=10_000), ball(2.0, points=40))
     first = choice(memory, shapes=shapes)
     last = choice(memory, shapes=shapes, coherence=0.1)
     assert choice(memory, shapes=shapes) is first
     choice(memory, shapes=shapes, coherence=0.2)
     assert choice(memory, shapes=shapes, coherence=0.1) is not last
-    # Larger shapes than that are searched for again.
-    large = (ball(points=26_000), ball(2.0, points=26_000))
+    # Larger motions than that are searched for again.
+    large = (ball(points=26_000), ball(2.0, points=40))
     assert choice(memory, shapes=large) is not choice(memory, shapes=large)
 
 
