@@ -266,6 +266,6 @@ def _deformed(
 
 
 def _rank(mesh: TriangleMesh) -> tuple[object, ...]:
-    """Return a sort key of a mesh that rotating, moving or scaling it does not change."""
+    """Return a sort key of a mesh that rotating, moving or scaling it changes only if another mesh is just as large."""
     digest = hashlib.sha256(mesh.vertices.tobytes() + mesh.faces.tobytes()).hexdigest()
     return len(mesh.vertices), len(mesh.faces), round(mesh.volume / mesh.area**1.5, 9), digest

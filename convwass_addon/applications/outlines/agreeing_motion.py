@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A guided motion of shapes whose maps are complete: all of them agree on where every point is.
+"""A guided motion of shapes whose maps are complete: they agree on where every point is.
 
 Shapes that are deformed towards each other separately differ on the way by how their joints bend, which adds up along
-limbs. Where every point of a shape has an image on every other one, the weighted mean of both is the same for all.
+limbs. Where every point of a shape has an image on every other one, shapes move to the weighted mean of all. It is the
+same for two shapes. Maps between three need not be consistent, and what remains between the shapes is small.
 """
 
 from __future__ import annotations
