@@ -116,11 +116,12 @@ def test_a_warp_completes_what_leaves_much_that_it_removes(motions, left, by_war
         (0.5, 0.4, 0.2, "combined"),
         (0.5, 0.4, 0.3, "faded"),
         (0.9, 0.4, 0.44, "faded"),
-        (0.9, 0.6, 0.5, "warp"),
+        (0.9, 0.6, 0.5, "faded"),
+        (0.7, 0.6, 0.5, "guided"),
     ],
 )
 def test_a_coarse_warp_is_tried_before_a_fine_one(motions, left, by_coarse, by_warps, found):
-    motions(guided_with(0.6), left=left, by_coarse=by_coarse, by_warps=by_warps, by_warp_alone=0.5)
+    motions(guided_with(0.6), left=left, by_coarse=by_coarse, by_warps=by_warps, by_warp_alone=0.8)
     chosen = choice()
     if found == "faded":
         assert (chosen.kind, chosen.left, chosen.motion) == ("combined", by_coarse, FADED)
@@ -129,14 +130,15 @@ def test_a_coarse_warp_is_tried_before_a_fine_one(motions, left, by_coarse, by_w
 
 
 @pytest.mark.parametrize(
-    ("left", "by_warps", "by_warp_alone", "kind"),
-    [(0.9, 0.4, 0.2, "combined"), (0.9, 0.5, 0.6, "warp"), (0.7, 0.5, 0.7, "guided"), (0.5, 0.3, 0.2, "guided")],
+    ("left", "by_warp_alone", "kind"),
+    [(0.9, 0.6, "warp"), (0.9, 0.77, "combined"), (0.4, 0.33, "warp"), (0.4, 0.35, "combined"), (0.3, 0.1, "guided")],
 )
-def test_a_warp_replaces_what_leaves_most(motions, left, by_warps, by_warp_alone, kind):
-    motions(guided_with(0.6, turn=30.0), left=left, by_warps=by_warps, by_warp_alone=by_warp_alone)
+def test_a_warp_replaces_what_leaves_much(motions, left, by_warp_alone, kind):
+    motions(guided_with(0.6, turn=30.0), left=left, by_warps=0.1, by_warp_alone=by_warp_alone)
     found = choice()
-    assert (found.kind, found.left) == (kind, {"guided": left, "combined": by_warps, "warp": by_warp_alone}[kind])
+    assert (found.kind, found.left) == (kind, {"guided": left, "combined": 0.1, "warp": by_warp_alone}[kind])
     assert found.turned == (0.0 if kind == "warp" else 30.0)
+    assert choice(guides=[{0: 7, 1: 7}]).kind == ("guided" if kind == "guided" else "combined")
 
 
 @pytest.mark.parametrize(
@@ -161,20 +163,33 @@ def test_an_unsure_map_is_kept_if_it_leaves_little_and_crumples_nothing(motions,
     assert (found.kind, found.left) == (kind, left if kind == "guided" else 0.05)
 
 
-@pytest.mark.parametrize(("by_coarse", "is_warped"), [(0.7, False), (0.6, True)])
-def test_a_warp_is_not_computed_where_a_coarse_one_leaves_too_much(motions, monkeypatch, by_coarse, is_warped):
+@pytest.mark.parametrize(
+    ("score", "left", "by_coarse", "is_warped"),
+    [(0.3, 0.25, 0.7, False), (0.3, 0.25, 0.6, True), (0.6, 0.5, 0.51, False), (0.6, 0.5, 0.5, True)],
+)
+def test_a_warp_is_not_computed_where_a_coarse_one_leaves_too_much(
+    motions, monkeypatch, score, left, by_coarse, is_warped
+):
     coarse, asked = SimpleNamespace(with_coherence=lambda coherence: ("coarse", coherence), sizes=np.ones(2)), []
 
     def warped(*_arguments, effort=None):
         asked.append(effort)
         return work_of(WARP if effort is None else coarse)()
 
-    motions(guided_with(0.3, detour=1.8, crumpling=1.6))
+    motions(guided_with(score, crumpling=1.6))
     monkeypatch.setattr(motion_candidates, "warp_motion", warped)
-    shares = {("guided", 0.5): 0.25, ("coarse", 0.5): by_coarse, ("warp", 0.5): 0.2}
+    shares = {("guided", 0.5): left, ("coarse", 0.5): by_coarse, ("warp", 0.5): 0.2}
+    shares |= {(kind, 0.5): 1.0 for kind in ("combined", "faded")}
     monkeypatch.setattr(motion_candidates, "remaining_share", lambda motion, *_arguments: shares[motion])
     assert choice().kind == ("warp" if is_warped else "guided")
     assert (None in asked) == is_warped
+
+
+@pytest.mark.parametrize("sizes", [np.ones(2), np.array([0.5, 2.0])])
+def test_a_warp_replaces_no_map_if_a_shape_grows_too_much(motions, sizes):
+    growing = SimpleNamespace(with_coherence=WARP.with_coherence, sizes=sizes)
+    motions(guided_with(0.6), warp=growing, by_warp_alone=0.1)
+    assert choice().kind == ("warp" if sizes[0] == 1.0 else "combined")
 
 
 def test_shapes_that_divide_or_merge_are_not_mapped_for_crumpling_nothing(motions):
