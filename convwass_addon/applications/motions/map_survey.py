@@ -27,7 +27,7 @@ from .pair_proposals import FROM_MAP, proposed, total_cost, trusted
 from .pair_registration import carried, draft_of
 
 # Numbers of vertices of the maps, each of which takes a second (docs/performance, "Left and right").
-_VERTICES = (160, 240, 320, 400)
+_VERTICES = (400, 320, 240, 160)
 # What shapes without a common mirror plane count as their cost of losing left and right; chosen by eye.
 _ASKEW = 2.0
 # What registrations that turn a body over cost. From a caterpillar to a butterfly, it takes 0.4 to avoid them; from 1.1
@@ -58,8 +58,10 @@ class RoughMap:
     cost: float
 
 
-def best_rough_map(poses: Sequence[Carrier], other: Carrier, control: Control) -> Work[RoughMap]:
-    """Return the rough map of the lowest cost.
+def best_rough_map(
+    poses: Sequence[Carrier], other: Carrier, most_cost: float, control: Control
+) -> Work[RoughMap | None]:
+    """Return the rough map of the lowest cost, or None if not even the first one is promising.
 
     Parameters
     ----------
@@ -67,6 +69,8 @@ def best_rough_map(poses: Sequence[Carrier], other: Carrier, control: Control) -
         The first shape, turned in every way that is tried.
     other : Carrier
         The second shape.
+    most_cost : float
+        If the first map costs more, others are not tried.
     control : Control
         Stops the work.
 
@@ -85,6 +89,8 @@ def best_rough_map(poses: Sequence[Carrier], other: Carrier, control: Control) -
             message = Sentence("Comparing map {done} of {total}", {"done": len(found) + 1, "total": total})
             yield Progress(len(found) / total, message)
             found.append(_rough_map(pose, drafts, sides, vertices, control))
+            if found[0].cost > most_cost:
+                return None
     return min(found, key=lambda rough: rough.cost)
 
 

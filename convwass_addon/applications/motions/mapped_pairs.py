@@ -45,6 +45,11 @@ _ASKEW = 0.75
 # What a map that turns a body over counts. A caterpillar maps onto a butterfly with 0.76 upside down and back to front;
 # a fish maps onto it with 0.26 upside down, and with 0.25 upright.
 _TURNED_OVER = 0.5
+# With a lower score, rough maps of shapes with limbs are tried if the first one costs at most the second number, which
+# only poses of one body do: 3.1 from raised arms to a kneeling body (score 0.49, and 0.99 from the rough map), 3.0 from
+# standing to standing on hands (0.54, 0.98), and 5.4 to 6.0 from a table to a chair, an octopus to a horse, or glasses
+# to a bicycle, whose rough maps are no better.
+_DOUBTFUL, _PROMISING = 0.6, 4.0
 # With a lower score, other maps of symmetric shapes are tried. A cow maps onto a bird with 0.20, 0.48, 0.80 or 0.82 if
 # its vertices move by a millionth to a thousandth of its size.
 _FAIR = 0.5
@@ -129,8 +134,8 @@ def mapped_pair(
     those that look in opposite directions, as limbs tell, are turned and registered by their limbs first. Flat shapes
     that do not map beyond doubt as they stand are turned if they do so then, or clearly better, above all upside down:
     a w turns to become an m, but a bolt does not turn to become a drop. Where the score is poor, flat shapes fold, or
-    shapes with limbs are turned over or seem to face opposite ways, they are also registered from the best of several
-    rough maps.
+    shapes with limbs are turned over, seem to face opposite ways, or may be poses of one body, they are also registered
+    from the best of several rough maps.
 
     Parameters
     ----------
@@ -192,13 +197,18 @@ def _or_surveyed(
     # A letter may fold on its way to another, which is worse than a slightly lower score.
     folds = is_flat and best.detour > _FOLDING
     is_poor = folds or best.is_turned_over or best.score < (DOUBTED if best.symmetry is None else _FAIR)
-    may_face_away = turn is None and turns
-    if not may_face_away and not (is_poor and _have_limbs(one.mesh, other.mesh)):
+    may_face_away = bool(turn is None and turns)
+    if not may_face_away and not _have_limbs(one.mesh, other.mesh):
+        return best
+    most_cost = np.inf if is_poor or may_face_away else _PROMISING
+    if most_cost == _PROMISING and (is_flat or best.score >= _DOUBTFUL):
         return best
     try:
-        surveyed = yield from _registered_from_survey(one, other, [None, *turns], control)
+        surveyed = yield from _registered_from_survey(one, other, [None, *turns], most_cost, control)
     except InputError:
         # Between coarser meshes, there may be no map.
+        return best
+    if surveyed is None:
         return best
     # The merit of shapes without a common mirror plane is lowered already.
     needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
@@ -247,11 +257,16 @@ def registering(one: Carrier, other: Carrier) -> Sentence:
 
 
 def _registered_from_survey(
-    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], control: Control
-) -> Work[MappedPair]:
-    """Register two shapes from the best of their rough maps, with the first one turned or as it stands."""
+    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], most_cost: float, control: Control
+) -> Work[MappedPair | None]:
+    """Register two shapes from the best of their rough maps, with the first one turned or as it stands.
+
+    Returns None if even the first one of these costs more than `most_cost`.
+    """
     poses = [one if turn is None else turned_carrier(one, turn) for turn in turns]
-    rough = yield from within(best_rough_map(poses, other, control), 0.0, 0.5)
+    rough = yield from within(best_rough_map(poses, other, most_cost, control), 0.0, 0.5)
+    if rough is None:
+        return None
     turn, pose = turns[rough.pose], poses[rough.pose]
     yield Progress(0.5, registering(one, other))
     sides = MirroredSides.of(pose.mesh, other.mesh)

@@ -71,12 +71,14 @@ def registrations(monkeypatch, *found):
     return asked
 
 
-def surveyed(monkeypatch, score, symmetry, detour, place=0):
-    """Let the best rough map lead to this result after one of the turns tried; return the angles that are tried."""
+def surveyed(monkeypatch, score, symmetry, detour, place=0, cost=9.0):
+    """Let rough maps lead to this result after one of the turns tried; return the angles tried if these cost enough."""
     tried = []
 
-    def registered(one, _other, turns, _control):
+    def registered(one, _other, turns, most_cost, _control):
         yield from ()
+        if cost > most_cost:
+            return None
         tried.extend(0.0 if turn is None else np.degrees(np.arctan2(turn[1, 0], turn[0, 0])) for turn in turns)
         laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
         pair = PairMap(None, np.empty((0, 2), np.int64), score)
@@ -150,6 +152,21 @@ def test_bodies_are_turned_over_only_if_that_is_much_better(monkeypatch, standin
     surveyed(monkeypatch, other, 0.2, 1.0)
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert found.score == score
+
+
+@pytest.mark.parametrize("symmetry", [None, 0.8])
+@pytest.mark.parametrize(
+    ("standing", "cost", "other", "score"),
+    [(0.55, 3.9, 0.9, 0.9), (0.55, 4.1, 0.9, 0.55), (0.61, 3.0, 0.9, 0.61), (0.55, 3.0, 0.5, 0.55)],
+)
+def test_poses_of_one_body_get_another_map_if_rough_ones_are_promising(
+    monkeypatch, symmetry, standing, cost, other, score
+):
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    registrations(monkeypatch, (standing, symmetry, 1.0))
+    surveyed(monkeypatch, other, symmetry, 1.0, cost=cost)
+    monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
+    assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == score
 
 
 def test_the_first_map_remains_where_no_rough_one_can_be_solved(monkeypatch):
