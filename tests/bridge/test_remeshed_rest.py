@@ -20,7 +20,7 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.edges import topology
 from tests.rigs import bend_by_two_bones
-from tests.scene import world
+from tests.scene import select_only, world
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -141,3 +141,18 @@ def test_shape_keys_that_a_new_mesh_lacks_are_mentioned(capsule):
     capsule.shape_key_add(name="Smile")
     (notice,) = remeshed_shape(capsule, bpy.context.evaluated_depsgraph_get(), "EVEN", CELLS).rest.notices
     assert str(notice) == "The new mesh has the current form of Sphere, without its shape keys."
+
+
+@pytest.mark.parametrize("thin", [False, True])
+def test_thin_parts_that_a_new_mesh_lacks_are_mentioned(capsule, thin):
+    """But not what is inside it, such as the other end of a rod."""
+    radius = 0.01 if thin else 0.2
+    bpy.ops.mesh.primitive_cylinder_add(radius=radius, depth=1.0, location=(1.2, 0, 3), rotation=(0, np.pi / 2, 0))
+    select_only(bpy.context.object, capsule)
+    bpy.context.view_layer.objects.active = capsule
+    bpy.ops.object.join()
+    notices = remeshed_shape(capsule, bpy.context.evaluated_depsgraph_get(), "EVEN", CELLS).rest.notices
+    # The longest side is 2.7 units long, and the rod reaches 0.7 beyond the ball.
+    assert list(map(str, notices)) == (
+        ["The new mesh lacks thin parts of Sphere that are up to 8 cells long; raise the resolution."] if thin else []
+    )

@@ -9,11 +9,14 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.ndimage import gaussian_filter
 
+from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.edges import used_part
 from ...geometry.even_surface import even_surface
 from ...geometry.facing_points import FacingShape
 from ...geometry.isosurface import surface_enclosing
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
+from ...geometry.solid_angles import winding_numbers
 from ...geometry.surface_detail import DetailSource, with_detail
 from ...geometry.surface_projection import drawn_along_normals
 from ...progress import Control
@@ -68,6 +71,30 @@ def adaptive_mesh(mesh: TriangleMesh, name: str, cells: int, control: Control) -
     certain, empty = np.ones(len(points)), lambda places: np.zeros(len(places))
     source = DetailSource(FacingShape(outward), 1.0, points, certain, empty)
     return with_detail(coarse.mesh, [source], coarse.cell, 1.0, coarse.mesh.volume, control).mesh
+
+
+def missing_reach(mesh: TriangleMesh, remeshed: TriangleMesh, least: float, control: Control) -> float:
+    """Return how far a shape reaches outside a closed mesh that was made of it; what is inside is not missing.
+
+    Parameters
+    ----------
+    mesh, remeshed : TriangleMesh
+        The shape and its new mesh.
+    least : float
+        Smaller distances count as none.
+    control : Control
+        Stops the work.
+
+    Returns
+    -------
+    float
+        A length, in the units of the meshes.
+    """
+    points = mesh.vertices[used_part(mesh.faces, len(mesh.vertices))[0]]
+    distances = ClosestPointFinder(remeshed.corners).find(points, control).distances
+    far = distances > least
+    outside = winding_numbers(points[far], remeshed) < 0.5
+    return float(distances[far].max(where=outside, initial=0.0))
 
 
 def _read(outward: TriangleMesh, name: str, cells: int, control: Control) -> _Coarse:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ...applications.one_mesh.remeshed_basis import adaptive_mesh, even_mesh
+from ...applications.one_mesh.remeshed_basis import adaptive_mesh, even_mesh, missing_reach
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ...progress import UNINTERRUPTED
@@ -18,6 +18,8 @@ from ..objects import frozen_copy, write_mesh
 from .carried_basis import carry_to_basis
 from .rest_mesh import RestMesh, at_rest
 
+# Parts that reach farther than this many cells beyond the new mesh are missing; its corners are rounder by less.
+_MISSING = 2.0
 _METHODS = {"EVEN": even_mesh, "ADAPTIVE": adaptive_mesh, "QUADS": even_mesh}
 
 
@@ -62,7 +64,10 @@ def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: 
     """
     source = frozen_copy(obj, depsgraph)
     try:
-        shape = _METHODS[kind](_triangles(source), obj.name, resolution, UNINTERRUPTED)
+        triangles = _triangles(source)
+        shape = _METHODS[kind](triangles, obj.name, resolution, UNINTERRUPTED)
+        cell = triangles.longest_side / resolution
+        missing = missing_reach(triangles, shape, _MISSING * cell, UNINTERRUPTED) / cell
         polygons = Polygons.of_quads(shape) if kind == "QUADS" else Polygons.of_triangles(shape.faces)
         mesh = bpy.data.meshes.new(obj.name)
         write_mesh(mesh, shape, polygons)
@@ -73,6 +78,14 @@ def remeshed_shape(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kind: 
     if obj.data.shape_keys is not None:
         notice = Sentence("The new mesh has the current form of {name}, without its shape keys.", {"name": obj.name})
         rest.notices.append(notice)
+    if missing > 0.0:
+        values = {"name": obj.name, "cells": missing}
+        rest.notices.append(
+            Sentence(
+                "The new mesh lacks thin parts of {name} that are up to {cells:.0f} cells long; raise the resolution.",
+                values,
+            )
+        )
     return RemeshedShape(shape, rest)
 
 
