@@ -108,8 +108,12 @@ def test_parts_are_separated_if_that_is_less_work_than_the_whole_grid():
         assert found[own].all()
     crowded = np.zeros((40, 40, 40), bool)
     crowded[5:35:3, 5:35:3, 20] = True
-    (whole,) = separated(crowded, core=np.zeros_like(crowded))
-    np.testing.assert_array_equal(whole.cells, crowded)
+    nowhere, (row, column, _) = np.zeros_like(crowded), np.argwhere(crowded)[0]
+    beyond = np.where(crowded, 10.0, -1.0)
+    beyond[row, column] = 2.0
+    (whole,) = separate_parts(crowded, nowhere, nowhere.astype(np.int32), np.where(crowded, 1.0, -1.0), beyond, 40.0)
+    # The first part is too short for a front.
+    np.testing.assert_array_equal(whole.cells, crowded & (beyond > 2.0))
 
 
 @pytest.mark.parametrize(
@@ -134,7 +138,8 @@ def test_of_parts_that_reach_as_far_as_distances_are_known_stoutness_is_not():
 
 def test_parts_that_a_thin_layer_connects_are_judged_by_themselves():
     layer = filled(((1, 1, 8), (29, 11, 10)))
-    pole, block = filled(((4, 4, 10), (8, 8, 26))), filled(((14, 1, 10), (28, 11, 15)))
+    # So close to each other that each is around the tip of the other one.
+    pole, block = filled(((4, 4, 10), (8, 8, 20))), filled(((11, 1, 10), (28, 11, 15)))
     cells = layer | pole | block
     depth = distance_transform_edt(cells | SLAB) - 0.5
     beyond = distance_transform_edt(~SLAB) - 0.5
@@ -165,6 +170,12 @@ def test_a_part_between_components_of_the_core_is_a_link():
     assert not pole.links.any()
     (same,) = separated(ARCH, core=SLAB)
     assert not same.links.any()
+
+
+def test_links_in_the_box_of_another_one_do_not_belong_to_it():
+    beside = filled(((19, 4, 8), (22, 7, 34)))
+    for link, own in zip(separated(BEAM | beside, depth=1.5, core=SLAB | CEILING), (BEAM, beside), strict=True):
+        np.testing.assert_array_equal(on_grid(link.links > 0.0, link.box), own)
 
 
 def test_links_are_whole_at_their_own_weight_and_thinned_in_their_middle():
