@@ -118,6 +118,15 @@ def test_parts_that_cross_stay_in_one_piece(share):
     assert pieces(mean(hook, pole, share)) == 1
 
 
+@pytest.mark.parametrize("share", [0.3, 0.5])
+def test_parts_that_are_connected_to_nothing_do_not_grow(share):
+    """They have no place to grow from, and come with the mean of the distances."""
+    apart = np.maximum(SLAB, rod((22, 22, 20), (22, 22, 36)))
+    found = mean(SLAB, apart, share)
+    assert not (found[:, :, 14:] > 0.0).any()
+    assert (found[22, 22, 3:9] > 0.0).all()
+
+
 POSTS = np.maximum(rod((9, 22, 4), (9, 22, 40)), rod((35, 22, 4), (35, 22, 40)))
 RUNGS = [np.maximum(POSTS, rod((9, 22, height), (35, 22, height))) for height in (12, 32)]
 

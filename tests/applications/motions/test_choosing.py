@@ -149,18 +149,21 @@ def test_overlapping_bodies_are_mapped_as_they_are_if_that_leaves_much_less(monk
     assert choice(shapes=shapes).motion == used
 
 
-def test_a_body_with_small_ones_is_mapped_once(monkeypatch):
-    shapes = tuple(joined(ball(1.0, points=200), ball(0.2, (0.9, shift, 0.3), points=60)) for shift in (0.1, 0.3))
+@pytest.mark.parametrize(("size", "used"), [(0.2, "outside"), (0.8, "apart")])
+def test_bodies_with_small_ones_are_mapped_once(monkeypatch, size, used):
+    """Unless the other shape has two large ones."""
+    eye, other = (ball(radius, (0.9, 0.1, 0.3), points=60) for radius in (0.2, size))
+    shapes = tuple(joined(ball(1.0, points=200), own) for own in (eye, other))
 
     def by_surfaces(request, _control):
-        assert request.shapes is not shapes
-        return MotionChoice("guided", "PARTLY", "outside", left=0.9)
+        kind, left = ("apart", 0.1) if request.shapes is shapes else ("outside", 0.9)
+        return MotionChoice("guided", "PARTLY", kind, left=left)
         yield
 
     monkeypatch.setattr(outer_skin, "_CELLS", 32)
     monkeypatch.setattr(choosing, "motion_of_surfaces", by_surfaces)
     monkeypatch.setattr(choosing, "following", lambda motion, *_shapes: motion)
-    assert choice(shapes=shapes).motion == "outside"
+    assert choice(shapes=shapes).motion == used
 
 
 def test_without_an_outer_surface_bodies_are_mapped_as_they_are(motions, monkeypatch):
