@@ -204,7 +204,7 @@ def _warped_instead(mapped: MotionChoice, candidates: MotionCandidates) -> Work[
 
     It is not tried unless even a coarse one leaves no more than the map. From a table to a chair and from a cup to a
     ring (scores of 0.44 and 0.52), that leaves 0.56 and 0.97 of it; the maps twist legs and tear the wall. From an
-    octopus to a horse, it leaves 1.06 of it, and between 18 other pairs (0.3 to 0.84) at least 1.3; there, maps look
+    octopus to a horse, it leaves 1.06 of it, and between 14 other pairs (0.41 to 0.84) at least 1.3; there, maps look
     better (docs/performance, "Doubtful maps").
     """
     coarse = yield from within(candidates.coarse_warp(), 0.0, 0.1)
