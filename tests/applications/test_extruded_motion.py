@@ -21,7 +21,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_surfaces
 from tests.flat_shapes import ellipse, rectangle
-from tests.shapes import ball, box, extruded, rotated
+from tests.shapes import ball, box, extruded, joined, rotated
 
 TILT = np.array([0.5, 1.0, -0.25])
 PLATE = extruded(rectangle((-1.0, -0.7), (1.0, 0.7)))
@@ -113,6 +113,14 @@ def test_chamfers_are_followed():
     rest, _ = choice(chamfered, box((3.0, 3.0, 0.6))).motion.moved([1.0, 0.0])
     assert rest.mesh.volume == pytest.approx(chamfered.volume, rel=0.005)
     assert rest.finder.find_about(points).distances.max() < 0.02
+
+
+def test_a_body_inside_does_not_dent_the_ends():
+    inner = box((0.3, 0.3, 0.3))
+    plate = extruded(rectangle((-1.0, -1.0), (1.0, 1.0)))
+    moved = choice(joined(box(), inner), plate).motion.moved([1.0, 0.0])[0]
+    assert moved.mesh.area == pytest.approx(box().area)
+    assert moved.mesh.volume == pytest.approx(1.0)
 
 
 def test_all_shapes_must_be_extruded_along_one_axis():

@@ -14,6 +14,7 @@ from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.edges import edge_ends, edge_use
 from ...geometry.extrusion import Extrusion
 from ...geometry.facing_points import FacingPointFinder
+from ...geometry.hidden_bodies import visible_triangles
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals
 from ...geometry.prism import prism
@@ -68,7 +69,8 @@ class ExtrudedShape:
         section : TriangleMesh
             Triangles that fill the section, in the plane z = 0, facing up.
         """
-        ends = [_End.of(mesh, frame, side) for side in (-1.0, 1.0)]
+        corners = mesh.corners[visible_triangles(mesh)] @ frame.T
+        ends = [_End.of(corners, side) for side in (-1.0, 1.0)]
         fine, triangles, heights = _followed(section, ends, np.sqrt(extrusion.section.area))
         solid = prism(fine, heights)
         rest = TriangleMesh(solid.vertices @ frame, solid.faces)
@@ -102,9 +104,8 @@ class _End:
     corners: NDArray[np.float64]
 
     @classmethod
-    def of(cls, mesh: TriangleMesh, frame: NDArray[np.float64], side: float) -> _End:
-        """Find the triangles that face along the axis or, with a side of -1, against it."""
-        corners = mesh.corners @ frame.T
+    def of(cls, corners: NDArray[np.float64], side: float) -> _End:
+        """Find the triangles, (m, 3, 3), that face along the axis z or, with a side of -1, against it."""
         own = corners[side * triangle_normals(corners)[:, 2] > _FACING]
         return cls(ClosestPointFinder(own * (1.0, 1.0, 0.0)), own[..., 2:])
 
