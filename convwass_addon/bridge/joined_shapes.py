@@ -15,7 +15,7 @@ from .mesh_checks import not_a_mesh
 from .node_math import joined, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
 from .object_copies import copied, copies_of, has_copies
-from .objects import MESHED, frozen_copy
+from .objects import MESHED, checked_vertices, frozen_copy
 from .sequence import MODIFIER, frame_group, mirrors, object_info
 from .shape_sources import ShapeSource, shows_collection
 from .visibility import evaluated_object
@@ -124,9 +124,14 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStac
     depsgraph.update()
     evaluated = probe.evaluated_get(depsgraph)
     mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-    if not len(mesh.polygons):
+    try:
+        if not len(mesh.polygons):
+            raise InputError("{name} has no faces; choose parts with a surface.", name=source.name)
+        # Parts of instances are not checked one by one.
+        checked_vertices(source.name, mesh)
+    except InputError:
         bpy.data.meshes.remove(mesh)
-        raise InputError("{name} has no faces; choose parts with a surface.", name=source.name)
+        raise
     mesh.name = source.name
     return mesh
 
