@@ -132,6 +132,8 @@ def test_the_thick_end_becomes_the_thick_end():
     for line, own in ((arc, radii), (arc[::-1], radii[::-1]), (arc, radii[::-1])):
         one, other = choice(tube(straight(5.0, 160), radii), tube(line, own)).motion.moved([0.5, 0.5])
         assert cKDTree(other.vertices).query(one.vertices)[0].max() < 0.12
+        between = sliced_tube(one.mesh).radii
+        assert between.max() > 1.5 * between.min()
 
 
 def test_three_tubes_meet():
