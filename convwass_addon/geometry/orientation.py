@@ -9,6 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .area_steps import at_equal_areas
 from .components import component_labels
 from .edges import EdgeUse, edge_use, face_components
 from .mesh import TriangleMesh
@@ -133,7 +134,6 @@ def _inside_others(mesh: TriangleMesh, pieces: NDArray[np.int64], piece: int) ->
     if not len(others.faces) or (others.bounds[0] > high).any() or (others.bounds[1] < low).any():
         return False
     # Evenly spread over the area, and off the surface, which the component may share with others.
-    area = np.cumsum(own.face_areas)
-    corners = own.corners[np.searchsorted(area, area[-1] * (np.arange(_PROBES) + 0.5) / _PROBES)]
+    corners = own.corners[at_equal_areas(own.face_areas, _PROBES)]
     probes = corners.mean(axis=1) + _WITHIN * (high - low).max() * triangle_normals(corners)
     return float(np.median(winding_numbers(probes, others))) > 0.5

@@ -20,6 +20,7 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.outlines.tube_motion import tube_motion
 from convwass_addon.geometry.center_lines import sliced_tube
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.polylines import along_polyline, arc_lengths
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.line_tubes import helix, straight, tube
 from tests.shapes import ball
@@ -43,9 +44,8 @@ def fitted(points, to):
 
 
 def resampled(line, count):
-    along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
-    even = np.linspace(0.0, along[-1], count)
-    return np.stack([np.interp(even, along, column) for column in line.T], axis=1)
+    along = arc_lengths(line)
+    return along_polyline(np.linspace(0.0, along[-1], count), along, line)
 
 
 def test_a_spring_that_straightens_is_a_spring_of_half_the_curvature():

@@ -13,6 +13,7 @@ from convwass_addon.errors import Cancelled
 from convwass_addon.geometry import center_lines
 from convwass_addon.geometry.center_lines import sliced_tube
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.polylines import along_polyline
 from convwass_addon.geometry.subdivision import with_short_edges
 from convwass_addon.progress import Control
 from tests.applications.maps import arm
@@ -91,7 +92,7 @@ def test_the_search_can_be_cancelled():
 
 def test_vertices_are_beside_their_points():
     found = sliced_tube(tube(helix(0.5, 0.5, 3.0)))
-    points = np.stack([np.interp(found.places, np.arange(len(found.points)), own) for own in found.points.T], axis=1)
+    points = along_polyline(found.places, np.arange(len(found.points)), found.points)
     inner = np.abs(found.places / (len(found.points) - 1.0) - 0.5) < 0.48
     away = np.linalg.norm(found.divided.mesh.vertices - points, axis=1)[inner]
     assert away == pytest.approx(0.1, rel=0.1)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from ...geometry.area_steps import at_equal_areas
 from ...geometry.closest_points import ClosestPoints
 from ...geometry.normals import triangle_areas
 from ..morphs.appearance import Appearance
@@ -62,9 +63,7 @@ def _spread(corners: NDArray[np.float64]) -> ClosestPoints:
     Barycentric coordinates follow the R2 low-discrepancy sequence (Roberts 2018), whose steps are powers of the inverse
     plastic number.
     """
-    passed = np.cumsum(triangle_areas(corners))
-    numbers = np.arange(_SAMPLES)
-    triangles = np.searchsorted(passed, (numbers + 0.5) / _SAMPLES * passed[-1]).clip(max=len(corners) - 1)
+    numbers, triangles = np.arange(_SAMPLES), at_equal_areas(triangle_areas(corners), _SAMPLES)
     plastic = 1.32471795724474602596
     u, v = (0.5 + numbers[:, None] / np.array([plastic, plastic**2])).T % 1.0
     beyond = u + v > 1.0

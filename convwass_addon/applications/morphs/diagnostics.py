@@ -96,8 +96,6 @@ SEVERITIES: dict[str, Severity] = {
 
 # Parts of at least this thickness in cells survive a morph.
 KEPT_CELLS = 2.0
-# Components below this fraction of a shape are ignored.
-LEAST_SHARE = 1e-3
 # Fractions of the shape below this are not reported.
 _SHARE = 0.002
 _WALL_SHARE = 0.001

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 from ...geometry.boxes import box_around
 from ...geometry.near import capped_squares
 from ...geometry.thin_parts import LostPart, lost_parts
-from .diagnostics import KEPT_CELLS, LEAST_SHARE
+from .diagnostics import KEPT_CELLS
 
+# Components below this fraction of a shape are ignored.
+_LEAST_SHARE = 1e-3
 # Rods and fins are at least this many times as long as thick; shorter parts are edges of the shape.
 _SLENDER = 2.0
 # Cells within this distance of thick parts belong to them.
@@ -58,7 +60,7 @@ def thin_parts(occupancy: NDArray[np.floating]) -> dict[str, object]:
     share = sum(part.share for part in thin)
     faint = _faint_length(inside[1:-1, 1:-1, 1:-1])
     is_visible = not parts and faint > max(_VISIBLE_SHARE * max(filled.shape), _VISIBLE_CELLS)
-    if lost.scattered >= LEAST_SHARE or is_visible:
+    if lost.scattered >= _LEAST_SHARE or is_visible:
         # No single cell has enough mass to trace these parts.
         parts.append({"thickness": _FAINT_CELLS, "length": faint})
         share += lost.scattered
@@ -85,4 +87,4 @@ def _thin_all_over(filled: NDArray[np.float64]) -> dict[str, object]:
 
 def _is_too_thin(part: LostPart) -> bool:
     slender = part.length >= _SLENDER * part.thickness
-    return slender and part.thickness < KEPT_CELLS and part.share >= LEAST_SHARE
+    return slender and part.thickness < KEPT_CELLS and part.share >= _LEAST_SHARE

@@ -13,6 +13,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from ...geometry.area_steps import at_equal_areas
 from ...geometry.mesh import TriangleMesh
 
 # Number of points that represent each surface.
@@ -56,9 +57,7 @@ def _spread(mesh: TriangleMesh, offsets: NDArray[np.float64]) -> float:
 
 def _points(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return centers of triangles at equal steps of area, about their mean."""
-    shares = np.cumsum(mesh.face_areas)
-    chosen = np.searchsorted(shares, (np.arange(_POINTS) + 0.5) / _POINTS * shares[-1])
-    centers = mesh.corners[chosen].mean(axis=1)
+    centers = mesh.corners[at_equal_areas(mesh.face_areas, _POINTS)].mean(axis=1)
     return centers - centers.mean(axis=0)
 
 

@@ -200,9 +200,12 @@ def _or_surveyed(
     may_face_away = bool(turn is None and turns)
     if not may_face_away and not _have_limbs(one.mesh, other.mesh):
         return best
-    most_cost = np.inf if is_poor or may_face_away else _PROMISING
-    if most_cost == _PROMISING and (is_flat or best.score >= _DOUBTFUL):
+    if is_poor or may_face_away:
+        most_cost = np.inf
+    elif is_flat or best.score >= _DOUBTFUL:
         return best
+    else:
+        most_cost = _PROMISING
     try:
         surveyed = yield from _registered_from_survey(one, other, [None, *turns], most_cost, control)
     except InputError:

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -46,6 +46,7 @@ class MotionCandidates:
 
     request: MotionRequest
     control: Control
+    _warps: dict[WarpEffort | None, WarpMotion] = field(default_factory=dict, init=False, repr=False)
 
     def guided(self) -> Work[GuidedMotion]:
         """Compute the motion that maps between the surfaces guide."""
@@ -54,13 +55,20 @@ class MotionCandidates:
 
     def warp(self) -> Work[WarpMotion]:
         """Compute a warp."""
-        request = self.request
-        return warp_motion(request.shapes, request.names, request.pairs, request.coherence, self.control)
+        return self._warp_once()
 
     def coarse_warp(self) -> Work[WarpMotion]:
         """Compute a warp of less effort."""
-        request, effort = self.request, COARSE_EFFORT
-        return warp_motion(request.shapes, request.names, request.pairs, request.coherence, self.control, effort=effort)
+        return self._warp_once(effort=COARSE_EFFORT)
+
+    def _warp_once(self, **effort: WarpEffort) -> Work[WarpMotion]:
+        """Compute a warp of some effort, or of the usual one, unless a choice has asked for it before."""
+        request, key = self.request, effort.get("effort")
+        if key not in self._warps:
+            self._warps[key] = yield from warp_motion(
+                request.shapes, request.names, request.pairs, request.coherence, self.control, **effort
+            )
+        return self._warps[key]
 
     def warped(self, unmoved: MotionChoice) -> Work[MotionChoice]:
         """Compute the choice of a warp, for the reason of another choice."""

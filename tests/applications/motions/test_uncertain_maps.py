@@ -221,6 +221,22 @@ def test_a_warp_that_crumples_less_replaces_a_map_that_leaves_less(
     assert choice().kind == (kind if kind == "warp" or score == 0.3 else "combined")
 
 
+def test_no_warp_is_computed_twice(motions, monkeypatch):
+    """A map that crumples shapes is compared with a coarse warp by its area, and then by what it leaves."""
+    asked = []
+
+    def warped(*_arguments, effort=None):
+        asked.append(effort)
+        return work_of(WARP)()
+
+    motions(guided_with(0.6, crumpling=2.0), left=0.5, by_warp_alone=0.3)
+    monkeypatch.setattr(motion_candidates, "warp_motion", warped)
+    arrived = SimpleNamespace(mesh=SimpleNamespace(area=2.0 * SHAPES[0].area))
+    monkeypatch.setattr(motion_candidates, "arriving", lambda *_arguments: arrived)
+    assert (choice().kind, choice().reason) == ("warp", "UNLIKE")
+    assert asked == 2 * [motion_candidates.COARSE_EFFORT, None]
+
+
 def test_a_poor_map_is_given_up_if_what_it_leaves_cannot_be_measured(motions, monkeypatch):
     motions(guided_with(0.1))
     monkeypatch.setattr(motion_candidates, "remaining_share", unless_guided)
