@@ -88,6 +88,20 @@ def logarithmic_stretches(gradients: NDArray[np.float64]) -> NDArray[np.float64]
     return np.abs(np.log(np.maximum(sizes, _LEAST_STRETCH))).max(axis=1)
 
 
+def stretches_of(rest: TriangleMesh, moved: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the largest absolute logarithmic stretch in every triangle, (m,), apart from the scaling of the whole.
+
+    Parameters
+    ----------
+    rest : TriangleMesh
+        A mesh with an area.
+    moved : (n, 3)
+        Its vertices in other places.
+    """
+    scale = np.sqrt(TriangleMesh(moved, rest.faces).area / rest.area)
+    return logarithmic_stretches(deformation_gradients(rest.vertices, moved, rest.faces) / scale)
+
+
 def _frames(points: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
     """Return two edges of every triangle, (3, m), their cross product, (3, m), and its length, (m,)."""
     # One contiguous array per coordinate, because NumPy is slow for many vectors of length three.

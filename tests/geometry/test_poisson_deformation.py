@@ -16,6 +16,7 @@ from convwass_addon.geometry.poisson_deformation import (
     PoissonDeformation,
     deformation_gradients,
     logarithmic_stretches,
+    stretches_of,
 )
 from tests.grids import sheet
 from tests.shapes import ball, box, joined, torus
@@ -57,6 +58,14 @@ def test_the_largest_stretch_counts_in_either_direction(stretches):
     gradients = deformation_gradients(mesh.vertices, mesh.vertices * (*stretches, 1.0) @ turn.T, mesh.faces)
     expected = np.abs(np.log(np.maximum(stretches, 1e-6))).max()
     np.testing.assert_allclose(logarithmic_stretches(gradients), expected, atol=1e-9)
+
+
+def test_the_stretch_of_a_mesh_does_not_count_its_scaling():
+    """One side three times and the other a third as long is a stretch by three, whatever the scale."""
+    mesh = sheet(7, 5)
+    for scale in (1.0, 4.0):
+        found = stretches_of(mesh, scale * mesh.vertices * (3.0, 1.0 / 3.0, 1.0))
+        np.testing.assert_allclose(found, np.log(3.0), atol=1e-9)
 
 
 def test_any_deformation_is_reconstructed_from_its_gradients():

@@ -31,8 +31,9 @@ from .carriers import Carrier, carrier_of
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
 from .map_quality import MapQuality, map_quality
-from .mapped_pairs import MappedPair, mapped_pair, registering
+from .mapped_pairs import mapped_pair, registering
 from .motion import MovedShape
+from .pair_merits import MappedPair
 from .shape_deformations import ShapeDeformation, split_deformation
 
 # Least weight of a point in the rigid alignment, even if its map is not trusted at all.

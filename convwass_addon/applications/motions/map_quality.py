@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals
-from ...geometry.poisson_deformation import deformation_gradients, logarithmic_stretches
+from ...geometry.poisson_deformation import stretches_of
 from .carriers import Carrier
 from .shape_deformations import ShapeDeformation
 
@@ -64,16 +64,10 @@ def map_quality(source: Carrier, target: Carrier, there: ShapeDeformation) -> Ma
     areas = source.mesh.face_areas / source.mesh.area
     return MapQuality(
         confidence=float(weights @ there.confidence),
-        torn=float(areas[stretches(source, there) > _TORN].sum()),
+        torn=float(areas[stretches_of(source.mesh, there.points) > _TORN].sum()),
         folded=float(areas[_folded(source, target, there)].sum()),
         crumpling=TriangleMesh(there.points, source.mesh.faces).area / target.mesh.area,
     )
-
-
-def stretches(source: Carrier, there: ShapeDeformation) -> NDArray[np.float64]:
-    """Return the largest absolute logarithmic stretch of every triangle of a deformed shape, (m,)."""
-    gradients = deformation_gradients(source.mesh.vertices, there.points, source.mesh.faces)
-    return logarithmic_stretches(gradients / there.scale)
 
 
 def _folded(source: Carrier, target: Carrier, there: ShapeDeformation) -> NDArray[np.bool_]:

@@ -10,13 +10,14 @@ stand, a quarter turn may give them one, and if they have one, they are turned a
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh, is_level
+from ...geometry.poisson_deformation import stretches_of
 from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -31,20 +32,13 @@ from .map_survey import best_rough_map
 from .mirrored_guides import MirroredGuides, agreeing_sides
 from .mirrored_sides import MirroredSides
 from .pair_maps import DOUBTED, PairMap, limb_map, pair_map
+from .pair_merits import TRUSTED, MappedPair, better
 from .pair_registration import LaidPair, draft_of, grown_pair, laid_on_each_other
 
 # Fractions of the work after the grown registration, and after solving the map.
 _GROWN, _MAPPED = 0.22, 0.67
-# Symmetric shapes are turned around if their registrations keep left and right on less than the first share of the
-# surface, or move matter farther than the second number of times the Wasserstein distance, unless that makes their
-# distance more than the third number of times as large.
-_LOPSIDED, _DETOUR, _FARTHER = 0.5, 1.8, 1.1
-# What a map without a common mirror plane counts. A man maps onto a horse with 0.60 as they stand, with an arm that
-# becomes the tail, and with 0.49 after a quarter turn, symmetrically.
-_ASKEW = 0.75
-# What a map that turns a body over counts. A caterpillar maps onto a butterfly with 0.76 upside down and back to front;
-# a fish maps onto it with 0.26 upside down, and with 0.25 upright.
-_TURNED_OVER = 0.5
+# Half a turn must not make the distance of shapes more than this number of times as large.
+_FARTHER = 1.1
 # With a lower score, rough maps of shapes with limbs are tried if the first one costs at most the second number, which
 # only poses of one body do: 3.1 from raised arms to a kneeling body (score 0.49, and 0.99 from the rough map), 3.0 from
 # standing to standing on hands (0.54, 0.98), and 5.4 to 6.0 from a table to a chair, an octopus to a horse, or glasses
@@ -71,55 +65,6 @@ _FOLDING = 1.8
 _CLEAR_LIMBS, _DOUBTFUL_LIMBS = 0.75, 0.9
 _NO_VERTICES = np.empty(0, np.int64)
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
-
-TRUSTED = 0.88
-"""With this score, shapes map onto each other beyond doubt; chosen by eye on pairs of the benchmark."""
-
-
-@dataclass(frozen=True)
-class MappedPair:
-    """Two registered shapes.
-
-    Attributes
-    ----------
-    laid : LaidPair
-        The registrations.
-    map : PairMap
-        The map between the shapes, with the score of the registrations if these were not started from it.
-    symmetry : float or None
-        Share of the surface on which the registrations keep left and right, from 0 to 1; None for shapes without a
-        common mirror plane, with guides that contradict it, and where no map was needed.
-    detour : float
-        Length of the registrations over the Wasserstein distance; see :func:`.map_detour.map_detour`.
-    turn : float
-        Angle in degrees by which the first shape was turned about the vertical axis for the registration.
-    is_turned_over : bool
-        Whether a registration turns its shape over.
-    """
-
-    laid: LaidPair
-    map: PairMap
-    symmetry: float | None
-    detour: float
-    turn: float = 0.0
-    is_turned_over: bool = False
-
-    @property
-    def is_lopsided(self) -> bool:
-        """Whether symmetric shapes seem to face opposite ways."""
-        return self.symmetry is not None and (self.symmetry < _LOPSIDED or self.detour > _DETOUR)
-
-    @property
-    def score(self) -> float:
-        """Score of the map, 0 to 1, or the confidence in the registrations as far as they keep left and right."""
-        return max(self.map.score, (self.symmetry or 0.0) * self.laid.confidence)
-
-    @property
-    def merit(self) -> float:
-        """The score to compare maps: below `TRUSTED`, less if turned over or without a common mirror plane."""
-        if self.score >= TRUSTED:
-            return self.score
-        return self.score * (_ASKEW if self.symmetry is None else 1.0) * (_TURNED_OVER if self.is_turned_over else 1.0)
 
 
 def mapped_pair(
@@ -173,7 +118,7 @@ def mapped_pair(
     if turn is not None and not (is_flat and best.score >= TRUSTED):
         turned = yield from within(_registered_turned(one, other, pairs, turn, settings, control), 0.5, 0.8)
         if not is_flat or _may_turn(best, turned):
-            best = max(best, turned, key=_rank)
+            best = better(best, turned)
     if len(pairs) or best.score >= TRUSTED:
         return best
     survey = _or_surveyed(best, one, other, turn, is_flat, control)
@@ -229,10 +174,6 @@ def _may_turn(standing: MappedPair, turned: MappedPair) -> bool:
     share = _UPSIDE_DOWN if abs(turned.turn) > 179.0 else _SIDEWAYS
     share = _TURNED if turned.score >= TRUSTED else share
     return turned.score >= _FAIR and standing.score <= share * turned.score
-
-
-def _rank(pair: MappedPair) -> tuple[int, float]:
-    return len(pair.map.pairs), pair.merit
 
 
 def _facing_turns(first: TriangleMesh, second: TriangleMesh, standing: MappedPair) -> list[NDArray[np.float64]]:
@@ -378,4 +319,10 @@ def _mapped(one: Carrier, other: Carrier, laid: LaidPair, found: PairMap, sides:
     points = laid.first.points, laid.second.points
     symmetry = None if sides is None else sides.kept(points)
     over = is_turned_over(one.mesh, laid.first) or is_turned_over(other.mesh, laid.second)
-    return MappedPair(laid, found, symmetry, map_detour((one.mesh, other.mesh), points), is_turned_over=over)
+    detour = map_detour((one.mesh, other.mesh), points)
+    return MappedPair(laid, found, symmetry, detour, 0.0, over, _mean_stretch((one.mesh, other.mesh), points))
+
+
+def _mean_stretch(shapes: tuple[TriangleMesh, TriangleMesh], points: tuple[NDArray[np.float64], ...]) -> float:
+    means = [own.face_areas @ stretches_of(own, moved) / own.area for own, moved in zip(shapes, points, strict=True)]
+    return float(np.mean(means))

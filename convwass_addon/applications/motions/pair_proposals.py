@@ -15,7 +15,7 @@ from ...geometry.facing_points import FacingPointFinder
 from ...geometry.fusion import fused_choice
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
-from ...geometry.poisson_deformation import deformation_gradients, logarithmic_stretches
+from ...geometry.poisson_deformation import stretches_of
 from ...geometry.registration import AS_PLACED, Stage
 from ...geometry.rotations import nearest_rotations
 from ...geometry.weighted_quantile import weighted_quantile
@@ -176,8 +176,7 @@ def judged(own: Carrier, other: Carrier, points: NDArray[np.float64], control: C
 def _vertex_stretch(own: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the largest absolute logarithmic stretch, averaged over the triangles around every vertex, (n,)."""
     mesh = own.mesh
-    scale = np.sqrt(TriangleMesh(points, mesh.faces).area / mesh.area)
-    stretch = logarithmic_stretches(deformation_gradients(mesh.vertices, points, mesh.faces) / scale)
+    stretch = stretches_of(mesh, points)
     corners, count = mesh.faces.ravel(), len(points)
     sums = np.bincount(corners, np.repeat(stretch, 3), count)
     return sums / np.maximum(np.bincount(corners, minlength=count), 1)

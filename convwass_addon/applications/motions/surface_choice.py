@@ -11,10 +11,10 @@ from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..outlines.revolved_motion import motion_with_parts
 from .limbs import is_compact
-from .mapped_pairs import TRUSTED
 from .motion_candidates import MotionCandidates, mapped_choice
 from .motion_choice import FAILURES, MotionChoice, attempted
 from .motion_request import MotionRequest
+from .pair_merits import TRUSTED
 from .promising_maps import may_map
 from .uncertain_maps import motion_by_uncertain_map
 from .unmapped_motion import unmapped_motion

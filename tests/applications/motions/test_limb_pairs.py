@@ -101,6 +101,32 @@ def test_without_toes_it_is_not_known_where_people_look():
     assert limb_pairs(first, second, (middle(first), middle(second))).facing == 0
 
 
+def bent(*joints):
+    """A person who faces -y, with the hips, knees, ankles and toes at given places, (y, z)."""
+    moved = np.array((0.0, joints[0][0], joints[0][1] - 0.95))
+    trunk = [(start + moved, end + moved, radius) for start, end, radius in PERSON[:5]]
+    legs = [
+        ((0.14 * side, *one), (0.14 * side, *other), radius)
+        for side in (-1, 1)
+        for one, other, radius in zip(joints, joints[1:], (0.07, 0.07, 0.06), strict=False)
+    ]
+    return capsules((*trunk, *legs), (-1.0, -0.8, -0.1), (1.0, 0.9, 1.95), 0.04)
+
+
+@pytest.mark.parametrize(
+    "joints",
+    [
+        ((0.1, 0.6), (-0.35, 0.42), (0.0, 0.08), (-0.2, 0.06)),
+        ((0.0, 0.5), (0.0, 0.07), (0.42, 0.08), (0.6, 0.06)),
+    ],
+    ids=["squatting", "kneeling"],
+)
+def test_toes_tell_nothing_while_the_shins_are_not_upright(joints):
+    """These would lie behind the shins of people who squat, and those of people who kneel point back."""
+    second = bent(*joints)
+    assert limb_pairs(person(), second, (middle(person()), middle(second))).facing == 0
+
+
 def test_shapes_whose_limbs_do_not_correspond_have_no_pairs():
     log = capsules((((0.0, -1.0, 0.3), (0.0, 1.0, 0.3), 0.3),), (-0.5, -1.5, -0.1), (0.5, 1.5, 0.8), 0.05)
     for other in (log, ball(points=400)):
@@ -138,7 +164,7 @@ def limbs_at_random(random, sizes):
     places = random.random((count, 3))
     apart = np.linalg.norm(places[:, None] - places, axis=2)
     shares, heights, unknown = random.uniform(0.05, 0.3, count), random.random(count), np.zeros(count)
-    return Limbs(limbs, np.arange(count), shares, heights, apart, unknown, unknown)
+    return Limbs(limbs, np.arange(count), shares, heights, apart, unknown, unknown, unknown > 0)
 
 
 def pairing_cost(one, other, found):

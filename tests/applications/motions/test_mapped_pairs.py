@@ -10,8 +10,9 @@ from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.laid_meshes import Laid
-from convwass_addon.applications.motions.mapped_pairs import MappedPair, mapped_pair
+from convwass_addon.applications.motions.mapped_pairs import mapped_pair
 from convwass_addon.applications.motions.pair_maps import PairMap
+from convwass_addon.applications.motions.pair_merits import MappedPair
 from convwass_addon.applications.motions.pair_registration import LaidPair
 from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -305,6 +306,16 @@ def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.9, None, 1.0), (0.8, 1.0, 1.0))
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
+
+
+@pytest.mark.parametrize(("score", "stretch", "turns"), [(0.97, 0.1, True), (0.97, 0.2, False), (0.98, 0.2, True)])
+def test_of_two_maps_beyond_doubt_and_equally_good_that_with_less_stretch_is_used(monkeypatch, score, stretch, turns):
+    """Someone who kneels and someone who sits with straight legs are as close to each other back to front."""
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
+    registrations(monkeypatch, (0.965, 1.0, 1.0, 0.0, False, 0.15), (score, 1.0, 1.0, 0.0, False, stretch))
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert (abs(found.turn) == pytest.approx(180.0)) == turns
 
 
 @pytest.mark.parametrize(("degrees", "count"), [(90.0, 1), (180.0, 2), (0.0, 1)])
