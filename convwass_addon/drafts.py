@@ -112,7 +112,8 @@ class DraftFiles:
     def draft_of(self, target: Path) -> Path:
         """Return the draft path for a file; a missing folder is created."""
         if not target.parent.is_dir():
-            target.parent.mkdir()
+            # Another process may create it at the same time.
+            target.parent.mkdir(exist_ok=True)
             self._folders.append(target.parent)
         draft = new_draft(target)
         self._drafts[target] = draft

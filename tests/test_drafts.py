@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import os
+import threading
+from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
@@ -61,6 +63,19 @@ def test_an_unfinished_draft_is_removed_with_the_others(tmp_path):
         raise OSError("disk full")
     drafts.discard()
     assert not list(tmp_path.iterdir())
+
+
+def test_two_jobs_may_create_one_folder_at_the_same_time(tmp_path):
+    """In 50 attempts of eight threads each, some find the folder missing that another one is just creating."""
+    with ThreadPoolExecutor(8) as pool:
+        for number in range(50):
+            together = threading.Barrier(8)
+
+            def drafted(_job, target=tmp_path / str(number) / "sky.exr", together=together):
+                together.wait()
+                return DraftFiles().draft_of(target).parent
+
+            assert set(pool.map(drafted, range(8))) == {tmp_path / str(number)}
 
 
 def test_other_errors_are_passed_on(tmp_path):
