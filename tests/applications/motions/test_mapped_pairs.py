@@ -72,7 +72,7 @@ def registrations(monkeypatch, *found):
     return asked
 
 
-def surveyed(monkeypatch, score, symmetry, detour, place=0, cost=9.0):
+def surveyed(monkeypatch, score, symmetry, detour, place=0, cost=9.0, stretch=0.0):
     """Let rough maps lead to this result after one of the turns tried; return the angles tried if these cost enough."""
     tried = []
 
@@ -83,7 +83,7 @@ def surveyed(monkeypatch, score, symmetry, detour, place=0, cost=9.0):
         tried.extend(0.0 if turn is None else np.degrees(np.arctan2(turn[1, 0], turn[0, 0])) for turn in turns)
         laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
         pair = PairMap(None, np.empty((0, 2), np.int64), score)
-        return MappedPair(LaidPair(laid, laid, 0.5), pair, symmetry, detour, tried[place])
+        return MappedPair(LaidPair(laid, laid, 0.5), pair, symmetry, detour, tried[place], stretch=stretch)
 
     monkeypatch.setattr(mapped_pairs, "_registered_from_survey", registered)
     return tried
@@ -157,15 +157,22 @@ def test_bodies_are_turned_over_only_if_that_is_much_better(monkeypatch, standin
 
 @pytest.mark.parametrize("symmetry", [None, 0.8])
 @pytest.mark.parametrize(
-    ("standing", "cost", "other", "score"),
-    [(0.55, 3.9, 0.9, 0.9), (0.55, 4.1, 0.9, 0.55), (0.61, 3.0, 0.9, 0.61), (0.55, 3.0, 0.5, 0.55)],
+    ("standing", "cost", "other", "stretch", "score"),
+    [
+        (0.55, 3.9, 0.9, 0.1, 0.9),
+        (0.55, 4.1, 0.9, 0.1, 0.55),
+        (0.61, 3.0, 0.9, 0.1, 0.61),
+        (0.55, 3.0, 0.5, 0.1, 0.55),
+        (0.55, 3.0, 0.9, 0.3, 0.55),
+    ],
 )
 def test_poses_of_one_body_get_another_map_if_rough_ones_are_promising(
-    monkeypatch, symmetry, standing, cost, other, score
+    monkeypatch, symmetry, standing, cost, other, stretch, score
 ):
+    """And if they stretch the shapes less in the end: back to front, they stretch them more."""
     carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
-    registrations(monkeypatch, (standing, symmetry, 1.0))
-    surveyed(monkeypatch, other, symmetry, 1.0, cost=cost)
+    registrations(monkeypatch, (standing, symmetry, 1.0, 0.0, False, 0.2))
+    surveyed(monkeypatch, other, symmetry, 1.0, cost=cost, stretch=stretch)
     monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == score
 
