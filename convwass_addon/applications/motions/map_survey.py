@@ -59,7 +59,7 @@ class RoughMap:
 
 
 def best_rough_map(
-    poses: Sequence[Carrier], other: Carrier, most_cost: float, control: Control
+    poses: Sequence[Carrier], other: Carrier, least_score: float, control: Control
 ) -> Work[RoughMap | None]:
     """Return the rough map of the lowest cost, or None if not even the first one is promising.
 
@@ -69,8 +69,8 @@ def best_rough_map(
         The first shape, turned in every way that is tried.
     other : Carrier
         The second shape.
-    most_cost : float
-        If the first map costs more, others are not tried.
+    least_score : float
+        If the first map has a lower score, others are not tried.
     control : Control
         Stops the work.
 
@@ -89,7 +89,7 @@ def best_rough_map(
             message = Sentence("Comparing map {done} of {total}", {"done": len(found) + 1, "total": total})
             yield Progress(len(found) / total, message)
             found.append(_rough_map(pose, drafts, sides, vertices, control))
-            if found[0].cost > most_cost:
+            if found[0].map.score < least_score:
                 return None
     return min(found, key=lambda rough: rough.cost)
 

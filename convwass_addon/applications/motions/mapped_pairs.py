@@ -39,11 +39,10 @@ from .pair_registration import LaidPair, draft_of, grown_pair, laid_on_each_othe
 _GROWN, _MAPPED = 0.22, 0.67
 # Half a turn must not make the distance of shapes more than this number of times as large.
 _FARTHER = 1.1
-# With a lower score, rough maps of shapes with limbs are tried if the first one costs at most the second number, which
-# only poses of one body do: 3.1 from raised arms to a kneeling body (score 0.49, and 0.99 from the rough map), 3.0 from
-# standing to standing on hands (0.54, 0.98), and 5.4 to 6.0 from a table to a chair, an octopus to a horse, or glasses
-# to a bicycle, whose rough maps are no better.
-_DOUBTFUL, _PROMISING = 0.6, 4.0
+# Rough maps of shapes with limbs whose map is not beyond doubt are tried if the first one has at least this score: 0.85
+# from a lunge to sitting (map 0.78, and 0.95 from the rough maps) and 0.94 from raised arms to kneeling (0.53, 0.94),
+# but 0.53 from a starfish to a hand and 0.64 from a cactus to a child, whose rough maps are no better.
+_PROMISING = 0.75
 # With a lower score, other maps of symmetric shapes are tried. A cow maps onto a bird with 0.20, 0.48, 0.80 or 0.82 if
 # its vertices move by a millionth to a thousandth of its size.
 _FAIR = 0.5
@@ -145,21 +144,23 @@ def _or_surveyed(
     may_face_away = bool(turn is None and turns)
     if not may_face_away and not _have_limbs(one.mesh, other.mesh):
         return best
-    may_be_poses = not (is_poor or may_face_away)
-    if may_be_poses and (is_flat or best.score >= _DOUBTFUL):
+    # The merit of shapes without a common mirror plane is lowered already.
+    needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
+    if is_poor or may_face_away:
+        least_score = 0.0
+    elif is_flat or needed >= 1.0:
         return best
-    most_cost = _PROMISING if may_be_poses else np.inf
+    else:
+        least_score = _PROMISING
     try:
-        surveyed = yield from _registered_from_survey(one, other, [None, *turns], most_cost, control)
+        surveyed = yield from _registered_from_survey(one, other, [None, *turns], least_score, control)
     except InputError:
         # Between coarser meshes, there may be no map.
         return best
-    # In the right map, poses of one body are stretched least: 0.22 instead of 0.49 from standing to standing on hands,
-    # and 0.16 instead of 0.20 from a raised arm to kneeling, which maps back to front with 0.92, and rightly with 0.54.
-    if surveyed is None or (may_be_poses and surveyed.stretch >= best.stretch):
+    # The right map stretches shapes least: 0.22 instead of 0.49 from standing to standing on hands, and 0.16 instead of
+    # 0.20 from a raised arm to kneeling, which maps back to front with a score of 0.92, and rightly with 0.54.
+    if surveyed is None or (surveyed.turn == best.turn and surveyed.stretch > best.stretch):
         return best
-    # The merit of shapes without a common mirror plane is lowered already.
-    needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
     if folds and surveyed.detour < _FOLDING:
         needed = _CLEARLY * best.merit
     return surveyed if surveyed.merit > needed else best
@@ -201,14 +202,14 @@ def registering(one: Carrier, other: Carrier) -> Sentence:
 
 
 def _registered_from_survey(
-    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], most_cost: float, control: Control
+    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], least_score: float, control: Control
 ) -> Work[MappedPair | None]:
     """Register two shapes from the best of their rough maps, with the first one turned or as it stands.
 
-    Returns None if even the first one of these costs more than `most_cost`.
+    Returns None if even the first one of these has a lower score than `least_score`.
     """
     poses = [one if turn is None else turned_carrier(one, turn) for turn in turns]
-    rough = yield from within(best_rough_map(poses, other, most_cost, control), 0.0, 0.5)
+    rough = yield from within(best_rough_map(poses, other, least_score, control), 0.0, 0.5)
     if rough is None:
         return None
     turn, pose = turns[rough.pose], poses[rough.pose]
