@@ -39,10 +39,10 @@ from .pair_registration import LaidPair, draft_of, grown_pair, laid_on_each_othe
 _GROWN, _MAPPED = 0.22, 0.67
 # Half a turn must not make the distance of shapes more than this number of times as large.
 _FARTHER = 1.1
-# Rough maps of shapes with limbs whose map is not beyond doubt are tried if the first one has at least this score: 0.85
-# from a lunge to sitting (map 0.78, and 0.95 from the rough maps) and 0.94 from raised arms to kneeling (0.53, 0.94),
+# Rough maps of shapes with limbs whose map is not beyond doubt are tried if the first one has at least this score: 0.71
+# from sitting to a lunge (map 0.78, and 0.95 from the rough maps) and 0.94 from raised arms to kneeling (0.53, 0.94),
 # but 0.53 from a starfish to a hand and 0.64 from a cactus to a child, whose rough maps are no better.
-_PROMISING = 0.75
+_PROMISING = 0.7
 # With a lower score, other maps of symmetric shapes are tried. A cow maps onto a bird with 0.20, 0.48, 0.80 or 0.82 if
 # its vertices move by a millionth to a thousandth of its size.
 _FAIR = 0.5

@@ -161,16 +161,16 @@ def test_bodies_are_turned_over_only_if_that_is_much_better(monkeypatch, standin
 @pytest.mark.parametrize(
     ("standing", "symmetry", "rough", "other", "stretch", "score"),
     [
-        (0.55, None, 0.76, 0.9, 0.1, 0.9),
-        (0.55, 0.8, 0.76, 0.9, 0.1, 0.9),
-        (0.85, None, 0.76, 0.95, 0.1, 0.95),
+        (0.55, None, 0.71, 0.9, 0.1, 0.9),
+        (0.55, 0.8, 0.71, 0.9, 0.1, 0.9),
+        (0.85, None, 0.71, 0.95, 0.1, 0.95),
         (0.85, 0.8, 1.0, 1.0, 0.1, 0.85),
         (0.89, None, 1.0, 0.95, 0.1, 0.89),
-        (0.55, None, 0.74, 0.9, 0.1, 0.55),
-        (0.55, 0.8, 0.74, 0.9, 0.1, 0.55),
-        (0.55, None, 0.76, 0.4, 0.1, 0.55),
-        (0.55, 0.8, 0.76, 0.7, 0.1, 0.55),
-        (0.55, None, 0.76, 0.9, 0.3, 0.55),
+        (0.55, None, 0.69, 0.9, 0.1, 0.55),
+        (0.55, 0.8, 0.69, 0.9, 0.1, 0.55),
+        (0.55, None, 0.71, 0.4, 0.1, 0.55),
+        (0.55, 0.8, 0.71, 0.7, 0.1, 0.55),
+        (0.55, None, 0.71, 0.9, 0.3, 0.55),
     ],
 )
 def test_poses_of_one_body_get_another_map_if_rough_ones_are_promising(
@@ -185,7 +185,7 @@ def test_poses_of_one_body_get_another_map_if_rough_ones_are_promising(
     tried = surveyed(monkeypatch, other, symmetry, 1.0, rough=rough, stretch=stretch)
     monkeypatch.setattr(mapped_pairs, "_facing_turns", lambda *_pair: [])
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == score
-    assert bool(tried) == (0.75 < rough < 1.0)
+    assert bool(tried) == (0.7 < rough < 1.0)
 
 
 def test_the_first_map_remains_where_no_rough_one_can_be_solved(monkeypatch):
