@@ -152,8 +152,15 @@ def _or_surveyed(
         return best
     else:
         least_score = _PROMISING
+    surveyed = None
     try:
-        surveyed = yield from _registered_from_survey(one, other, [None, *turns], least_score, control)
+        if may_face_away and best.symmetry is None:
+            # A person with a raised arm is nearly symmetric from front to back, which suggests a quarter turn.
+            standing = _registered_from_survey(one, other, [None], _PROMISING, control)
+            surveyed = yield from within(standing, 0.0, 0.2)
+        if surveyed is None:
+            survey = _registered_from_survey(one, other, [None, *turns], least_score, control)
+            surveyed = yield from within(survey, 0.2, 1.0)
     except InputError:
         # Between coarser meshes, there may be no map.
         return best

@@ -250,6 +250,17 @@ def test_shapes_whose_mirror_planes_are_perpendicular_are_turned_by_a_quarter(mo
     assert asked == pytest.approx([0.0, 90.0, -90.0])
 
 
+@pytest.mark.parametrize(("rough", "tried"), [(0.71, [0.0]), (0.69, [0.0, 90.0, -90.0])])
+def test_quarter_turns_are_not_tried_if_shapes_may_map_as_they_stand(monkeypatch, across, rough, tried):
+    """A person with a raised arm seems to be symmetric from front to back."""
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
+    registrations(monkeypatch, (0.6, None, 1.0))
+    by_limbs(monkeypatch, None)
+    asked = surveyed(monkeypatch, 0.7, None, 1.0, rough=rough)
+    assert drained(mapped_pair(*across, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).score == 0.7
+    assert asked == pytest.approx(tried)
+
+
 @pytest.mark.parametrize(("limbs", "count"), [(0.76, 0), (0.74, 1)], ids=["clear", "doubtful"])
 def test_shapes_that_clearly_correspond_by_their_limbs_are_not_mapped_as_they_stand(monkeypatch, across, limbs, count):
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: None)
