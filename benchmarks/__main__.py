@@ -117,6 +117,7 @@ def _add_coherence(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--sheets", type=Path, help="a folder to write pictures of every pair to")
     parser.add_argument("--maps", action="store_true", help="measure only the maps between the shapes")
     parser.add_argument("--guides", action="store_true", help="measure only how guides change these maps")
+    parser.add_argument("--poses", action="store_true", help="measure only maps between people in many poses")
 
 
 def _add_mesh(parser: argparse.ArgumentParser) -> None:

@@ -13,6 +13,7 @@ from .coherence_cases import TRANSPORT, motions
 from .coherence_guides import print_guides
 from .coherence_maps import print_maps
 from .coherence_pairs import ONE_BUILD, OTHER_BUILD, CoherencePair, half, pairs_named
+from .coherence_poses import print_poses
 from .coherence_sheets import write_sheets
 from .coherence_turned import print_turned
 from .processes import PROJECT, measured
@@ -52,6 +53,7 @@ def main(
     sheets: Path | None = None,
     maps: bool = False,
     guides: bool = False,
+    poses: bool = False,
 ) -> None:
     """Bake the pairs with every motion and print the tables.
 
@@ -75,7 +77,12 @@ def main(
         Measure only how well the shapes are mapped to each other.
     guides : bool
         Measure only how guides change these maps.
+    poses : bool
+        Measure only how people in many poses are mapped to each other.
     """
+    if poses:
+        print_poses()
+        return
     chosen = list(half(meshes, tuned=not held_back)) if pairs is None else _named(pairs, meshes)
     folder = None if meshes is None else str(meshes.absolute())
     if maps:

@@ -34,6 +34,7 @@ from .coherence_measures import (
     worst_angle,
 )
 from .coherence_pairs import Ends, pairs_named
+from .coherence_poses import posed
 from .coherence_turned import turned
 from .end_frames import EndLoss
 from .processes import run_case
@@ -211,4 +212,4 @@ def _brief(record: dict[str, object]) -> dict[str, object]:
 
 
 if __name__ == "__main__":
-    run_case(passage, mapping, guiding, turning)
+    run_case(passage, mapping, guiding, turning, posed)

@@ -73,7 +73,8 @@ def mapped(ends: Ends) -> dict[str, object]:
     seconds = clock.read()
     wrong = None if ends.tips is None else int(astray(motion, ends.tips).any(axis=0).sum())
     tips = None if ends.tips is None else ends.tips.shape[1]
-    return {"score": motion.pairs[0, 1].score, **_fit(motion), "wrong": wrong, "tips": tips, **seconds}
+    pair = motion.pairs[0, 1]
+    return {"score": pair.score, "turn": pair.turn, **_fit(motion), "wrong": wrong, "tips": tips, **seconds}
 
 
 def _fit(motion: GuidedMotion) -> dict[str, float]:

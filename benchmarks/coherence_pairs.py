@@ -80,7 +80,8 @@ _BACK_STRIDE = Posture(
 _TALL = replace(STANDING, neck=66.0, tail=(235.0, 262.0))
 
 
-def _people(one: bipeds.Biped, other: bipeds.Biped) -> Ends:
+def people(one: bipeds.Biped, other: bipeds.Biped) -> Ends:
+    """Return two people, whose tips are the hands, then the feet."""
     tips = np.array([[chain[-1] for chain in (*body.arms, *body.legs)] for body in (one, other)])
     return Ends(one.sculpture.mesh(), other.sculpture.mesh(), tips=tips)
 
@@ -93,7 +94,7 @@ def _swings_arm(build: bipeds.Build, up: Bones, seeds: tuple[int, int]) -> Ends:
         body = biped(build, down.toward(raised, t), seeds[0])
         return PosedLimb(body.sculpture.mesh(), body.arms[0])
 
-    return replace(_people(one, other), limb=LimbPath(one.arms[0], other.arms[0], posed=posed))
+    return replace(people(one, other), limb=LimbPath(one.arms[0], other.arms[0], posed=posed))
 
 
 def _animals(one: quadrupeds.Quadruped, other: quadrupeds.Quadruped) -> Ends:
@@ -135,11 +136,11 @@ def _man_raises_arm() -> Ends:
 
 
 def _man_walks() -> Ends:
-    return _people(biped(MAN, Posture(), 3), biped(MAN, _STRIDE, 4))
+    return people(biped(MAN, Posture(), 3), biped(MAN, _STRIDE, 4))
 
 
 def _man_to_ogre() -> Ends:
-    return _people(biped(MAN, Posture(), 5), biped(OGRE, Posture(), 6))
+    return people(biped(MAN, Posture(), 5), biped(OGRE, Posture(), 6))
 
 
 def _child_points() -> Ends:
@@ -147,7 +148,7 @@ def _child_points() -> Ends:
 
 
 def _ogre_to_child() -> Ends:
-    return _people(biped(OGRE, _BACK_STRIDE, 9), biped(CHILD, Posture(), 10))
+    return people(biped(OGRE, _BACK_STRIDE, 9), biped(CHILD, Posture(), 10))
 
 
 def _dog_rears() -> Ends:

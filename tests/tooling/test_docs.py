@@ -145,6 +145,8 @@ def test_options_exist(page):
     known = {"--python", "--blender", "--check", "--help", "--command", "--only", "--out", "--glb"}
     # Options of the tests that install the extension.
     known |= {"--zip", "--from-zip"}
+    # Of a benchmark.
+    known |= {"--poses"}
     for command in program.COMMANDS:
         parser = ArgumentParser()
         command.add_options(parser)

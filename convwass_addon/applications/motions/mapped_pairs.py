@@ -164,9 +164,12 @@ def _or_surveyed(
     except InputError:
         # Between coarser meshes, there may be no map.
         return best
+    if surveyed is None:
+        return best
     # The right map stretches shapes least: 0.22 instead of 0.49 from standing to standing on hands, and 0.16 instead of
-    # 0.20 from a raised arm to kneeling, which maps back to front with a score of 0.92, and rightly with 0.54.
-    if surveyed is None or (surveyed.turn == best.turn and surveyed.stretch > best.stretch):
+    # 0.20 from a raised arm to kneeling, which maps back to front with a score of 0.92, and rightly with 0.54. Only a
+    # turn that brings mirror planes together may stretch them more.
+    if (turn is not None or surveyed.turn == best.turn) and surveyed.stretches_more_than(best):
         return best
     if folds and surveyed.detour < _FOLDING:
         needed = _CLEARLY * best.merit

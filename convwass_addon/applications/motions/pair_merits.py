@@ -18,6 +18,11 @@ _ASKEW = 0.75
 # What a map that turns a body over counts. A caterpillar maps onto a butterfly with 0.76 upside down and back to front;
 # a fish maps onto it with 0.26 upside down, and with 0.25 upright.
 _TURNED_OVER = 0.5
+# A turn must not make shapes stretch more than this number of times as much: 1.23 from someone who kneels to one who
+# kicks, back to front with a score of 0.97, and rightly with 0.63. From a man to an ogre who looks the other way, the
+# right map stretches them 1.02 times as much as the wrong one; from animals to others, chairs and hands that face
+# different ways, it is 0.76 to 1.06 times as much.
+_MORE_STRETCHED = 1.1
 # Scores that differ by less are the same. Someone who kneels maps onto someone who sits on the floor with 0.988, and,
 # after half a turn, back to front with 0.991.
 _SAME = 0.01
@@ -74,15 +79,22 @@ class MappedPair:
             return self.score
         return self.score * (_ASKEW if self.symmetry is None else 1.0) * (_TURNED_OVER if self.is_turned_over else 1.0)
 
+    def stretches_more_than(self, other: MappedPair) -> bool:
+        """Whether it stretches shapes more than another one in the same turn, or clearly more than in another turn."""
+        return self.stretch > (1.0 if self.turn == other.turn else _MORE_STRETCHED) * other.stretch
+
 
 def better(standing: MappedPair, turned: MappedPair) -> MappedPair:
     """Return the one of two registrations of a pair that follows more guides, or else has the higher merit.
 
-    Of two that are beyond doubt and have the same score, it is that with less stretch: people are alike in front and at
-    the back, but for their feet, hands and faces.
+    Without guides, they are not turned if that stretches them clearly more, or, if both registrations are beyond doubt
+    and have the same score, at all more: people are alike in front and at the back, but for their feet, hands and
+    faces.
     """
     if len(standing.map.pairs) != len(turned.map.pairs):
         return max(standing, turned, key=lambda pair: len(pair.map.pairs))
+    if not len(standing.map.pairs) and turned.stretches_more_than(standing):
+        return standing
     if min(standing.score, turned.score) >= TRUSTED and abs(standing.score - turned.score) < _SAME:
         return min(standing, turned, key=lambda pair: pair.stretch)
     return max(standing, turned, key=lambda pair: pair.merit)

@@ -337,14 +337,26 @@ def test_a_map_that_is_sure_needs_no_mirror_plane(monkeypatch):
     assert drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED)).turn == 0.0
 
 
-@pytest.mark.parametrize(("score", "stretch", "turns"), [(0.97, 0.1, True), (0.97, 0.2, False), (0.98, 0.2, True)])
-def test_of_two_maps_beyond_doubt_and_equally_good_that_with_less_stretch_is_used(monkeypatch, score, stretch, turns):
+@pytest.mark.parametrize(
+    ("score", "stretch", "turns"), [(0.97, 0.1, True), (0.97, 0.16, False), (0.98, 0.16, True), (0.99, 0.17, False)]
+)
+def test_shapes_are_not_turned_if_that_stretches_them_more(monkeypatch, score, stretch, turns):
     """Someone who kneels and someone who sits with straight legs are as close to each other back to front."""
     carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
     monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
     registrations(monkeypatch, (0.965, 1.0, 1.0, 0.0, False, 0.15), (score, 1.0, 1.0, 0.0, False, stretch))
     found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
     assert (abs(found.turn) == pytest.approx(180.0)) == turns
+
+
+@pytest.mark.parametrize(("stretch", "score"), [(0.21, 0.97), (0.23, 0.6)])
+def test_a_rough_map_does_not_turn_shapes_if_that_stretches_them_clearly_more(monkeypatch, stretch, score):
+    carrier = carrier_of(figure()[0], "figure", np.empty(0, np.int64), 600, UNINTERRUPTED)
+    monkeypatch.setattr(mapped_pairs, "symmetric_turn", lambda *_shapes: about_z(180.0))
+    registrations(monkeypatch, (0.6, None, 1.0, 0.0, False, 0.2), (0.5, None, 1.0, 0.0, False, 0.2))
+    asked = surveyed(monkeypatch, 0.97, None, 1.0, place=1, rough=0.8, stretch=stretch)
+    found = drained(mapped_pair(carrier, carrier, np.empty((0, 2), np.int64), ROUGH, UNINTERRUPTED))
+    assert (found.score, len(asked)) == (score, 2)
 
 
 @pytest.mark.parametrize(("degrees", "count"), [(90.0, 1), (180.0, 2), (0.0, 1)])
