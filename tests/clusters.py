@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import sys
 
@@ -26,6 +27,9 @@ def local_cluster(**options):
     distributed = pytest.importorskip("distributed")
     if sys.platform == "linux":
         _fork_workers(distributed)
+    # A client that could not connect closes when it is collected. If that happens while Dask starts a cluster, both
+    # wait for one lock forever.
+    gc.collect()
     options = {"host": "127.0.0.1", "dashboard_address": "127.0.0.1:0", **options}
     for _ in range(_ATTEMPTS - 1):
         try:
