@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from convwass_addon.applications.motions.guided_motion import GuidedMotion, guided_motion
 from convwass_addon.applications.motions.map_quality import map_quality
 from convwass_addon.errors import ConvwassError
-from convwass_addon.geometry.poisson_deformation import stretches_of
+from convwass_addon.geometry.poisson_deformation import mean_stretch
 from convwass_addon.geometry.weighted_quantile import weighted_quantile
 from convwass_addon.progress import drained
 
@@ -95,7 +95,7 @@ def _one_fit(motion: GuidedMotion, own: int, other: int) -> dict[str, float]:
         "doubtful": float(weights[there.confidence < _DOUBTFUL].sum()),
         "round_trip_95": weighted_quantile(trip, weights, 0.95),
         "left_99": weighted_quantile(there.images.distances / target.size, weights, 0.99),
-        "stretch": float(source.mesh.face_areas @ stretches_of(source.mesh, there.points) / source.mesh.area),
+        "stretch": mean_stretch(source.mesh, there.points),
     }
 
 

@@ -102,6 +102,11 @@ def stretches_of(rest: TriangleMesh, moved: NDArray[np.float64]) -> NDArray[np.f
     return logarithmic_stretches(deformation_gradients(rest.vertices, moved, rest.faces) / scale)
 
 
+def mean_stretch(rest: TriangleMesh, moved: NDArray[np.float64]) -> float:
+    """Return the mean of :func:`stretches_of` by area at rest."""
+    return float(rest.face_areas @ stretches_of(rest, moved) / rest.area)
+
+
 def _frames(points: NDArray[np.float64], faces: NDArray[np.int64]) -> tuple[NDArray[np.float64], ...]:
     """Return two edges of every triangle, (3, m), their cross product, (3, m), and its length, (m,)."""
     # One contiguous array per coordinate, because NumPy is slow for many vectors of length three.

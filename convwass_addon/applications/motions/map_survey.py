@@ -37,6 +37,22 @@ _NO_PAIRS = np.empty((0, 2), np.int64)
 
 
 @dataclass(frozen=True)
+class Promise:
+    """What the score of the first rough map tells.
+
+    Attributes
+    ----------
+    least : float
+        With a lower score, no other map is tried.
+    enough : float
+        With at least this score, no other pose is tried.
+    """
+
+    least: float = 0.0
+    enough: float = np.inf
+
+
+@dataclass(frozen=True)
 class RoughMap:
     """A rough map and the registrations that start from it.
 
@@ -59,7 +75,7 @@ class RoughMap:
 
 
 def best_rough_map(
-    poses: Sequence[Carrier], other: Carrier, least_score: float, control: Control
+    poses: Sequence[Carrier], other: Carrier, promise: Promise, control: Control
 ) -> Work[RoughMap | None]:
     """Return the rough map of the lowest cost, or None if not even the first one is promising.
 
@@ -69,8 +85,8 @@ def best_rough_map(
         The first shape, turned in every way that is tried.
     other : Carrier
         The second shape.
-    least_score : float
-        If the first map has a lower score, others are not tried.
+    promise : Promise
+        Which maps are tried after the first one.
     control : Control
         Stops the work.
 
@@ -83,13 +99,15 @@ def best_rough_map(
     total = len(poses) * len(_VERTICES)
     target = draft_of(other, _NO_PAIRS[:, 0], control)
     for pose, one in enumerate(poses):
+        if found and found[0].map.score >= promise.enough:
+            break
         drafts = draft_of(one, _NO_PAIRS[:, 0], control), target
         sides = MirroredSides.of(drafts[0].mesh, drafts[1].mesh)
         for vertices in _VERTICES:
             message = Sentence("Comparing map {done} of {total}", {"done": len(found) + 1, "total": total})
             yield Progress(len(found) / total, message)
             found.append(_rough_map(pose, drafts, sides, vertices, control))
-            if found[0].map.score < least_score:
+            if found[0].map.score < promise.least:
                 return None
     return min(found, key=lambda rough: rough.cost)
 

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh, is_level
-from ...geometry.poisson_deformation import stretches_of
+from ...geometry.poisson_deformation import mean_stretch
 from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
@@ -28,7 +28,7 @@ from .guided_settings import GuidedSettings
 from .limb_pairs import limb_pairs
 from .limbs import is_compact
 from .map_detour import map_detour
-from .map_survey import best_rough_map
+from .map_survey import Promise, best_rough_map
 from .mirrored_guides import MirroredGuides, agreeing_sides
 from .mirrored_sides import MirroredSides
 from .pair_maps import DOUBTED, PairMap, limb_map, pair_map
@@ -146,21 +146,17 @@ def _or_surveyed(
         return best
     # The merit of shapes without a common mirror plane is lowered already.
     needed = best.merit if best.symmetry is None else best.merit / _CLEARLY
-    if is_poor or may_face_away:
-        least_score = 0.0
+    if may_face_away and best.symmetry is None:
+        # A person with a raised arm is nearly symmetric from front to back, which suggests a quarter turn.
+        promise = Promise(enough=_PROMISING)
+    elif is_poor or may_face_away:
+        promise = Promise()
     elif is_flat or needed >= 1.0:
         return best
     else:
-        least_score = _PROMISING
-    surveyed = None
+        promise = Promise(least=_PROMISING)
     try:
-        if may_face_away and best.symmetry is None:
-            # A person with a raised arm is nearly symmetric from front to back, which suggests a quarter turn.
-            standing = _registered_from_survey(one, other, [None], _PROMISING, control)
-            surveyed = yield from within(standing, 0.0, 0.2)
-        if surveyed is None:
-            survey = _registered_from_survey(one, other, [None, *turns], least_score, control)
-            surveyed = yield from within(survey, 0.2, 1.0)
+        surveyed = yield from _registered_from_survey(one, other, [None, *turns], promise, control)
     except InputError:
         # Between coarser meshes, there may be no map.
         return best
@@ -212,14 +208,14 @@ def registering(one: Carrier, other: Carrier) -> Sentence:
 
 
 def _registered_from_survey(
-    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], least_score: float, control: Control
+    one: Carrier, other: Carrier, turns: Sequence[NDArray[np.float64] | None], promise: Promise, control: Control
 ) -> Work[MappedPair | None]:
     """Register two shapes from the best of their rough maps, with the first one turned or as it stands.
 
-    Returns None if even the first one of these has a lower score than `least_score`.
+    Returns None if not even the first one of these is promising.
     """
     poses = [one if turn is None else turned_carrier(one, turn) for turn in turns]
-    rough = yield from within(best_rough_map(poses, other, least_score, control), 0.0, 0.5)
+    rough = yield from within(best_rough_map(poses, other, promise, control), 0.0, 0.5)
     if rough is None:
         return None
     turn, pose = turns[rough.pose], poses[rough.pose]
@@ -331,9 +327,5 @@ def _mapped(one: Carrier, other: Carrier, laid: LaidPair, found: PairMap, sides:
     symmetry = None if sides is None else sides.kept(points)
     over = is_turned_over(one.mesh, laid.first) or is_turned_over(other.mesh, laid.second)
     detour = map_detour((one.mesh, other.mesh), points)
-    return MappedPair(laid, found, symmetry, detour, 0.0, over, _mean_stretch((one.mesh, other.mesh), points))
-
-
-def _mean_stretch(shapes: tuple[TriangleMesh, TriangleMesh], points: tuple[NDArray[np.float64], ...]) -> float:
-    means = [own.face_areas @ stretches_of(own, moved) / own.area for own, moved in zip(shapes, points, strict=True)]
-    return float(np.mean(means))
+    stretch = 0.5 * (mean_stretch(one.mesh, points[0]) + mean_stretch(other.mesh, points[1]))
+    return MappedPair(laid, found, symmetry, detour, is_turned_over=over, stretch=stretch)

@@ -12,7 +12,7 @@ import pytest
 from benchmarks.blends import ASSETS, read_meshes
 from convwass_addon.applications.motions import map_survey
 from convwass_addon.applications.motions.carriers import carrier_of
-from convwass_addon.applications.motions.map_survey import RoughMap, best_rough_map
+from convwass_addon.applications.motions.map_survey import Promise, RoughMap, best_rough_map
 from convwass_addon.applications.motions.pair_maps import PairMap
 from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.geometry.rotation_fields import rotation_matrices
@@ -30,7 +30,7 @@ def cow():
 def test_the_pose_that_fits_is_found_and_registered(monkeypatch, cow):
     monkeypatch.setattr(map_survey, "_VERTICES", (120,))
     turned = cow.posed(cow.rest.vertices @ HALF.T)
-    found = drained(best_rough_map([cow, turned], turned, 0.0, UNINTERRUPTED))
+    found = drained(best_rough_map([cow, turned], turned, Promise(), UNINTERRUPTED))
     assert found.pose == 1
     # Costs of shapes that have nothing in common are above 6.
     assert found.cost < 1.0
@@ -48,18 +48,29 @@ def test_a_pose_that_a_registration_turns_over_is_avoided(monkeypatch, cow):
     costs = {id(back): 0.5, id(side): 1.0}
     monkeypatch.setattr(map_survey, "total_cost", lambda drafts, *_found: costs[id(drafts[0])])
     monkeypatch.setattr(map_survey, "draft_of", lambda shape, *_others: shape)
-    assert drained(best_rough_map([side, back], cow, 0.0, UNINTERRUPTED)).pose == 0
+    assert drained(best_rough_map([side, back], cow, Promise(), UNINTERRUPTED)).pose == 0
 
 
-@pytest.mark.parametrize(("least_score", "score", "tried"), [(0.8, 0.7, 1), (0.8, 0.9, 2), (0.0, 0.0, 2)])
-def test_if_the_first_map_is_not_promising_no_other_one_is_tried(monkeypatch, cow, least_score, score, tried):
-    left = [2.0, 1.0]
+@pytest.mark.parametrize(
+    ("promise", "score", "poses", "tried"),
+    [
+        (Promise(least=0.8), 0.7, 1, 1),
+        (Promise(least=0.8), 0.9, 1, 2),
+        (Promise(least=0.8), 0.9, 2, 4),
+        (Promise(), 0.0, 1, 2),
+        (Promise(enough=0.8), 0.7, 2, 4),
+        (Promise(enough=0.8), 0.9, 2, 2),
+    ],
+)
+def test_the_first_map_tells_which_others_are_tried(monkeypatch, cow, promise, score, poses, tried):
+    """None if it is not promising, and no other poses if it is good enough."""
+    left = [4.0, 3.0, 2.0, 1.0][-2 * poses :]
 
     def solved(pose, *_others):
         return RoughMap(pose, replace(PairMap.none(), score=score), (), left.pop(0))
 
     monkeypatch.setattr(map_survey, "_VERTICES", (120, 100))
     monkeypatch.setattr(map_survey, "_rough_map", solved)
-    found = drained(best_rough_map([cow], cow, least_score, UNINTERRUPTED))
-    assert 2 - len(left) == tried
-    assert (None if found is None else found.cost) == (None if tried == 1 else 1.0)
+    found = drained(best_rough_map(poses * [cow], cow, promise, UNINTERRUPTED))
+    assert 2 * poses - len(left) == tried
+    assert (None if found is None else found.cost) == (None if tried == 1 else 1.0 + len(left))

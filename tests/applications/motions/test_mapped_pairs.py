@@ -75,14 +75,15 @@ def registrations(monkeypatch, *found):
 def surveyed(monkeypatch, score, symmetry, detour, place=0, rough=0.1, stretch=0.0):
     """Let rough maps lead to this result after one of the turns tried; return the angles tried.
 
-    There are none if the score of the first rough map, `rough`, is too low.
+    The score of the first rough map, `rough`, tells whether there are any, and whether shapes are turned.
     """
     tried = []
 
-    def registered(one, _other, turns, least_score, _control):
+    def registered(one, _other, turns, promise, _control):
         yield from ()
-        if rough < least_score:
+        if rough < promise.least:
             return None
+        turns = turns[:1] if rough >= promise.enough else turns
         tried.extend(0.0 if turn is None else np.degrees(np.arctan2(turn[1, 0], turn[0, 0])) for turn in turns)
         laid = Laid(one.mesh.vertices, np.ones(len(one.mesh.vertices)))
         pair = PairMap(None, np.empty((0, 2), np.int64), score)
