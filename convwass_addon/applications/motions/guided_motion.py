@@ -59,6 +59,8 @@ class GuidedPair:
         Angle in degrees by which one shape was turned about the vertical axis before they were registered.
     crumpling : float
         How much the shapes crumple on each other; the larger figure of both, see :class:`.map_quality.MapQuality`.
+    tumbles : bool
+        Whether the map turns a shape far around, and not about the vertical axis.
     """
 
     score: float
@@ -66,6 +68,7 @@ class GuidedPair:
     detour: float
     turn: float
     crumpling: float = 1.0
+    tumbles: bool = False
 
 
 @dataclass(frozen=True)
@@ -246,7 +249,7 @@ def guided_motion(
         score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
         followed = best.map.pairs.tolist()
         left_out = sum(place not in followed for place in places.tolist())
-        known[pair] = GuidedPair(score, left_out, best.detour, best.turn, quality.crumpling)
+        known[pair] = GuidedPair(score, left_out, best.detour, best.turn, quality.crumpling, best.tumbles)
     yield Progress(1.0, Sentence("Motion computed"))
     return GuidedMotion(tuple(carriers), deformations, known, settings)
 

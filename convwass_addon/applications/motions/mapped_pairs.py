@@ -23,7 +23,7 @@ from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
 from ..soft_maps.soft_map_settings import SoftMapSettings
 from .carriers import Carrier
-from .facing_turns import is_turned_over, symmetric_turn, turned_carrier, turned_mesh
+from .facing_turns import is_turned_over, symmetric_turn, tumbles, turned_carrier, turned_mesh
 from .guided_settings import GuidedSettings
 from .limb_pairs import limb_pairs
 from .limbs import is_compact
@@ -325,7 +325,8 @@ def _registered(
 def _mapped(one: Carrier, other: Carrier, laid: LaidPair, found: PairMap, sides: MirroredSides | None) -> MappedPair:
     points = laid.first.points, laid.second.points
     symmetry = None if sides is None else sides.kept(points)
-    over = is_turned_over(one.mesh, laid.first) or is_turned_over(other.mesh, laid.second)
+    ways = (one.mesh, laid.first), (other.mesh, laid.second)
+    over, tumbling = (any(turns(*way) for way in ways) for turns in (is_turned_over, tumbles))
     detour = map_detour((one.mesh, other.mesh), points)
     stretch = 0.5 * (mean_stretch(one.mesh, points[0]) + mean_stretch(other.mesh, points[1]))
-    return MappedPair(laid, found, symmetry, detour, is_turned_over=over, stretch=stretch)
+    return MappedPair(laid, found, symmetry, detour, 0.0, over, stretch, tumbling)

@@ -52,6 +52,8 @@ class MappedPair:
         Whether a registration turns its shape over.
     stretch : float
         Mean logarithmic stretch of both surfaces, apart from their scaling as a whole.
+    tumbles : bool
+        Whether a registration turns its shape far around, and not about the vertical axis.
     """
 
     laid: LaidPair
@@ -61,6 +63,7 @@ class MappedPair:
     turn: float = 0.0
     is_turned_over: bool = False
     stretch: float = 0.0
+    tumbles: bool = False
 
     @property
     def is_lopsided(self) -> bool:

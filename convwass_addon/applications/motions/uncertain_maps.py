@@ -63,6 +63,10 @@ _FINER = 1.0 / 3.0
 # A warp does not complete a map that moves shapes farther than this many times the Wasserstein distance: that matches
 # other parts than those near each other (a horse's neck and a bird's wing), which a warp would tear.
 _DETOUR = 1.4
+# Below this score, a map is given up if shapes tumble: a hand that becomes a chair (score 0.57) or a teapot that
+# becomes a lamp (0.20) turns a somersault, though little may be left (0.15). Where people stand on their hands, it is
+# above 0.9.
+_STEADY = 0.6
 # Connected components with at least this share of the area count as bodies.
 _BODY = 0.1
 
@@ -82,8 +86,9 @@ def motion_by_uncertain_map(mapped: MotionChoice, merges: bool, candidates: Moti
     guides, score = candidates.request.guides, mapped.score
     detour = max(pair.detour for pair in mapped.motion.pairs.values())
     far = detour > _DETOUR
+    tumbles = score < _STEADY and any(pair.tumbles for pair in mapped.motion.pairs.values())
     # Where bodies divide or join far from each other, a map tears something.
-    unfit = merges or (far and _divides(candidates) and not guides)
+    unfit = merges or ((tumbles or (far and _divides(candidates))) and not guides)
     alone = replace(mapped, reason="PARTLY", detour=detour)
     if not unfit and score < _UNSURE:
         yield Progress(0.0, Sentence("Moving the shapes"))

@@ -20,9 +20,9 @@ FADED = SimpleNamespace(with_coherence=lambda coherence: ("faded", coherence))
 WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence), sizes=np.ones(2))
 
 
-def guided_with(score, turn=0.0, detour=1.0, left_out=0, crumpling=1.0):
+def guided_with(score, turn=0.0, detour=1.0, left_out=0, crumpling=1.0, tumbles=False):
     """Return a guided motion with these figures."""
-    pair = GuidedPair(score, left_out, detour, turn, crumpling)
+    pair = GuidedPair(score, left_out, detour, turn, crumpling, tumbles)
     return SimpleNamespace(pairs={(0, 1): pair}, with_coherence=lambda coherence: ("guided", coherence))
 
 

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether registrations turn bodies over."""
+"""Whether registrations turn bodies over, or far around."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
 
-from convwass_addon.applications.motions.facing_turns import is_turned_over
+from convwass_addon.applications.motions.facing_turns import is_turned_over, tumbles
 from convwass_addon.applications.motions.laid_meshes import Laid
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.rotation_fields import rotation_matrices
@@ -35,6 +35,28 @@ def turned(degrees):
 )
 def test_a_body_is_turned_over_if_up_becomes_down(degrees, over):
     assert is_turned_over(SHAPE, Laid(turned(degrees), np.ones(len(SHAPE.vertices)))) is over
+
+
+@pytest.mark.parametrize(
+    ("degrees", "far"),
+    [
+        ((0.0, 0.0, 180.0), False),
+        ((20.0, 0.0, 170.0), False),
+        ((120.0, 0.0, 0.0), False),
+        ((130.0, 0.0, 0.0), True),
+        ((0.0, 180.0, 0.0), True),
+    ],
+)
+def test_a_body_tumbles_if_it_turns_far_around_and_not_about_the_vertical_axis(degrees, far):
+    assert tumbles(SHAPE, Laid(turned(degrees), np.ones(len(SHAPE.vertices)))) is far
+
+
+def test_a_body_tumbles_if_it_lies_down_and_turns_around():
+    """As a robot on its way to an airplane: up becomes forward, and left becomes right."""
+    around = SHAPE.vertices @ np.array([[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
+    laid = Laid(around, np.ones(len(SHAPE.vertices)))
+    assert tumbles(SHAPE, laid)
+    assert not is_turned_over(SHAPE, laid)
 
 
 def test_a_registration_that_is_trusted_nowhere_turns_nothing_over():

@@ -85,6 +85,15 @@ def test_shapes_that_divide_far_away_are_transported(motions):
     assert choice(shapes=pair).kind == "guided"
 
 
+@pytest.mark.parametrize(("score", "kind"), [(0.59, "warp"), (0.6, "guided")])
+def test_maps_by_which_shapes_tumble_are_given_up_unless_they_are_good(motions, score, kind):
+    """Or unless guides say what corresponds; how little is left does not matter."""
+    motions(guided_with(score, tumbles=True), left=0.1, by_warp_alone=0.5)
+    found = choice()
+    assert (found.kind, found.reason) == (kind, "PARTLY" if kind == "guided" else "APART")
+    assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
+
+
 def test_vertices_without_faces_are_no_bodies(motions):
     loose = TriangleMesh(np.concatenate([BARBELL.vertices, [[0.0, 0.0, 9.0]]]), BARBELL.faces)
     motions(guided_with(0.6, detour=1.8))
