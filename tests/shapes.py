@@ -128,7 +128,7 @@ def capsules(limbs, low, high, cell):
         own = np.linalg.norm(points - start - share[..., None] * along, axis=-1) - radius
         distance = np.minimum(distance, own)
     vertices, faces, _, _ = marching_cubes(distance, 0.0, spacing=(cell,) * 3)
-    return TriangleMesh.from_arrays(vertices + np.array(low), faces[:, ::-1])
+    return TriangleMesh.from_arrays(vertices + np.array(low), faces)
 
 
 def square(size=1.0, center=(0.0, 0.0, 0.0)):
