@@ -186,7 +186,7 @@ def _between(
 def _checked(
     divided: Subdivision, line: NDArray[np.float64], places: NDArray[np.float64], volume: float
 ) -> SlicedTube | None:
-    """Return the tube if it is as wide everywhere as its volume tells."""
+    """Return the tube if its slices across the line are in one piece, and as wide everywhere as its volume tells."""
     mesh, count = divided.mesh, (len(line) - 1) // _POINTS
     nodes = np.rint(places).astype(np.int64)
     # The first and the last part of the line reach beyond the mesh, and caps are around them.
@@ -202,5 +202,8 @@ def _checked(
     round_volume = np.pi * float(np.square(radii).mean()) * length
     if not _VOLUMES[0] < volume / round_volume < _VOLUMES[1]:
         return None
-    scale = (len(line) - 1) / (ends[1] - ends[0])
-    return SlicedTube(divided, points, (places - ends[0]) * scale, radii)
+    places = (places - ends[0]) * ((len(line) - 1) / (ends[1] - ends[0]))
+    # A teapot whose handle ends freely is in one piece at every length from the handle, over the body, to the spout.
+    if not _is_one_piece_everywhere(mesh, places / _POINTS, count):
+        return None
+    return SlicedTube(divided, points, places, radii)

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
 from scipy.spatial import cKDTree
@@ -120,6 +122,16 @@ def test_what_is_round_closed_branching_or_apart_is_no_tube(solid):
 )
 def test_what_is_long_but_no_tube_is_none(solid):
     assert sliced_tube(solid) is None
+
+
+def test_a_pot_with_a_spout_and_a_handle_that_ends_freely_is_no_tube():
+    """At every length along the surface from the end of the handle, it is in one piece."""
+    angles = np.linspace(-1.4, 1.2, 12)
+    hook = np.stack([0.6 + 0.45 * np.cos(angles), 0.0 * angles, 0.05 + 0.36 * np.sin(angles)], axis=1)
+    handle = [(start, end, 0.065) for start, end in pairwise([(0.45, 0.0, -0.2), *hook[1:]])]
+    spout = [((-0.5, 0.0, -0.15), (-0.9, 0.0, 0.2), 0.12), ((-0.9, 0.0, 0.2), (-1.1, 0.0, 0.45), 0.08)]
+    pot = capsules([((0, 0, -0.02), (0, 0, 0.02), 0.6), *spout, *handle], (-1.4, -0.8, -0.8), (1.3, 0.8, 0.9), 0.05)
+    assert sliced_tube(pot) is None
 
 
 @pytest.mark.parametrize("width", [1e-5, 1e-9])
