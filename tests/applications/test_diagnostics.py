@@ -178,6 +178,8 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "combined", "reason": "UNLIKE", "score": 0.5}, ["GOOD", "COMBINED"]),
         ({"kind": "warp", "reason": "UNLIKE", "score": 0.74}, ["GOOD", "CLOSER"]),
         ({"kind": "warp", "reason": "CRUMPLED", "score": 0.52, "left": 0.4}, ["GOOD", "CRUMPLED"]),
+        ({"kind": "warp", "reason": "TUMBLING", "score": 0.2, "left": 0.6}, ["GOOD", "UPRIGHT"]),
+        ({"kind": "transport", "reason": "TUMBLING", "score": 0.57, "left": 1.2}, ["GOOD", "TUMBLING"]),
         ({"kind": "warp", "reason": "APART", "score": 0.2, "detour": 1.7, "left": 0.3}, ["GOOD", "WARPED"]),
         ({"kind": "guided", "reason": "OUTLINES"}, ["GOOD", "OUTLINES"]),
         ({"kind": "guided", "reason": "TUBES"}, ["GOOD", "TUBES"]),

@@ -37,11 +37,14 @@ TEXTS: dict[str, str] = {
     "CLOSER": "Warp was chosen: it brings the shapes closer to each other than the map between them "
     "(agreement {score:.0%})",
     "CRUMPLED": "Warp was chosen: the map between the shapes (agreement {score:.0%}) would crumple them",
+    "UPRIGHT": "Warp was chosen: by the map between the shapes (agreement {score:.0%}), they would tumble",
     "TURNED": "The shapes turn by up to {angle:.0f} degrees on the way, since they seem to face different ways; if "
     "they do not, set guides",
     "GUIDES": "{count} of the guides were left out, because the shapes map better without them: check their points",
     "APART": "Transport was chosen: there is no good map between the shapes (agreement {score:.0%}, "
     "detour {detour:.1f}); guides may help",
+    "TUMBLING": "Transport was chosen: by the map between the shapes (agreement {score:.0%}), they would tumble; "
+    "guides may help",
     "OUTLINES": "Guided was chosen: the outlines of the shapes match",
     "OUTLINES_TURNED": "Guided was chosen: the outlines of the shapes match if they turn by up to {angle:.0f} degrees",
     "TUBES": "Guided was chosen: the shapes are tubes, and move as their center lines bend",
@@ -83,6 +86,7 @@ SEVERITIES: dict[str, Severity] = {
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CLOSER", "CRUMPLED", "TURNED", "APART"), "INFO"),
+    **dict.fromkeys(("UPRIGHT", "TUMBLING"), "INFO"),
     **dict.fromkeys(
         ("OUTLINES", "OUTLINES_TURNED", "TUBES", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
     ),
@@ -331,6 +335,8 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     if reason == "APART":
         note = "WARPED" if kind == "warp" else "APART"
         return [Diagnostic(note, {**score, "detour": _number(chosen, "motion_detour")})]
+    if reason == "TUMBLING":
+        return [Diagnostic("UPRIGHT" if kind == "warp" else "TUMBLING", score)]
     if reason in ("PARTLY", "CRUMPLED"):
         return [Diagnostic(reason, score)]
     note = {"guided": "GUIDED", "combined": "COMBINED", "warp": "CLOSER"}.get(kind)

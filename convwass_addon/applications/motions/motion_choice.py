@@ -41,10 +41,10 @@ class MotionChoice:
     reason : str
         "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
         place), "UNLIKE" (they do in part, and are warped towards each other), "CRUMPLED" (the map would crumple them
-        more than a warp does), "SOLID" (they do not, and one of them has no limbs), "APART" (they do not), "BENT" (a
-        warp would bend plane faces), "OUTLINES" (outlines determine the shapes, and match), "TUBES" (center
-        lines do), "REGIONS" (one has too many regions), "DISTORTED" (their outlines would distort them too much), or
-        "FAILED" (an error occurred).
+        more than a warp does), "SOLID" (they do not, and one of them has no limbs), "APART" (they do not), "TUMBLING"
+        (by their map, they would tumble), "BENT" (a warp would bend plane faces), "OUTLINES" (outlines determine the
+        shapes, and match), "TUBES" (center lines do), "REGIONS" (one has too many regions), "DISTORTED" (their outlines
+        would distort them too much), or "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None

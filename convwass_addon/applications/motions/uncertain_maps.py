@@ -86,16 +86,17 @@ def motion_by_uncertain_map(mapped: MotionChoice, merges: bool, candidates: Moti
     guides, score = candidates.request.guides, mapped.score
     detour = max(pair.detour for pair in mapped.motion.pairs.values())
     far = detour > _DETOUR
-    tumbles = score < _STEADY and any(pair.tumbles for pair in mapped.motion.pairs.values())
+    tumbles = score < _STEADY and any(pair.tumbles for pair in mapped.motion.pairs.values()) and not guides
     # Where bodies divide or join far from each other, a map tears something.
-    unfit = merges or ((tumbles or (far and _divides(candidates))) and not guides)
+    unfit = merges or tumbles or (far and _divides(candidates) and not guides)
     alone = replace(mapped, reason="PARTLY", detour=detour)
     if not unfit and score < _UNSURE:
         yield Progress(0.0, Sentence("Moving the shapes"))
         smooth = _lying_smoothly(alone, candidates)
         if smooth is not None:
             return smooth
-    unmoved = MotionChoice("transport", "SOLID" if merges else "APART", None, score, detour=detour)
+    reason = "SOLID" if merges else "TUMBLING" if tumbles else "APART"
+    unmoved = MotionChoice("transport", reason, None, score, detour=detour)
     if unfit or score < DOUBTED:
         return (yield from unmapped_motion(unmoved, candidates))
     doubtful = (score < _UNSURE or _crumpling(alone) > _MUCH_CRUMPLED) and not guides

@@ -90,7 +90,7 @@ def test_maps_by_which_shapes_tumble_are_given_up_unless_they_are_good(motions, 
     """Or unless guides say what corresponds; how little is left does not matter."""
     motions(guided_with(score, tumbles=True), left=0.1, by_warp_alone=0.5)
     found = choice()
-    assert (found.kind, found.reason) == (kind, "PARTLY" if kind == "guided" else "APART")
+    assert (found.kind, found.reason) == (kind, "PARTLY" if kind == "guided" else "TUMBLING")
     assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
 
 
