@@ -329,4 +329,4 @@ def _mapped(one: Carrier, other: Carrier, laid: LaidPair, found: PairMap, sides:
     over, tumbling = (any(turns(*way) for way in ways) for turns in (is_turned_over, tumbles))
     detour = map_detour((one.mesh, other.mesh), points)
     stretch = 0.5 * (mean_stretch(one.mesh, points[0]) + mean_stretch(other.mesh, points[1]))
-    return MappedPair(laid, found, symmetry, detour, 0.0, over, stretch, tumbling)
+    return MappedPair(laid, found, symmetry, detour, is_turned_over=over, stretch=stretch, tumbles=tumbling)

@@ -86,7 +86,7 @@ def motion_by_uncertain_map(mapped: MotionChoice, merges: bool, candidates: Moti
     guides, score = candidates.request.guides, mapped.score
     detour = max(pair.detour for pair in mapped.motion.pairs.values())
     far = detour > _DETOUR
-    tumbles = score < _STEADY and any(pair.tumbles for pair in mapped.motion.pairs.values()) and not guides
+    tumbles = any(pair.tumbles and pair.score < _STEADY for pair in mapped.motion.pairs.values()) and not guides
     # Where bodies divide or join far from each other, a map tears something.
     unfit = merges or tumbles or (far and _divides(candidates) and not guides)
     alone = replace(mapped, reason="PARTLY", detour=detour)

@@ -94,6 +94,14 @@ def test_maps_by_which_shapes_tumble_are_given_up_unless_they_are_good(motions, 
     assert choice(guides=[{0: 7, 1: 7}]).kind == "guided"
 
 
+def test_shapes_may_tumble_by_a_good_map_beside_a_poor_one(motions):
+    """Someone who stands on their hands, beside a pair of which one is hardly like the other."""
+    guided = guided_with(0.95, tumbles=True)
+    guided.pairs[1, 2] = guided_with(0.5).pairs[0, 1]
+    motions(guided, left=0.1)
+    assert choice().kind == "guided"
+
+
 def test_vertices_without_faces_are_no_bodies(motions):
     loose = TriangleMesh(np.concatenate([BARBELL.vertices, [[0.0, 0.0, 9.0]]]), BARBELL.faces)
     motions(guided_with(0.6, detour=1.8))
