@@ -41,7 +41,7 @@ def test_a_body_is_turned_over_if_up_becomes_down(degrees, over):
     ("degrees", "far"),
     [
         ((0.0, 0.0, 180.0), False),
-        ((20.0, 0.0, 170.0), False),
+        ((60.0, 0.0, 165.0), False),
         ((120.0, 0.0, 0.0), False),
         ((130.0, 0.0, 0.0), True),
         ((0.0, 180.0, 0.0), True),
