@@ -72,7 +72,7 @@ def two_balls(away) -> TriangleMesh:
     axes = [np.arange(-end, end, 0.07) for end in (2.6, 1.2, 1.2)]
     distance = outside_balls(np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1), away)
     vertices, faces, _, _ = marching_cubes(distance, 0.0, spacing=(0.07,) * 3)
-    return TriangleMesh.from_arrays(vertices + [axis[0] for axis in axes], faces[:, ::-1])
+    return TriangleMesh.from_arrays(vertices + [axis[0] for axis in axes], faces)
 
 
 def still_player(collection):
