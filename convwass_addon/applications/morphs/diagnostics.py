@@ -85,8 +85,8 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CLOSER", "CRUMPLED", "TURNED", "APART"), "INFO"),
-    **dict.fromkeys(("UPRIGHT", "TUMBLING"), "INFO"),
+    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CLOSER", "CRUMPLED", "UPRIGHT", "TURNED"), "INFO"),
+    **dict.fromkeys(("APART", "TUMBLING"), "INFO"),
     **dict.fromkeys(
         ("OUTLINES", "OUTLINES_TURNED", "TUBES", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
     ),
@@ -98,6 +98,8 @@ SEVERITIES: dict[str, Severity] = {
     "GOOD": "INFO",
 }
 
+# The notes on reasons for which there is no map, if the shapes are warped and not transported.
+_IF_WARPED = {"SOLID": "MERGED", "APART": "WARPED", "TUMBLING": "UPRIGHT"}
 # Parts of at least this thickness in cells survive a morph.
 KEPT_CELLS = 2.0
 # Fractions of the shape below this are not reported.
@@ -324,21 +326,17 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
     if chosen is None:
         return []
     reason, kind = str(chosen["motion_reason"]), str(chosen.get("motion_kind"))
-    if reason == "SOLID" and kind == "warp":
-        return [Diagnostic("MERGED", {})]
+    note = _IF_WARPED.get(reason, reason) if kind == "warp" else reason
     if reason in ("TUBES", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"):
-        return [Diagnostic(reason, {})]
+        return [Diagnostic(note, {})]
     if reason == "OUTLINES":
         turned = _number(chosen, "motion_turned")
         return [Diagnostic("OUTLINES_TURNED", {"angle": turned}) if turned > 0.0 else Diagnostic("OUTLINES", {})]
     score = {"score": _number(chosen, "motion_score")}
     if reason == "APART":
-        note = "WARPED" if kind == "warp" else "APART"
         return [Diagnostic(note, {**score, "detour": _number(chosen, "motion_detour")})]
-    if reason == "TUMBLING":
-        return [Diagnostic("UPRIGHT" if kind == "warp" else "TUMBLING", score)]
-    if reason in ("PARTLY", "CRUMPLED"):
-        return [Diagnostic(reason, score)]
+    if reason in ("PARTLY", "CRUMPLED", "TUMBLING"):
+        return [Diagnostic(note, score)]
     note = {"guided": "GUIDED", "combined": "COMBINED", "warp": "CLOSER"}.get(kind)
     if note is None:
         return [Diagnostic("NO_MOTION", {"failure": str(chosen.get("motion_failure", ""))})]
