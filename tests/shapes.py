@@ -137,6 +137,12 @@ def square(size=1.0, center=(0.0, 0.0, 0.0)):
     return TriangleMesh.from_arrays(corners, [(0, 1, 2), (0, 2, 3)])
 
 
+def renumbered(mesh):
+    """The same surface with its vertices in another order."""
+    order = np.random.default_rng(0).permutation(len(mesh.vertices))
+    return TriangleMesh.from_arrays(mesh.vertices[order], np.argsort(order)[mesh.faces])
+
+
 def joined(*meshes):
     """Several meshes combined into one."""
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes[:-1])])

@@ -181,6 +181,7 @@ def test_damaged_figures_are_taken_as_good():
         ({"kind": "warp", "reason": "TUMBLING", "score": 0.2, "left": 0.6}, ["GOOD", "UPRIGHT"]),
         ({"kind": "transport", "reason": "TUMBLING", "score": 0.57, "left": 1.2}, ["GOOD", "TUMBLING"]),
         ({"kind": "warp", "reason": "APART", "score": 0.2, "detour": 1.7, "left": 0.3}, ["GOOD", "WARPED"]),
+        ({"kind": "guided", "reason": "VERTICES", "score": 1.0}, ["GOOD", "VERTICES"]),
         ({"kind": "guided", "reason": "OUTLINES"}, ["GOOD", "OUTLINES"]),
         ({"kind": "guided", "reason": "TUBES"}, ["GOOD", "TUBES"]),
         ({"kind": "guided", "reason": "OUTLINES", "turned": 180}, ["GOOD", "OUTLINES_TURNED"]),

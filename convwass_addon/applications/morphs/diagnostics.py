@@ -45,6 +45,7 @@ TEXTS: dict[str, str] = {
     "detour {detour:.1f}); guides may help",
     "TUMBLING": "Transport was chosen: by the map between the shapes (agreement {score:.0%}), they would tumble; "
     "guides may help",
+    "VERTICES": "Guided was chosen: the shapes have the same vertices and faces",
     "OUTLINES": "Guided was chosen: the outlines of the shapes match",
     "OUTLINES_TURNED": "Guided was chosen: the outlines of the shapes match if they turn by up to {angle:.0f} degrees",
     "TUBES": "Guided was chosen: the shapes are tubes, and move as their center lines bend",
@@ -86,7 +87,7 @@ SEVERITIES: dict[str, Severity] = {
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
     **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CLOSER", "CRUMPLED", "UPRIGHT", "TURNED"), "INFO"),
-    **dict.fromkeys(("APART", "TUMBLING"), "INFO"),
+    **dict.fromkeys(("APART", "TUMBLING", "VERTICES"), "INFO"),
     **dict.fromkeys(
         ("OUTLINES", "OUTLINES_TURNED", "TUBES", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
     ),
@@ -327,7 +328,7 @@ def _motion(figures: Sequence[dict[str, object]]) -> list[Diagnostic]:
         return []
     reason, kind = str(chosen["motion_reason"]), str(chosen.get("motion_kind"))
     note = _IF_WARPED.get(reason, reason) if kind == "warp" else reason
-    if reason in ("TUBES", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"):
+    if reason in ("VERTICES", "TUBES", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"):
         return [Diagnostic(note, {})]
     if reason == "OUTLINES":
         turned = _number(chosen, "motion_turned")

@@ -13,6 +13,8 @@ from scipy.sparse import csr_array
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
+from ...geometry.barycentric import barycentric_coordinates
+from ...geometry.closest_points import ClosestPoints
 from ...geometry.coarsening import coarsened
 from ...geometry.component_links import component_links
 from ...geometry.edges import proper_part
@@ -115,6 +117,20 @@ class Carrier:
     def places(self, vertices: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the vertices of `mesh` nearest to given vertices of `rest`, (k,)."""
         return cKDTree(self.mesh.vertices).query(self.rest.vertices[vertices])[1]
+
+    def embedding(self, shape: TriangleMesh) -> ClosestPoints:
+        """Return the points of the input at the vertices of `rest`: its vertices, then those on its triangles."""
+        count, rest = len(shape.vertices), self.rest
+        triangle, corner = np.zeros(len(rest.vertices), np.int64), np.zeros(len(rest.vertices), np.int64)
+        # Unused vertices are invisible, so the first corner of the first triangle serves for them.
+        for place in range(3):
+            triangle[shape.faces[:, place]], corner[shape.faces[:, place]] = np.arange(len(shape.faces)), place
+        shares = np.eye(3)[corner]
+        if self.parents is not None:
+            triangle[rest.faces.ravel()] = np.repeat(self.parents, 3)
+            shares = barycentric_coordinates(shape.corners[triangle], rest.vertices[:, None])[:, 0]
+            shares[:count] = np.where((shape.faces[triangle[:count]] == np.arange(count)[:, None]), 1.0, 0.0)
+        return ClosestPoints(triangle, shares, np.zeros(len(rest.vertices)))
 
     def carried(self, points: NDArray[np.float64], gradients: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the deformed vertices of `rest`, (n, 3).

@@ -59,6 +59,8 @@ def _chosen(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
+    if request.vertices_correspond:
+        return (yield from motion_of_surfaces(request, control))
     apart = attempted(SeparateBodies.of, request) if request.is_free else None
     if apart is None:
         return (yield from _unless_outlined(request, control))

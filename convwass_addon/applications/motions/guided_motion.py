@@ -28,6 +28,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..workers import both_ways, one_blas_thread, side_by_side
 from .carriers import Carrier, carrier_of
+from .corresponding_vertices import CommonVertices, corresponding_pair, vertices_correspond
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
 from .map_quality import MapQuality, map_quality
@@ -61,6 +62,8 @@ class GuidedPair:
         How much the shapes crumple on each other; the larger figure of both, see :class:`.map_quality.MapQuality`.
     tumbles : bool
         Whether the map turns a shape far around, and not about the vertical axis.
+    by_vertices : bool
+        Whether vertices with the same number correspond; see :mod:`.corresponding_vertices`.
     """
 
     score: float
@@ -69,6 +72,7 @@ class GuidedPair:
     turn: float
     crumpling: float = 1.0
     tumbles: bool = False
+    by_vertices: bool = False
 
 
 @dataclass(frozen=True)
@@ -85,12 +89,15 @@ class GuidedMotion:
         Figures of every pair, smaller index first.
     settings : GuidedSettings
         Settings of the motion.
+    common : CommonVertices or None
+        The vertices that all shapes have in common, if these correspond by their numbers in all pairs.
     """
 
     carriers: tuple[Carrier, ...]
     deformations: Mapping[tuple[int, int], ShapeDeformation]
     pairs: Mapping[tuple[int, int], GuidedPair]
     settings: GuidedSettings
+    common: CommonVertices | None = None
 
     def with_coherence(self, coherence: float) -> GuidedMotion:
         """Return the same motion with another coherence, without recomputation.
@@ -142,10 +149,13 @@ class GuidedMotion:
                 if other != shape:
                     found.append(self._correspondence((place, other_place), (shape, other), points))
         poses = mutual_poses(shares, found)
-        return [
-            pose.scaled(self.settings.way).applied(self.carriers[shape].carried(own, state[0]))
+        moved = {
+            shape: pose.scaled(self.settings.way).applied(self.carriers[shape].carried(own, state[0]))
             for shape, own, state, pose in zip(active, points, states, poses, strict=True)
-        ]
+        }
+        if self.common is not None and self.settings.way == 1.0:
+            moved = self.common.met(moved, shares, 1.0 - self.settings.stiffness)
+        return list(moved.values())
 
     def _state(
         self, shape: int, shares: Mapping[int, float]
@@ -241,24 +251,42 @@ def guided_motion(
         one, other = (carriers[shape] for shape in ordered)
         marked = guide_pairs(guides, *ordered)
         places = np.stack([one.places(marked[:, 0]), other.places(marked[:, 1])], axis=1)
+        both = shapes[ordered[0]], shapes[ordered[1]]
+        registration = _registered(both, (one, other), places, settings, control)
         begin, end = (0.05 + 0.95 * share / len(pairs) for share in (number, number + 1))
         with one_blas_thread():
-            work = _deformed(one, other, places, settings, control)
+            work = _deformed(one, other, registration, control)
             there, back, best, quality = yield from within(work, begin, end)
         deformations[ordered], deformations[ordered[::-1]] = there, back
         score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
         followed = best.map.pairs.tolist()
         left_out = sum(place not in followed for place in places.tolist())
-        known[pair] = GuidedPair(score, left_out, best.detour, best.turn, quality.crumpling, best.tumbles)
+        known[pair] = GuidedPair(
+            score, left_out, best.detour, best.turn, quality.crumpling, best.tumbles, best.by_vertices
+        )
     yield Progress(1.0, Sentence("Motion computed"))
-    return GuidedMotion(tuple(carriers), deformations, known, settings)
+    common = CommonVertices.of(carriers, shapes) if all(pair.by_vertices for pair in known.values()) else None
+    return GuidedMotion(tuple(carriers), deformations, known, settings, common)
+
+
+def _registered(
+    shapes: tuple[TriangleMesh, TriangleMesh],
+    carriers: tuple[Carrier, Carrier],
+    pairs: NDArray[np.int64],
+    settings: GuidedSettings,
+    control: Control,
+) -> Work[MappedPair]:
+    """Register two shapes by their vertices if these correspond and there are no guides, and otherwise by a map."""
+    if not len(pairs) and vertices_correspond(*shapes):
+        return corresponding_pair(shapes, carriers)
+    return (yield from mapped_pair(*carriers, pairs, settings, control))
 
 
 def _deformed(
-    one: Carrier, other: Carrier, pairs: NDArray[np.int64], settings: GuidedSettings, control: Control
+    one: Carrier, other: Carrier, registration: Work[MappedPair], control: Control
 ) -> Work[tuple[ShapeDeformation, ShapeDeformation, MappedPair, MapQuality]]:
-    """Deform two shapes to match each other; also return how well they do."""
-    best = yield from within(mapped_pair(one, other, pairs, settings, control), 0.0, _LAID)
+    """Deform two shapes to match each other, as their registration tells; also return how well they do."""
+    best = yield from within(registration, 0.0, _LAID)
     yield Progress(_LAID, registering(one, other))
     # The samples of both shapes are needed for both directions.
     both_ways(lambda k: (one, other)[k].samples)

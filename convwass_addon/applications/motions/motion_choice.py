@@ -39,12 +39,13 @@ class MotionChoice:
     kind : str
         "guided", "combined" (guided, and completed by a warp), "warp" or "transport".
     reason : str
-        "ASKED" (requested), "FITS" (the shapes map onto each other), "PARTLY" (they do in part, and the rest grows in
-        place), "UNLIKE" (they do in part, and are warped towards each other), "CRUMPLED" (the map would crumple them
-        more than a warp does), "SOLID" (they do not, and one of them has no limbs), "APART" (they do not), "TUMBLING"
-        (by their map, they would tumble), "BENT" (a warp would bend plane faces), "OUTLINES" (outlines determine the
-        shapes, and match), "TUBES" (center lines do), "REGIONS" (one has too many regions), "DISTORTED" (their outlines
-        would distort them too much), or "FAILED" (an error occurred).
+        "ASKED" (requested), "VERTICES" (the shapes have the same vertices and faces), "FITS" (the shapes map onto
+        each other), "PARTLY" (they do in part, and the rest grows in place), "UNLIKE" (they do in part, and are
+        warped towards each other), "CRUMPLED" (the map would crumple them more than a warp does), "SOLID" (they do
+        not, and one of them has no limbs), "APART" (they do not), "TUMBLING" (by their map, they would tumble),
+        "BENT" (a warp would bend plane faces), "OUTLINES" (outlines determine the shapes, and match), "TUBES" (center
+        lines do), "REGIONS" (one has too many regions), "DISTORTED" (their outlines would distort them too much), or
+        "FAILED" (an error occurred).
     motion : Motion or None
         None for transport alone.
     score : float or None

@@ -8,8 +8,10 @@ import hashlib
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from ...geometry.mesh import TriangleMesh
+from .corresponding_vertices import vertices_correspond
 from .guides import Guide
 
 
@@ -45,6 +47,12 @@ class MotionRequest:
     def is_free(self) -> bool:
         """Whether the motion is chosen by the shapes alone."""
         return self.kind == "automatic" and not self.guides
+
+    @cached_property
+    def vertices_correspond(self) -> bool:
+        """Whether the vertices of all pairs of shapes correspond by their numbers, and no guides say otherwise."""
+        pairs = ((self.shapes[one], self.shapes[other]) for one, other in self.pairs)
+        return not self.guides and all(vertices_correspond(*pair) for pair in pairs)
 
     def digest(self) -> bytes:
         """Return a hash of everything that is asked for, equal for equal requests."""

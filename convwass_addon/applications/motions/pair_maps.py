@@ -68,6 +68,11 @@ class PairMap:
         """Return the record of a missing map."""
         return cls(None, _NO_PAIRS, 0.0)
 
+    @classmethod
+    def unneeded(cls) -> PairMap:
+        """Return the record of shapes whose correspondence is known without a map."""
+        return cls(None, _NO_PAIRS, 1.0)
+
     def starts(self, one: Carrier, other: Carrier) -> tuple[Laid, Laid]:
         """Return where the map sends the vertices of either shape, with confidences, for registrations."""
         return _start(one, other, self.found.forward), _start(other, one, self.found.backward)

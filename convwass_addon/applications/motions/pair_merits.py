@@ -54,6 +54,8 @@ class MappedPair:
         Mean logarithmic stretch of both surfaces, apart from their scaling as a whole.
     tumbles : bool
         Whether a registration turns its shape far around, and not about the vertical axis.
+    by_vertices : bool
+        Whether vertices with the same number correspond; see :mod:`.corresponding_vertices`.
     """
 
     laid: LaidPair
@@ -64,6 +66,7 @@ class MappedPair:
     is_turned_over: bool = False
     stretch: float = 0.0
     tumbles: bool = False
+    by_vertices: bool = False
 
     @property
     def is_lopsided(self) -> bool:

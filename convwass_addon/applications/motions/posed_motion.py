@@ -10,12 +10,11 @@ with the surface.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import permutations
 
 import numpy as np
 
-from ...geometry.barycentric import barycentric_coordinates
 from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.surface_rotations import surface_rotations
@@ -87,7 +86,7 @@ class PosedMotion:
             guided = chosen.guided
         else:
             guided = _guided_along(chosen, shapes, names, pairs, coherence, control)
-        embeddings = [_embedding(own, shape) for own, shape in zip(guided.carriers, shapes, strict=True)]
+        embeddings = [own.embedding(shape) for own, shape in zip(guided.carriers, shapes, strict=True)]
         return cls(chosen, guided, tuple(embeddings), _places(chosen, guided, pairs))
 
     def at(self, shapes: Sequence[TriangleMesh], active: Sequence[int], control: Control) -> Motion:
@@ -103,8 +102,7 @@ class PosedMotion:
             )
             for one, other in permutations(active, 2)
         }
-        posed = GuidedMotion(tuple(carriers), deformations, self.guided.pairs, self.guided.settings)
-        return _Posed(self, posed)
+        return _Posed(self, replace(self.guided, carriers=tuple(carriers), deformations=deformations))
 
 
 @dataclass(frozen=True)
@@ -188,19 +186,3 @@ def _laid(motion: Motion, carrier: Carrier, one: int, other: int, count: int) ->
     moved = arriving(motion, count, one, other)
     places = ClosestPointFinder(moved.rest.corners).find(carrier.mesh.vertices)
     return Laid(places.interpolated(moved.mesh.corners), np.ones(len(carrier.mesh.vertices)))
-
-
-def _embedding(carrier: Carrier, shape: TriangleMesh) -> ClosestPoints:
-    """Return the points of an input at its carrier's rest vertices: those of the input, then those on its triangles."""
-    count = len(shape.vertices)
-    rest = carrier.rest
-    triangle, corner = np.zeros(len(rest.vertices), np.int64), np.zeros(len(rest.vertices), np.int64)
-    # Unused vertices are invisible, so the first corner of the first triangle serves for them.
-    for place in range(3):
-        triangle[shape.faces[:, place]], corner[shape.faces[:, place]] = np.arange(len(shape.faces)), place
-    shares = np.eye(3)[corner]
-    if carrier.parents is not None:
-        triangle[rest.faces.ravel()] = np.repeat(carrier.parents, 3)
-        shares = barycentric_coordinates(shape.corners[triangle], rest.vertices[:, None])[:, 0]
-        shares[:count] = np.where((shape.faces[triangle[:count]] == np.arange(count)[:, None]), 1.0, 0.0)
-    return ClosestPoints(triangle, shares, np.zeros(len(rest.vertices)))

@@ -29,7 +29,7 @@ _MOST_COMPONENTS, _MOST_BODIES = 64, 6
 # floats beside a figure follows its motion.
 _COMPARABLE = 0.5
 # Reasons for a guided motion, the most certain one first.
-_REASONS = ("OUTLINES", "TUBES", "FITS", "PARTLY")
+_REASONS = ("VERTICES", "OUTLINES", "TUBES", "FITS", "PARTLY")
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,8 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
     lets them merge with it.
     """
     request = candidates.request
-    compact = [not request.guides and is_compact(shape) for shape in request.shapes]
+    known = request.guides or request.vertices_correspond
+    compact = [not known and is_compact(shape) for shape in request.shapes]
     merges = all(compact[one] or compact[other] for one, other in request.pairs)
     solid = MotionChoice("transport", "SOLID")
     begin = _ROUGH_SHARE if merges else 0.0
@@ -70,7 +71,7 @@ def _automatic(candidates: MotionCandidates) -> Work[MotionChoice]:
             raise
         yield Progress(1.0, Sentence("Transporting without a motion"))
         return MotionChoice("transport", "FAILED", None, failure=str(error))
-    mapped = mapped_choice("FITS", guided)
+    mapped = mapped_choice("VERTICES" if request.vertices_correspond else "FITS", guided)
     if mapped.score >= (_SURE if merges else TRUSTED):
         return mapped
     # Shapes without limbs have no handles either.

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -69,6 +69,14 @@ class GuidedWay:
         heights[mended] = 0.0
         offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
         return cls(motion, count, index, folds, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
+
+    @classmethod
+    def to_vertices(cls, motion: Motion, count: int, index: int, mesh: TriangleMesh, target: TriangleMesh) -> GuidedWay:
+        """Guide the mesh to the end, and move its vertices on to those of the other shape with the same numbers."""
+        nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
+        way = cls(motion, count, index, FoldFinder.of(mesh, target), np.zeros(len(mesh.vertices)), nothing)
+        guided = way.guided(1.0).vertices
+        return replace(way, mended=TurnedOffsets.of(mesh, guided, target.vertices - guided))
 
     @property
     def mesh(self) -> TriangleMesh:

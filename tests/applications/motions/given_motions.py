@@ -11,10 +11,10 @@ from convwass_addon.applications.motions.guided_motion import GuidedPair
 from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.errors import ResourceError
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.shapes import ball, joined
+from tests.shapes import ball, joined, renumbered
 
 BARBELL = joined(ball(points=40), ball(center=(4.0, 1.0, 0.0), points=40))
-SHAPES = (BARBELL, BARBELL.moved((0.0, 0.0, 1.0)))
+SHAPES = (BARBELL, renumbered(BARBELL.moved((0.0, 0.0, 1.0))))
 COMBINED = SimpleNamespace(with_coherence=lambda coherence: ("combined", coherence))
 FADED = SimpleNamespace(with_coherence=lambda coherence: ("faded", coherence))
 WARP = SimpleNamespace(with_coherence=lambda coherence: ("warp", coherence), sizes=np.ones(2))

@@ -17,7 +17,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps
 from tests.applications.motions.given_motions import BARBELL, SHAPES, WARP, chosen_by, give, guided_with
-from tests.shapes import ball, box, joined
+from tests.shapes import ball, box, joined, renumbered
 
 BOXES = joined(box(), box((0.2, 1.0, 1.0), (2.0, 0.0, 1.0)), box((0.2, 0.2, 2.0), (0.0, 2.0, 0.0)))
 OVERLAPPING = joined(box(), box((0.3, 0.3, 2.0), (0.3, 0.3, 1.0)), box((0.3, 2.0, 0.3), (-0.3, 1.0, -0.3)))
@@ -62,7 +62,7 @@ def test_equal_shapes_without_limbs_need_no_map():
     round_ = ball(points=200)
     egg = TriangleMesh(round_.vertices * (1.0, 2.0, 3.0), round_.faces)
     with coarse_maps():
-        found = choice(shapes=(egg, egg.moved((3.0, 1.0, 0.0)))).record()
+        found = choice(shapes=(egg, renumbered(egg.moved((3.0, 1.0, 0.0))))).record()
     assert found == {"kind": "warp", "reason": "SOLID", "left": 0.0}
 
 
@@ -82,7 +82,7 @@ def test_plane_faces_are_transported_rather_than_bent(motions, monkeypatch, limb
 
 def test_a_warp_that_would_replace_a_map_is_not_used_if_it_bends(motions, monkeypatch):
     motions(guided_with(0.6, crumpling=1.9), left=0.6, by_warp_alone=0.1)
-    shapes = (BOXES, BOXES.moved((0.0, 1.0, 0.0)))
+    shapes = (BOXES, renumbered(BOXES.moved((0.0, 1.0, 0.0))))
     monkeypatch.setattr(motion_candidates.MotionCandidates, "warp_crumpling", lambda *_arguments: 1.2)
     assert choice(shapes=shapes).kind == "warp"
     monkeypatch.setattr(motion_candidates.MotionCandidates, "warp_crumpling", lambda *_arguments: 1.4)
@@ -136,7 +136,8 @@ def test_if_outlines_fail_the_surfaces_are_mapped(motions, monkeypatch):
     ],
 )
 def test_overlapping_bodies_are_mapped_as_they_are_if_that_leaves_much_less(monkeypatch, outside, apart, used):
-    shapes = tuple(joined(box((1.0, 2.0, 0.3)), ball(0.6, (0.0, shift, 0.3), points=60)) for shift in (0.0, 0.5))
+    one, other = (joined(box((1.0, 2.0, 0.3)), ball(0.6, (0.0, shift, 0.3), points=60)) for shift in (0.0, 0.5))
+    shapes = one, renumbered(other)
 
     def by_surfaces(request, _control):
         kind, left = ("apart", apart) if request.shapes is shapes else ("outside", outside)
@@ -153,7 +154,7 @@ def test_overlapping_bodies_are_mapped_as_they_are_if_that_leaves_much_less(monk
 def test_bodies_with_small_ones_are_mapped_once(monkeypatch, size, used):
     """Unless the other shape has two large ones."""
     eye, other = (ball(radius, (0.9, 0.1, 0.3), points=60) for radius in (0.2, size))
-    shapes = tuple(joined(ball(1.0, points=200), own) for own in (eye, other))
+    shapes = joined(ball(1.0, points=200), eye), renumbered(joined(ball(1.0, points=200), other))
 
     def by_surfaces(request, _control):
         kind, left = ("apart", 0.1) if request.shapes is shapes else ("outside", 0.9)

@@ -14,7 +14,7 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.separate_bodies import SeparateBodies
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.shapes import box, joined
+from tests.shapes import box, joined, renumbered
 
 ASIDE = np.array([6.0, 1.0, 0.0])
 PAIRS = (
@@ -119,9 +119,9 @@ def test_only_automatic_motions_without_guides_are_divided(monkeypatch, about):
     monkeypatch.setattr(choosing.SeparateBodies, "of", asked.append)
     monkeypatch.setattr(choosing, "_by_bodies", whole_for([]))
     monkeypatch.setattr(choosing, "_by_outlines", lambda own, control: None)
-    chosen(PAIR, PAIR, **about)
+    chosen(PAIR, renumbered(PAIR), **about)
     assert not asked
-    chosen(PAIR, PAIR)
+    chosen(PAIR, renumbered(PAIR))
     assert len(asked) == 1
 
 
@@ -145,7 +145,7 @@ def test_shapes_move_as_a_whole_if_a_body_is_not_guided(monkeypatch):
     monkeypatch.setattr(choosing, "is_compact", lambda mesh: False)
     monkeypatch.setattr(choosing, "_by_outlines", lambda own, control: None)
     monkeypatch.setattr(choosing.Turning, "of", lambda own, control: None)
-    assert chosen(PAIR, PAIR.moved((0.0, 1.0, 0.0))) is WHOLE
+    assert chosen(PAIR, renumbered(PAIR.moved((0.0, 1.0, 0.0)))) is WHOLE
     assert asked == [12, 24]
 
 
@@ -154,5 +154,5 @@ def test_bodies_without_limbs_move_together(monkeypatch):
     asked = []
     monkeypatch.setattr(choosing, "_by_bodies", whole_for(asked))
     monkeypatch.setattr(choosing, "_by_outlines", lambda own, control: None)
-    assert chosen(PAIR, PAIR.moved((0.0, 1.0, 0.0))) is WHOLE
+    assert chosen(PAIR, renumbered(PAIR.moved((0.0, 1.0, 0.0)))) is WHOLE
     assert asked == [24]

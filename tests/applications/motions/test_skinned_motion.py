@@ -12,7 +12,7 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.skinned_motion import SkinnedMotion, following, with_skins
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.applications.maps import coarse_maps
-from tests.shapes import ball, box, joined, rotated
+from tests.shapes import ball, box, joined, renumbered, rotated
 
 TRUNK = box((0.8, 0.5, 1.6))
 HEAD = ball(0.35, (0.0, 0.0, 1.0), points=300)
@@ -36,7 +36,7 @@ def choice(*shapes, guides=(), kind="automatic"):
 
 @pytest.fixture(scope="module")
 def raised():
-    return choice(figure(0.1), figure(1.6))
+    return choice(figure(0.1), renumbered(figure(1.6)))
 
 
 def test_it_is_mapped_well(raised):

@@ -14,7 +14,7 @@ from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.surface_choice import motion_of_surfaces
 from convwass_addon.errors import Cancelled, InputError, ResourceError
 from tests.applications.motions.given_motions import BARBELL, WARP, chosen_by, give, guided_with
-from tests.shapes import ball, box, square
+from tests.shapes import ball, box, renumbered, square
 
 
 @pytest.fixture
@@ -139,6 +139,6 @@ def test_shapes_without_limbs_have_no_handles(motions, monkeypatch):
         raise AssertionError("must not be asked for")
 
     monkeypatch.setattr(surface_choice, "motion_with_parts", unwanted)
-    for shapes in ((box(), box()), (BARBELL, box())):
+    for shapes in ((box(), renumbered(box())), (BARBELL, box())):
         motions(guided_with(0.6), by_warp_alone=0.1)
         assert choice(shapes=shapes).kind == "warp"

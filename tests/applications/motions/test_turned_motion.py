@@ -15,7 +15,7 @@ from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.turned_motion import Turning
 from convwass_addon.geometry.centroid import centroid
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.shapes import ball, box, joined, rotated
+from tests.shapes import ball, box, joined, renumbered, rotated
 
 SIDES = 12
 ROD = revolved([(0.0, -2.0), (0.3, -2.0), (0.3, 2.0), (0.0, 2.0)], SIDES)
@@ -23,7 +23,7 @@ PIN = revolved([(0.0, 0.0), (0.5, 0.0), (0.5, 1.0), (0.2, 1.6), (0.2, 2.6), (0.0
 CONE = revolved([(0.0, 0.0), (0.5, 0.0), (0.0, 3.0)], SIDES)
 ABOUT_Y = np.array([0.0, 1.0, 0.0])
 QUARTER = 0.5 * np.pi * ABOUT_Y
-LYING = rotated(PIN, QUARTER).moved((3.0, 0.0, -1.0))
+LYING = renumbered(rotated(PIN, QUARTER).moved((3.0, 0.0, -1.0)))
 
 
 def request(*shapes, kind="automatic", coherence=0.5, guides=()):
@@ -86,7 +86,7 @@ def test_ends_that_correspond_meet():
 
 
 def test_around_a_triangle_the_way_closes():
-    rods = [ROD, rotated(ROD, QUARTER), rotated(ROD, 0.5 * np.pi * np.array([1.0, 0.0, 0.0]))]
+    rods = [ROD, renumbered(rotated(ROD, QUARTER)), rotated(ROD, 0.5 * np.pi * np.array([1.0, 0.0, 0.0]))]
     found = choice(*rods)
     corners = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]
     assert found.record()["turned"] in range(90, 121)

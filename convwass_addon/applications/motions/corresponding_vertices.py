@@ -1,0 +1,158 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes whose vertices correspond by their numbers, such as poses of one mesh: they need no map."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+
+from ...geometry.edges import vertex_components
+from ...geometry.mesh import TriangleMesh
+from .carriers import Carrier
+from .laid_meshes import Laid
+from .map_detour import map_detour
+from .pair_maps import PairMap
+from .pair_merits import MappedPair
+from .pair_registration import LaidPair
+
+# Least share of triangles that meshes with the same polygons have in common: Blender divides a quad along another
+# diagonal if the first one would fold it.
+_COMMON = 0.7
+# Components with equal numbers of vertices and triangles, such as boxes, may have been joined in any order. Their order
+# counts if other pairs would move the surface by at most this much less in the mean square, in areas of the shape.
+_ARBITRARY = 0.01
+
+
+@dataclass(frozen=True)
+class CommonVertices:
+    """Vertices that several shapes have in common, and further points that motions move with them.
+
+    Each shape alone would come to slightly different places in a blend, above all where skinning has collapsed joints.
+
+    Attributes
+    ----------
+    count : int
+        Number of common vertices.
+    corners : tuple of (k, 3) int64
+        By shape, the corners of the triangle that each of its further points lies on.
+    shares : tuple of (k, 3) float64
+        Their barycentric coordinates.
+    """
+
+    count: int
+    corners: tuple[NDArray[np.int64], ...]
+    shares: tuple[NDArray[np.float64], ...]
+
+    @classmethod
+    def of(cls, carriers: Sequence[Carrier], shapes: Sequence[TriangleMesh]) -> CommonVertices:
+        """Return the vertices of shapes, which correspond by their numbers, and the further ones of carriers."""
+        count, corners, shares = len(shapes[0].vertices), [], []
+        for carrier, shape in zip(carriers, shapes, strict=True):
+            found = carrier.embedding(shape)
+            corners.append(shape.faces[found.triangles[count:]])
+            shares.append(found.shares[count:])
+        return cls(count, tuple(corners), tuple(shares))
+
+    def met(
+        self, moved: Mapping[int, NDArray[np.float64]], weights: NDArray[np.float64], way: float
+    ) -> dict[int, NDArray[np.float64]]:
+        """Move shapes to their weighted mean.
+
+        Parameters
+        ----------
+        moved : mapping of int to (n, 3)
+            The points of some shapes in a blend: first the common vertices, then the further points.
+        weights : (k,)
+            Weights of these shapes, of sum one.
+        way : float
+            Fraction of the way to the mean, 0 to 1.
+        """
+        mean = sum(weight * points[: self.count] for weight, points in zip(weights, moved.values(), strict=True))
+        found = {}
+        for shape, points in moved.items():
+            gaps = way * (mean - points[: self.count])
+            beside = np.einsum("nk,nkj->nj", self.shares[shape], gaps[self.corners[shape]])
+            found[shape] = points + np.concatenate([gaps, beside])
+        return found
+
+
+def vertices_correspond(first: TriangleMesh, second: TriangleMesh) -> bool:
+    """Return whether two shapes are versions of one mesh, so that vertices with the same number correspond.
+
+    They have the same polygons, facing the same way; and if they consist of several components of the same kind, those
+    with the same numbers are near each other.
+    """
+    if len(first.vertices) != len(second.vertices) or len(first.faces) != len(second.faces):
+        return False
+    if not np.array_equal(first.faces, second.faces) and _common_triangles(first, second) < _COMMON:
+        return False
+    return _excess_movement(first, second) <= _ARBITRARY
+
+
+def corresponding_pair(shapes: tuple[TriangleMesh, TriangleMesh], carriers: tuple[Carrier, Carrier]) -> MappedPair:
+    """Register two shapes whose vertices correspond: every point moves to the same place of the other shape.
+
+    Parameters
+    ----------
+    shapes : (TriangleMesh, TriangleMesh)
+        The shapes.
+    carriers : (Carrier, Carrier)
+        Their carriers.
+    """
+    laid = tuple(_laid(own, shape, other) for own, shape, other in zip(carriers, shapes, shapes[::-1], strict=True))
+    meshes = carriers[0].mesh, carriers[1].mesh
+    detour = map_detour(meshes, (laid[0].points, laid[1].points))
+    return MappedPair(
+        LaidPair(*laid, confidence=1.0), PairMap.unneeded(), symmetry=None, detour=detour, by_vertices=True
+    )
+
+
+def _laid(carrier: Carrier, shape: TriangleMesh, other: TriangleMesh) -> Laid:
+    places = carrier.embedding(shape).interpolated(other.vertices[shape.faces])[carrier.seeds]
+    return Laid(places, np.ones(len(places)))
+
+
+def _common_triangles(first: TriangleMesh, second: TriangleMesh) -> float:
+    """Return the share of the triangles of a mesh that another one of as many triangles has, too."""
+    both = np.concatenate([first.faces, second.faces])
+    # Every triangle begins with its smallest vertex.
+    begun = np.take_along_axis(both, (both.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
+    ordered = begun[np.lexsort(begun.T)]
+    return float((ordered[1:] == ordered[:-1]).all(axis=1).sum() / len(first.faces))
+
+
+def _excess_movement(first: TriangleMesh, second: TriangleMesh) -> float:
+    """Return how much farther components move than if those of the same kind were paired best, in the mean square.
+
+    In areas of the shapes, and relative to their centers.
+    """
+    labels = vertex_components(first)
+    count, used = int(labels.max(initial=-1)) + 1, labels >= 0
+    if count < 2:
+        return 0.0
+    kinds = np.stack(
+        [np.bincount(own[own >= 0], minlength=count) for own in (labels, labels[first.faces[:, 0]])], axis=1
+    )
+    centers = [_component_centers(mesh, labels[used], used, count) for mesh in (first, second)]
+    areas = 0.5 * sum(np.bincount(labels[used], mesh.vertex_areas[used], count) / mesh.area for mesh in (first, second))
+    excess = 0.0
+    for kind in np.unique(kinds, axis=0):
+        members = np.flatnonzero((kinds == kind).all(axis=1))
+        if len(members) > 1:
+            apart = np.square(centers[0][members][:, None] - centers[1][members]).sum(axis=2) * areas[members][:, None]
+            excess += np.trace(apart) - apart[linear_sum_assignment(apart)].sum()
+    return float(excess)
+
+
+def _component_centers(
+    mesh: TriangleMesh, labels: NDArray[np.int64], used: NDArray[np.bool_], count: int
+) -> NDArray[np.float64]:
+    """Return the centers of components relative to that of the mesh, (count, 3), in its sizes."""
+    sums = [np.bincount(labels, own, count) for own in mesh.vertices[used].T]
+    centers = np.stack(sums, axis=1) / np.bincount(labels, minlength=count)[:, None]
+    return (centers - mesh.area_center) / np.sqrt(mesh.area)

@@ -1,0 +1,186 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Shapes that are versions of one mesh: vertices with the same number correspond, whatever a map would tell."""
+
+from __future__ import annotations
+
+from functools import partial
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from convwass_addon.applications.motions.carriers import carrier_of
+from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.applications.motions.corresponding_vertices import (
+    CommonVertices,
+    corresponding_pair,
+    vertices_correspond,
+)
+from convwass_addon.applications.motions.guided_motion import guided_motion
+from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
+from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.progress import UNINTERRUPTED, Control, drained
+from tests.applications.maps import arm, coarse_maps
+from tests.applications.motions.given_motions import chosen_by
+from tests.applications.motions.test_known_motions import bent, line_length
+from tests.shapes import ball, box, joined, renumbered, torus
+
+RING = torus(segments=(40, 20))
+TURN = Rotation.from_rotvec([0.3, -0.5, 1.9])
+ROD = arm(along=80)[0]
+BENT = TriangleMesh(bent(ROD.vertices, 2.0), ROD.faces)
+EGG = TriangleMesh(ball(points=300).vertices * (1.0, 2.0, 3.0), ball(points=300).faces)
+PAIR = joined(box(), box(center=(3.0, 0.0, 0.0)))
+
+
+def moved(mesh):
+    """The mesh scaled, rotated and elsewhere."""
+    return TriangleMesh(1.5 * TURN.apply(mesh.vertices * (1.0, 1.2, 0.9)) + 4.0, mesh.faces)
+
+
+def with_other_diagonals(mesh, share):
+    """A torus with a share of its quads divided along the other diagonal."""
+    half = len(mesh.faces) // 2
+    a, b, c, d = mesh.faces[:half, 0], mesh.faces[:half, 1], mesh.faces[:half, 2], mesh.faces[half:, 2]
+    other = np.concatenate([np.stack([a, b, d], axis=1), np.stack([b, c, d], axis=1)])
+    quads = np.tile(np.arange(half) < share * half, 2)[:, None]
+    return TriangleMesh(mesh.vertices, np.where(quads, other, mesh.faces))
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "expected"),
+    [
+        (RING, moved(RING), True),
+        (RING, TriangleMesh(RING.vertices, np.roll(RING.faces[::-1], 1, axis=1)), True),
+        (RING, with_other_diagonals(moved(RING), 0.2), True),
+        (RING, with_other_diagonals(RING, 1.0), False),
+        (RING, renumbered(RING), False),
+        (RING, RING.flipped(), False),
+        (RING, torus(segments=(20, 40)), False),
+        (RING, TriangleMesh(RING.vertices, RING.faces[:-1]), False),
+        (PAIR, joined(box((1.0, 1.0, 2.0)), box(center=(3.0, 1.0, 0.0))), True),
+        (PAIR, joined(box(center=(3.0, 1.0, 0.0)), box()), False),
+        (joined(ball(points=300), box((0.2, 0.2, 0.2), (1.2, 0.0, 0.0)), box((0.2, 0.2, 0.2), (-1.2, 0.0, 0.0))),) * 2
+        + (True,),
+    ],
+    ids=[
+        "moved",
+        "order of triangles",
+        "some diagonals",
+        "all diagonals",
+        "order of vertices",
+        "mirrored",
+        "another torus",
+        "fewer triangles",
+        "boxes",
+        "boxes in another order",
+        "eyes",
+    ],
+)
+def test_vertices_of_versions_of_one_mesh_correspond(one, other, expected):
+    assert vertices_correspond(one, other) is expected
+    assert vertices_correspond(other, one) is expected
+
+
+def test_a_head_may_turn_around():
+    """Its eyes change places, but they are small."""
+    head = joined(ball(points=300), ball(0.1, (0.9, 0.2, 0.0), 40), ball(0.1, (0.9, -0.2, 0.0), 40))
+    assert vertices_correspond(head, TriangleMesh(head.vertices * (-1.0, -1.0, 1.0), head.faces))
+
+
+@pytest.mark.parametrize(("mesh", "count"), [(box((1.0, 1.0, 4.0)), 6000), (RING, 6000), (ball(points=3000), 500)])
+def test_every_point_moves_to_the_same_place(mesh, count):
+    """Between an affine image and the mesh, on divided, equal and coarser meshes."""
+    shapes = mesh, moved(mesh)
+    one, other = (carrier_of(shape, "a shape", np.empty(0, np.int64), count, Control()) for shape in shapes)
+    pair = corresponding_pair(shapes, (one, other))
+    np.testing.assert_allclose(pair.laid.first.points, moved(one.mesh).vertices, atol=1e-9)
+    np.testing.assert_allclose(
+        moved(TriangleMesh(pair.laid.second.points, other.mesh.faces)).vertices, other.mesh.vertices
+    )
+    assert (pair.score, pair.by_vertices) == (1.0, True)
+
+
+@pytest.fixture(scope="module")
+def bending():
+    return drained(guided_motion((ROD, BENT), ("straight", "bent"), [(0, 1)]))
+
+
+def test_a_rod_bends_and_keeps_its_length(bending):
+    assert bending.pairs[0, 1].by_vertices
+    for time in (0.25, 0.5, 0.8):
+        points = bending.moved([1.0 - time, time])[0].vertices[: len(ROD.vertices)]
+        assert line_length(ROD.vertices, points) == pytest.approx(line_length(ROD.vertices, ROD.vertices), rel=0.01)
+
+
+@pytest.mark.parametrize("time", [0.1, 0.6])
+def test_both_shapes_meet(bending, time):
+    one, other = (shape.vertices for shape in bending.moved([1.0 - time, time]))
+    count = len(ROD.vertices)
+    np.testing.assert_allclose(one[:count], other[:count], atol=1e-12)
+
+
+def test_dividing_points_move_with_their_triangles():
+    """Shapes moved by affine maps meet in the affine map that is their mean."""
+    long = box((1.0, 1.0, 4.0))
+    carriers = [carrier_of(shape, "a box", np.empty(0, np.int64), 6000, Control()) for shape in (long, moved(long))]
+    begins, ends = (carrier.rest for carrier in carriers)
+    assert min(len(begins.vertices), len(ends.vertices)) > 1000
+    weights, way = np.array([0.3, 0.7]), 0.5
+    found = CommonVertices.of(carriers, (long, moved(long))).met(
+        {0: 2.0 * begins.vertices + 1.0, 1: ends.vertices}, weights, way
+    )
+    own = 2.0 * begins.vertices + 1.0
+    mean = 0.3 * own + 0.7 * moved(begins).vertices
+    np.testing.assert_allclose(found[0], 0.5 * (own + mean), atol=1e-9)
+
+
+def test_stiff_shapes_keep_their_proportions():
+    """With full coherence, each only rotates its parts, and they do not meet."""
+    longer = TriangleMesh(BENT.vertices * (1.0, 1.0, 1.5), BENT.faces)
+    motion = drained(guided_motion((ROD, longer), ("rod", "longer"), [(0, 1)]))
+    apart, count = {}, len(ROD.vertices)
+    for coherence in (0.3, 0.5, 0.75, 1.0):
+        one, other = (shape.vertices for shape in motion.with_coherence(coherence).moved([0.5, 0.5]))
+        apart[coherence] = np.abs(one[:count] - other[:count]).max()
+    assert apart[0.5] < 1e-12 < apart[0.75] < apart[1.0]
+    assert apart[0.3] > 1e-3
+
+
+choice = partial(chosen_by, chosen_motion)
+
+
+@pytest.mark.parametrize(
+    ("pair", "kind", "reason"),
+    [
+        ((ROD, BENT), "automatic", "VERTICES"),
+        ((ROD, BENT), "guided", "ASKED"),
+        ((EGG, TriangleMesh(EGG.vertices * (1.2, 0.9, 0.3), EGG.faces)), "automatic", "VERTICES"),
+    ],
+    ids=["rods", "asked for", "without limbs"],
+)
+def test_they_are_guided_without_a_map(pair, kind, reason, monkeypatch):
+    monkeypatch.setattr("convwass_addon.applications.motions.guided_motion.mapped_pair", None)
+    found = choice(kind, shapes=pair)
+    assert (found.kind, found.reason, found.score) == ("guided", reason, 1.0)
+
+
+def test_with_guides_they_are_mapped():
+    with coarse_maps():
+        found = choice(shapes=(ROD, BENT), guides=[{0: 0, 1: 0}])
+    assert found.reason != "VERTICES"
+    assert not found.motion.pairs[0, 1].by_vertices
+
+
+def test_bodies_in_another_order_move_to_the_nearest_ones():
+    bodies = [ROD, ROD.moved((0.0, 8.0, 0.0))], [BENT.moved((0.0, 8.0, 0.0)), BENT]
+    found = choice(shapes=tuple(joined(*own) for own in bodies))
+    assert found.record() == {"kind": "guided", "reason": "VERTICES", "score": 1.0, "bodies": 2}
+
+
+def test_shape_keys_end_at_the_vertices_of_the_other_shape():
+    work = key_paths((ROD, BENT), ("rod", "bent"), KeyDemands(0.01), GuidedSettings(), (), UNINTERRUPTED)
+    path = drained(work)[0]
+    np.testing.assert_allclose(path.positions[-1], BENT.vertices, atol=1e-9)
