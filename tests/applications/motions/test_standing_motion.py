@@ -19,6 +19,7 @@ from convwass_addon.applications.morphs.morph import morph
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions.growing_motion import GrowingMotion
+from convwass_addon.applications.motions.guided_motion import GuidedPair
 from convwass_addon.applications.motions.motion import MovedShape
 from convwass_addon.applications.motions.standing_motion import StandingMotion, standing_motion
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, paths_along
@@ -257,7 +258,7 @@ def test_blends_between_frames_have_the_floor_of_the_whole_path(leaning_rods, tm
 
 def test_shape_keys_stay_on_the_floor(leaning_rods):
     motion = known_motion(leaning_rods)
-    motion = replace(motion, pairs={(0, 1): type("Pair", (), {"score": 1.0})()})
+    motion = replace(motion, pairs={(0, 1): GuidedPair(score=1.0, guides_left_out=0, detour=1.0, turn=0.0)})
     lowest = {}
     for on_floor in (False, True):
         demands = KeyDemands(0.01, on_floor=on_floor)
