@@ -19,6 +19,7 @@ from convwass_addon.applications.motions.corresponding_vertices import (
 )
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
+from convwass_addon.applications.motions.posed_motion import PosedMotion
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
@@ -184,3 +185,15 @@ def test_shape_keys_end_at_the_vertices_of_the_other_shape():
     work = key_paths((ROD, BENT), ("rod", "bent"), KeyDemands(0.01), GuidedSettings(), (), UNINTERRUPTED)
     path = drained(work)[0]
     np.testing.assert_allclose(path.positions[-1], BENT.vertices, atol=1e-9)
+
+
+def test_other_poses_of_both_meet(bending):
+    """While both change their poses, as animated inputs do."""
+    shapes = ROD, BENT
+    posed = PosedMotion.of(bending, shapes, ("straight", "bent"), [(0, 1)], 0.5, UNINTERRUPTED)
+    turned = [TriangleMesh(TURN.apply(shape.vertices) + 1.0, shape.faces) for shape in shapes]
+    one, other = (shape.vertices for shape in posed.at(turned, [0, 1], UNINTERRUPTED).moved([0.4, 0.6]))
+    count = len(ROD.vertices)
+    np.testing.assert_allclose(one[:count], other[:count], atol=1e-12)
+    expected = bending.moved([0.4, 0.6])[0].vertices[:count]
+    np.testing.assert_allclose(one[:count], TURN.apply(expected) + 1.0, atol=1e-3)
