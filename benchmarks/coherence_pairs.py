@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
 
 from convwass_addon.geometry.mesh import TriangleMesh
 
@@ -21,6 +22,7 @@ from .bipeds import CHILD, MAN, OGRE, Limb as Bones, Posture, biped, degrees, st
 from .blends import ASSETS, read_meshes
 from .limb_paths import LimbPath, PosedLimb
 from .quadrupeds import DOG, GIRAFFE, GOAT, GRAZING, REARING, STANDING, TROTTING, quadruped
+from .skinning import skinned
 
 ONE_BUILD = "one build"
 OTHER_BUILD = "other build"
@@ -77,6 +79,10 @@ _BACK_STRIDE = Posture(
     legs=(Bones(degrees(3, -18), degrees(3, -42)), Bones(degrees(3, 36), degrees(3, 20))),
     toes=(-0.6, 0.25),
 )
+_SPREAD = Posture(arms=(straight(degrees(out=80)),) * 2, legs=(straight(degrees(out=12)),) * 2)
+_WAVING = Posture(arms=(straight(degrees(out=150)), _ARM_DOWN))
+_SITTING = Posture(arms=(Bones(degrees(20), degrees(15, 80)),) * 2, legs=(Bones(degrees(5, 85), degrees(3)),) * 2)
+_KNEELING = Posture(legs=(Bones(degrees(3, 5), degrees(3, -85)),) * 2)
 _TALL = replace(STANDING, neck=66.0, tail=(235.0, 262.0))
 
 
@@ -173,6 +179,34 @@ def _hand_points() -> Ends:
 
 def _glove_bends() -> Ends:
     return _hands(hands.hand(hands.GLOVE, hands.GLOVE_OPEN, 21), hands.hand(hands.GLOVE, hands.GLOVE_BENT, 22))
+
+
+def _skinned_people(build: bipeds.Build, postures: tuple[Posture, Posture], turn: float = 0.0) -> Ends:
+    """Return a person in two poses of one mesh; the second one is turned about the vertical axis, in degrees."""
+    mesh, bones = biped(build, _SPREAD, 71).sculpture.mesh(), _bones_of(build, _SPREAD)
+    first, second = (_bones_of(build, posture) for posture in postures)
+    one, other = (skinned(mesh, bones, pose, 0.03) for pose in (first, second))
+    about_z = Rotation.from_euler("z", turn, degrees=True)
+    # The trunk has no tip.
+    tips = [[chain[-1] for chain in pose[1:]] for pose in (first, [about_z.apply(chain) for chain in second])]
+    return Ends(one, TriangleMesh(about_z.apply(other.vertices), other.faces), tips=np.array(tips))
+
+
+def _bones_of(build: bipeds.Build, posture: Posture) -> list[NDArray[np.float64]]:
+    """Return the chains of joints of a person: trunk, arms and legs."""
+    body = biped(build, posture, 71)
+    hips, shoulders = (np.mean([limb[0] for limb in limbs], axis=0) for limbs in (body.legs, body.arms))
+    crown = shoulders + np.array([0.0, 0.0, build.neck + 2.0 * build.head[2]])
+    return [np.stack([hips, shoulders, crown]), *body.arms, *body.legs]
+
+
+def _hand_closes() -> Ends:
+    """Return a hand that makes a fist, in two poses of one mesh."""
+    open_, fist = (hands.hand(hands.HAND, gesture, 72) for gesture in (hands.SPREAD, hands.FIST))
+    palm = np.array([[0.0, 0.0, 0.0], [0.0, 0.0, 0.9 * hands.HAND.height]])
+    mesh = open_.sculpture.mesh()
+    closed = skinned(mesh, [palm, *open_.fingers], [palm, *fist.fingers], 0.04)
+    return Ends(mesh, closed, tips=np.array([[finger[-1] for finger in own.fingers] for own in (open_, fist)]))
 
 
 def _octopus_moves() -> Ends:
@@ -331,6 +365,13 @@ PROPS = (
 )
 """Signs, solids of revolution, things of overlapping parts, and tubes; only computed if they are named."""
 
+SKINNED = (
+    CoherencePair("one mesh sits down", ONE_BUILD, lambda: _skinned_people(MAN, (_WAVING, _SITTING), 175.0)),
+    CoherencePair("one mesh kneels", ONE_BUILD, lambda: _skinned_people(MAN, (_STRIDE, _KNEELING))),
+    CoherencePair("one mesh makes a fist", ONE_BUILD, _hand_closes),
+)
+"""Poses of one mesh, whose vertices correspond; only computed if they are named."""
+
 _TWELVE = (
     *("man raises arm", "octopus moves", "horse to cow", "chair to man", "star to cross", "ball to knot"),
     *("giraffe grazes", "goat rears", "ogre to child", "cactus to child", "shark to airplane", "starfish to hand"),
@@ -358,7 +399,9 @@ def pairs_named(names: Sequence[str], folder: Path | None) -> list[CoherencePair
     ValueError
         A name is unknown; the message lists all names.
     """
-    known = {pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False), *SOLIDS, *PROPS)}
+    known = {
+        pair.name: pair for pair in (*half(folder, tuned=True), *half(folder, tuned=False), *SOLIDS, *PROPS, *SKINNED)
+    }
     unknown = [name for name in names if name not in known]
     if unknown:
         raise ValueError(f"no pair {unknown[0]}; there are: {', '.join(known)}")

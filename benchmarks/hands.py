@@ -109,6 +109,7 @@ GLOVE = Build(
 """Three thick fingers and a thumb."""
 
 SPREAD = Gesture((20.0, 5.0, -9.0, -24.0, 52.0), (4.0,) * 5)
+FIST = Gesture((3.0, 1.0, -1.0, -4.0, 30.0), (76.0, 78.0, 78.0, 76.0, 30.0))
 BENT = Gesture((7.0, 2.0, -3.0, -8.0, 46.0), (2.0, 56.0, 58.0, 60.0, 12.0))
 """The forefinger points; the others are bent."""
 GLOVE_OPEN = Gesture((16.0, 0.0, -17.0, 52.0), (4.0,) * 4)

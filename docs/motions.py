@@ -3,8 +3,8 @@
 """Draw the motions of morphs into docs/pictures: ``python3 run.py python docs/motions.py``.
 
 Pairs of the coherence benchmark, seven frames each: transport alone above, a motion below. ``--only NAME`` draws one of
-the pictures: motions, pairs_one_build, pairs_other, pairs_held_back, pairs_solid, pairs_props, pairs_vessels or
-pairs_tubes.
+the pictures: motions, pairs_one_build, pairs_other, pairs_held_back, pairs_solid, pairs_props, pairs_vessels,
+pairs_tubes or pairs_one_mesh.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
 from benchmarks.blends import baked_frames
 from benchmarks.coherence import kept_frames
 from benchmarks.coherence_cases import read_frames
-from benchmarks.coherence_pairs import ONE_BUILD, SOLIDS, TUNED, pairs_named
+from benchmarks.coherence_pairs import ONE_BUILD, SKINNED, SOLIDS, TUNED, pairs_named
 
 PICTURES = Path(__file__).resolve().parent / "pictures"
 FRAMES = 7
@@ -97,6 +97,7 @@ def drawn_pictures() -> dict[str, list[Block]]:
         "pairs_vessels": [
             Block.compared(pair) for pair in ("mug to bottle", "goblet to bottle", "pawn to bowl", "mug to trophy")
         ],
+        "pairs_one_mesh": [Block.compared(pair.name) for pair in SKINNED],
         "pairs_tubes": [Block.compared(pair) for pair in ("coil to rod", "spring to rod", "spring to snake")],
     }
 

@@ -8,9 +8,12 @@ import numpy as np
 import pytest
 
 from benchmarks import bipeds, creatures, hands, props, quadrupeds
-from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, PROPS, TUNED, further_pairs
+from benchmarks.coherence_pairs import HELD_BACK, ONE_BUILD, OTHER_BUILD, PROPS, SKINNED, TUNED, further_pairs
 from benchmarks.rival_measures import Connectivity
+from benchmarks.skinning import skinned
+from convwass_addon.applications.motions.corresponding_vertices import vertices_correspond
 from convwass_addon.geometry.edges import topology
+from tests.shapes import box
 
 
 def test_both_halves_have_pairs_of_both_kinds_without_overlap():
@@ -94,3 +97,21 @@ def test_props_are_closed(pair):
     for mesh in (ends.first, ends.second):
         assert topology(mesh).closed
         assert mesh.volume > 0
+
+
+@pytest.mark.parametrize("pair", SKINNED, ids=lambda pair: pair.name)
+def test_vertices_of_one_mesh_correspond(pair):
+    ends = pair.ends()
+    assert np.array_equal(ends.first.faces, ends.second.faces)
+    assert vertices_correspond(ends.first, ends.second)
+
+
+def test_bones_carry_the_skin():
+    """The ends of a rod turn with their bones."""
+    rod = box((4.0, 0.4, 0.4))
+    straight, bent = (np.array([(-2.0, 0.0, 0.0), (0.0, 0.0, 0.0), end]) for end in ((2.0, 0.0, 0.0), (0.0, 0.0, 2.0)))
+    moved = skinned(rod, [straight], [bent], 0.1)
+    left, right = rod.vertices[:, 0] < 0, rod.vertices[:, 0] > 0
+    np.testing.assert_allclose(moved.vertices[left], rod.vertices[left], atol=1e-9)
+    x, y, z = rod.vertices[right].T
+    np.testing.assert_allclose(moved.vertices[right], np.stack([-z, y, x], axis=1), atol=1e-9)
