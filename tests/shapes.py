@@ -137,10 +137,17 @@ def square(size=1.0, center=(0.0, 0.0, 0.0)):
     return TriangleMesh.from_arrays(corners, [(0, 1, 2), (0, 2, 3)])
 
 
+def shuffled(mesh, seed=0):
+    """The mesh with vertices and faces in random order, and the new index of every vertex."""
+    rng = np.random.default_rng(seed)
+    order = rng.permutation(len(mesh.vertices))
+    place = np.argsort(order)
+    return TriangleMesh(mesh.vertices[order], place[mesh.faces][rng.permutation(len(mesh.faces))]), place
+
+
 def renumbered(mesh):
-    """The same surface with its vertices in another order."""
-    order = np.random.default_rng(0).permutation(len(mesh.vertices))
-    return TriangleMesh.from_arrays(mesh.vertices[order], np.argsort(order)[mesh.faces])
+    """The same surface with vertices and faces in random order."""
+    return shuffled(mesh)[0]
 
 
 def joined(*meshes):

@@ -85,14 +85,6 @@ def turn(angles=(40, -70, 25)):
     return Rotation.from_euler("xyz", angles, degrees=True).as_matrix()
 
 
-def shuffled(mesh, seed=0):
-    """The mesh with vertices and faces in random order, and the new index of every vertex."""
-    rng = np.random.default_rng(seed)
-    order = rng.permutation(len(mesh.vertices))
-    place = np.argsort(order)
-    return TriangleMesh(mesh.vertices[order], place[mesh.faces][rng.permutation(len(mesh.faces))]), place
-
-
 def arm(angle=0.0, around=16, along=40, length=4.0, radius=0.3):
     """A closed tube along x whose second half is bent about z by an angle, with an elbow of constant length."""
     x = np.linspace(0.0, length, along)

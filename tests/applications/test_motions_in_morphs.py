@@ -18,8 +18,8 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.edges import topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import drained
-from tests.applications.maps import arm, coarse_maps, shuffled
-from tests.shapes import ball, torus
+from tests.applications.maps import arm, coarse_maps
+from tests.shapes import ball, shuffled, torus
 from tests.stored_frames import assert_as_stored
 
 NAMES = ("down", "up")

@@ -18,10 +18,10 @@ from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSetti
 from convwass_addon.applications.soft_maps.surface_maps import distribution_of
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
-from tests.applications.maps import arm, shuffled, subdivided, tube, turn
+from tests.applications.maps import arm, subdivided, tube, turn
 from tests.applications.test_densities_on_animals import horse
 from tests.controls import CountingControl, recorded
-from tests.shapes import ball, joined, torus, with_faces
+from tests.shapes import ball, joined, shuffled, torus, with_faces
 
 QUICK = SoftMapSettings(vertices=200, sweeps=4)
 

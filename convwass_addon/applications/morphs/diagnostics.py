@@ -86,11 +86,9 @@ SEVERITIES: dict[str, Severity] = {
     "WALL": "WARNING",
     "WIDENED": "INFO",
     **dict.fromkeys(NOTICES, "INFO"),
-    **dict.fromkeys(("GUIDED", "PARTLY", "COMBINED", "WARPED", "CLOSER", "CRUMPLED", "UPRIGHT", "TURNED"), "INFO"),
-    **dict.fromkeys(("APART", "TUMBLING", "VERTICES"), "INFO"),
-    **dict.fromkeys(
-        ("OUTLINES", "OUTLINES_TURNED", "TUBES", "MERGED", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"
-    ),
+    **dict.fromkeys(("GUIDED", "PARTLY", "VERTICES", "OUTLINES", "OUTLINES_TURNED", "TUBES", "COMBINED"), "INFO"),
+    **dict.fromkeys(("WARPED", "CLOSER", "CRUMPLED", "UPRIGHT", "MERGED", "TURNED"), "INFO"),
+    **dict.fromkeys(("APART", "TUMBLING", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
     **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
@@ -99,7 +97,7 @@ SEVERITIES: dict[str, Severity] = {
     "GOOD": "INFO",
 }
 
-# The notes on reasons for which there is no map, if the shapes are warped and not transported.
+# The notes on reasons not to follow a map, if the shapes are warped and not transported.
 _IF_WARPED = {"SOLID": "MERGED", "APART": "WARPED", "TUMBLING": "UPRIGHT"}
 # Parts of at least this thickness in cells survive a morph.
 KEPT_CELLS = 2.0

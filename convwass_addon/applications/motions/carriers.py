@@ -122,14 +122,14 @@ class Carrier:
         """Return the points of the input at the vertices of `rest`: its vertices, then those on its triangles."""
         count, rest = len(shape.vertices), self.rest
         triangle, corner = np.zeros(len(rest.vertices), np.int64), np.zeros(len(rest.vertices), np.int64)
+        if self.parents is not None:
+            triangle[rest.faces.ravel()] = np.repeat(self.parents, 3)
         # Unused vertices are invisible, so the first corner of the first triangle serves for them.
         for place in range(3):
             triangle[shape.faces[:, place]], corner[shape.faces[:, place]] = np.arange(len(shape.faces)), place
         shares = np.eye(3)[corner]
-        if self.parents is not None:
-            triangle[rest.faces.ravel()] = np.repeat(self.parents, 3)
-            shares = barycentric_coordinates(shape.corners[triangle], rest.vertices[:, None])[:, 0]
-            shares[:count] = np.where((shape.faces[triangle[:count]] == np.arange(count)[:, None]), 1.0, 0.0)
+        dividing = rest.vertices[count:, None]
+        shares[count:] = barycentric_coordinates(shape.corners[triangle[count:]], dividing)[:, 0]
         return ClosestPoints(triangle, shares, np.zeros(len(rest.vertices)))
 
     def carried(self, points: NDArray[np.float64], gradients: NDArray[np.float64]) -> NDArray[np.float64]:

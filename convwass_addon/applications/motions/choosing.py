@@ -59,9 +59,8 @@ def _chosen(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     outlined = _by_outlines(request, control)
     if outlined is not None:
         return outlined if request.kind == "automatic" else replace(outlined, reason="ASKED")
-    if request.vertices_correspond:
-        return (yield from motion_of_surfaces(request, control))
-    apart = attempted(SeparateBodies.of, request) if request.is_free else None
+    divides = request.is_free and not request.vertices_correspond
+    apart = attempted(SeparateBodies.of, request) if divides else None
     if apart is None:
         return (yield from _unless_outlined(request, control))
     found = yield from within(_by_separate_bodies(apart, control), 0.0, _APART_SHARE)
@@ -97,6 +96,8 @@ def _by_separate_bodies(apart: SeparateBodies, control: Control) -> Work[MotionC
 
 def _unless_outlined(request: MotionRequest, control: Control) -> Work[MotionChoice]:
     """Return the motion of shapes that outlines do not determine as they stand, though perhaps once they are turned."""
+    if request.vertices_correspond:
+        return (yield from motion_of_surfaces(request, control))
     turning = attempted(Turning.of, request, control) if request.is_free else None
     if turning is None:
         return (yield from _by_bodies(request, control))

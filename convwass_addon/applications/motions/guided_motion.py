@@ -2,13 +2,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Guided motion: limbs swing as maps between the shapes tell, and only the remaining difference is transported.
 
-Every two shapes that occur together are mapped onto each other, and each is deformed to match the other. In a blend
-with weights w, shape i is deformed by the weighted mean of its deformations to the others: with gradients F_ij =
-exp(g_ij) exp(s_ij) exp(u_ij) Q_ij, the product of a turn of the whole body, a swing, a twist and a stretch, its
-triangles get exp(sum_j w_j g_ij) exp(sum_j w_j s_ij) exp(sum_j w_j u_ij) (sum_j w_j Q_ij), where g_ii, s_ii and u_ii
-are zero and Q_ii = 1, and a Poisson system gives its vertices. Then all shapes are rigidly aligned with each other.
-For two shapes this is Poisson shape interpolation from both ends. For more shapes the result depends only on the
-weights, not on the path through them.
+Every two shapes that occur together are mapped onto each other, unless their vertices correspond, and each is
+deformed to match the other. In a blend with weights w, shape i is deformed by the weighted mean of its deformations
+to the others: with gradients F_ij = exp(g_ij) exp(s_ij) exp(u_ij) Q_ij, the product of a turn of the whole body, a
+swing, a twist and a stretch, its triangles get exp(sum_j w_j g_ij) exp(sum_j w_j s_ij) exp(sum_j w_j u_ij) (sum_j w_j
+Q_ij), where g_ii, s_ii and u_ii are zero and Q_ii = 1, and a Poisson system gives its vertices. Then all shapes are
+rigidly aligned with each other, and corresponding vertices move to their mean. For two shapes this is Poisson shape
+interpolation from both ends. For more shapes the result depends only on the weights, not on the path through them.
 """
 
 from __future__ import annotations

@@ -12,6 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.optimize import linear_sum_assignment
+from scipy.spatial.distance import cdist
 
 from ...geometry.area_steps import at_equal_areas
 from ...geometry.mesh import TriangleMesh
@@ -63,9 +65,5 @@ def _points(mesh: TriangleMesh) -> NDArray[np.float64]:
 
 def _distance(first: NDArray[np.float64], second: NDArray[np.float64]) -> float:
     """Return the Wasserstein distance of order two between equally many points of equal mass."""
-    # Imported here: SciPy loads a hundred modules for it, which most sessions do not need.
-    from scipy.optimize import linear_sum_assignment
-    from scipy.spatial.distance import cdist
-
     costs = cdist(first, second, "sqeuclidean")
     return float(np.sqrt(costs[linear_sum_assignment(costs)].mean()))

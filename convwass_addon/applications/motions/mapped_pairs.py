@@ -309,7 +309,7 @@ def _registered(
         else:
             grown = None
     yield Progress(_GROWN, message)
-    found, starts, sides = replace(PairMap.none(), pairs=pairs), None, None
+    found, starts, sides = replace(PairMap.unneeded(), pairs=pairs), None, None
     if grown is None or not grown.fits:
         map_settings = SoftMapSettings(vertices=settings.map_vertices)
         sides = agreeing_sides(one, other, pairs)

@@ -64,11 +64,6 @@ class PairMap:
     score: float
 
     @classmethod
-    def none(cls) -> PairMap:
-        """Return the record of a missing map."""
-        return cls(None, _NO_PAIRS, 0.0)
-
-    @classmethod
     def unneeded(cls) -> PairMap:
         """Return the record of shapes whose correspondence is known without a map."""
         return cls(None, _NO_PAIRS, 1.0)

@@ -136,6 +136,7 @@ class SeparateBodies:
             detour=max(detours, default=None),
             left=max(left, default=None),
             bodies=len(found),
+            limbs=sum(own.limbs for own in found),
         )
 
 

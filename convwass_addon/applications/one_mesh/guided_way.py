@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A mesh that is guided to another shape and projected onto its surface at the end."""
+"""A mesh that is guided to another shape, and at the end projected onto its surface or moved to its vertices."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ...geometry.normals import vertex_normals
 from ...geometry.surface_projection import drawn_along_normals
 from ...geometry.unfolding import unfolded
 from ...progress import Control
-from ..motions.motion import Motion
+from ..motions.motion import Motion, weights_between
 from .mirror_symmetry import MirrorSymmetry
 from .turned_offsets import TurnedOffsets
 
@@ -51,32 +51,29 @@ class GuidedWay:
     mended: TurnedOffsets
 
     @classmethod
-    def of(
-        cls, motion: Motion, count: int, index: int, mesh: TriangleMesh, target: TriangleMesh, control: Control
-    ) -> GuidedWay:
-        """Guide the mesh to the end, project it onto the surface there, and unfold it."""
+    def of(cls, motion: Motion, count: int, index: int, mesh: TriangleMesh, target: TriangleMesh) -> GuidedWay:
+        """Guide the mesh to the end, and leave it there."""
         nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
-        folds = FoldFinder.of(mesh, target)
-        way = cls(motion, count, index, folds, np.zeros(len(mesh.vertices)), nothing)
-        guided = way.guided(1.0)
-        normals = vertex_normals(guided.vertices, mesh.faces)
-        drawn = drawn_along_normals(guided, target, control)
+        return cls(motion, count, index, FoldFinder.of(mesh, target), np.zeros(len(mesh.vertices)), nothing)
+
+    def onto_surface(self, control: Control) -> GuidedWay:
+        """Project the guided mesh onto the surface at the end, and unfold it."""
+        guided = self.guided(1.0)
+        normals = vertex_normals(guided.vertices, self.mesh.faces)
+        drawn = drawn_along_normals(guided, self.target, control)
         heights = np.einsum("nd,nd->n", drawn - guided.vertices, normals)
         laid = guided.vertices + heights[:, None] * normals
-        final = unfolded(folds, laid, control)
+        final = unfolded(self.folds, laid, control)
         # Normals change abruptly where the guided mesh folds, so vertices there get their whole offset as `mended`.
         mended = (final != laid).any(axis=1)
         heights[mended] = 0.0
         offsets = np.where(mended[:, None], final - guided.vertices, 0.0)
-        return cls(motion, count, index, folds, heights, TurnedOffsets.of(mesh, guided.vertices, offsets))
+        return replace(self, heights=heights, mended=TurnedOffsets.of(self.mesh, guided.vertices, offsets))
 
-    @classmethod
-    def to_vertices(cls, motion: Motion, count: int, index: int, mesh: TriangleMesh, target: TriangleMesh) -> GuidedWay:
-        """Guide the mesh to the end, and move its vertices on to those of the other shape with the same numbers."""
-        nothing = TurnedOffsets.of(mesh, mesh.vertices, np.zeros_like(mesh.vertices))
-        way = cls(motion, count, index, FoldFinder.of(mesh, target), np.zeros(len(mesh.vertices)), nothing)
-        guided = way.guided(1.0).vertices
-        return replace(way, mended=TurnedOffsets.of(mesh, guided, target.vertices - guided))
+    def onto_vertices(self) -> GuidedWay:
+        """Move the vertices of the guided mesh on to those of the other shape with the same numbers."""
+        guided = self.guided(1.0).vertices
+        return replace(self, mended=TurnedOffsets.of(self.mesh, guided, self.target.vertices - guided))
 
     @property
     def mesh(self) -> TriangleMesh:
@@ -90,9 +87,7 @@ class GuidedWay:
 
     def guided(self, t: float) -> TriangleMesh:
         """Return the guided mesh; at the end, its limit, since a shape without weight is not moved."""
-        t = min(t, 1.0 - _CLOSE)
-        weights = [0.0] * self.count
-        weights[0], weights[self.index] = 1.0 - t, t
+        weights = weights_between(self.count, (0, self.index), min(t, 1.0 - _CLOSE))
         moved = self.motion.moved(weights)[0]
         return TriangleMesh(moved.vertices[: len(self.mesh.vertices)], self.mesh.faces)
 

@@ -175,8 +175,8 @@ def paths_along(
     for index in range(1, len(shapes)):
         message = Sentence("Projecting {first} onto {second}", {"first": names[0], "second": names[index]})
         yield Progress((index - 1) / (len(shapes) - 1), message)
-        pair, about = motion.pairs[0, index], (moving, len(shapes), index, shapes[0], shapes[index])
-        way = GuidedWay.to_vertices(*about) if pair.by_vertices else GuidedWay.of(*about, control)
+        pair, way = motion.pairs[0, index], GuidedWay.of(moving, len(shapes), index, shapes[0], shapes[index])
+        way = way.onto_vertices() if pair.by_vertices else way.onto_surface(control)
         found.append(_path(way, names[index], pair.score, demands, control))
     return found
 

@@ -50,6 +50,11 @@ def with_other_diagonals(mesh, share):
     return TriangleMesh(mesh.vertices, np.where(quads, other, mesh.faces))
 
 
+def doubled(mesh):
+    """The mesh with every triangle twice."""
+    return TriangleMesh(mesh.vertices, np.concatenate([mesh.faces, mesh.faces]))
+
+
 @pytest.mark.parametrize(
     ("one", "other", "expected"),
     [
@@ -61,6 +66,8 @@ def with_other_diagonals(mesh, share):
         (RING, RING.flipped(), False),
         (RING, torus(segments=(20, 40)), False),
         (RING, TriangleMesh(RING.vertices, RING.faces[:-1]), False),
+        (doubled(RING), doubled(renumbered(RING)), False),
+        (doubled(RING), doubled(with_other_diagonals(RING, 0.1)), True),
         (PAIR, joined(box((1.0, 1.0, 2.0)), box(center=(3.0, 1.0, 0.0))), True),
         (PAIR, joined(box(center=(3.0, 1.0, 0.0)), box()), False),
         (joined(ball(points=300), box((0.2, 0.2, 0.2), (1.2, 0.0, 0.0)), box((0.2, 0.2, 0.2), (-1.2, 0.0, 0.0))),) * 2
@@ -75,6 +82,8 @@ def with_other_diagonals(mesh, share):
         "mirrored",
         "another torus",
         "fewer triangles",
+        "doubled triangles",
+        "doubled triangles, some diagonals",
         "boxes",
         "boxes in another order",
         "eyes",
@@ -89,6 +98,27 @@ def test_a_head_may_turn_around():
     """Its eyes change places, but they are small."""
     head = joined(ball(points=300), ball(0.1, (0.9, 0.2, 0.0), 40), ball(0.1, (0.9, -0.2, 0.0), 40))
     assert vertices_correspond(head, TriangleMesh(head.vertices * (-1.0, -1.0, 1.0), head.faces))
+
+
+@pytest.mark.parametrize("count", [40, 600])
+def test_components_of_one_kind_keep_their_order(count):
+    """Hair that moves a little corresponds, and hair in another order does not."""
+    rng = np.random.default_rng(3)
+    strands = [rng.normal(size=3) + 0.1 * rng.normal(size=(3, 3)) for _ in range(count)]
+    faces = np.arange(3 * count).reshape(-1, 3)
+    hair = TriangleMesh(np.concatenate(strands), faces)
+    assert vertices_correspond(hair, hair.moved((1.0, 2.0, 3.0)))
+    assert not vertices_correspond(hair, TriangleMesh(np.concatenate(strands[::-1]), faces))
+
+
+def test_vertices_that_no_triangle_uses_have_a_place():
+    long = box((1.0, 1.0, 4.0))
+    loose = TriangleMesh(np.concatenate([long.vertices, [[9.0, 9.0, 9.0]]]), long.faces)
+    carrier = carrier_of(loose, "a box", np.empty(0, np.int64), 6000, Control())
+    assert carrier.parents is not None
+    found = carrier.embedding(loose).interpolated(loose.corners)
+    np.testing.assert_allclose(np.delete(found, 8, axis=0), np.delete(carrier.rest.vertices, 8, axis=0), atol=1e-12)
+    assert (np.abs(found[8] - long.vertices).max(axis=1) < 1e-12).any()
 
 
 @pytest.mark.parametrize(("mesh", "count"), [(box((1.0, 1.0, 4.0)), 6000), (RING, 6000), (ball(points=3000), 500)])

@@ -20,9 +20,9 @@ from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.mirror_planes import MirrorPlane
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
-from tests.applications.maps import arm, shuffled
+from tests.applications.maps import arm
 from tests.grids import figure
-from tests.shapes import ball, box, joined, square
+from tests.shapes import ball, box, joined, shuffled, square
 
 QUICK = GuidedSettings(map_vertices=200, carrier_vertices=500)
 ROUGH = GuidedSettings(map_vertices=150, carrier_vertices=300)

@@ -67,7 +67,7 @@ def test_the_first_map_tells_which_others_are_tried(monkeypatch, cow, promise, s
     left = [4.0, 3.0, 2.0, 1.0][-2 * poses :]
 
     def solved(pose, *_others):
-        return RoughMap(pose, replace(PairMap.none(), score=score), (), left.pop(0))
+        return RoughMap(pose, replace(PairMap.unneeded(), score=score), (), left.pop(0))
 
     monkeypatch.setattr(map_survey, "_VERTICES", (120, 100))
     monkeypatch.setattr(map_survey, "_rough_map", solved)

@@ -18,10 +18,9 @@ from convwass_addon.errors import InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.rotation_fields import rotation_matrices
 from convwass_addon.progress import UNINTERRUPTED, drained
-from tests.applications.maps import shuffled
 from tests.applications.motions.test_limb_pairs import RAISED_TAIL, animal, person
 from tests.grids import figure, sheet
-from tests.shapes import ball, spring
+from tests.shapes import ball, shuffled, spring
 
 ROUGH = GuidedSettings(map_vertices=150, carrier_vertices=600)
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -156,3 +158,11 @@ def test_bodies_without_limbs_move_together(monkeypatch):
     monkeypatch.setattr(choosing, "_by_outlines", lambda own, control: None)
     assert chosen(PAIR, renumbered(PAIR.moved((0.0, 1.0, 0.0)))) is WHOLE
     assert asked == [24]
+
+
+def test_limbs_of_all_bodies_count():
+    """Those that retract along themselves, as the strokes of solid letters."""
+    apart = SeparateBodies.of(request(*SHAPES))
+    alone = [chosen(*pair) for pair in PAIRS]
+    found = apart.joined([replace(own, limbs=limbs) for own, limbs in zip(alone, (1, 2), strict=True)])
+    assert (found.bodies, found.limbs) == (2, 3)
