@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.motions import motion_candidates, promising_maps
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
-from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
+from convwass_addon.applications.motions.warp_motion import WarpEffort
 from convwass_addon.applications.outlines import limb_motion, moved_sheets
 from convwass_addon.applications.soft_maps.surface_maps import PointMap
 from convwass_addon.geometry import subdivision
@@ -26,7 +26,7 @@ from convwass_addon.geometry.mesh import TriangleMesh
 def coarse_maps() -> Iterator[None]:
     """Let bakes map, deform and warp shapes on coarse meshes and cells, which are enough for shapes of few limbs."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(motion_candidates, "warp_motion", partial(warp_motion, effort=WarpEffort(24, 4)))
+        patch.setattr(motion_candidates, "USUAL_EFFORT", WarpEffort(24, 4))
         patch.setattr(
             motion_candidates, "GuidedSettings", partial(GuidedSettings, map_vertices=200, carrier_vertices=300)
         )

@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from functools import partial
 from itertools import pairwise
 
 import numpy as np
@@ -21,7 +20,7 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.motion_choice import MotionChoice
 from convwass_addon.applications.motions.motion_memory import MotionMemory
-from convwass_addon.applications.motions.warp_motion import WarpEffort, warp_motion
+from convwass_addon.applications.motions.warp_motion import WarpEffort
 from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import Control, payloads
@@ -103,7 +102,7 @@ def test_a_hole_that_opens_at_once_is_dug_from_both_sides():
 
 
 def test_a_hole_that_opens_between_warped_shapes_is_dug_from_both_sides(monkeypatch):
-    monkeypatch.setattr(motion_candidates, "warp_motion", partial(warp_motion, effort=WarpEffort(32, 6)))
+    monkeypatch.setattr(motion_candidates, "USUAL_EFFORT", WarpEffort(32, 6))
     frames = made((ball(0.9), torus(1.0, 0.35)), 32, motion="warp")
     assert 0.45 < falls(frames[: len(BLENDS)]).max() < 0.7
     assert falls(final(frames)).max() < 0.45

@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.motions.combined_motion import combined_motion
 from convwass_addon.applications.motions.motion import MovedShape
+from convwass_addon.applications.motions.motion_request import MotionRequest
 from convwass_addon.applications.motions.remaining_distance import remaining_share
 from convwass_addon.applications.motions.warp_motion import WarpEffort
 from convwass_addon.geometry.mesh import TriangleMesh
@@ -43,8 +44,9 @@ class Turning:
 
 @pytest.fixture(scope="module", params=[1.0, 0.25, 0.0])
 def combined(request):
+    asked = MotionRequest((FIRST, SECOND), ("a", "b"), [(0, 1)], "automatic", 0.5)
     effort = WarpEffort(cells=24, rounds=5)
-    return drained(combined_motion(Turning(), ["a", "b"], [(0, 1)], 0.5, Control(), effort, request.param))
+    return drained(combined_motion(Turning(), asked, effort, request.param, Control()))
 
 
 def test_ends_are_those_of_the_first_motion(combined):

@@ -140,7 +140,7 @@ def coarsen() -> None:
     """Let maps and warps be coarse from now on."""
     motions = f"{MODULE}.convwass_addon.applications.motions"
     candidates, warps = (importlib.import_module(f"{motions}.{name}") for name in ("motion_candidates", "warp_motion"))
-    candidates.warp_motion = partial(warps.warp_motion, effort=warps.WarpEffort(24, 4))
+    candidates.USUAL_EFFORT = warps.WarpEffort(24, 4)
     candidates.GuidedSettings = partial(candidates.GuidedSettings, map_vertices=300, carrier_vertices=400)
 
 

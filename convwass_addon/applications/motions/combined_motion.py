@@ -14,7 +14,8 @@ from ...geometry.surface_rotations import surface_rotations
 from ...progress import Control, Work, within
 from .guided_motion import GuidedMotion
 from .motion import MovedShape, weights_between
-from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
+from .motion_request import MotionRequest
+from .warp_motion import WarpEffort, WarpMotion, warp_motion
 
 
 @dataclass(frozen=True)
@@ -83,42 +84,36 @@ class CombinedMotion:
 
 
 def combined_motion(
-    guided: GuidedMotion,
-    names: Sequence[str],
-    pairs: Sequence[tuple[int, int]],
-    coherence: float,
-    control: Control,
-    effort: WarpEffort = USUAL_EFFORT,
-    arrival: float = 1.0,
+    guided: GuidedMotion, request: MotionRequest, effort: WarpEffort, arrival: float, control: Control
 ) -> Work[CombinedMotion]:
     """Compute the warps that complete a guided motion.
 
     Parameters
     ----------
     guided : GuidedMotion
-        The motion of the shapes before the warps, prepared for these pairs.
-    names : sequence of str
-        Names of the shapes, for messages.
-    pairs : sequence of (int, int)
-        Pairs of shapes that are blended with each other, smaller index first.
-    coherence, control, effort
-        As for :func:`.warp_motion.warp_motion`.
+        The motion of the shapes before the warps, prepared for the pairs of the request.
+    request : MotionRequest
+        The names of the shapes for messages, the pairs, and the coherence.
+    effort : WarpEffort
+        The effort of the warps.
     arrival : float
         See :class:`CombinedMotion`.
+    control : Control
+        Stops the work.
 
     Raises
     ------
     InputError
         The coherence is not between 0 and 1.
     """
-    warps = {}
+    warps, names, pairs = {}, request.names, request.pairs
     for number, pair in enumerate(pairs):
         moved = guided.moved(weights_between(len(names), pair, 0.5))
         work = warp_motion(
             [moved[index].mesh for index in pair],
             [names[index] for index in pair],
             [(0, 1)],
-            coherence,
+            request.coherence,
             control,
             effort,
         )

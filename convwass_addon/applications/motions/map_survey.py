@@ -16,7 +16,6 @@ import numpy as np
 
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
-from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..workers import both_ways
 from .carriers import Carrier
 from .facing_turns import is_turned_over
@@ -97,11 +96,11 @@ def best_rough_map(
     """
     found: list[RoughMap] = []
     total = len(poses) * len(_VERTICES)
-    target = draft_of(other, _NO_PAIRS[:, 0], control)
+    target = draft_of(other, control)
     for pose, one in enumerate(poses):
         if found and found[0].map.score >= promise.enough:
             break
-        drafts = draft_of(one, _NO_PAIRS[:, 0], control), target
+        drafts = draft_of(one, control), target
         sides = MirroredSides.of(drafts[0].mesh, drafts[1].mesh)
         for vertices in _VERTICES:
             message = Sentence("Comparing map {done} of {total}", {"done": len(found) + 1, "total": total})
@@ -116,7 +115,7 @@ def _rough_map(
     pose: int, drafts: tuple[Carrier, Carrier], sides: MirroredSides | None, vertices: int, control: Control
 ) -> RoughMap:
     """Solve a map between coarse meshes, register them from it, and carry the result to all vertices."""
-    found = drained(mirrored_map(*drafts, SoftMapSettings(vertices=vertices), control, sides))
+    found = drained(mirrored_map(*drafts, vertices, control, sides))
     starts = found.starts(*drafts)
     # Each direction needs both, and two threads would compute each twice.
     both_ways(lambda k: drafts[k].unit)

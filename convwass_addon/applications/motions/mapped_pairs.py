@@ -21,7 +21,6 @@ from ...geometry.poisson_deformation import mean_stretch
 from ...geometry.upright_turns import distances_after, rotation_about_z, upright_turn_of_points
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
-from ..soft_maps.soft_map_settings import SoftMapSettings
 from .carriers import Carrier
 from .facing_turns import is_turned_over, symmetric_turn, tumbles, turned_carrier, turned_mesh
 from .guided_settings import GuidedSettings
@@ -62,7 +61,6 @@ _FOLDING = 1.8
 # man. With less, this share of the merit of others is enough: a kangaroo becomes a man with 0.63 and legs that stay
 # legs, and otherwise with 0.63, too; but an elephant becomes a child with 0.53 and its tail as the head, or with 0.83.
 _CLEAR_LIMBS, _DOUBTFUL_LIMBS = 0.75, 0.9
-_NO_VERTICES = np.empty(0, np.int64)
 _HALF, *_QUARTERS = (rotation_about_z(angle) for angle in (np.pi, 0.5 * np.pi, -0.5 * np.pi))
 
 
@@ -234,19 +232,19 @@ def _registered_by_limbs(
     Where that is not known, the better one of both quarter turns is taken. Returns None if their limbs do not
     correspond, or if they need no turn.
     """
-    target, found = draft_of(other, _NO_VERTICES, control), []
+    target, found = draft_of(other, control), []
     turns = _limb_turns(one, other, target, control)
     for number, turn in enumerate(turns):
         pose = turned_carrier(one, turn)
         sides = MirroredSides.of(pose.mesh, other.mesh)
         if sides is None:
             continue
-        drafts = draft_of(pose, _NO_VERTICES, control), target
+        drafts = draft_of(pose, control), target
         limbs = limb_pairs(drafts[0].mesh, drafts[1].mesh, sides.planes)
         if not len(limbs.tips) or limbs.facing < 0:
             continue
         pairs = np.stack([draft.seeds[tips] for draft, tips in zip(drafts, limbs.tips.T, strict=True)], axis=1)
-        solved = limb_map(pose, other, pairs, SoftMapSettings(vertices=settings.map_vertices), control, sides)
+        solved = limb_map(pose, other, pairs, settings.map_vertices, control, sides)
         mapped = yield from within(solved, number / len(turns), (number + 0.7) / len(turns))
         laid = laid_on_each_other((pose, other), mapped.starts(pose, other), pairs, None, control, sides)
         found.append(_turned_back(_mapped(pose, other, laid, mapped, sides), one, turn))
@@ -262,7 +260,7 @@ def _limb_turns(one: Carrier, other: Carrier, target: Carrier, control: Control)
     if sides is None:
         askew = MirroredSides.of(turned_mesh(one.mesh, _QUARTERS[0]), other.mesh)
         return [] if askew is None else _QUARTERS
-    limbs = limb_pairs(draft_of(one, _NO_VERTICES, control).mesh, target.mesh, sides.planes)
+    limbs = limb_pairs(draft_of(one, control).mesh, target.mesh, sides.planes)
     turns_around = limbs.facing < 0 and _may_turn_around(one.mesh, other.mesh)
     return [_HALF] if turns_around else []
 
@@ -311,9 +309,8 @@ def _registered(
     yield Progress(_GROWN, message)
     found, starts, sides = replace(PairMap.unneeded(), pairs=pairs), None, None
     if grown is None or not grown.fits:
-        map_settings = SoftMapSettings(vertices=settings.map_vertices)
         sides = agreeing_sides(one, other, pairs)
-        found = yield from within(pair_map(one, other, pairs, map_settings, control, sides), _GROWN, _MAPPED)
+        found = yield from within(pair_map(one, other, pairs, settings.map_vertices, control, sides), _GROWN, _MAPPED)
         starts = found.starts(one, other)
     yield Progress(_MAPPED, message)
     laid = laid_on_each_other((one, other), starts, found.pairs, grown, control, sides)

@@ -17,7 +17,7 @@ from .motion import arriving
 from .motion_choice import MotionChoice
 from .motion_request import MotionRequest
 from .remaining_distance import remaining_share
-from .warp_motion import WarpEffort, WarpMotion, warp_motion
+from .warp_motion import USUAL_EFFORT, WarpEffort, WarpMotion, warp_motion
 
 COARSE_EFFORT = WarpEffort(cells=24, rounds=8, filled=750)
 """A warp of this effort costs a tenth of a guided motion."""
@@ -46,7 +46,7 @@ class MotionCandidates:
 
     request: MotionRequest
     control: Control
-    _warps: dict[WarpEffort | None, WarpMotion] = field(default_factory=dict, init=False, repr=False)
+    _warps: dict[WarpEffort, WarpMotion] = field(default_factory=dict, init=False, repr=False)
 
     def guided(self) -> Work[GuidedMotion]:
         """Compute the motion that maps between the surfaces guide."""
@@ -55,20 +55,20 @@ class MotionCandidates:
 
     def warp(self) -> Work[WarpMotion]:
         """Compute a warp."""
-        return self._warp_once()
+        return self._warped_by(USUAL_EFFORT)
 
     def coarse_warp(self) -> Work[WarpMotion]:
         """Compute a warp of less effort."""
-        return self._warp_once(effort=COARSE_EFFORT)
+        return self._warped_by(COARSE_EFFORT)
 
-    def _warp_once(self, **effort: WarpEffort) -> Work[WarpMotion]:
-        """Compute a warp of some effort, or of the usual one, unless a choice has asked for it before."""
-        request, key = self.request, effort.get("effort")
-        if key not in self._warps:
-            self._warps[key] = yield from warp_motion(
-                request.shapes, request.names, request.pairs, request.coherence, self.control, **effort
+    def _warped_by(self, effort: WarpEffort) -> Work[WarpMotion]:
+        """Compute a warp of some effort, unless a choice has asked for it before."""
+        request = self.request
+        if effort not in self._warps:
+            self._warps[effort] = yield from warp_motion(
+                request.shapes, request.names, request.pairs, request.coherence, self.control, effort
             )
-        return self._warps[key]
+        return self._warps[effort]
 
     def warped(self, unmoved: MotionChoice) -> Work[MotionChoice]:
         """Compute the choice of a warp, for the reason of another choice."""
@@ -77,8 +77,7 @@ class MotionCandidates:
 
     def completed(self, mapped: MotionChoice, effort: WarpEffort, arrival: float) -> Work[MotionChoice]:
         """Compute the choice of a guided motion with a warp that removes some of what it leaves."""
-        names, pairs, coherence = self.request.names, self.request.pairs, self.request.coherence
-        motion = yield from combined_motion(mapped.motion, names, pairs, coherence, self.control, effort, arrival)
+        motion = yield from combined_motion(mapped.motion, self.request, effort, arrival, self.control)
         return replace(mapped, kind="combined", reason="UNLIKE", motion=motion, left=self.left(motion))
 
     def left(self, motion: GuidedMotion | CombinedMotion | WarpMotion) -> float:

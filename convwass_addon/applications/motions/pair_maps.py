@@ -77,7 +77,7 @@ def pair_map(
     first: Carrier,
     second: Carrier,
     pairs: NDArray[np.int64],
-    settings: SoftMapSettings,
+    vertices: int,
     control: Control,
     sides: MirroredSides | None = None,
 ) -> Work[PairMap]:
@@ -94,8 +94,8 @@ def pair_map(
         The two shapes.
     pairs : (k, 2) int64
         Corresponding vertices of their meshes: the guides.
-    settings : SoftMapSettings
-        Settings for maps.
+    vertices : int
+        Approximate number of vertices of the coarse meshes on which maps are solved.
     control : Control
         Stops the work.
     sides : MirroredSides, optional
@@ -109,12 +109,12 @@ def pair_map(
     seeds = coinciding_places(first.mesh, second.mesh)
     groups = None if sides is None else sides.both_groups
     if not len(pairs):
-        return (yield from _without_guides(first, second, seeds, settings, control, groups))
-    plain = yield from within(_solved(first, second, _NO_PAIRS, settings, control, groups), 0.0, 0.2)
+        return (yield from _without_guides(first, second, seeds, vertices, control, groups))
+    plain = yield from within(_solved(first, second, _NO_PAIRS, vertices, control, groups), 0.0, 0.2)
     sound = _missed(first, second, plain.found, pairs) < _ASTRAY
     chosen, begin = pairs, 0.2
     for number in range(_TRIES):
-        work = _with_guides(first, second, chosen, seeds, settings, control, groups)
+        work = _with_guides(first, second, chosen, seeds, vertices, control, groups)
         found = yield from within(work, begin, begin + 0.5 * (1.0 - begin))
         begin += 0.5 * (1.0 - begin)
         if found.score >= plain.score - _MARGIN:
@@ -139,7 +139,7 @@ def _with_guides(
     second: Carrier,
     pairs: NDArray[np.int64],
     seeds: NDArray[np.int64],
-    settings: SoftMapSettings,
+    vertices: int,
     control: Control,
     groups: tuple[Groups, Groups] | None,
 ) -> Work[PairMap]:
@@ -151,7 +151,7 @@ def _with_guides(
     tried = []
     for number, (own, start) in enumerate(ways):
         begin, end = number / len(ways), (number + 1) / len(ways)
-        found = yield from within(_solved(first, second, start, settings, control, own), begin, end)
+        found = yield from within(_solved(first, second, start, vertices, control, own), begin, end)
         tried.append(replace(found, pairs=pairs))
         if tried[-1].score >= _BEYOND_DOUBT:
             break
@@ -162,7 +162,7 @@ def _without_guides(
     first: Carrier,
     second: Carrier,
     seeds: NDArray[np.int64],
-    settings: SoftMapSettings,
+    vertices: int,
     control: Control,
     groups: tuple[Groups, Groups] | None,
 ) -> Work[PairMap]:
@@ -172,12 +172,12 @@ def _without_guides(
     without sides are mapped once more if the score is low, with a preference for the same heights: a tree would become
     a snowman upside down.
     """
-    tried = [(yield from within(_solved(first, second, seeds, settings, control, groups), 0.0, 0.5))]
+    tried = [(yield from within(_solved(first, second, seeds, vertices, control, groups), 0.0, 0.5))]
     if len(seeds) and tried[0].score < DOUBTED:
-        tried.append((yield from within(_solved(first, second, _NO_PAIRS, settings, control, groups), 0.5, 0.75)))
+        tried.append((yield from within(_solved(first, second, _NO_PAIRS, vertices, control, groups), 0.5, 0.75)))
     if groups is None and max(one.score for one in tried) < _FAIR and not is_level(first.mesh.vertices):
         heights = height_groups(first.mesh), height_groups(second.mesh)
-        solved = _solved(first, second, seeds, settings, control, heights, weight=_HEIGHTS)
+        solved = _solved(first, second, seeds, vertices, control, heights, weight=_HEIGHTS)
         upright = yield from within(solved, 0.75, 1.0)
         if upright.score >= _UPRIGHT * max(one.score for one in tried):
             return replace(upright, pairs=_NO_PAIRS)
@@ -185,23 +185,23 @@ def _without_guides(
 
 
 def mirrored_map(
-    first: Carrier, second: Carrier, settings: SoftMapSettings, control: Control, sides: MirroredSides | None
+    first: Carrier, second: Carrier, vertices: int, control: Control, sides: MirroredSides | None
 ) -> Work[PairMap]:
     """Solve the map between two shapes without guides; with sides, it is attracted to what it is in the mirror."""
     groups, planes = (None, None) if sides is None else (sides.both_groups, sides.planes)
-    return _solved(first, second, _NO_PAIRS, settings, control, groups, planes)
+    return _solved(first, second, _NO_PAIRS, vertices, control, groups, planes)
 
 
 def limb_map(
     first: Carrier,
     second: Carrier,
     pairs: NDArray[np.int64],
-    settings: SoftMapSettings,
+    vertices: int,
     control: Control,
     sides: MirroredSides,
 ) -> Work[PairMap]:
     """Solve the map that joins the tips of limbs, (k, 2), and keeps left and right; they do not count as guides."""
-    found = yield from _solved(first, second, pairs, settings, control, sides.both_groups)
+    found = yield from _solved(first, second, pairs, vertices, control, sides.both_groups)
     return replace(found, pairs=_NO_PAIRS)
 
 
@@ -226,7 +226,7 @@ def _solved(
     first: Carrier,
     second: Carrier,
     pairs: NDArray[np.int64],
-    settings: SoftMapSettings,
+    vertices: int,
     control: Control,
     groups: tuple[Groups, Groups] | None = None,
     mirrors: MirrorPlanes | None = None,
@@ -235,7 +235,8 @@ def _solved(
     """Solve the map from pairs, (k, 2), with a weight of the groups."""
     own = groups or ({}, {})
     mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate((first, second)))
-    found = yield from soft_map_steps(*mapped, pairs, replace(settings, group_weight=weight), control, mirrors)
+    settings = SoftMapSettings(vertices=vertices, group_weight=weight)
+    found = yield from soft_map_steps(*mapped, pairs, settings, control, mirrors)
     return PairMap(found, pairs, _score(first, second, found))
 
 

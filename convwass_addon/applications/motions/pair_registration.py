@@ -99,14 +99,14 @@ class GrownPair:
         return near
 
 
-def draft_of(shape: Carrier, kept: NDArray[np.int64], control: Control) -> Carrier:
+def draft_of(shape: Carrier, control: Control, kept: NDArray[np.int64] = _NO_PAIRS[:, 0]) -> Carrier:
     """Return the coarse mesh of a shape on which several starts are tried, with the vertices `kept`, (k,)."""
     return coarser(shape, kept, _DRAFT_VERTICES, control)
 
 
 def grown_pair(shapes: tuple[Carrier, Carrier], control: Control) -> GrownPair | None:
     """Register two shapes to each other by growing; return None if too little of them coincides as they stand."""
-    drafts = both_ways(lambda k: draft_of(shapes[k], _NO_PAIRS[:, 0], control))
+    drafts = both_ways(lambda k: draft_of(shapes[k], control))
     # Each direction needs both, and two threads would compute each twice.
     both_ways(lambda k: drafts[k].unit)
     grown = both_ways(lambda k: grown_points(drafts[k], drafts[1 - k], control))
@@ -159,7 +159,7 @@ def laid_on_each_other(
         The map has no confidence at any vertex.
     """
     both = pairs, pairs[:, ::-1]
-    drafts = both_ways(lambda k: draft_of(shapes[k], both[k][:, 0], control)) if grown is None else grown.drafts
+    drafts = both_ways(lambda k: draft_of(shapes[k], control, both[k][:, 0])) if grown is None else grown.drafts
     ends = np.stack([drafts[k].places(pairs[:, k]) for k in (0, 1)], axis=1)
     if starts is None:
         drafted, is_grown = [trusted(found) for found in grown.found], True

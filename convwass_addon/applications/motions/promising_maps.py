@@ -11,7 +11,6 @@ from ...geometry.alignment import aligned
 from ...geometry.mesh import TriangleMesh
 from ...progress import Control, Progress, Work, drained
 from ...sentence import Sentence
-from ..soft_maps.soft_map_settings import SoftMapSettings
 from ..workers import both_ways
 from .carriers import Carrier, carrier_of
 from .facing_turns import symmetric_turn, turned_carrier
@@ -63,6 +62,6 @@ def _rough_score(one: Carrier, other: Carrier, control: Control) -> float:
 
     def score(k: int) -> float:
         first, second, kept = ways[k]
-        return drained(mirrored_map(first, second, SoftMapSettings(vertices=_MAP_VERTICES), control, kept)).score
+        return drained(mirrored_map(first, second, _MAP_VERTICES, control, kept)).score
 
     return max(both_ways(score))

@@ -62,7 +62,7 @@ def give(
     monkeypatch.setattr(surface_choice, "may_map", work_of(may_map))
 
     def completed(*arguments):
-        is_coarse = arguments[5].cells < 32 and arguments[6] == 0.0
+        is_coarse = arguments[2].cells < 32 and arguments[3] == 0.0
         return work_of(FADED if is_coarse and combined is COMBINED else combined)()
 
     monkeypatch.setattr(motion_candidates, "combined_motion", completed)

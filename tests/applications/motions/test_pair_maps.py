@@ -13,7 +13,6 @@ from convwass_addon.applications.motions import pair_maps
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.mirrored_sides import MirroredSides, height_groups
 from convwass_addon.applications.motions.pair_maps import PairMap, pair_map
-from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.progress import UNINTERRUPTED, drained
 from tests.grids import figure
@@ -61,7 +60,7 @@ def test_a_doubtful_map_stands_upright():
         carrier_of(mesh, name, NO_PAIRS[:, 0], 500, UNINTERRUPTED) for mesh, name in ((tree(), "t"), (snowman(), "s"))
     )
     assert MirroredSides.of(first.mesh, second.mesh) is None
-    found = drained(pair_map(first, second, NO_PAIRS, SoftMapSettings(vertices=300), UNINTERRUPTED))
+    found = drained(pair_map(first, second, NO_PAIRS, 300, UNINTERRUPTED))
     z = first.mesh.vertices[:, 2]
     low = found.found.forward.found & (z < z.min() + 0.15 * np.ptp(z))
     there = found.found.forward.positions(second.mesh)[low, 2] - second.mesh.vertices[:, 2].min()
@@ -76,7 +75,7 @@ def test_of_two_doubtful_maps_the_upright_one_is_taken(monkeypatch, plain, uprig
     scores = {"plain": plain, "upright": upright}
     weights = []
 
-    def solved(_first, _second, pairs, _settings, _control, groups=None, _mirrors=None, weight=None):
+    def solved(_first, _second, pairs, _vertices, _control, groups=None, _mirrors=None, weight=None):
         yield from ()
         weights.append(weight)
         return PairMap(
@@ -85,7 +84,7 @@ def test_of_two_doubtful_maps_the_upright_one_is_taken(monkeypatch, plain, uprig
 
     monkeypatch.setattr(pair_maps, "_solved", solved)
     carriers = [carrier_of(mesh, "shape", NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
-    found = drained(pair_map(*carriers, NO_PAIRS, SoftMapSettings(), UNINTERRUPTED))
+    found = drained(pair_map(*carriers, NO_PAIRS, 1000, UNINTERRUPTED))
     assert (found.found, found.score) == (taken, scores[taken])
     assert len(weights) == (1 if plain == 0.5 else 2)
 
@@ -105,7 +104,7 @@ def test_the_map_without_guides_follows_those_that_it_does_not_contradict(monkey
     monkeypatch.setattr(pair_maps, "_missed", lambda *_arguments: np.array(missed))
     monkeypatch.setattr(pair_maps, "coinciding_places", lambda *_meshes: NO_PAIRS)
     carriers = [carrier_of(mesh, "shape", NO_PAIRS[:, 0], 1000, UNINTERRUPTED) for mesh in (tree(), snowman())]
-    found = drained(pair_map(*carriers, pairs, SoftMapSettings(), UNINTERRUPTED))
+    found = drained(pair_map(*carriers, pairs, 1000, UNINTERRUPTED))
     assert found.score == 0.8
     np.testing.assert_array_equal(found.pairs, pairs[followed])
 
@@ -118,7 +117,7 @@ def test_guides_may_contradict_the_heights_or_sides_of_a_body(monkeypatch, sided
     pairs = np.array([(1, 2)])
     scores = []
 
-    def solved(_first, _second, given, _settings, _control, groups=None, *_others):
+    def solved(_first, _second, given, _vertices, _control, groups=None, *_others):
         yield from ()
         if len(given):
             scores.append(free if groups is None else sided)
@@ -129,5 +128,5 @@ def test_guides_may_contradict_the_heights_or_sides_of_a_body(monkeypatch, sided
     monkeypatch.setattr(pair_maps, "coinciding_places", lambda *_meshes: NO_PAIRS)
     carriers = [carrier_of(figure(10)[0], "figure", NO_PAIRS[:, 0], 5000, UNINTERRUPTED) for _ in range(2)]
     sides = MirroredSides.of(*(own.mesh for own in carriers))
-    found = drained(pair_map(*carriers, pairs, SoftMapSettings(), UNINTERRUPTED, sides))
+    found = drained(pair_map(*carriers, pairs, 1000, UNINTERRUPTED, sides))
     assert (found.score, len(scores)) == (expected, count)

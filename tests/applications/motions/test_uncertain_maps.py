@@ -10,6 +10,7 @@ import pytest
 
 from convwass_addon.applications.motions import motion_candidates
 from convwass_addon.applications.motions.surface_choice import motion_of_surfaces
+from convwass_addon.applications.motions.warp_motion import USUAL_EFFORT
 from convwass_addon.errors import ResourceError
 from convwass_addon.geometry.mesh import TriangleMesh
 from tests.applications.motions.given_motions import (
@@ -189,9 +190,9 @@ def test_a_warp_is_not_computed_where_a_coarse_one_leaves_too_much(
 ):
     coarse, asked = SimpleNamespace(with_coherence=lambda coherence: ("coarse", coherence), sizes=np.ones(2)), []
 
-    def warped(*_arguments, effort=None):
-        asked.append(effort)
-        return work_of(WARP if effort is None else coarse)()
+    def warped(*arguments):
+        asked.append(arguments[-1])
+        return work_of(WARP if arguments[-1] == USUAL_EFFORT else coarse)()
 
     motions(guided_with(score, crumpling=1.6))
     monkeypatch.setattr(motion_candidates, "warp_motion", warped)
@@ -199,7 +200,7 @@ def test_a_warp_is_not_computed_where_a_coarse_one_leaves_too_much(
     shares |= {(kind, 0.5): 1.0 for kind in ("combined", "faded")}
     monkeypatch.setattr(motion_candidates, "remaining_share", lambda motion, *_arguments: shares[motion])
     assert choice().kind == ("warp" if is_warped else "guided")
-    assert (None in asked) == is_warped
+    assert (USUAL_EFFORT in asked) == is_warped
 
 
 @pytest.mark.parametrize("sizes", [np.ones(2), np.array([0.5, 2.0])])
@@ -242,8 +243,8 @@ def test_no_warp_is_computed_twice(motions, monkeypatch):
     """A map that crumples shapes is compared with a coarse warp by its area, and then by what it leaves."""
     asked = []
 
-    def warped(*_arguments, effort=None):
-        asked.append(effort)
+    def warped(*arguments):
+        asked.append(arguments[-1])
         return work_of(WARP)()
 
     motions(guided_with(0.6, crumpling=2.0), left=0.5, by_warp_alone=0.3)
@@ -251,7 +252,7 @@ def test_no_warp_is_computed_twice(motions, monkeypatch):
     arrived = SimpleNamespace(mesh=SimpleNamespace(area=2.0 * SHAPES[0].area))
     monkeypatch.setattr(motion_candidates, "arriving", lambda *_arguments: arrived)
     assert (choice().kind, choice().reason) == ("warp", "UNLIKE")
-    assert asked == 2 * [motion_candidates.COARSE_EFFORT, None]
+    assert asked == 2 * [motion_candidates.COARSE_EFFORT, USUAL_EFFORT]
 
 
 def test_a_poor_map_is_given_up_if_what_it_leaves_cannot_be_measured(motions, monkeypatch):
