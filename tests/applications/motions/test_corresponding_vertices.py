@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -160,10 +161,9 @@ def test_dividing_points_move_with_their_triangles():
     begins, ends = (carrier.rest for carrier in carriers)
     assert min(len(begins.vertices), len(ends.vertices)) > 1000
     weights, way = np.array([0.3, 0.7]), 0.5
-    found = CommonVertices.of(carriers, (long, moved(long))).met(
-        {0: 2.0 * begins.vertices + 1.0, 1: ends.vertices}, weights, way
-    )
+    common = replace(CommonVertices.of(carriers, (long, moved(long))), lengths=np.zeros(2))
     own = 2.0 * begins.vertices + 1.0
+    found = common.met({0: own, 1: ends.vertices}, weights, way)
     mean = 0.3 * own + 0.7 * moved(begins).vertices
     np.testing.assert_allclose(found[0], 0.5 * (own + mean), atol=1e-9)
 
@@ -227,3 +227,34 @@ def test_other_poses_of_both_meet(bending):
     np.testing.assert_allclose(one[:count], other[:count], atol=1e-12)
     expected = bending.moved([0.4, 0.6])[0].vertices[:count]
     np.testing.assert_allclose(one[:count], TURN.apply(expected) + 1.0, atol=1e-3)
+
+
+def twisted(mesh, angle):
+    """The mesh twisted about z by an angle per unit of height, which preserves volumes."""
+    turns = Rotation.from_rotvec(angle * mesh.vertices[:, 2:] * (0.0, 0.0, 1.0))
+    return TriangleMesh(turns.apply(mesh.vertices), mesh.faces)
+
+
+def test_a_twist_keeps_its_volume():
+    """The mean of the stretches alone would have 4 % more halfway."""
+    flat = TriangleMesh(ball(points=2000).vertices * (1.0, 0.3, 1.0), ball(points=2000).faces)
+    larger = TriangleMesh(1.2 * twisted(flat, 1.3).vertices, flat.faces)
+    motion = drained(guided_motion((flat, larger), ("flat", "twisted"), [(0, 1)]))
+    free = replace(motion, common=replace(motion.common, lengths=np.zeros(2)))
+    for time in (0.01, 0.5, 0.9):
+        expected = ((1.0 - time) * np.cbrt(flat.volume) + time * np.cbrt(larger.volume)) ** 3
+        for shape in motion.moved([1.0 - time, time]):
+            assert shape.mesh.volume == pytest.approx(expected, rel=2e-3)
+    assert free.moved([0.5, 0.5])[0].mesh.volume > 1.03 * motion.moved([0.5, 0.5])[0].mesh.volume
+
+
+def test_sheets_have_no_volume_to_keep():
+    """The volume between a bent sheet and its center is none that it encloses."""
+    side = np.linspace(-1.0, 1.0, 30)
+    x, y = (own.ravel() for own in np.meshgrid(side, side, indexing="ij"))
+    here = np.arange(900).reshape(30, 30)
+    a, b, c, d = (own.ravel() for own in (here[:-1, :-1], here[1:, :-1], here[1:, 1:], here[:-1, 1:]))
+    faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    domes = [TriangleMesh(np.stack([x, y, height * (x**2 + y**2)], axis=1), faces) for height in (-0.3, -0.6)]
+    motion = drained(guided_motion(domes, ("low", "high"), [(0, 1)]))
+    assert not motion.common.lengths.any()
