@@ -13,9 +13,11 @@ from scipy.optimize import linear_sum_assignment
 from scipy.spatial import cKDTree
 from scipy.spatial.distance import cdist
 
-from ...geometry.edges import vertex_components
+from ...geometry.closest_points import ClosestPointFinder
+from ...geometry.edges import proper_faces, vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import triangle_normals
+from ...geometry.rotations import nearest_rotation
 from .carriers import Carrier
 from .laid_meshes import Laid
 from .map_detour import map_detour
@@ -27,8 +29,12 @@ from .pair_registration import LaidPair
 # diagonal if the first one would fold it.
 _COMMON = 0.7
 # Components with equal numbers of vertices and triangles, such as boxes, may have been joined in any order. Their order
-# counts if other pairs would move the surface by at most this much less in the mean square, in areas of the shape.
-_ARBITRARY = 0.01
+# counts if other pairs would move the surface by at most this much less in the mean square, in areas of the shape: two
+# legs of a table, 4 cm thick, that change places move it by 0.007.
+_ARBITRARY = 5e-4
+# Smaller turns, as traces of rotations (45 degrees), are seen. After others, some of the corners of so many triangles
+# must be farther from the shape than this, in its sizes: 0.04 for a cable from the other end that also rolls.
+_SMALL_TURN, _SOME, _ALIKE = 1.0 + np.sqrt(2.0), 2000, 0.05
 # Shapes are scaled by at most this factor to keep their volume. They enclose one if the sum of their oriented areas is
 # at most the second number of their area: zero for closed surfaces, and one for a flat sheet.
 _MOST_SCALED, _OPEN = 1.1, 0.1
@@ -119,14 +125,28 @@ def _is_nearly_closed(mesh: TriangleMesh) -> bool:
 def vertices_correspond(first: TriangleMesh, second: TriangleMesh) -> bool:
     """Return whether two shapes are versions of one mesh, so that vertices with the same number correspond.
 
-    They have the same polygons, facing the same way; and if they consist of several components of the same kind, those
-    with the same numbers are near each other.
+    They have the same polygons, facing the same way. If they consist of several components of the same kind, those with
+    the same numbers are near each other, apart from a turn of the whole shape. That turn can be seen: a cable that was
+    drawn from the other end does not turn around.
     """
     if len(first.vertices) != len(second.vertices) or len(first.faces) != len(second.faces):
         return False
+    if not (first.area > 0.0 and second.area > 0.0):
+        return False
     if not np.array_equal(first.faces, second.faces) and _common_triangles(first, second) < _COMMON:
         return False
-    return _excess_movement(first, second) <= _ARBITRARY
+    components = _Components.of(first, second)
+    if components.excess_movement > _ARBITRARY:
+        return False
+    is_seen = np.trace(components.turn) >= _SMALL_TURN
+    return bool(is_seen or not all(_looks_alike(mesh, components.turn) for mesh in (first, second)))
+
+
+def _looks_alike(mesh: TriangleMesh, turn: NDArray[np.float64]) -> bool:
+    """Return whether a shape looks the same after a turn about its center."""
+    some = mesh.corners[:: 1 + len(mesh.faces) // _SOME, 0] - mesh.area_center
+    found = ClosestPointFinder(mesh.corners - mesh.area_center).find_about(some @ turn.T)
+    return bool(found.distances.max() <= _ALIKE * np.sqrt(mesh.area))
 
 
 def corresponding_pair(shapes: tuple[TriangleMesh, TriangleMesh], carriers: tuple[Carrier, Carrier]) -> MappedPair:
@@ -166,24 +186,56 @@ def _common_triangles(first: TriangleMesh, second: TriangleMesh) -> float:
     return float(np.minimum(*counts).sum() / count)
 
 
-def _excess_movement(first: TriangleMesh, second: TriangleMesh) -> float:
-    """Return how much farther components move than if those of the same kind were paired best, in the mean square.
+@dataclass(frozen=True)
+class _Components:
+    """The connected components of two shapes with the same triangles.
 
-    In areas of the shapes, and relative to their centers.
+    Attributes
+    ----------
+    centers : (2, c, 3) float64
+        By shape, relative to its center and in its sizes.
+    areas : (c,) float64
+        Mean areas, in those of the shapes.
+    kinds : (c,) int64
+        Equal for components with equal numbers of vertices and triangles.
+    turn : (3, 3) float64
+        The rotation that is nearest to that of most components about their own centers.
     """
-    labels = vertex_components(first)
-    count, used = int(labels.max(initial=-1)) + 1, labels >= 0
-    if count < 2:
-        return 0.0
-    kinds = np.stack(
-        [np.bincount(own[own >= 0], minlength=count) for own in (labels, labels[first.faces[:, 0]])], axis=1
-    )
-    centers = [_component_centers(mesh, labels[used], used, count) for mesh in (first, second)]
-    areas = 0.5 * sum(np.bincount(labels[used], mesh.vertex_areas[used], count) / mesh.area for mesh in (first, second))
-    _, kind_of = np.unique(kinds, axis=0, return_inverse=True)
-    ordered = np.argsort(kind_of, kind="stable")
-    groups = np.split(ordered, np.flatnonzero(np.diff(kind_of[ordered])) + 1)
-    return sum(_excess_of_kind(centers[0][own], centers[1][own], areas[own]) for own in groups if len(own) > 1)
+
+    centers: NDArray[np.float64]
+    areas: NDArray[np.float64]
+    kinds: NDArray[np.int64]
+    turn: NDArray[np.float64]
+
+    @classmethod
+    def of(cls, first: TriangleMesh, second: TriangleMesh) -> _Components:
+        """Find the components of the first shape, and where they are on the second one."""
+        labels = vertex_components(first)
+        used = labels >= 0
+        own, count = labels[used], int(labels.max(initial=-1)) + 1
+        sizes = np.bincount(own, minlength=count)
+        triangles = np.bincount(labels[proper_faces(first.faces)[:, 0]], minlength=count)
+        _, kinds = np.unique(np.stack([sizes, triangles], axis=1), axis=0, return_inverse=True)
+        points = [(mesh.vertices[used] - mesh.area_center) / np.sqrt(mesh.area) for mesh in (first, second)]
+        areas = [np.bincount(own, mesh.vertex_areas[used], count) / mesh.area for mesh in (first, second)]
+        centers = np.stack(
+            [np.stack([np.bincount(own, column, count) for column in each.T], axis=1) for each in points]
+        )
+        centers /= sizes[:, None]
+        here, there = (each - center[own] for each, center in zip(points, centers, strict=True))
+        turn = nearest_rotation((first.vertex_areas[used, None] * there).T @ here)
+        return cls(centers, 0.5 * (areas[0] + areas[1]), kinds, turn)
+
+    @property
+    def excess_movement(self) -> float:
+        """How much farther they move than if those of the same kind were paired best, in the mean square.
+
+        In areas of the shapes, relative to their centers, and after the first one is turned.
+        """
+        ordered = np.argsort(self.kinds, kind="stable")
+        groups = np.split(ordered, np.flatnonzero(np.diff(self.kinds[ordered])) + 1)
+        here, there = self.centers[0] @ self.turn.T, self.centers[1]
+        return sum(_excess_of_kind(here[own], there[own], self.areas[own]) for own in groups if len(own) > 1)
 
 
 def _excess_of_kind(here: NDArray[np.float64], there: NDArray[np.float64], areas: NDArray[np.float64]) -> float:
@@ -193,12 +245,3 @@ def _excess_of_kind(here: NDArray[np.float64], there: NDArray[np.float64], areas
         return float(moved - areas @ np.square(cKDTree(there).query(here)[0]))
     apart = cdist(here, there, "sqeuclidean") * areas[:, None]
     return float(moved - apart[linear_sum_assignment(apart)].sum())
-
-
-def _component_centers(
-    mesh: TriangleMesh, labels: NDArray[np.int64], used: NDArray[np.bool_], count: int
-) -> NDArray[np.float64]:
-    """Return the centers of components relative to that of the mesh, (count, 3), in its sizes."""
-    sums = [np.bincount(labels, own, count) for own in mesh.vertices[used].T]
-    centers = np.stack(sums, axis=1) / np.bincount(labels, minlength=count)[:, None]
-    return (centers - mesh.area_center) / np.sqrt(mesh.area)

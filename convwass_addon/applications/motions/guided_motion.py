@@ -258,7 +258,7 @@ def guided_motion(
             work = _deformed(one, other, registration, control)
             there, back, best, quality = yield from within(work, begin, end)
         deformations[ordered], deformations[ordered[::-1]] = there, back
-        score = max(best.score, quality.confidence) if quality.is_beyond_doubt else best.score
+        score = max(best.score, min(quality.confidence, 1.0)) if quality.is_beyond_doubt else best.score
         followed = best.map.pairs.tolist()
         left_out = sum(place not in followed for place in places.tolist())
         known[pair] = GuidedPair(

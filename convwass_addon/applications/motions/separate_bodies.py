@@ -129,7 +129,7 @@ class SeparateBodies:
         )
         return MotionChoice(
             "guided",
-            max((own.reason for own in found), key=_REASONS.index),
+            _reason([own.reason for own in found]),
             BodiesMotion.of([own.motion for own in found], self.bodies),
             score=min(scores, default=None),
             turned=max(own.turned for own in found),
@@ -138,6 +138,12 @@ class SeparateBodies:
             bodies=len(found),
             limbs=sum(own.limbs for own in found),
         )
+
+
+def _reason(reasons: Sequence[str]) -> str:
+    """Return the least certain reason for bodies that were paired by place, whatever the numbers of their vertices."""
+    least = max(reasons, key=_REASONS.index)
+    return "FITS" if least == "VERTICES" else least
 
 
 def _joined(shapes: Sequence[MovedShape], bodies: Sequence[Body]) -> MovedShape:

@@ -41,6 +41,8 @@ class GuidedWay:
         Remaining distances to the other surface at the end, along the normals of the guided mesh.
     mended : TurnedOffsets
         Further offsets of vertices near folds.
+    ends_on_vertices : bool
+        Whether vertices end at those of the other shape with the same numbers.
     """
 
     motion: Motion
@@ -49,6 +51,7 @@ class GuidedWay:
     folds: FoldFinder
     heights: NDArray[np.float64]
     mended: TurnedOffsets
+    ends_on_vertices: bool = False
 
     @classmethod
     def of(cls, motion: Motion, count: int, index: int, mesh: TriangleMesh, target: TriangleMesh) -> GuidedWay:
@@ -73,7 +76,8 @@ class GuidedWay:
     def onto_vertices(self) -> GuidedWay:
         """Move the vertices of the guided mesh on to those of the other shape with the same numbers."""
         guided = self.guided(1.0).vertices
-        return replace(self, mended=TurnedOffsets.of(self.mesh, guided, self.target.vertices - guided))
+        offsets = TurnedOffsets.of(self.mesh, guided, self.target.vertices - guided)
+        return replace(self, mended=offsets, ends_on_vertices=True)
 
     @property
     def mesh(self) -> TriangleMesh:
@@ -112,6 +116,8 @@ class GuidedWay:
     ) -> list[NDArray[np.float64]]:
         """Make samples symmetric, and distribute the projection of the last one onto the surface evenly over all."""
         symmetric = [symmetry.symmetrized(points) for points in samples]
+        if self.ends_on_vertices:
+            return [samples[0], *symmetric[1:]]
         drawn = drawn_along_normals(TriangleMesh(symmetric[-1], self.mesh.faces), self.target, control)
         end = self._unfolded_symmetrically(symmetry.symmetrized(drawn), symmetry, control)
         added = end - symmetric[-1]

@@ -184,6 +184,7 @@ def paths_along(
 def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control: Control) -> KeyPath:
     """Choose the fewest key positions that meet the requirements."""
     samples = way.sampled(_SAMPLES, control)
+    _straighten_loose_vertices(samples, way)
     if demands.symmetry is not None:
         samples = way.symmetrized(samples, demands.symmetry, control)
     diagonal = way.target.diagonal
@@ -195,6 +196,16 @@ def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control:
     last = (len(samples) - 1) * 2**_DOUBLINGS
     times = tuple(end / last for end in pieces.ends)
     return KeyPath(name, times, positions, score, pieces.deviation / diagonal, **_figures(way, positions[-1], control))
+
+
+def _straighten_loose_vertices(samples: list[NDArray[np.float64]], way: GuidedWay) -> None:
+    """Let vertices that no triangle uses stay, or move straight to known ends, in place: nothing guides them."""
+    loose = np.ones(len(way.mesh.vertices), bool)
+    loose[way.mesh.faces] = False
+    begin = samples[0][loose]
+    end = way.target.vertices[loose] if way.ends_on_vertices else begin
+    for time, points in zip(np.linspace(0.0, 1.0, len(samples))[1:], samples[1:], strict=True):
+        points[loose] = (1.0 - time) * begin + time * end
 
 
 def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float, control: Control) -> FittedPieces:
@@ -213,11 +224,15 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], control: Control) -> dic
     """Return the figures of the last key of a path, with the names that :class:`KeyPath` has for them."""
     final, folds = TriangleMesh(last, way.mesh.faces), way.folds
     diagonal = way.target.diagonal
-    distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
-    turned = folds.agreements(final.vertices, control) < 0.0
-    poor = distances > _FAR
-    poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
     areas = final.vertex_areas
+    if way.ends_on_vertices:
+        distances = np.linalg.norm(last - way.target.vertices, axis=1) / diagonal
+        turned, poor = np.zeros(len(final.faces), bool), distances > _FAR
+    else:
+        distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
+        turned = folds.agreements(final.vertices, control) < 0.0
+        poor = distances > _FAR
+        poor[final.faces[turned | folds.collapsed(final.vertices)]] = True
     return {
         "distance": float(areas @ distances / areas.sum()),
         "distance_95": weighted_quantile(distances, areas, 0.95),

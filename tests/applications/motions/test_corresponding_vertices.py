@@ -22,12 +22,14 @@ from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.posed_motion import PosedMotion
 from convwass_addon.applications.one_mesh.key_paths import KeyDemands, key_paths
+from convwass_addon.applications.one_mesh.mirror_symmetry import MirrorSymmetry
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.mirror_planes import MirrorPlane
 from convwass_addon.progress import UNINTERRUPTED, Control, drained
 from tests.applications.maps import arm, coarse_maps
 from tests.applications.motions.given_motions import chosen_by
 from tests.applications.motions.test_known_motions import bent, line_length
-from tests.shapes import ball, box, joined, renumbered, torus
+from tests.shapes import ball, bent_tube, box, joined, renumbered, torus
 
 RING = torus(segments=(40, 20))
 TURN = Rotation.from_rotvec([0.3, -0.5, 1.9])
@@ -71,6 +73,7 @@ def doubled(mesh):
         (doubled(RING), doubled(with_other_diagonals(RING, 0.1)), True),
         (PAIR, joined(box((1.0, 1.0, 2.0)), box(center=(3.0, 1.0, 0.0))), True),
         (PAIR, joined(box(center=(3.0, 1.0, 0.0)), box()), False),
+        (RING, TriangleMesh(0.0 * RING.vertices, RING.faces), False),
         (joined(ball(points=300), box((0.2, 0.2, 0.2), (1.2, 0.0, 0.0)), box((0.2, 0.2, 0.2), (-1.2, 0.0, 0.0))),) * 2
         + (True,),
     ],
@@ -87,6 +90,7 @@ def doubled(mesh):
         "doubled triangles, some diagonals",
         "boxes",
         "boxes in another order",
+        "no area",
         "eyes",
     ],
 )
@@ -96,9 +100,50 @@ def test_vertices_of_versions_of_one_mesh_correspond(one, other, expected):
 
 
 def test_a_head_may_turn_around():
-    """Its eyes change places, but they are small."""
-    head = joined(ball(points=300), ball(0.1, (0.9, 0.2, 0.0), 40), ball(0.1, (0.9, -0.2, 0.0), 40))
+    """Its eyes change places with respect to everything else."""
+    head = joined(ball(points=300), ball(0.2, (1.1, 0.4, 0.0), 40), ball(0.2, (1.1, -0.4, 0.0), 40))
     assert vertices_correspond(head, TriangleMesh(head.vertices * (-1.0, -1.0, 1.0), head.faces))
+
+
+def robot(arm):
+    """Boxes that are not symmetric from front to back; both arms are alike."""
+    sides = [box((0.3, 0.3, 1.2), (side, arm, 0.4)) for side in (-0.8, 0.8)]
+    head = [box((0.5, 0.5, 0.5), (0.0, -0.2, 1.1)), box((0.2, 0.3, 0.2), (0.0, -0.5, 1.1))]
+    return joined(box((1.0, 0.5, 1.5)), *head, *sides)
+
+
+@pytest.mark.parametrize("degrees", [0.0, 90.0, 120.0, 180.0])
+def test_shapes_of_many_parts_may_turn(degrees):
+    turn = Rotation.from_euler("z", degrees, degrees=True)
+    other = robot(-0.3)
+    assert vertices_correspond(robot(0.0), TriangleMesh(turn.apply(other.vertices) + 2.0, other.faces))
+
+
+def table(order):
+    """A table with thin legs, joined in some order."""
+    places = np.array([(-0.8, -0.4, -0.5), (-0.8, 0.4, -0.5), (0.8, -0.4, -0.5), (0.8, 0.4, -0.5)])
+    return joined(box((2.0, 1.0, 0.1)), *(box((0.04, 0.04, 0.9), places[leg]) for leg in order))
+
+
+@pytest.mark.parametrize("order", [(1, 0, 2, 3), (2, 1, 0, 3), (3, 2, 1, 0)])
+def test_thin_legs_keep_their_order(order):
+    assert vertices_correspond(table(range(4)), table(range(4)))
+    assert not vertices_correspond(table(range(4)), table(order))
+
+
+def test_a_cable_from_the_other_end_does_not_turn():
+    """Both ends look the same, so that nobody would see a turn but on the way."""
+    cable = bent_tube(1.0, radius=0.1)
+    rings, sides = 60, 12
+    order = np.concatenate(
+        [np.arange(rings * sides).reshape(rings, sides)[::-1, ::-1].ravel(), [rings * sides + 1, rings * sides]]
+    )
+    reversed_ = cable.vertices[order]
+    assert (np.sort(reversed_, axis=0) == np.sort(cable.vertices, axis=0)).all()
+    other = TriangleMesh(reversed_ + np.array([0.0, 0.5, 0.0]), cable.faces)
+    assert other.volume == pytest.approx(cable.volume)
+    assert not vertices_correspond(cable, other)
+    assert vertices_correspond(cable, cable.moved((0.0, 0.5, 0.0)))
 
 
 @pytest.mark.parametrize("count", [40, 600])
@@ -208,13 +253,40 @@ def test_with_guides_they_are_mapped():
 def test_bodies_in_another_order_move_to_the_nearest_ones():
     bodies = [ROD, ROD.moved((0.0, 8.0, 0.0))], [BENT.moved((0.0, 8.0, 0.0)), BENT]
     found = choice(shapes=tuple(joined(*own) for own in bodies))
-    assert found.record() == {"kind": "guided", "reason": "VERTICES", "score": 1.0, "bodies": 2}
+    assert found.record() == {"kind": "guided", "reason": "FITS", "score": 1.0, "bodies": 2}
+
+
+def keys(one, other, symmetry=None):
+    """The path of shape keys from one shape to another."""
+    work = key_paths((one, other), ("one", "other"), KeyDemands(0.01, symmetry), GuidedSettings(), (), UNINTERRUPTED)
+    return drained(work)[0]
 
 
 def test_shape_keys_end_at_the_vertices_of_the_other_shape():
-    work = key_paths((ROD, BENT), ("rod", "bent"), KeyDemands(0.01), GuidedSettings(), (), UNINTERRUPTED)
-    path = drained(work)[0]
+    path = keys(ROD, BENT)
     np.testing.assert_allclose(path.positions[-1], BENT.vertices, atol=1e-9)
+    assert (path.turned, len(path.poor), path.distance) == (0, 0, pytest.approx(0.0, abs=1e-9))
+
+
+def test_so_do_symmetric_ones():
+    """A rod that is symmetric about z = 0, as its bend is."""
+    symmetry = MirrorSymmetry.of(ROD.vertices, MirrorPlane(np.zeros(3), np.array([0.0, 0.0, 1.0])), "rod")
+    np.testing.assert_allclose(keys(ROD, BENT, symmetry).positions[-1], BENT.vertices, atol=1e-9)
+
+
+@pytest.mark.parametrize("end", [(5.0, 5.0, 5.0), (5.0, 5.0, 7.0)])
+def test_loose_vertices_move_straight(end):
+    places = [(5.0, 5.0, 5.0), end]
+    loose = [
+        TriangleMesh(np.append(own.vertices, [place], axis=0), own.faces)
+        for own, place in zip((ROD, BENT), places, strict=True)
+    ]
+    path = keys(*loose)
+    expected = [(1.0 - time) * np.array(places[0]) + time * np.array(end) for time in path.times]
+    # Changes that keep the volume move everything a little.
+    np.testing.assert_allclose(path.positions[:, -1], expected, atol=0.03)
+    mapped = keys(loose[0], renumbered(loose[1]))
+    np.testing.assert_allclose(mapped.positions[:, -1], np.tile(places[0], (len(mapped.times), 1)), atol=0.03)
 
 
 def test_other_poses_of_both_meet(bending):
