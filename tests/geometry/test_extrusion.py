@@ -10,6 +10,7 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.geometry.extrusion import common_extrusions
 from convwass_addon.geometry.mesh import TriangleMesh
+from convwass_addon.geometry.normals import triangle_normals
 from tests.flat_shapes import ellipse, rectangle
 from tests.shapes import ball, bent_tube, box, extruded, joined, rotated, spring, torus, tube_with_caps
 
@@ -97,3 +98,24 @@ def test_a_slanted_end_is_not_one_of_an_extrusion():
     vertices = FRAME.vertices.copy()
     vertices[vertices[:, 2] > 0, 2] += 0.3 * vertices[vertices[:, 2] > 0, 0] + 0.3
     assert common_extrusions([TriangleMesh(vertices, FRAME.faces)]) is None
+
+
+def test_parts_beside_the_middle_are_not_lost():
+    """A van with wheels on both sides, which its section halfway does not cross."""
+    van = extruded(rectangle((-2.0, 0.0), (2.0, 1.0)), low=-0.7, high=0.7)
+    wheels = [
+        extruded(rectangle((x - 0.2, -0.3), (x + 0.2, 0.1)), low=z, high=z + 0.15)
+        for x in (-1.2, 1.2)
+        for z in (-0.7, 0.55)
+    ]
+    assert common_extrusions([van]) is not None
+    assert common_extrusions([joined(van, *wheels)]) is None
+    through = extruded(rectangle((-1.4, -0.3), (-1.0, 0.1)), low=-0.7, high=0.7)
+    assert common_extrusions([joined(van, through)]) is not None
+
+
+def test_pieces_that_meet_in_seams_are_one():
+    """The front and the sides of solid text share no vertices."""
+    ends = np.abs(triangle_normals(FRAME.corners)[:, 2]) > 0.5
+    apart = joined(*(TriangleMesh(FRAME.vertices, FRAME.faces[own]) for own in (ends, ~ends)))
+    assert common_extrusions([apart]) is not None
