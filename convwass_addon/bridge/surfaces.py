@@ -91,6 +91,11 @@ class _Topology:
         return self.count == len(mesh.vertices) and np.array_equal(self.corners, _corner_vertices(mesh))
 
 
+def same_vertices(first: bpy.types.Mesh, second: bpy.types.Mesh) -> bool:
+    """Return whether two meshes have the same vertices at all corners of their faces, wherever these are."""
+    return first == second or _Topology.of(first).is_that_of(second)
+
+
 def surface_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:
     """Return the mesh of `read_surface`."""
     return read_surface(obj, depsgraph).mesh

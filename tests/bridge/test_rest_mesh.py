@@ -8,10 +8,15 @@ import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.morphs.morph_request import MorphRequest
+from convwass_addon.bridge.one_mesh.records import key_records
 from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, pose_notices, rest_mesh
+from convwass_addon.bridge.one_mesh.shape_key_job import ShapeKeyJob
 from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
 from convwass_addon.errors import InputError
+from convwass_addon.progress import drained
 from tests.rigs import bend_by_two_bones
 from tests.scene import world
 
@@ -205,3 +210,28 @@ def test_modifiers_before_the_armature_are_applied_and_named(rigged):
     assert len(obj.data.vertices) == 2 * len(bar.data.vertices)
     assert ["Thick" in str(notice.values) for notice in rest.notices] == [True]
     np.testing.assert_allclose(slide(obj, 1.0), wider(world(bar)), atol=1e-5)
+
+
+@pytest.mark.parametrize("after", [0, 1])
+def test_poses_of_one_mesh_end_exactly_also_before_other_modifiers(rigged, after):
+    """Both bars are subdivided after their armatures, and the keys lead from one pose to the other."""
+    bar, rig = rigged
+    other = bar.copy()
+    other.data = bar.data.copy()
+    other_rig = rig.copy()
+    bpy.context.collection.objects.link(other)
+    bpy.context.collection.objects.link(other_rig)
+    other.modifiers["Rig"].object = other_rig
+    for own in (bar, other):
+        if after:
+            own.modifiers.new("Finer", "SUBSURF").levels = 1
+    pose(rig, 0.3)
+    pose(other_rig, 1.4)
+    job = ShapeKeyJob([bar, other], MorphRequest(frames=8, output="SHAPE_KEYS"), MorphSettings(), 1)
+    drained(job.steps())
+    (obj,) = job.finish(hide_inputs=False)
+    (slider,) = (record["name"] for record in key_records(obj))
+    bpy.context.scene.frame_set(int(job.span[1]))
+    assert obj[slider] == pytest.approx(1.0)
+    np.testing.assert_allclose(world(obj), world(other), atol=1e-5)
+    assert [own.name for own in other.modifiers if not own.show_viewport] == []

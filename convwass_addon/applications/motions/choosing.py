@@ -141,4 +141,6 @@ def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: 
             return other
     if found.motion is None:
         return found
-    return replace(found, motion=following(found.motion, request.shapes, skinned.shapes))
+    # Outer surfaces of equal shapes are equal, whatever the numbers of the shapes' vertices.
+    reason = "FITS" if found.reason == "VERTICES" else found.reason
+    return replace(found, reason=reason, motion=following(found.motion, request.shapes, skinned.shapes))

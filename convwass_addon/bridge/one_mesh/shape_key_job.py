@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from contextlib import ExitStack
 from dataclasses import replace
 
 import bpy
@@ -21,6 +22,7 @@ from ...progress import UNINTERRUPTED, Control, Work
 from ..morphs.morph_guides import guides_of_entries, guides_of_shapes
 from ..morphs.morph_request import MorphRequest
 from ..objects import triangle_mesh
+from ..surfaces import same_vertices
 from .key_basis import KeyBasis
 from .key_job import KeyJob
 from .records import key_records
@@ -54,7 +56,11 @@ class ShapeKeyJob(KeyJob):
     ) -> None:
         super().__init__(inputs, replace(request, two_meshes=False), settings, first_frame)
         depsgraph = bpy.context.evaluated_depsgraph_get()
-        with armature_last(inputs[0]):
+        # Poses of one mesh are compared before the modifiers that the mesh with the keys keeps.
+        poses = [obj for obj in inputs[1:] if obj.type == "MESH" and same_vertices(obj.data, inputs[0].data)]
+        with ExitStack() as hidden:
+            for obj in (inputs[0], *poses):
+                hidden.enter_context(armature_last(obj))
             self._notice_instances(inputs, depsgraph)
             others = [triangle_mesh(obj, depsgraph) for obj in inputs[1:]]
             basis = KeyBasis.of(inputs[0], depsgraph, request.basis, settings.resolution)
