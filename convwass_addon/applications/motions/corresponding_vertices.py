@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,7 +15,6 @@ from scipy.spatial.distance import cdist
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.edges import proper_faces, vertex_components
 from ...geometry.mesh import TriangleMesh
-from ...geometry.normals import triangle_normals
 from ...geometry.rotations import nearest_rotation
 from .carriers import Carrier
 from .laid_meshes import Laid
@@ -35,91 +33,9 @@ _ARBITRARY = 5e-4
 # Smaller turns, as traces of rotations (45 degrees), are seen. After others, some of the corners of so many triangles
 # must be farther from the shape than this, in its sizes: 0.04 for a cable from the other end that also rolls.
 _SMALL_TURN, _SOME, _ALIKE = 1.0 + np.sqrt(2.0), 2000, 0.05
-# Shapes are scaled by at most this factor to keep their volume. They enclose one if the sum of their oriented areas is
-# at most the second number of their area: zero for closed surfaces, and one for a flat sheet.
-_MOST_SCALED, _OPEN = 1.1, 0.1
 # More components of one kind are compared with the nearest ones instead of the best pairs, which takes seconds for
 # thousands, such as strands of hair.
 _MOST_PAIRED = 500
-
-
-@dataclass(frozen=True)
-class CommonVertices:
-    """Vertices that several shapes have in common, and further points that motions move with them.
-
-    Each shape alone would come to slightly different places in a blend, above all where skinning has collapsed joints.
-    Means of stretches have too much volume where parts shear, as in a twist, so their mean is scaled. Its solid would
-    be made thinner otherwise, and lose ears and fins.
-
-    Attributes
-    ----------
-    count : int
-        Number of common vertices.
-    faces : (m, 3) int64
-        Triangles between them, those of the first shape.
-    lengths : (k,) float64
-        Cube roots of the volumes of the shapes; zeros if one of them does not enclose one.
-    corners : tuple of (k, 3) int64
-        By shape, the corners of the triangle that each of its further points lies on.
-    shares : tuple of (k, 3) float64
-        Their barycentric coordinates.
-    """
-
-    count: int
-    faces: NDArray[np.int64]
-    lengths: NDArray[np.float64]
-    corners: tuple[NDArray[np.int64], ...]
-    shares: tuple[NDArray[np.float64], ...]
-
-    @classmethod
-    def of(cls, carriers: Sequence[Carrier], shapes: Sequence[TriangleMesh]) -> CommonVertices:
-        """Return the vertices of shapes, which correspond by their numbers, and the further ones of carriers."""
-        count, faces, corners, shares = len(shapes[0].vertices), shapes[0].faces, [], []
-        meshes = [TriangleMesh(shape.vertices, faces) for shape in shapes]
-        volumes = [mesh.volume if _is_nearly_closed(mesh) else 0.0 for mesh in meshes]
-        lengths = np.cbrt(volumes) if min(volumes) > 0.0 else np.zeros(len(shapes))
-        for carrier, shape in zip(carriers, shapes, strict=True):
-            found = carrier.embedding(shape)
-            corners.append(shape.faces[found.triangles[count:]])
-            shares.append(found.shares[count:])
-        return cls(count, faces, lengths, tuple(corners), tuple(shares))
-
-    def met(
-        self, moved: Mapping[int, NDArray[np.float64]], weights: NDArray[np.float64], way: float
-    ) -> dict[int, NDArray[np.float64]]:
-        """Move shapes to their weighted mean, scaled so that it has the mean size of the shapes.
-
-        Parameters
-        ----------
-        moved : mapping of int to (n, 3)
-            The points of some shapes in a blend: first the common vertices, then the further points.
-        weights : (k,)
-            Weights of these shapes, of sum one.
-        way : float
-            Fraction of the way to the mean, 0 to 1.
-        """
-        mean = sum(weight * points[: self.count] for weight, points in zip(weights, moved.values(), strict=True))
-        mean = self._sized(mean, weights @ self.lengths[list(moved)])
-        found = {}
-        for shape, points in moved.items():
-            gaps = way * (mean - points[: self.count])
-            beside = np.einsum("nk,nkj->nj", self.shares[shape], gaps[self.corners[shape]])
-            found[shape] = points + np.concatenate([gaps, beside])
-        return found
-
-    def _sized(self, points: NDArray[np.float64], length: float) -> NDArray[np.float64]:
-        """Return the common vertices, scaled about their center to a volume, given by its cube root."""
-        mesh = TriangleMesh(points, self.faces)
-        if not min(length, mesh.volume) > 0.0:
-            return points
-        scale = np.clip(length / np.cbrt(mesh.volume), 1.0 / _MOST_SCALED, _MOST_SCALED)
-        return mesh.area_center + scale * (points - mesh.area_center)
-
-
-def _is_nearly_closed(mesh: TriangleMesh) -> bool:
-    """Return whether a surface encloses a volume, though it may have small openings: normals then add up to little."""
-    total = mesh.face_areas @ triangle_normals(mesh.corners)
-    return bool(np.linalg.norm(total) <= _OPEN * mesh.area and mesh.volume > 0.0)
 
 
 def vertices_correspond(first: TriangleMesh, second: TriangleMesh) -> bool:

@@ -28,7 +28,8 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence
 from ..workers import both_ways, one_blas_thread, side_by_side
 from .carriers import Carrier, carrier_of
-from .corresponding_vertices import CommonVertices, corresponding_pair, vertices_correspond
+from .common_vertices import VersionOfMesh, met, versions_of_mesh
+from .corresponding_vertices import corresponding_pair, vertices_correspond
 from .guided_settings import GuidedSettings
 from .guides import Guide, check_guides, guide_pairs, guide_vertices
 from .map_quality import MapQuality, map_quality
@@ -89,15 +90,15 @@ class GuidedMotion:
         Figures of every pair, smaller index first.
     settings : GuidedSettings
         Settings of the motion.
-    common : CommonVertices or None
-        The vertices that all shapes have in common, if these correspond by their numbers in all pairs.
+    versions : tuple of VersionOfMesh
+        The shapes as versions of one mesh; empty unless vertices correspond by their numbers in all pairs.
     """
 
     carriers: tuple[Carrier, ...]
     deformations: Mapping[tuple[int, int], ShapeDeformation]
     pairs: Mapping[tuple[int, int], GuidedPair]
     settings: GuidedSettings
-    common: CommonVertices | None = None
+    versions: tuple[VersionOfMesh, ...] = ()
 
     def with_coherence(self, coherence: float) -> GuidedMotion:
         """Return the same motion with another coherence, without recomputation.
@@ -153,8 +154,8 @@ class GuidedMotion:
             shape: pose.scaled(self.settings.way).applied(self.carriers[shape].carried(own, state[0]))
             for shape, own, state, pose in zip(active, points, states, poses, strict=True)
         }
-        if self.common is not None and self.settings.way == 1.0:
-            moved = self.common.met(moved, shares, 1.0 - self.settings.stiffness)
+        if self.versions and self.settings.way == 1.0:
+            moved = met(self.versions, moved, shares, 1.0 - self.settings.stiffness)
         return list(moved.values())
 
     def _state(
@@ -265,8 +266,9 @@ def guided_motion(
             score, left_out, best.detour, best.turn, quality.crumpling, best.tumbles, best.by_vertices
         )
     yield Progress(1.0, Sentence("Motion computed"))
-    common = CommonVertices.of(carriers, shapes) if all(pair.by_vertices for pair in known.values()) else None
-    return GuidedMotion(tuple(carriers), deformations, known, settings, common)
+    correspond = all(pair.by_vertices for pair in known.values())
+    versions = versions_of_mesh(carriers, shapes) if correspond else ()
+    return GuidedMotion(tuple(carriers), deformations, known, settings, versions)
 
 
 def _registered(

@@ -13,8 +13,8 @@ from scipy.spatial.transform import Rotation
 
 from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.choosing import chosen_motion
+from convwass_addon.applications.motions.common_vertices import met, versions_of_mesh
 from convwass_addon.applications.motions.corresponding_vertices import (
-    CommonVertices,
     corresponding_pair,
     vertices_correspond,
 )
@@ -206,9 +206,9 @@ def test_dividing_points_move_with_their_triangles():
     begins, ends = (carrier.rest for carrier in carriers)
     assert min(len(begins.vertices), len(ends.vertices)) > 1000
     weights, way = np.array([0.3, 0.7]), 0.5
-    common = replace(CommonVertices.of(carriers, (long, moved(long))), lengths=np.zeros(2))
+    versions = [replace(own, length=0.0) for own in versions_of_mesh(carriers, (long, moved(long)))]
     own = 2.0 * begins.vertices + 1.0
-    found = common.met({0: own, 1: ends.vertices}, weights, way)
+    found = met(versions, {0: own, 1: ends.vertices}, weights, way)
     mean = 0.3 * own + 0.7 * moved(begins).vertices
     np.testing.assert_allclose(found[0], 0.5 * (own + mean), atol=1e-9)
 
@@ -312,7 +312,7 @@ def test_a_twist_keeps_its_volume():
     flat = TriangleMesh(ball(points=2000).vertices * (1.0, 0.3, 1.0), ball(points=2000).faces)
     larger = TriangleMesh(1.2 * twisted(flat, 1.3).vertices, flat.faces)
     motion = drained(guided_motion((flat, larger), ("flat", "twisted"), [(0, 1)]))
-    free = replace(motion, common=replace(motion.common, lengths=np.zeros(2)))
+    free = replace(motion, versions=tuple(replace(own, length=0.0) for own in motion.versions))
     for time in (0.01, 0.5, 0.9):
         expected = ((1.0 - time) * np.cbrt(flat.volume) + time * np.cbrt(larger.volume)) ** 3
         for shape in motion.moved([1.0 - time, time]):
@@ -329,4 +329,15 @@ def test_sheets_have_no_volume_to_keep():
     faces = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
     domes = [TriangleMesh(np.stack([x, y, height * (x**2 + y**2)], axis=1), faces) for height in (-0.3, -0.6)]
     motion = drained(guided_motion(domes, ("low", "high"), [(0, 1)]))
-    assert not motion.common.lengths.any()
+    assert [own.length for own in motion.versions] == [0.0, 0.0]
+
+
+def test_only_shapes_that_are_blended_need_the_same_vertices():
+    """Two pairs of versions of different meshes, and a path of three versions of one."""
+    ring, other = torus(segments=(30, 12)), moved(torus(segments=(30, 12)))
+    two = drained(guided_motion((ROD, BENT, ring, other), "abcd", [(0, 1), (2, 3)]))
+    for weights in ([0.5, 0.5, 0.0, 0.0], [0.0, 0.0, 0.5, 0.5]):
+        one, another = (shape.vertices for shape in two.moved(weights) if shape is not None)
+        count = len(ROD.vertices if weights[0] else ring.vertices)
+        np.testing.assert_allclose(one[:count], another[:count], atol=1e-12)
+    assert len(drained(guided_motion((ROD, BENT, ring), "abc", [(0, 1)])).versions) == 3
