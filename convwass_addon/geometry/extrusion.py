@@ -13,12 +13,10 @@ from numpy.typing import NDArray
 
 from .common_axes import face_directions, found_for_all, normal_axes
 from .coverage import overlap
-from .edges import face_components
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .planar_fill import Boundary
-from .plane_section import plane_section
-from .welding import place_labels
+from .plane_section import all_cross, plane_section
 
 # Fractions of the height at which sections are compared with the one halfway, unevenly spaced: sections of a spring of
 # three turns are nearly the same at 0.2, 0.5 and 0.8.
@@ -118,20 +116,6 @@ def _extrusion(mesh: TriangleMesh, frame: NDArray[np.float64]) -> Extrusion | No
         other = plane_section(corners, low + height * (high - low))
         if not len(other.starts) or overlap(section, other, _CELLS) < _SAME:
             return None
-    if not _all_cross(mesh, corners[..., 2], 0.5 * (low + high)):
+    if not all_cross(mesh, corners[..., 2], 0.5 * (low + high)):
         return None
     return Extrusion(section.resolved(), low, high)
-
-
-def _all_cross(mesh: TriangleMesh, heights: NDArray[np.float64], middle: float) -> bool:
-    """Return whether all components of a mesh cross the middle, where its section is taken.
-
-    The wheels of a van do not, though it is nearly extruded from side to side. `heights` are those of the corners of
-    triangles, (m, 3).
-    """
-    # The front and the sides of solid text share places, but no vertices.
-    owners = np.repeat(face_components(place_labels(mesh.vertices)[mesh.faces]), 3)
-    lowest, highest = np.full(owners.max() + 1, np.inf), np.full(owners.max() + 1, -np.inf)
-    np.minimum.at(lowest, owners, heights.ravel())
-    np.maximum.at(highest, owners, heights.ravel())
-    return bool((lowest < middle).all() and (highest > middle).all())

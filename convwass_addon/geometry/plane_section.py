@@ -7,7 +7,10 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from .edges import face_components
+from .mesh import TriangleMesh
 from .planar_fill import Boundary
+from .welding import place_labels
 
 
 def plane_section(corners: NDArray[np.float64], height: float) -> Boundary:
@@ -37,6 +40,29 @@ def plane_section(corners: NDArray[np.float64], height: float) -> Boundary:
     leaves = above[rows, alone]
     starts = np.where(leaves[:, None], ends[0], ends[1])
     return Boundary(starts, np.where(leaves[:, None], ends[1], ends[0]))
+
+
+def all_cross(mesh: TriangleMesh, heights: NDArray[np.float64], height: float) -> bool:
+    """Return whether all connected components of a mesh cross a plane, so that its section there knows of them.
+
+    The wheels of a van do not cross the middle between its sides, nor the feet of a drum every plane through its axis.
+
+    Parameters
+    ----------
+    mesh : TriangleMesh
+        Pieces that meet in a seam, as the front and the sides of solid text, are one component.
+    heights : (m, 3)
+        Heights of the corners of the triangles above any plane parallel to that one.
+    height : float
+        Height of the plane.
+    """
+    owners = np.repeat(face_components(place_labels(mesh.vertices)[mesh.faces]), 3)
+    lowest, highest = np.full(owners.max() + 1, np.inf), np.full(owners.max() + 1, -np.inf)
+    np.minimum.at(lowest, owners, heights.ravel())
+    np.maximum.at(highest, owners, heights.ravel())
+    # Labels need not be consecutive.
+    used = np.isfinite(lowest)
+    return bool((lowest[used] < height).all() and (highest[used] > height).all())
 
 
 def _crossing(one: NDArray[np.float64], other: NDArray[np.float64], height: float) -> NDArray[np.float64]:

@@ -17,7 +17,7 @@ from .line_cuts import beyond_line
 from .mesh import TriangleMesh
 from .normals import triangle_normals, unit_vectors
 from .planar_fill import Boundary
-from .plane_section import plane_section
+from .plane_section import all_cross, plane_section
 from .ring_nesting import without_slivers
 
 # Normals of solids of revolution lie in planes through the axis up to this root mean square. Where vertices are not in
@@ -123,13 +123,16 @@ def revolution_about(surface: BareSurface, frame: NDArray[np.float64]) -> Revolu
     if mesh.face_areas @ aside > _ASIDE**2 * mesh.area:
         return None
     # The plane of the section meets corners of polygons, not the middle of sides.
-    section = plane_section(corners @ (across.rotation @ frame).T, 0.0)
+    turned = corners @ (across.rotation @ frame).T
+    section = plane_section(turned, 0.0)
     half, opposite = (beyond_line(section, np.array([side, 0.0]), 0.0) for side in (1.0, -1.0))
     # Pappus: the volume is the area times the way of its center.
     volume = across.filled * 2.0 * np.pi * half.area * half.center[0] if half.area > 0.0 else 0.0
     if abs(mesh.volume - volume) > _DIFFERENT * volume or volume == 0.0:
         return None
     if not len(opposite.starts) or overlap(opposite, mirrored_half(half, across.opposite), _CELLS) < _SAME:
+        return None
+    if not all_cross(mesh, turned[..., 2], 0.0):
         return None
     return Revolution(both_halves(half), center, across)
 

@@ -112,6 +112,8 @@ def test_parts_beside_the_middle_are_not_lost():
     assert common_extrusions([joined(van, *wheels)]) is None
     through = extruded(rectangle((-1.4, -0.3), (-1.0, 0.1)), low=-0.7, high=0.7)
     assert common_extrusions([joined(van, through)]) is not None
+    loose = TriangleMesh(np.concatenate([[(9.0, 9.0, 9.0)], van.vertices]), van.faces + 1)
+    assert common_extrusions([loose]) is not None
 
 
 def test_pieces_that_meet_in_seams_are_one():

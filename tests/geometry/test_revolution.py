@@ -101,3 +101,12 @@ def test_rounding_does_not_divide_sections():
 )
 def test_other_solids_are_not(other):
     assert common_revolutions([CUP, other]) is None
+
+
+def test_feet_beside_the_section_are_not_lost():
+    """Two small feet of a drum are not where its section is taken, and hardly change its normals and its volume."""
+    drum = revolved([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
+    directions = Rotation.from_euler("z", [[60.0], [240.0]], degrees=True).apply([0.85, 0.0, -0.05])
+    feet = [box((0.08, 0.08, 0.1), place) for place in directions]
+    assert common_revolutions([joined(drum, *feet)]) is None
+    assert common_revolutions([joined(drum, torus(1.5, 0.2))]) is not None
