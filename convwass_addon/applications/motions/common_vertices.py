@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -47,8 +47,12 @@ class VersionOfMesh:
     def of(cls, carrier: Carrier, shape: TriangleMesh) -> VersionOfMesh:
         """Return a shape with the further points of its carrier."""
         count, found = len(shape.vertices), carrier.embedding(shape)
-        length = np.cbrt(shape.volume) if _is_nearly_closed(shape) else 0.0
-        return cls(count, shape.faces, float(length), shape.faces[found.triangles[count:]], found.shares[count:])
+        corners, shares = shape.faces[found.triangles[count:]], found.shares[count:]
+        return cls(count, shape.faces, _length(shape), corners, shares)
+
+    def posed(self, shape: TriangleMesh) -> VersionOfMesh:
+        """Return another pose of the shape: its volume may be another one."""
+        return replace(self, length=_length(shape))
 
     def moved_by(self, gaps: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return by how much its vertices and the further points move if its vertices move by gaps, (count, 3)."""
@@ -101,7 +105,11 @@ def met(
     }
 
 
-def _is_nearly_closed(mesh: TriangleMesh) -> bool:
-    """Return whether a surface encloses a volume, though it may have small openings: normals then add up to little."""
+def _length(mesh: TriangleMesh) -> float:
+    """Return the cube root of the volume that a surface encloses, apart from small openings, or zero.
+
+    Oriented areas of a closed surface add up to zero.
+    """
     total = mesh.face_areas @ triangle_normals(mesh.corners)
-    return bool(np.linalg.norm(total) <= _OPEN * mesh.area and mesh.volume > 0.0)
+    is_closed = np.linalg.norm(total) <= _OPEN * mesh.area and mesh.volume > 0.0
+    return float(np.cbrt(mesh.volume)) if is_closed else 0.0

@@ -102,7 +102,10 @@ class PosedMotion:
             )
             for one, other in permutations(active, 2)
         }
-        return _Posed(self, replace(self.guided, carriers=tuple(carriers), deformations=deformations))
+        # There are none unless vertices correspond.
+        versions = tuple(own.posed(shape) for own, shape in zip(self.guided.versions, shapes, strict=False))
+        posed = replace(self.guided, carriers=tuple(carriers), deformations=deformations, versions=versions)
+        return _Posed(self, posed)
 
 
 @dataclass(frozen=True)

@@ -301,6 +301,13 @@ def test_other_poses_of_both_meet(bending):
     np.testing.assert_allclose(one[:count], TURN.apply(expected) + 1.0, atol=1e-3)
 
 
+def test_poses_of_another_volume_are_reached(bending):
+    posed = PosedMotion.of(bending, (ROD, BENT), ("straight", "bent"), [(0, 1)], 0.5, UNINTERRUPTED)
+    thin = [TriangleMesh(shape.vertices * (1.0, 1.0, 0.8), shape.faces) for shape in (ROD, BENT)]
+    near = posed.at(thin, [0, 1], UNINTERRUPTED).moved([1.0 - 1e-6, 1e-6])[0]
+    np.testing.assert_allclose(near.vertices[: len(ROD.vertices)], thin[0].vertices, atol=1e-4)
+
+
 def twisted(mesh, angle):
     """The mesh twisted about z by an angle per unit of height, which preserves volumes."""
     turns = Rotation.from_rotvec(angle * mesh.vertices[:, 2:] * (0.0, 0.0, 1.0))
