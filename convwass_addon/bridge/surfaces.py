@@ -93,7 +93,7 @@ class _Topology:
 
 def same_vertices(first: bpy.types.Mesh, second: bpy.types.Mesh) -> bool:
     """Return whether two meshes have the same vertices at all corners of their faces, wherever these are."""
-    return first == second or _Topology.of(first).is_that_of(second)
+    return _Topology.of(first).is_that_of(second)
 
 
 def surface_mesh(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> TriangleMesh:

@@ -18,7 +18,7 @@ from ..outlines.tube_motion import tube_motion
 from ..workers import one_blas_thread
 from .limbs import is_compact
 from .motion_candidates import MotionCandidates
-from .motion_choice import FAILURES, MotionChoice, attempted
+from .motion_choice import FAILURES, MotionChoice, attempted, reason_of_stand_ins
 from .motion_request import MotionRequest
 from .separate_bodies import SeparateBodies
 from .skinned_motion import following, one_body_prevails, with_skins
@@ -141,6 +141,5 @@ def _by_outer_surfaces(request: MotionRequest, skinned: MotionRequest, control: 
             return other
     if found.motion is None:
         return found
-    # Outer surfaces of equal shapes are equal, whatever the numbers of the shapes' vertices.
-    reason = "FITS" if found.reason == "VERTICES" else found.reason
-    return replace(found, reason=reason, motion=following(found.motion, request.shapes, skinned.shapes))
+    motion = following(found.motion, request.shapes, skinned.shapes)
+    return replace(found, reason=reason_of_stand_ins(found.reason), motion=motion)

@@ -64,7 +64,8 @@ class VersionOfMesh:
         if not min(length, mesh.volume) > 0.0:
             return points
         scale = np.clip(length / np.cbrt(mesh.volume), 1.0 / _MOST_SCALED, _MOST_SCALED)
-        return mesh.area_center + scale * (points - mesh.area_center)
+        center = mesh.area_center
+        return center + scale * (points - center)
 
 
 def versions_of_mesh(carriers: Sequence[Carrier], shapes: Sequence[TriangleMesh]) -> tuple[VersionOfMesh, ...]:

@@ -16,6 +16,7 @@ from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.edges import proper_faces, vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...geometry.rotations import nearest_rotation
+from ...geometry.welding import place_labels
 from .carriers import Carrier
 from .laid_meshes import Laid
 from .map_detour import map_detour
@@ -60,8 +61,9 @@ def vertices_correspond(first: TriangleMesh, second: TriangleMesh) -> bool:
 
 def _looks_alike(mesh: TriangleMesh, turn: NDArray[np.float64]) -> bool:
     """Return whether a shape looks the same after a turn about its center."""
-    some = mesh.corners[:: 1 + len(mesh.faces) // _SOME, 0] - mesh.area_center
-    found = ClosestPointFinder(mesh.corners - mesh.area_center).find_about(some @ turn.T)
+    center = mesh.area_center
+    some = mesh.corners[:: 1 + len(mesh.faces) // _SOME, 0] - center
+    found = ClosestPointFinder(mesh.corners).find_about(some @ turn.T + center)
     return bool(found.distances.max() <= _ALIKE * np.sqrt(mesh.area))
 
 
@@ -93,12 +95,9 @@ def _common_triangles(first: TriangleMesh, second: TriangleMesh) -> float:
     both = np.concatenate([first.faces, second.faces])
     # Every triangle begins with its smallest vertex.
     begun = np.take_along_axis(both, (both.argmin(axis=1)[:, None] + np.arange(3)) % 3, axis=1)
-    order = np.lexsort(begun.T)
-    differ = (begun[order[1:]] != begun[order[:-1]]).any(axis=1)
-    kinds = np.empty(len(order), np.int64)
-    kinds[order] = np.cumsum(np.concatenate([[0], differ]))
-    count = len(first.faces)
-    counts = [np.bincount(own, minlength=len(order)) for own in (kinds[:count], kinds[count:])]
+    # Equal rows get equal numbers, those of points as well as those of triangles.
+    kinds, count = place_labels(begun), len(first.faces)
+    counts = [np.bincount(own, minlength=len(kinds)) for own in (kinds[:count], kinds[count:])]
     return float(np.minimum(*counts).sum() / count)
 
 

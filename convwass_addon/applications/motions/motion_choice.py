@@ -30,6 +30,14 @@ def attempted(compute: Callable[..., Found], *arguments: object) -> Found | None
         return None
 
 
+def reason_of_stand_ins(reason: str) -> str:
+    """Return the reason for shapes for that of others in their place, such as outer surfaces or bodies paired by place.
+
+    The numbers of their vertices say nothing about the shapes.
+    """
+    return "FITS" if reason == "VERTICES" else reason
+
+
 @dataclass(frozen=True)
 class MotionChoice:
     """The chosen motion and the reason.

@@ -18,7 +18,7 @@ from ...geometry.components import component_labels
 from ...geometry.edges import used_part, vertex_components
 from ...geometry.mesh import TriangleMesh, joined_meshes
 from .motion import Motion, MovedShape, unmoved
-from .motion_choice import MotionChoice
+from .motion_choice import MotionChoice, reason_of_stand_ins
 from .motion_request import MotionRequest
 
 # Bodies are apart if their bounding boxes are at least this far from each other, relative to the diagonal of all.
@@ -129,7 +129,7 @@ class SeparateBodies:
         )
         return MotionChoice(
             "guided",
-            _reason([own.reason for own in found]),
+            reason_of_stand_ins(max((own.reason for own in found), key=_REASONS.index)),
             BodiesMotion.of([own.motion for own in found], self.bodies),
             score=min(scores, default=None),
             turned=max(own.turned for own in found),
@@ -138,12 +138,6 @@ class SeparateBodies:
             bodies=len(found),
             limbs=sum(own.limbs for own in found),
         )
-
-
-def _reason(reasons: Sequence[str]) -> str:
-    """Return the least certain reason for bodies that were paired by place, whatever the numbers of their vertices."""
-    least = max(reasons, key=_REASONS.index)
-    return "FITS" if least == "VERTICES" else least
 
 
 def _joined(shapes: Sequence[MovedShape], bodies: Sequence[Body]) -> MovedShape:
