@@ -106,16 +106,18 @@ def _frame(axis: NDArray[np.float64]) -> NDArray[np.float64]:
 
 def _extrusion(mesh: TriangleMesh, frame: NDArray[np.float64]) -> Extrusion | None:
     """Return a mesh as an extrusion along the last direction of a frame, or None if it is none."""
-    corners = mesh.corners @ frame.T
-    low, high = float(corners[..., 2].min()), float(corners[..., 2].max())
-    section = plane_section(corners, 0.5 * (low + high))
+    vertices = mesh.vertices @ frame.T
+    heights = vertices[:, 2][mesh.faces]
+    low, high = float(heights.min()), float(heights.max())
+    middle = 0.5 * (low + high)
+    section = plane_section(vertices, mesh.faces, middle)
     cylinder = section.area * (high - low)
     if cylinder <= 0.0 or not _FILLED <= mesh.volume / cylinder <= 1.0 + _ROUNDING:
         return None
     for height in _HEIGHTS:
-        other = plane_section(corners, low + height * (high - low))
+        other = plane_section(vertices, mesh.faces, low + height * (high - low))
         if not len(other.starts) or overlap(section, other, _CELLS) < _SAME:
             return None
-    if not all_cross(mesh, corners[..., 2], 0.5 * (low + high)):
+    if not all_cross(mesh, vertices[:, 2] - middle):
         return None
     return Extrusion(section.resolved(), low, high)

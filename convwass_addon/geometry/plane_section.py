@@ -13,13 +13,15 @@ from .planar_fill import Boundary
 from .welding import place_labels
 
 
-def plane_section(corners: NDArray[np.float64], height: float) -> Boundary:
+def plane_section(vertices: NDArray[np.float64], faces: NDArray[np.int64], height: float) -> Boundary:
     """Return the edges in which triangles cross a plane of constant last coordinate, in the first two coordinates.
 
     Parameters
     ----------
-    corners : (m, 3, 3)
-        Corners of the triangles of a closed surface, oriented outward.
+    vertices : (n, 3)
+        Vertices of a closed surface.
+    faces : (m, 3)
+        Its triangles, oriented outward.
     height : float
         Last coordinate of the plane.
 
@@ -28,11 +30,12 @@ def plane_section(corners: NDArray[np.float64], height: float) -> Boundary:
     Boundary
         Edges of the solid's section. Parts of solids that overlap are not resolved; see :meth:`.Boundary.resolved`.
     """
-    above = corners[..., 2] > height
-    crossing = above.any(axis=1) & ~above.all(axis=1)
-    corners, above = corners[crossing], above[crossing]
+    above = (vertices[:, 2] > height).take(faces)
+    count = np.count_nonzero(above, axis=1)
+    crossing = np.flatnonzero((count > 0) & (count < 3))
+    corners, above, count = vertices[faces[crossing]], above[crossing], count[crossing]
     # The corner on its own side of the plane comes first.
-    alone = np.where(above.sum(axis=1) == 1, above.argmax(axis=1), (~above).argmax(axis=1))
+    alone = np.where(count == 1, above.argmax(axis=1), (~above).argmax(axis=1))
     rows = np.arange(len(corners))
     first, second, third = (corners[rows, (alone + turn) % 3] for turn in range(3))
     ends = [_crossing(first, other, height) for other in (second, third)]
@@ -42,8 +45,8 @@ def plane_section(corners: NDArray[np.float64], height: float) -> Boundary:
     return Boundary(starts, np.where(leaves[:, None], ends[1], ends[0]))
 
 
-def all_cross(mesh: TriangleMesh, heights: NDArray[np.float64], height: float) -> bool:
-    """Return whether all connected components of a mesh cross a plane, so that its section there knows of them.
+def all_cross(mesh: TriangleMesh, heights: NDArray[np.float64]) -> bool:
+    """Return whether all connected components of a mesh cross a plane, so that its section there shows them.
 
     The wheels of a van do not cross the middle between its sides, nor the feet of a drum every plane through its axis.
 
@@ -51,18 +54,17 @@ def all_cross(mesh: TriangleMesh, heights: NDArray[np.float64], height: float) -
     ----------
     mesh : TriangleMesh
         Pieces that meet in a seam, as the front and the sides of solid text, are one component.
-    heights : (m, 3)
-        Heights of the corners of the triangles above any plane parallel to that one.
-    height : float
-        Height of the plane.
+    heights : (n,)
+        Heights of its vertices above the plane.
     """
     owners = np.repeat(face_components(place_labels(mesh.vertices)[mesh.faces]), 3)
     lowest, highest = np.full(owners.max() + 1, np.inf), np.full(owners.max() + 1, -np.inf)
-    np.minimum.at(lowest, owners, heights.ravel())
-    np.maximum.at(highest, owners, heights.ravel())
+    corners = heights[mesh.faces].ravel()
+    np.minimum.at(lowest, owners, corners)
+    np.maximum.at(highest, owners, corners)
     # Labels need not be consecutive.
     used = np.isfinite(lowest)
-    return bool((lowest[used] < height).all() and (highest[used] > height).all())
+    return bool((lowest[used] < 0.0).all() and (highest[used] > 0.0).all())
 
 
 def _crossing(one: NDArray[np.float64], other: NDArray[np.float64], height: float) -> NDArray[np.float64]:

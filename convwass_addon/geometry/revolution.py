@@ -27,6 +27,8 @@ _ASIDE = 0.08
 _DIFFERENT = 0.05
 # Regions of sections with a smaller share of the area come from rounding: vertices lie slightly beside the plane.
 _SLIVER = 1e-5
+# Normals of about so many triangles tell whether a mesh is revolved.
+_ENOUGH = 20_000
 # Sections on both sides of the axis overlap by at least this fraction of their union, on a grid with so many cells
 # along the longest side. Springs of nine turns and more, whose normals are nearly in such planes, have 0.04.
 _SAME, _CELLS = 0.7, 96
@@ -77,21 +79,39 @@ def common_revolutions(meshes: Sequence[TriangleMesh]) -> tuple[NDArray[np.float
     # The vertical one first.
     axes = [np.array([0.0, 0.0, 1.0])]
     for own in surfaces:
-        axes.extend(normal_axes(own.normals, own.mesh.face_areas))
+        axes.extend(normal_axes(own.normals, own.areas))
     return found_about(axes, revolution_about, surfaces)
 
 
 @dataclass(frozen=True)
 class BareSurface:
-    """A mesh and the unit normals of its triangles, (m, 3), which are needed for every axis."""
+    """A mesh, and what is needed of its triangles for every axis; of dense meshes, only of some of them.
+
+    Attributes
+    ----------
+    mesh : TriangleMesh
+        The mesh.
+    centers : (k, 3) float64
+        Centers of some triangles.
+    normals : (k, 3) float64
+        Their unit normals.
+    areas : (k,) float64
+        Their areas.
+    """
 
     mesh: TriangleMesh
+    centers: NDArray[np.float64]
     normals: NDArray[np.float64]
+    areas: NDArray[np.float64]
 
     @classmethod
     def of(cls, mesh: TriangleMesh) -> BareSurface:
-        """Compute the normals."""
-        return cls(mesh, triangle_normals(mesh.corners))
+        """Take all triangles of a mesh, or random ones of a dense mesh: every tenth may be on a few meridians."""
+        faces = mesh.faces
+        if len(faces) > _ENOUGH:
+            faces = faces[np.random.default_rng(0).integers(len(faces), size=_ENOUGH)]
+        some = TriangleMesh(mesh.vertices, faces)
+        return cls(mesh, some.corners.mean(axis=1), triangle_normals(some.corners), some.face_areas)
 
 
 def found_about(
@@ -117,14 +137,13 @@ def revolution_about(surface: BareSurface, frame: NDArray[np.float64]) -> Revolu
     """Return a mesh as a solid of revolution about the second direction of a frame, or None if it is none."""
     mesh, center = surface.mesh, surface.mesh.area_center
     across = cross_section_of((mesh.vertices - center) @ frame.T)
-    corners = mesh.corners - center
-    around = unit_vectors(np.cross((0.0, 1.0, 0.0), across.facing(corners.mean(axis=1) @ frame.T)))
+    around = unit_vectors(np.cross((0.0, 1.0, 0.0), across.facing((surface.centers - center) @ frame.T)))
     aside = np.square((surface.normals @ frame.T * around).sum(axis=1))
-    if mesh.face_areas @ aside > _ASIDE**2 * mesh.area:
+    if surface.areas @ aside > _ASIDE**2 * surface.areas.sum():
         return None
     # The plane of the section meets corners of polygons, not the middle of sides.
-    turned = corners @ (across.rotation @ frame).T
-    section = plane_section(turned, 0.0)
+    turned = (mesh.vertices - center) @ (across.rotation @ frame).T
+    section = plane_section(turned, mesh.faces, 0.0)
     half, opposite = (beyond_line(section, np.array([side, 0.0]), 0.0) for side in (1.0, -1.0))
     # Pappus: the volume is the area times the way of its center.
     volume = across.filled * 2.0 * np.pi * half.area * half.center[0] if half.area > 0.0 else 0.0
@@ -132,7 +151,7 @@ def revolution_about(surface: BareSurface, frame: NDArray[np.float64]) -> Revolu
         return None
     if not len(opposite.starts) or overlap(opposite, mirrored_half(half, across.opposite), _CELLS) < _SAME:
         return None
-    if not all_cross(mesh, turned[..., 2], 0.0):
+    if not all_cross(mesh, turned[:, 2]):
         return None
     return Revolution(both_halves(half), center, across)
 

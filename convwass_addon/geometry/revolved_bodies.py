@@ -30,8 +30,6 @@ _ALIKE, _SAME = 0.6, 0.85
 # Least and largest share of the volume that is the body's. A rocket has 0.9 without its fins. A cactus has 0.83 without
 # its arms, which look better if they merge with the body in a warp, and a stool 0.7 without its legs.
 _LEAST_BODY, _MOST_BODY = 0.87, 1.05
-# The axis is found from about so many triangles.
-_ENOUGH = 20_000
 # Rounds of reweighting that find the axis, and the distance, in sizes of the surface, up to which normals meet it.
 _ROUNDS, _NEAR = 12, 0.003
 
@@ -61,16 +59,14 @@ def _whole_or_body(surface: BareSurface, frame: NDArray[np.float64]) -> Revoluti
 def _body(surface: BareSurface, frame: NDArray[np.float64]) -> Revolution | None:
     """Return the solid of revolution about the second direction of a frame that most of a mesh is, or None."""
     mesh = surface.mesh
-    some = slice(None, None, 1 + len(mesh.faces) // _ENOUGH)
-    points, normals = mesh.vertices[mesh.faces[some]].mean(axis=1) @ frame.T, surface.normals[some] @ frame.T
-    areas = mesh.face_areas[some]
+    points, normals, areas = surface.centers @ frame.T, surface.normals @ frame.T, surface.areas
     center = _center(points, normals, areas)
     away = points - center
     aside = np.abs(normals[:, 0] * away[:, 2] - normals[:, 2] * away[:, 0])
     is_revolved = aside <= _ASIDE * np.hypot(away[:, 0], away[:, 2])
     if areas[is_revolved].sum() < _REVOLVED * areas.sum():
         return None
-    halves = _half_sections(mesh.corners @ frame.T - center)
+    halves = _half_sections(mesh.vertices @ frame.T - center, mesh.faces)
     if not all(half.area > 0.0 for half in halves):
         return None
     alike = overlaps(halves, _CELLS)
@@ -105,12 +101,12 @@ def _center(
     return center
 
 
-def _half_sections(corners: NDArray[np.float64]) -> list[Boundary]:
-    """Return sections in half-planes through the axis, as areas where the first coordinate is positive."""
+def _half_sections(vertices: NDArray[np.float64], faces: NDArray[np.int64]) -> list[Boundary]:
+    """Return sections of a surface in half-planes through the axis, as areas where the first coordinate is positive."""
     found = []
     angles = np.arange(_HALVES // 2) * 2.0 * np.pi / _HALVES
     for turn in rotation_matrices(np.outer(angles, (0.0, 1.0, 0.0))):
-        section = plane_section(corners @ turn.T, 0.0)
+        section = plane_section(vertices @ turn.T, faces, 0.0)
         found.append(beyond_line(section, np.array([1.0, 0.0]), 0.0))
         found.append(mirrored_half(beyond_line(section, np.array([-1.0, 0.0]), 0.0)))
     return found

@@ -103,6 +103,22 @@ def test_other_solids_are_not(other):
     assert common_revolutions([CUP, other]) is None
 
 
+@pytest.mark.parametrize("lobes", [0, 10])
+def test_some_triangles_of_dense_meshes_tell(lobes):
+    """Ten lobes hardly change the volume and the section of a cone, only its normals."""
+    cone = revolved(
+        [(0.0, 0.0), (0.5, 0.0), (1.0, 0.0), *((1.0 - h, 2.0 * h) for h in np.linspace(0.0, 1.0, 150))], 100
+    )
+    assert len(cone.faces) > 28_000
+    angles = np.arctan2(cone.vertices[:, 1], cone.vertices[:, 0])
+    wide = 1.0 + 0.1 * np.sin(lobes * angles)
+    lobed = TriangleMesh(cone.vertices * np.stack([wide, wide, np.ones_like(wide)], axis=1), cone.faces)
+    found = common_revolutions([lobed])
+    assert (found is None) == bool(lobes)
+    if found is not None:
+        assert found[1][0].section.area == pytest.approx(2.0, rel=0.01)
+
+
 def test_feet_beside_the_section_are_not_lost():
     """Two small feet of a drum are not where its section is taken, and hardly change its normals and its volume."""
     drum = revolved([(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)])
