@@ -18,6 +18,7 @@ from convwass_addon.applications.morphs import bake_plan, frame_cache, frame_fil
 from convwass_addon.applications.morphs.animation import Animation, ShapeAnimation
 from convwass_addon.applications.morphs.compact_arrays import packed_integers
 from convwass_addon.applications.morphs.computation import Computation
+from convwass_addon.applications.morphs.demands import Demand
 from convwass_addon.applications.morphs.frame_cache import FrameCache, SpareFrameCache
 from convwass_addon.applications.morphs.frame_file import DamagedFrameError, StoredFrame, read_frame, write_frame
 from convwass_addon.applications.morphs.layouts import path_blends
@@ -26,9 +27,11 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.morphs.part_labels import FaceLabels
 from convwass_addon.applications.morphs.part_potentials import PartPotentials
 from convwass_addon.applications.morphs.runs import RUN_LENGTH, runs_of
+from convwass_addon.applications.morphs.surface_steps import MeasuredSurface, farthest
 from convwass_addon.applications.morphs.transport_problem import TransportProblem
 from convwass_addon.array_files import array_bytes
 from convwass_addon.errors import Cancelled, ConvwassError, InputError
+from convwass_addon.geometry.connectivity import Connectivity
 from convwass_addon.progress import UNINTERRUPTED
 from tests.controls import ConditionalControl
 from tests.shapes import ball, box
@@ -233,6 +236,19 @@ def test_frames_survive_writing_and_reading(tmp_path, vertices, corners, record)
     assert np.abs(found.mesh.vertices - mesh.vertices).max() <= size * 2.0**-17 + largest * 2.0**-52
     np.testing.assert_array_equal(found.mesh.faces, mesh.faces)
     assert os.listdir(tmp_path) == ["f"]
+
+
+def test_frames_that_were_read_demand_the_same(tmp_path):
+    """Otherwise blends that are computed again would differ from those of the first bake, and never be found."""
+    mesh = ball(0.37, (10.0, -3.0, 0.2))
+    write_frame(tmp_path / "f", KEY, StoredFrame(mesh, {}))
+    read = read_frame(tmp_path / "f", KEY).mesh
+    assert (read.vertices != mesh.vertices).any()
+    surfaces = [MeasuredSurface.of_blend(own) for own in (mesh, read)]
+    beside = MeasuredSurface.of_shape(box())
+    reaches = [farthest(own, beside) for own in surfaces]
+    demands = [Demand(Connectivity(1, 0, 0), own.mesh, reach) for own, reach in zip(surfaces, reaches, strict=True)]
+    assert demands[0].digest() == demands[1].digest()
 
 
 @settings(suppress_health_check=[HealthCheck.function_scoped_fixture], max_examples=80)

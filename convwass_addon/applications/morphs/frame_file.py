@@ -78,6 +78,14 @@ class StoredFrame:
     triangles: NDArray[np.int32] | None = None
 
 
+def as_stored(mesh: TriangleMesh) -> TriangleMesh:
+    """Return a surface with its vertices rounded as in a file; one that was read from a file does not change."""
+    rounding = Rounding.of(mesh.vertices[None], _size(mesh) / _VERTEX_STEPS) if len(mesh.vertices) else None
+    if rounding is None:
+        return mesh
+    return TriangleMesh(rounding.positions(rounding.rounded(mesh.vertices[None]))[0], mesh.faces)
+
+
 def write_frame(path: Path, key: str, frame: StoredFrame) -> None:
     """Write a frame atomically.
 
@@ -151,7 +159,7 @@ class _PackedSurface:
         """Pack the surface of a frame that has one."""
         vertices = frame.mesh.vertices
         packed = cls({}, {})
-        size = float(np.ptp(vertices, axis=0).max()) if len(vertices) else 0.0
+        size = _size(frame.mesh)
         rounded = packed._add("vertices", vertices[None], size / _VERTEX_STEPS)
         base = vertices[None] if rounded is None else rounded
         packed.arrays["faces"] = packed_integers(frame.mesh.faces.reshape(1, -1))
@@ -173,6 +181,11 @@ class _PackedSurface:
         self.arrays[name] = packed_integers(steps)
         self.rounding[name] = [rounding.exponent, rounding.lows.tolist()]
         return rounding.positions(steps)
+
+
+def _size(mesh: TriangleMesh) -> float:
+    """Return the longest side of the bounds of all vertices."""
+    return float(np.ptp(mesh.vertices, axis=0).max()) if len(mesh.vertices) else 0.0
 
 
 def _unpacked(reader: ArrayReader, key: str) -> StoredFrame:

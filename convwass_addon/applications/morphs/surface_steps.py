@@ -17,6 +17,7 @@ from ...geometry.closest_points import TriangleSamples
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.point_tree import point_tree
+from .frame_file import as_stored
 from .layouts import Blend
 from .morph_problem import MorphFrame
 from .steady_topology import Leg, leg_with
@@ -94,7 +95,11 @@ class MeasuredSurface:
 
     @classmethod
     def of_blend(cls, mesh: TriangleMesh) -> MeasuredSurface:
-        """Take the vertices of a blend, which lie evenly on its surface."""
+        """Take the vertices of a blend, which lie evenly on its surface.
+
+        They are rounded as in the cache, so that steps do not depend on whether the blend was read from there.
+        """
+        mesh = as_stored(mesh)
         return cls(mesh, mesh.vertices, float(np.sqrt(mesh.area / len(mesh.vertices))))
 
     @classmethod
