@@ -153,7 +153,7 @@ class _Rings:
         self, around: NDArray[np.int64], gains: NDArray[np.float64], count: int
     ) -> NDArray[np.int64]:
         """Return the vertices with a larger gain than all their neighbors; ties go to the first."""
-        order = np.lexsort((np.arange(len(gains)), -gains))
+        order = np.argsort(-gains, kind="stable")
         order = order[gains[order] > 0.0]
         ranks = np.full(count, len(gains))
         ranks[self.vertices[order]] = np.arange(len(order))

@@ -89,6 +89,9 @@ class _Flips:
         fits &= _agree(vertices, faces[one], faces[other], *made)
         fits &= ~_is_edge(c, d, flat[use.side[use.start]], flat[_next(use.side[use.start])])
         chosen = _best_of_both(one, other, np.where(fits, before - after, 0.0), len(faces))
+        # Of flips to the same new edge, as from both sides of a thin fin, the best one.
+        _, own = np.unique(_keys(c, d)[chosen], return_index=True)
+        chosen = chosen[np.sort(own)]
         return cls(one[chosen], other[chosen], made[0, chosen], made[1, chosen])
 
 
@@ -119,17 +122,21 @@ def _is_edge(
     c: NDArray[np.int64], d: NDArray[np.int64], tails: NDArray[np.int64], heads: NDArray[np.int64]
 ) -> NDArray[np.bool_]:
     """Return which pairs of vertices are already joined by an edge; edges are sorted by their ends."""
-    keys = (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
-    wanted = (np.minimum(c, d) << 32) | np.maximum(c, d)
+    keys, wanted = _keys(tails, heads), _keys(c, d)
     place = np.minimum(np.searchsorted(keys, wanted), len(keys) - 1)
     return (keys[place] == wanted) | (c == d)
+
+
+def _keys(tails: NDArray[np.int64], heads: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return a number for every undirected edge, which increases with its smaller end, (n,)."""
+    return (np.minimum(tails, heads) << 32) | np.maximum(tails, heads)
 
 
 def _best_of_both(
     one: NDArray[np.int64], other: NDArray[np.int64], gains: NDArray[np.float64], count: int
 ) -> NDArray[np.int64]:
-    """Return the pairs that are best for both of their triangles; the first one wins ties."""
-    order = np.lexsort((np.arange(len(gains)), -gains))
+    """Return the pairs that are best for both of their triangles, best first; the first one wins ties."""
+    order = np.argsort(-gains, kind="stable")
     order = order[gains[order] > 0.0]
     best = np.full(count, len(gains))
     ranks = np.arange(len(order))

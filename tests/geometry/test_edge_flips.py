@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 
 from convwass_addon.geometry.edge_flips import with_flipped_edges
 from convwass_addon.geometry.edges import topology
@@ -40,6 +41,17 @@ def test_a_closed_surface_stays_closed_and_nearly_where_it_is():
     assert topology(found).closed
     assert abs(found.volume / mesh.volume - 1.0) < 2e-3
     assert (smallest_angles(found) < 20).sum() < 0.8 * (smallest_angles(mesh) < 20).sum()
+
+
+def test_both_sides_of_a_thin_fin_are_not_joined():
+    """Flips on its front and its back would make the same new edge between two vertices of its rim."""
+    points = [(-1, 0, 0.02), (1, 0, 0.02), (0, 0.3, 0), (0, -0.3, 0), (-1, 0, -0.02), (1, 0, -0.02)]
+    faces = [(0, 1, 2), (1, 0, 3), (5, 4, 2), (4, 5, 3), (2, 4, 0), (3, 0, 4), (2, 1, 5), (3, 5, 1)]
+    fin = TriangleMesh.from_arrays(points, faces)
+    found = with_flipped_edges(fin, 0.03)
+    assert found.faces is not fin.faces
+    assert topology(found) == topology(fin)
+    assert found.volume == pytest.approx(fin.volume, rel=0.3)
 
 
 def test_no_duplicate_edge_is_made():
