@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from .area_steps import at_equal_areas
 from .components import component_labels
-from .edges import EdgeUse, edge_use, face_components
+from .edges import EdgeUse, edge_use
 from .mesh import TriangleMesh
 from .normals import triangle_normals
 from .solid_angles import winding_numbers
@@ -44,7 +44,7 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
         The same vertices and triangles, some of them flipped; `mesh` itself if none are.
     """
     use = edge_use(mesh.faces) if use is None else use
-    neighbors, pieces = _Neighbors.of(use), face_components(mesh.faces)
+    neighbors, pieces = _Neighbors.of(use), _pieces(use, len(mesh.faces))
     is_open = np.isin(pieces, pieces[use.face[use.start[use.count == 1]]])
     if is_open.any():
         # Closed components have no seams, even if others touch them.
@@ -100,6 +100,11 @@ class _Neighbors:
     def joined(self, pieces: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return labels of triangles by piece, (m,), with pieces joined that are neighbors."""
         return component_labels(pieces[self.one], pieces[self.other], int(pieces.max()) + 1)[pieces]
+
+
+def _pieces(use: EdgeUse, count: int) -> NDArray[np.int64]:
+    """Return labels of triangles by piece, (count,). Solids that touch in a vertex are different pieces."""
+    return component_labels(use.face[np.repeat(use.start, use.count)], use.face, count)
 
 
 def _disagreeing_faces(neighbors: _Neighbors, pieces: NDArray[np.int64]) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:

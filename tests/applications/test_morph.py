@@ -76,6 +76,13 @@ def test_distance_in_the_scene_costs_no_cells():
     assert far.spacing == pytest.approx(near.spacing)
 
 
+def test_the_center_does_not_depend_on_which_way_faces_point():
+    shapes = [joined(box(), ball(0.6, (2.0, 0.5, 0.0))), box()]
+    inverted = [joined(box().flipped(), ball(0.6, (2.0, 0.5, 0.0))), box().flipped()]
+    centers, others = (Lattice.around(own, 40, 1.0).centers for own in (shapes, inverted))
+    np.testing.assert_allclose(others, centers)
+
+
 def test_a_blend_of_a_ball_with_itself_is_the_ball():
     (frame,) = frames_of([ball(), ball()], single_blend([1, 1], 2), MorphSettings(motion="transport", resolution=48))
     radii = np.linalg.norm(frame.mesh.vertices, axis=1)

@@ -11,6 +11,7 @@ from convwass_addon.geometry.edges import mesh_edges, topology
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.geometry.solid_angles import winding_numbers
+from convwass_addon.geometry.welding import welded
 from tests.shapes import ball, box, joined, piece_count, square, torus, with_faces
 
 
@@ -119,6 +120,13 @@ def test_a_copy_of_an_open_piece_in_its_place_keeps_its_orientation():
     twice = orient_outward(joined(bowl, bowl))
     assert twice.volume == pytest.approx(2.0 * orient_outward(bowl).volume)
     assert winding_numbers(np.array([[0.0, 0.0, -0.5]]), twice)[0] > 1.5
+
+
+def test_solids_that_share_a_vertex_are_oriented_one_by_one():
+    small, large = box(), TriangleMesh(2.0 * box().vertices + 1.5, box().faces).flipped()
+    touching = welded(joined(small, large))
+    assert len(touching.vertices) == 15
+    assert orient_outward(touching).volume == pytest.approx(9.0)
 
 
 def test_of_solids_that_touch_only_the_one_that_is_inside_out_is_flipped():

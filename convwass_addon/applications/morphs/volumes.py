@@ -53,7 +53,8 @@ class Lattice(CenteredGrid):
         ResourceError
             A grid too large for the memory.
         """
-        centers = np.stack([centroid(shape) for shape in shapes])
+        # The centers of solids must not depend on which way their faces point.
+        centers = np.stack([centroid(orient_outward(shape)) for shape in shapes])
         lattice = cls.of_bounds([shape.bounds for shape in shapes], centers, resolution, sigma)
         check_memory(lattice.memory(shapes, workers, parts), resolution, workers)
         return lattice
