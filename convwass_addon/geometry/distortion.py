@@ -9,8 +9,8 @@ from numpy.typing import NDArray
 
 from .mesh import TriangleMesh
 
-# Triangles below this fraction of the squared largest area count as degenerate; upper limit of a distortion.
-_LEAST, _MOST = 1e-12, 10.0
+# Upper limit of a distortion, which degenerate triangles have.
+_MOST = 10.0
 
 
 def vertex_distortions(rest: TriangleMesh, vertices: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -33,8 +33,7 @@ def vertex_distortions(rest: TriangleMesh, vertices: NDArray[np.float64]) -> NDA
     moved = np.sqrt(np.maximum(after[0] * after[2] - np.square(after[1]), 0.0))
     # The trace of the inverse first metric times the second is s1^2 + s2^2; here it is multiplied by the squared area.
     traces = before[2] * after[0] - 2.0 * before[1] * after[1] + before[0] * after[2]
-    least = _LEAST * areas.max(initial=0.0) ** 2
-    distortions = np.minimum(0.5 * traces / np.maximum(areas * moved, max(least, np.finfo(float).tiny)), _MOST)
+    distortions = np.minimum(0.5 * traces / np.maximum(areas * moved, np.finfo(float).tiny), _MOST)
     weights = np.repeat(areas, 3)
     corners = rest.faces.ravel()
     sums = np.bincount(corners, weights * np.repeat(distortions, 3), len(vertices))

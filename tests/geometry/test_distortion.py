@@ -27,3 +27,10 @@ def test_rotations_do_not_distort():
 def test_flattening_a_triangle_to_a_line_is_the_largest_distortion():
     moved = SHEET.vertices * (1.0, 0.0, 1.0)
     assert (vertex_distortions(SHEET, moved)[:4] == 10.0).all()
+
+
+def test_large_triangles_beside_small_ones_change_nothing():
+    """A ground plane made all triangles of a figure seem to be undistorted."""
+    points = np.concatenate([1e-4 * SHEET.vertices, 1e3 * SHEET.vertices])
+    both = TriangleMesh.from_arrays(points, np.concatenate([SHEET.faces, SHEET.faces + 5]))
+    np.testing.assert_allclose(vertex_distortions(both, points * (2.0, 1.0, 1.0))[[0, 1, 2, 3, 5, 6, 7, 8]], 1.25)
