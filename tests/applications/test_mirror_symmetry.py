@@ -28,6 +28,21 @@ def test_vertices_are_paired_and_those_on_the_plane_with_themselves(vertices):
     np.testing.assert_allclose(vertices[symmetry.partners], vertices * [-1.0, 1.0, 1.0], atol=1e-12)
 
 
+def test_vertices_that_are_split_along_seams_are_paired(vertices):
+    rng = np.random.default_rng(2)
+    split = np.concatenate([vertices, vertices[rng.choice(len(vertices), 40, replace=False)]])
+    symmetry = MirrorSymmetry.of(split, PLANE, "Ring")
+    assert symmetry.has_partner.all()
+    np.testing.assert_allclose(split[symmetry.partners], split * [-1.0, 1.0, 1.0], atol=1e-12)
+    on_plane = np.abs(split[:, 0]) < 1e-12
+    assert on_plane[len(vertices) :].any()
+    np.testing.assert_array_equal(symmetry.partners[on_plane], np.flatnonzero(on_plane))
+    moved = split + 0.01 * np.sin(3.0 * split)
+    found = symmetry.symmetrized(moved)
+    nearest = np.argmin(np.linalg.norm(vertices[None] - split[len(vertices) :, None], axis=2), axis=1)
+    np.testing.assert_allclose(found[len(vertices) :], found[nearest], atol=1e-12)
+
+
 def test_the_plane_moves_along_and_noise_becomes_symmetric(vertices):
     symmetry = MirrorSymmetry.of(vertices, PLANE, "Ring")
     turn = Rotation.from_euler("xyz", (0.3, 0.9, 2.0))

@@ -44,7 +44,9 @@ class MirrorSymmetry:
         near = _NEAR * float(np.ptp(vertices, axis=0).max())
         distances, found = cKDTree(vertices).query(plane.mirrored(vertices))
         own = np.arange(len(vertices))
-        has_partner = (distances <= near) & (found[found] == own)
+        # Vertices that are split along UV seams have others in the same place, any of which may be found.
+        found = np.where((vertices[found] == vertices).all(axis=1), own, found)
+        has_partner = (distances <= near) & (vertices[found[found]] == vertices).all(axis=1)
         if (~has_partner).mean() > _MOST_SINGLE:
             raise InputError(
                 "{name} is not symmetric: {share:.0%} of its vertices have no mirror image across its local X axis. "
