@@ -53,6 +53,15 @@ def test_a_rotated_translated_and_scaled_copy_is_aligned(rotation, offset, scale
     assert second.scale == pytest.approx(1 / scale)
 
 
+@given(rotations)
+@settings(max_examples=15)
+def test_copies_that_nearly_match_the_other_way_round_are_turned_back(rotation):
+    """A small ear tells which side of a slab with a heavy end is up: upside down, it matches almost as well."""
+    shape = joined(box((4.0, 2.0, 1.0)), box((1.0, 1.6, 0.9), (2.5, 0.0, 0.0)), box((0.5, 0.4, 0.6), (1.2, 0.5, 0.8)))
+    _, move = aligned([shape, changed(shape, rotation)], "PRINCIPAL_AXES", "PLACED")
+    np.testing.assert_allclose(move.rotation, rotation.T, atol=1e-7)
+
+
 @given(rotations, offsets)
 @settings(max_examples=20)
 def test_alignment_never_mirrors(rotation, offset):
@@ -139,6 +148,13 @@ def test_an_open_shape_has_the_volume_with_its_hole_closed():
 def test_shapes_without_volume_are_refused_by_name():
     with pytest.raises(InputError, match="Sheet"):
         aligned([box(), square()], "CENTERED", "EQUAL_VOLUME", ["Box", "Sheet"])
+
+
+@pytest.mark.parametrize("alignment", ["CENTERED", "PRINCIPAL_AXES"])
+def test_shapes_without_area_are_refused_by_name(alignment):
+    line = TriangleMesh.from_arrays([(0, 0, 0), (1, 0, 0), (2, 0, 0)], [(0, 1, 2)])
+    with pytest.raises(InputError, match="'Line' has no area"):
+        aligned([box(), line], alignment, "PLACED", ["Box", "Line"])
 
 
 @given(rotations, offsets, scales)
