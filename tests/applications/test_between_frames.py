@@ -127,6 +127,15 @@ def test_whole_numbers_return_stored_frames(cache, monkeypatch):
     np.testing.assert_array_equal(found[2].mesh.faces, stored[7].mesh.faces)
 
 
+def test_numbers_count_the_blends_of_a_path_not_scene_frames(tmp_path):
+    """There may be several scene frames from one blend to the next."""
+    computation, path = Computation(2, cache=FrameCache(tmp_path)), path_blends(2, 8, 4)
+    steps = between_frames(SHAPES, NAMES, path, [1.0, 1.5], QUICK, computation)
+    middle, between_both = (step.payload for step in steps if step.payload)
+    assert middle.blend.weights == middle.record["weights"] == (0.5, 0.5)
+    assert between_both.blend.weights == between_both.record["weights"] == (0.25, 0.75)
+
+
 @pytest.mark.parametrize("number", [0.05, 0.5, 11.6])
 def test_next_to_a_shape_it_starts_from_the_only_neighbor(cache, cold, number):
     (found,) = at(cache, number, options=FINE)

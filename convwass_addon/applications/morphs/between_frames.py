@@ -146,7 +146,7 @@ def between_frames(
     runs = _runs_about(places, path)
     missing = {index: run for index, run in enumerate(runs) if not store.holds(run)}
     if not missing and all(len(place.about) == 1 for place in places):
-        frames = _stored_frames(store, runs)
+        frames = _stored_frames(store, runs, path)
         yield from _reported(0.0, len(places), (_frame_itself(place, frames) for place in places))
         return None
     workers = computation.workers
@@ -156,7 +156,7 @@ def between_frames(
     problem = problem.with_detail_of(shapes)
     most = workers or fitting_workers(problem.lattice, shapes, matching.count, threads)
     yield from _complete(store, problem, missing, control, most, computation.executor)
-    frames = _stored_frames(store, runs)
+    frames = _stored_frames(store, runs, path)
     with frame_workers(most) as threads:
         pending = [threads.submit(_frame_at, problem, place, frames, control) for place in places]
         start = _ABOUT_SHARE if missing else VOXEL_SHARE
@@ -193,8 +193,10 @@ def _complete(
             yield Progress(fraction, Sentence("Frames to start from, {done} of {total} runs", counts))
 
 
-def _stored_frames(store: BakeCache, runs: Sequence[Run]) -> dict[int, MorphFrame]:
-    return {frame.blend.frame: frame for run in runs for frame in store.load(run)}
+def _stored_frames(store: BakeCache, runs: Sequence[Run], path: Sequence[Blend]) -> dict[int, MorphFrame]:
+    """Return the frames of some runs by their index in the path; there may be several scene frames between them."""
+    places = {blend: index for index, blend in enumerate(path)}
+    return {places[frame.blend]: frame for run in runs for frame in store.load(run)}
 
 
 def _reported(start: float, total: int, frames: Iterator[MorphFrame]) -> Work[None]:
