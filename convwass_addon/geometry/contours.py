@@ -72,7 +72,7 @@ def outline_at_level(density: NDArray[np.floating], level: float) -> LevelOutlin
 
 
 def outline_enclosing(density: NDArray[np.floating], area: float) -> LevelOutline:
-    """Extract the outline that encloses an area, within 0.02 %.
+    """Extract the outline that encloses an area, within 0.02 % if so much of the density is positive.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def outline_enclosing(density: NDArray[np.floating], area: float) -> LevelOutlin
     Raises
     ------
     InputError
-        The density has no mass, or covers less than the area.
+        The density has no mass, or covers less than half of the area.
     """
     positive = np.sort(density[density > 0])[::-1]
     if not len(positive) or len(positive) < 0.5 * area:

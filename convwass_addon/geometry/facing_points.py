@@ -24,7 +24,7 @@ from .point_tree import point_tree
 
 # Points are looked up again if the cosine between their normal and the triangle's is below this.
 _AWAY = 0.2
-# Distance that counts as much as a normal turned by 90 degrees, relative to the square root of the surface's area.
+# Distance that counts as much as a normal turned by 60 degrees, relative to the square root of the surface's area.
 _TURN = 0.05
 # Triangles measured for each point.
 _CANDIDATES = 8

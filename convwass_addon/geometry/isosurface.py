@@ -53,7 +53,7 @@ def surface_at_level(density: NDArray[np.floating], level: float) -> LevelSurfac
     Raises
     ------
     InputError
-        No value, or every value, lies above the level.
+        No value lies above the level, or the level is not positive.
     """
     density = as_floats(density)
     if not 0.0 < level < float(density.max()):
@@ -88,7 +88,7 @@ def surface_enclosing(density: NDArray[np.floating], volume: float, shortfall: f
     Raises
     ------
     InputError
-        The volume is not between zero and the volume of the grid.
+        The volume is not between zero and the number of cells that have mass.
     """
     density = as_floats(density)
     ranks = _Ranks.of(density, volume)
@@ -181,7 +181,7 @@ class _Ranks:
         return float(self.levels[0])
 
     def above(self, level: float) -> float:
-        """Return the number of cells above a level, clipped to between one half and one half less than all."""
+        """Return the number of cells above a level, at least one half."""
         return self.nearest(float(len(self.levels) - np.searchsorted(self.levels[::-1], level, side="right")))
 
     def nearest(self, count: float) -> float:

@@ -18,7 +18,7 @@ from .mesh import TriangleMesh
 from .surface_graph import surface_graph
 
 TURN = 0.2
-"""Distance, on surfaces of unit area, that counts as much as a normal turned by 90 degrees."""
+"""Distance, on surfaces of unit area, that counts as much as a normal turned by 60 degrees."""
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ from .plane_angles import best_turn
 from .point_tree import point_tree
 from .rotation_fields import rotation_matrices
 
-# Number of turns tried, and number of vertices of each shape that are compared.
+# Number of turns tried, and of vertices of each shape that are compared: of larger meshes, up to twice as many.
 _TURNS, _SAMPLES = 12, 1000
 # Length in sizes of the surface that the difference of unit normals counts as.
 _NORMALS = 0.2

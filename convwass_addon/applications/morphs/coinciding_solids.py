@@ -57,8 +57,8 @@ class CoincidingSolids:
     agreement : (nx, ny, nz) float32
         1 where the solids nearly coincide, falling to 0 elsewhere.
     depths : (k, nx, ny, nz) float32
-        Signed distance to the surface of every solid in cells, positive inside, to half a cell or better and clipped at
-        eight.
+        Signed distance to the surface of every solid in cells, positive inside, to half a cell or better near it, and
+        clipped as by :func:`.growing_parts.extend`.
     """
 
     density: NDArray[np.float32]

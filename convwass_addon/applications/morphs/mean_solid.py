@@ -52,7 +52,7 @@ def mean_solid(
     ----------
     depths : (k, nx, ny, nz) float32
         Signed distance to the surface of every solid in cells, positive inside, clipped as by
-        :func:`.growing_parts.extended`; also (k, nx, ny).
+        :func:`.growing_parts.extend`; also (k, nx, ny).
     weights : (k,)
         Weights of the solids, of sum 1.
     known : float

@@ -29,7 +29,7 @@ JUMP, _REACH = 1.8, 1.5
 _LEAST = 1.5
 # Legs with fewer blends have no usual step.
 _FEWEST = 3
-# Maximum number of points of every surface at which distances are measured; a few thousand miss the tips of ears.
+# Distances are measured at up to twice as many points of every surface; a few thousand miss the tips of ears.
 _ASKED = 20_000
 # Meshes are kept for this many of the longest steps.
 _KEPT = 16
