@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array, csr_array, diags_array
+from scipy.sparse import csc_array, csr_array, diags_array
 
 from ..progress import UNINTERRUPTED, Control
+from .edge_laplacian import edge_laplacian
 from .facing_points import FacingPointFinder
 from .factorization import factorize
 from .mesh import TriangleMesh
@@ -77,16 +78,6 @@ def _step(
     pulled = csr_array(shares.T @ diags_array(weights))
     # Instead of S^T W S, its sums of rows: an upper bound, so that no step is too large, and an M-matrix.
     staying = np.where(is_there, _STAYING, 0.0) + _LEAST + pulled.sum(axis=1)
-    system = csc_array(_SMOOTHNESS * _stiffness(mesh, is_there) + diags_array(staying))
+    smoothness = _SMOOTHNESS * edge_laplacian(mesh.faces, np.sqrt(np.where(is_there, 1.0, _WALLS)))
+    system = csc_array(smoothness + diags_array(staying))
     return factorize(system).solve(np.ascontiguousarray((pulled @ missing).T)).T
-
-
-def _stiffness(mesh: TriangleMesh, is_there: NDArray[np.bool_]) -> csc_array:
-    """Return the Laplacian, (n, n), of the edges, which are weak at walls."""
-    count, tails, heads = len(mesh.vertices), mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
-    strength = np.sqrt(np.where(is_there, 1.0, _WALLS))
-    apart = tails != heads
-    tails, heads = tails[apart], heads[apart]
-    edges = coo_array((strength[tails] * strength[heads], (tails, heads)), shape=(count, count)).tocsc()
-    edges = edges.maximum(edges.T)
-    return csc_array(diags_array(np.asarray(edges.sum(axis=0)).ravel()) - edges)

@@ -9,9 +9,10 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array, csc_array, diags_array
+from scipy.sparse import csc_array, diags_array
 
 from ..progress import Control
+from .edge_laplacian import edge_laplacian
 from .facing_points import FacingPointFinder
 from .factorization import factorize
 from .mesh import TriangleMesh
@@ -28,7 +29,7 @@ _LEAST = 1e-4
 
 def drawn_along_normals(moved: TriangleMesh, target: TriangleMesh, control: Control) -> NDArray[np.float64]:
     """Return the vertices, (n, 3), of a surface close to `target` after moving them closer to it."""
-    smoothness = _SMOOTHNESS * _graph_laplacian(moved)
+    smoothness = _SMOOTHNESS * edge_laplacian(moved.faces, np.ones(len(moved.vertices)))
     finder, facing = FacingPointFinder(target), triangle_normals(target.corners)
     reach = _REACH * np.sqrt(target.area)
     points = moved.vertices
@@ -43,15 +44,3 @@ def drawn_along_normals(moved: TriangleMesh, target: TriangleMesh, control: Cont
         right = (weights * heights)[:, None] * normals
         points = points + system.solve(np.ascontiguousarray(right.T)).T
     return np.ascontiguousarray(points)
-
-
-def _graph_laplacian(mesh: TriangleMesh) -> csc_array:
-    """Return the unweighted graph Laplacian, (n, n), of the mesh's edges."""
-    tails, heads = mesh.faces.ravel(), np.roll(mesh.faces, -1, axis=1).ravel()
-    apart = tails != heads
-    rows, columns = tails[apart], heads[apart]
-    count = len(mesh.vertices)
-    adjacency = coo_array((np.ones(len(rows)), (rows, columns)), shape=(count, count)).tocsc()
-    adjacency = adjacency + adjacency.T
-    adjacency.data[:] = 1.0
-    return csc_array(diags_array(np.asarray(adjacency.sum(axis=0)).ravel()) - adjacency)
