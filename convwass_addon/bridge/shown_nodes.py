@@ -14,6 +14,14 @@ def shown_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTre
     return block.node_tree
 
 
+def shown_output(tree: bpy.types.NodeTree) -> bpy.types.Node | None:
+    """Return the output of a material that the render engine of the scene shows; None if there is none.
+
+    A material may have one output for Cycles and another one for Eevee.
+    """
+    return tree.get_output_node("CYCLES" if bpy.context.scene.render.engine == "CYCLES" else "EEVEE")
+
+
 def source_node(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
     """Return the node linked to an input; None if there is none, or if the node or the link is muted."""
     link = next(iter(socket.links), None)

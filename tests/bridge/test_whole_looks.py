@@ -14,8 +14,8 @@ from convwass_addon.bridge.handles import Handle
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.morphs.look_groups import DISPLACEMENT, SURFACE
-from convwass_addon.bridge.morphs.materials import is_carrying
-from convwass_addon.bridge.morphs.mixed_materials import MixedMaterials, WholeLooks
+from convwass_addon.bridge.morphs.materials import is_carrying, principled_of
+from convwass_addon.bridge.morphs.mixed_materials import MixedMaterials, WholeLooks, emission_node
 from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, frame_objects, stored_diagnostics
@@ -218,6 +218,58 @@ def test_all_frames_have_the_colors_of_the_objects(bare_scene, make_object, tmp_
     for frame, color in zip(frames, [(0.1, 0.6, 0.3), (0.5, 0.4, 0.5), (0.9, 0.2, 0.7)], strict=True):
         seen = picture(bare_scene, tmp_path, frame)[SIZE // 2, SIZE // 2]
         np.testing.assert_allclose(seen, color, atol=0.02)
+
+
+def with_two_outputs(name, target, linked):
+    """Return a material that glows green in Cycles, and red in other engines."""
+    made = material(name)
+    nodes, links = made.node_tree.nodes, made.node_tree.links
+    nodes["Material Output"].target = target
+    nodes["Glow"].inputs["Color"].default_value = (1, 0, 0, 1)
+    output, glow = nodes.new("ShaderNodeOutputMaterial"), nodes.new("ShaderNodeEmission")
+    output.target, glow.name = "CYCLES", "Glow in Cycles"
+    glow.inputs["Color"].default_value = (0, 1, 0, 1)
+    if linked:
+        color = nodes.new("ShaderNodeRGB")
+        color.outputs[0].default_value = (0, 1, 0, 1)
+        links.new(color.outputs[0], glow.inputs["Color"])
+    links.new(glow.outputs[0], output.inputs["Surface"])
+    nodes["Material Output"].is_active_output = True
+    return made
+
+
+@pytest.mark.parametrize("linked", [False, True])
+@pytest.mark.parametrize("target", ["EEVEE", "ALL"])
+def test_frames_show_the_output_for_cycles_if_that_renders(bare_scene, make_object, tmp_path, target, linked):
+    bare_scene.render.engine = "CYCLES"
+    inputs = [add_ball(make_object, name, with_two_outputs(name, target, linked), points=200) for name in "AB"]
+    for frame in frame_objects(bake(inputs)):
+        seen = picture(bare_scene, tmp_path, frame)[SIZE // 2, SIZE // 2]
+        np.testing.assert_allclose(seen, (0, 1, 0), atol=0.02)
+
+
+@pytest.mark.parametrize("target", ["EEVEE", "ALL"])
+def test_other_engines_show_the_other_output(bare_scene, target):
+    made = with_two_outputs("Glowing", target, linked=False)
+    bare_scene.render.engine = "BLENDER_WORKBENCH"
+    assert emission_node(made).name == "Glow"
+    bare_scene.render.engine = "CYCLES"
+    assert emission_node(made).name == "Glow in Cycles"
+
+
+def test_the_shader_of_the_shown_output_counts(bare_scene):
+    """Not the first one in the list of nodes."""
+    import bpy
+
+    made = bpy.data.materials.new("Two Shaders")
+    nodes, links = own_tree(made).nodes, made.node_tree.links
+    output, shader = nodes.new("ShaderNodeOutputMaterial"), nodes.new("ShaderNodeBsdfPrincipled")
+    output.target = "CYCLES"
+    links.new(shader.outputs[0], output.inputs["Surface"])
+    bare_scene.render.engine = "CYCLES"
+    assert principled_of(made) == shader
+    bare_scene.render.engine = "BLENDER_WORKBENCH"
+    assert principled_of(made) == nodes["Principled BSDF"]
 
 
 def test_the_parts_of_a_shape_keep_their_own_spaces(make_object):

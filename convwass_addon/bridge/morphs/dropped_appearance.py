@@ -12,6 +12,7 @@ import numpy as np
 
 from ...applications.morphs.appearance import Appearance, Plain
 from ...applications.morphs.diagnostics import Diagnostic
+from ..shown_nodes import shown_output
 from .appearance import upstream_nodes
 from .look_groups import node_trees
 from .materials import base_color, principled_of
@@ -67,7 +68,7 @@ def dropped_with_looks(materials: Sequence[bpy.types.Material]) -> list[DroppedP
     """Find what frames do not show of materials whose nodes they have completely."""
     found = []
     for material in materials:
-        output = material.node_tree.get_output_node("ALL")
+        output = shown_output(material.node_tree)
         if output is not None and output.inputs["Volume"].is_linked:
             found.append(DroppedPart(_VOLUME, material.name))
         nodes = [node for tree in node_trees(material.node_tree) for node in tree.nodes]
@@ -91,9 +92,7 @@ def dropped_notes(names: Sequence[str], dropped: Sequence[Sequence[DroppedPart]]
 
 
 def _of_material(material: bpy.types.Material, is_plain: bool) -> Iterator[DroppedPart]:
-    output = next(
-        (own for own in material.node_tree.nodes if own.type == "OUTPUT_MATERIAL" and own.is_active_output), None
-    )
+    output = shown_output(material.node_tree)
     emitter, shader = emission_node(material), principled_of(material)
     if output is not None and _links_other_shaders(output):
         yield DroppedPart(_SHADER, material.name)

@@ -15,7 +15,7 @@ import bpy
 
 from ..node_copies import can_copy, copied_nodes
 from ..node_math import new_node
-from ..shown_nodes import shown_tree
+from ..shown_nodes import shown_output, shown_tree
 from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
 from .materials import mark_as_frames
 
@@ -111,7 +111,7 @@ class LookGroups:
         if not is_wrapped(material):
             return None
         source = material.node_tree
-        output = source.get_output_node("ALL")
+        output = shown_output(source)
         group = bpy.data.node_groups.new(f"Look of {material.name}", "ShaderNodeTree")
         mark_as_frames(group)
         group.interface.new_socket(SURFACE, in_out="OUTPUT", socket_type="NodeSocketShader")

@@ -8,6 +8,7 @@ import bpy
 
 from ..node_math import new_node
 from ..node_trees import own_tree
+from ..shown_nodes import shown_output
 
 MATERIAL_NAME = "Convwass Morph"
 
@@ -79,7 +80,7 @@ def _color_source(material: bpy.types.Material | None) -> str | None:
 
 
 def base_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
-    """Return the base color socket of the first Principled BSDF, or None."""
+    """Return the base color socket of the shader that `principled_of` returns, or None."""
     principled = principled_of(material)
     return principled.inputs["Base Color"] if principled else None
 
@@ -116,8 +117,12 @@ def object_property_material(name: str, key: str) -> bpy.types.Material:
 
 
 def principled_of(material: bpy.types.Material) -> bpy.types.Node | None:
-    """Return the first Principled BSDF of a material, or None."""
-    nodes = material.node_tree.nodes if material.node_tree else ()
+    """Return the Principled BSDF that a material shows, the first one if it shows something else, or None."""
+    if material.node_tree is None:
+        return None
+    output = shown_output(material.node_tree)
+    shown = [link.from_node for link in output.inputs["Surface"].links] if output is not None else []
+    nodes = [*shown, *material.node_tree.nodes]
     return next((node for node in nodes if node.type == "BSDF_PRINCIPLED"), None)
 
 

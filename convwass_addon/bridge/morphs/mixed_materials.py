@@ -12,6 +12,7 @@ import bpy
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..node_math import new_node
+from ..shown_nodes import shown_output
 from ..unused_data import remove_if_unused
 from .frame_attributes import COLOR, LOOK, SOURCE_WEIGHT
 from .look_mixing import MixedLook, group_look, show_looks
@@ -61,8 +62,7 @@ class ShaderValues:
 
 def emission_node(material: bpy.types.Material) -> bpy.types.Node | None:
     """Return the Emission shader if it is linked directly to the surface output, else None."""
-    nodes = material.node_tree.nodes if material.node_tree else ()
-    output = next((node for node in nodes if node.type == "OUTPUT_MATERIAL" and node.is_active_output), None)
+    output = shown_output(material.node_tree) if material.node_tree else None
     links = output.inputs["Surface"].links if output is not None else ()
     node = links[0].from_node if links else None
     return node if node is not None and node.type == "EMISSION" else None
