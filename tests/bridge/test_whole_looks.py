@@ -362,6 +362,46 @@ def test_beside_a_texture_a_material_without_a_group_shows_its_values(method):
     assert [coat.default_value for coat in coats if not coat.is_linked] == [0.375]
 
 
+def displaced(name, method="DISPLACEMENT"):
+    """Return a material that moves the surface outwards by 0.2."""
+    made = material(name)
+    made.displacement_method = method
+    node = made.node_tree.nodes.new("ShaderNodeDisplacement")
+    for socket, value in (("Height", 1.0), ("Midlevel", 0.0), ("Scale", 0.2)):
+        node.inputs[socket].default_value = value
+    made.node_tree.links.new(node.outputs[0], made.node_tree.nodes["Material Output"].inputs["Displacement"])
+    return made
+
+
+@pytest.mark.parametrize(
+    ("others", "expected"),
+    [
+        ([], "DISPLACEMENT"),
+        ([None], "DISPLACEMENT"),
+        (["plain"], "DISPLACEMENT"),
+        (["DISPLACEMENT", "plain"], "DISPLACEMENT"),
+        (["BUMP"], "BUMP"),
+    ],
+)
+def test_only_displaced_materials_decide_how_frames_are_displaced(others, expected):
+    made = {None: None, "plain": material("Plain")}
+    slots = [displaced("First"), *(made[own] if own in made else displaced("Other", own) for own in others)]
+    looks = WholeLooks([[None] for _ in slots], "FADE")
+    assert MixedMaterials("Mixed", [[own] for own in slots], looks).of([0] * len(slots)).displacement_method == expected
+
+
+def test_displacement_of_one_shape_fades(bare_scene, make_object, tmp_path):
+    import bpy
+
+    inputs = [add_ball(make_object, "A", displaced("A")), add_ball(make_object, "B", material("B"))]
+    for obj in inputs:
+        obj.scale = (0.4, 0.4, 0.4)
+    bare_scene.world = bpy.data.worlds.new("Dark")
+    frames = frame_objects(bake(inputs))
+    seen = [int((picture(bare_scene, tmp_path, frame).mean(axis=2) > 0.5).sum()) for frame in frames]
+    assert seen[0] > seen[1] + 5 > seen[2] + 10
+
+
 def test_whole_materials_are_not_reported_as_dropped_and_removed_with_the_morph(make_object):
     import bpy
 

@@ -26,7 +26,9 @@ _STRENGTH = "Emission Strength"
 _LEFT_OUT = ("Base Color", EMISSION, _STRENGTH, "Weight")
 
 # Settings of materials besides their nodes, which frames have if all of their materials agree.
-_SETTINGS = ("displacement_method", "surface_render_method", "use_backface_culling", "use_transparent_shadow")
+_SETTINGS = ("surface_render_method", "use_backface_culling", "use_transparent_shadow")
+# The one in which only materials with a displacement have a say.
+_DISPLACEMENT = "displacement_method"
 
 Value = tuple[float, ...]
 
@@ -150,15 +152,31 @@ class MixedMaterials:
                 for number, (own, group, share) in enumerate(zip(values, groups, shares, strict=True), start=1)
             ]
             show_looks(material, looks, self._looks.how)
-            agreed = set.intersection(*(own[slot] for own, slot in zip(self._settings, key, strict=True)))
-            for name, value in agreed:
+            for name, value in _agreed([own[slot] for own, slot in zip(self._settings, key, strict=True)]).items():
                 setattr(material, name, value)
         remember_made(material)
         self._made[key] = Handle.of("materials", material)
 
 
-def _settings(material: bpy.types.Material | None) -> set[tuple[str, object]]:
-    return {(name, getattr(material, name)) for name in _SETTINGS if material is not None}
+def _settings(material: bpy.types.Material | None) -> dict[str, object]:
+    """Return the settings in which a material has a say; without a material, they are Blender's defaults."""
+    if material is None:
+        return {name: bpy.types.Material.bl_rna.properties[name].default for name in _SETTINGS}
+    return {name: getattr(material, name) for name in _SETTINGS} | _displacement_method(material)
+
+
+def _agreed(settings: Sequence[Mapping[str, object]]) -> dict[str, object]:
+    """Return the settings in which all agree that have a say."""
+    values = {name: {own[name] for own in settings if name in own} for name in (*_SETTINGS, _DISPLACEMENT)}
+    return {name: own.pop() for name, own in values.items() if len(own) == 1}
+
+
+def _displacement_method(material: bpy.types.Material) -> dict[str, object]:
+    """Return how a material is displaced, which is nothing if it is not."""
+    output = shown_output(material.node_tree) if material.node_tree else None
+    if output is None or not output.inputs["Displacement"].is_linked:
+        return {}
+    return {_DISPLACEMENT: getattr(material, _DISPLACEMENT)}
 
 
 def _simple_look(tree: bpy.types.NodeTree, number: int, shader: ShaderValues, share: bpy.types.NodeSocket) -> MixedLook:
