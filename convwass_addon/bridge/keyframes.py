@@ -142,6 +142,12 @@ def curves_of(block: bpy.types.ID, path: str | None = None) -> list[bpy.types.FC
     return [] if bag is None else [curve for curve in bag.fcurves if path in (None, curve.data_path)]
 
 
+def has_animation(block: bpy.types.ID) -> bool:
+    """Return whether a data-block, or a node tree, has an action, drivers or NLA tracks."""
+    data = getattr(block, "animation_data", None)
+    return data is not None and (data.action is not None or bool(data.drivers) or bool(data.nla_tracks))
+
+
 def is_driven(block: bpy.types.ID, path: str) -> bool:
     """Return whether a property of a data-block has a driver."""
     data = block.animation_data

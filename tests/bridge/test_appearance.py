@@ -343,6 +343,7 @@ def test_materials_that_frames_do_not_show_are_named(make_object):
         ("corrected", ["LOOK_NODES", "LOOK_BLURRED"]),
         ("missing", ["LOOK_MISSING"]),
         ("glass", ["LOOK_SHADER"]),
+        ("keyed", ["LOOK_ANIMATED"]),
         ("object", []),
     ],
 )
@@ -353,6 +354,8 @@ def test_ignored_features_of_a_material_are_listed(make_object, depsgraph, kind,
         glass = made.node_tree.nodes.new("ShaderNodeBsdfGlass")
         output = next(node for node in made.node_tree.nodes if node.type == "OUTPUT_MATERIAL")
         made.node_tree.links.new(glass.outputs["BSDF"], output.inputs["Surface"])
+    elif kind == "keyed":
+        principled(made).inputs["Roughness"].keyframe_insert("default_value", frame=1)
     elif kind == "corrected":
         between = linked(made, "ShaderNodeInvert")
         picture = made.node_tree.nodes.new("ShaderNodeTexImage")

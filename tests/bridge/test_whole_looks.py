@@ -342,6 +342,41 @@ def test_plain_materials_are_mixed_as_one_shader(make_object):
     assert not [tree for tree in bpy.data.node_groups if is_carrying(tree)]
 
 
+def keyed(tree):
+    strength = tree.nodes["Glow"].inputs["Strength"]
+    for frame, value in ((1, 0.0), (11, 1.0)):
+        strength.default_value = value
+        strength.keyframe_insert("default_value", frame=frame)
+
+
+def driven(tree):
+    tree.nodes["Glow"].inputs["Strength"].driver_add("default_value").driver.expression = "min(frame - 1, 10) / 10"
+
+
+@pytest.mark.parametrize("animate", [keyed, driven])
+def test_frames_glow_as_their_animated_materials(bare_scene, make_object, tmp_path, animate):
+    inputs = [add_ball(make_object, name, material(name), with_uvs=False) for name in "AB"]
+    for obj in inputs:
+        obj.data.materials[0].node_tree.nodes["Glow"].inputs["Color"].default_value = (1, 1, 1, 1)
+        animate(obj.data.materials[0].node_tree)
+    bare_scene.frame_set(1)
+    collection = bake(inputs, steps=6)
+    assert not [note for note in stored_diagnostics(collection) if note.kind.startswith("LOOK")]
+    frame = frame_objects(collection)[5]
+    np.testing.assert_allclose(picture(bare_scene, tmp_path, frame)[SIZE // 2, SIZE // 2], 0.5, atol=0.02)
+
+
+def test_nla_strips_are_reported(make_object):
+    inputs = [add_ball(make_object, name, material(name), points=200) for name in "AB"]
+    tree = inputs[0].data.materials[0].node_tree
+    keyed(tree)
+    data = tree.animation_data
+    data.nla_tracks.new().strips.new("Glow", 1, data.action)
+    data.action = None
+    notes = stored_diagnostics(bake(inputs))
+    assert [note.values["materials"] for note in notes if note.kind == "LOOK_ANIMATED"] == ["A"]
+
+
 @pytest.mark.parametrize("method", ["RANDOM_WALK", "RANDOM_WALK_SKIN"])
 def test_beside_a_texture_a_material_without_a_group_shows_its_values(method):
     """So do those whose nodes cannot be copied, such as groups with repeat zones."""

@@ -64,6 +64,7 @@ TEXTS: dict[str, str] = {
     "the viewport",
     "LOOK_NODES": "Nodes between texture and base color of {materials} ({names}) were left out: bake them into the "
     "image",
+    "LOOK_ANIMATED": "Animated values of {materials} ({names}) stay as they were when the morph was baked",
     "LOOK_NORMALS": "Normal maps, bump and displacement of {materials} ({names}) were left out",
     "LOOK_MAPS": "Textures of {sockets} of {materials} ({names}) were left out",
     "LOOK_TILES": "Of the UDIM tiles of {materials} ({names}) only the first one was read",
@@ -91,7 +92,7 @@ SEVERITIES: dict[str, Severity] = {
     **dict.fromkeys(("APART", "TUMBLING", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
-    **dict.fromkeys(("LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
+    **dict.fromkeys(("LOOK_ANIMATED", "LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
     "LOOK_BLURRED": "INFO",
     "PREVIEWS": "WARNING",
     "GOOD": "INFO",

@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 import bpy
 
 from ...sentence import Sentence
+from ..keyframes import has_animation
 
 # Modifiers that are animated by themselves, or read animated files.
 _SIMULATED = ("CLOTH", "SOFT_BODY", "FLUID", "DYNAMIC_PAINT", "OCEAN", "BUILD", "WAVE")
@@ -26,7 +27,7 @@ def animation_notices(inputs: Sequence[bpy.types.Object]) -> list[Sentence]:
 
 def is_animated(obj: bpy.types.Object) -> bool:
     """Return whether an object moves or deforms over time, as far as its settings show."""
-    return any(_has_keys(block) for block in data_of(obj)) or any(
+    return any(has_animation(block) for block in data_of(obj)) or any(
         one.type in (*_SIMULATED, *_FROM_FILES) for one in obj.modifiers
     )
 
@@ -45,8 +46,3 @@ def data_of(obj: bpy.types.Object) -> Iterator[bpy.types.ID]:
             waiting += [block.data, block.parent, getattr(block.data, "shape_keys", None)]
             waiting += [getattr(one, "object", None) for one in block.modifiers]
             waiting += [getattr(one, "target", None) for one in block.constraints]
-
-
-def _has_keys(block: bpy.types.ID) -> bool:
-    data = getattr(block, "animation_data", None)
-    return data is not None and (data.action is not None or bool(data.drivers) or bool(data.nla_tracks))

@@ -12,6 +12,7 @@ import numpy as np
 
 from ...applications.morphs.appearance import Appearance, Plain
 from ...applications.morphs.diagnostics import Diagnostic
+from ..keyframes import has_animation
 from ..shown_nodes import shown_output
 from .appearance import upstream_nodes
 from .look_groups import node_trees
@@ -20,9 +21,10 @@ from .mixed_materials import emission_node
 
 # Kinds of diagnostics, in the order in which they are shown.
 _PROCEDURAL, _SHADER, _MISSING, _NODES = "LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES"
+_ANIMATED = "LOOK_ANIMATED"
 _NORMALS, _MAPS, _TILES, _BLURRED = "LOOK_NORMALS", "LOOK_MAPS", "LOOK_TILES", "LOOK_BLURRED"
 _VOLUME, _SPACE = "LOOK_VOLUME", "LOOK_SPACE"
-_ORDER = (_PROCEDURAL, _SHADER, _MISSING, _NODES, _NORMALS, _MAPS, _TILES, _VOLUME, _SPACE, _BLURRED)
+_ORDER = (_PROCEDURAL, _SHADER, _MISSING, _NODES, _ANIMATED, _NORMALS, _MAPS, _TILES, _VOLUME, _SPACE, _BLURRED)
 _NORMAL_SOCKETS = ("Normal", "Coat Normal", "Tangent")
 _COLOR_NODES = ("TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE", "OBJECT_INFO")
 
@@ -74,6 +76,9 @@ def dropped_with_looks(materials: Sequence[bpy.types.Material]) -> list[DroppedP
         nodes = [node for tree in node_trees(material.node_tree) for node in tree.nodes]
         if any(node.type == "NORMAL_MAP" and node.space != "TANGENT" for node in nodes):
             found.append(DroppedPart(_SPACE, material.name))
+        data = material.node_tree.animation_data
+        if data is not None and data.nla_tracks:
+            found.append(DroppedPart(_ANIMATED, material.name))
     return found
 
 
@@ -94,6 +99,8 @@ def dropped_notes(names: Sequence[str], dropped: Sequence[Sequence[DroppedPart]]
 def _of_material(material: bpy.types.Material, is_plain: bool) -> Iterator[DroppedPart]:
     output = shown_output(material.node_tree)
     emitter, shader = emission_node(material), principled_of(material)
+    if any(has_animation(tree) for tree in node_trees(material.node_tree)):
+        yield DroppedPart(_ANIMATED, material.name)
     if output is not None and _links_other_shaders(output):
         yield DroppedPart(_SHADER, material.name)
     if output is not None and output.inputs["Displacement"].is_linked:
