@@ -14,9 +14,11 @@ from mathutils import Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
+from convwass_addon.applications.palettes.lab_colors import linear_of_srgb
 from convwass_addon.bridge.image_files import pixel_values
 from convwass_addon.bridge.node_math import new_node
 from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.object_values import ObjectValues
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
@@ -118,6 +120,74 @@ def test_the_material_mixes_the_looks_by_the_slider(ball):
     ball["Large"] = 0.25
     ball.update_tag()
     assert np.allclose(rendered_center(scene), 0.75 * np.array(RED) + 0.25 * np.array(BLUE), atol=0.02)
+
+
+def read_of_object(material, kind):
+    """Let a material have the color of a pass index, of a custom property or of the object."""
+    tree = material.node_tree
+    if kind == "color":
+        source = tree.nodes.new("ShaderNodeObjectInfo").outputs["Color"]
+    elif kind == "index":
+        index = tree.nodes.new("ShaderNodeObjectInfo").outputs["Object Index"]
+        source = new_node(tree, "ShaderNodeMath", {0: index, 1: 0.5}, operation="MULTIPLY").outputs[0]
+    else:
+        node = new_node(tree, "ShaderNodeAttribute", attribute_type=kind.upper(), attribute_name="tint")
+        source = node.outputs["Color"]
+    tree.links.new(source, principled(material).inputs["Base Color"])
+
+
+@pytest.mark.parametrize(
+    ("kind", "color"),
+    [
+        ("color", (0.25, 0.5, 0.25)),
+        ("index", (0.5, 0.5, 0.5)),
+        ("object", (0.5, 0.25, 0.0)),
+        ("instancer", (0.5, 0.25, 0.0)),
+    ],
+)
+def test_images_show_what_materials_read_of_their_object(ball, kind, color):
+    shape = bpy.data.objects["Large"]
+    shape.color, shape.pass_index, shape["tint"] = (0.25, 0.5, 0.25, 1.0), 1, (0.5, 0.25)
+    read_of_object(shape.data.materials[0], kind)
+    found = baked(ball)
+    seen = pixels(found.images[1]).reshape(-1, 3).mean(axis=0)
+    # Images are in sRGB.
+    np.testing.assert_allclose(linear_of_srgb(seen), color, atol=0.02)
+
+
+def test_properties_are_read_as_blender_shows_them(make_object):
+    """Arrays of truth values, of more than four numbers and texts are not shown."""
+    obj = make_object("A")
+    given = {
+        "number": 2,
+        "pair": (0.1, 0.2),
+        "color": (0.1, 0.2, 0.3, 0.4),
+        "five": (1.0,) * 5,
+        "text": "red",
+        "switches": (True, False),
+    }
+    for name, value in given.items():
+        obj[name] = value
+    obj.data["both"], obj["both"], obj.data["data"], obj.location = 1.0, 2.0, 3.0, (4, 5, 6)
+    names = [*given, "both", "data", "location", "none"]
+    material = plain_material("Reading", RED)
+    for name in names:
+        new_node(material.node_tree, "ShaderNodeAttribute", attribute_type="OBJECT", attribute_name=name)
+    found = ObjectValues.of(obj, [None, material]).properties
+    nothing = (0, 0, 0, 0)
+    expected = [(2, 2, 2, 1), (0.1, 0.2, 0, 1), (0.1, 0.2, 0.3, 0.4), nothing, nothing, nothing]
+    expected += [(2, 2, 2, 1), (3, 3, 3, 1), (4, 5, 6, 1), nothing]
+    np.testing.assert_allclose([found[name] for name in names], expected, atol=1e-6)
+
+
+def test_longer_names_than_properties_can_have_are_left_out(make_object):
+    obj, copy = make_object("A"), make_object("B")
+    material = plain_material("Reading", RED)
+    for length in (63, 64):
+        name = "x" * length
+        new_node(material.node_tree, "ShaderNodeAttribute", attribute_type="OBJECT", attribute_name=name)
+    ObjectValues.of(obj, [material]).write_to(copy)
+    assert list(copy.keys()) == ["x" * 63]
 
 
 def rendered_center(scene):

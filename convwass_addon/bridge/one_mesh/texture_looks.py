@@ -20,6 +20,7 @@ from ...geometry.closest_points import ClosestPointFinder
 from ..element_values import element_values
 from ..handles import Handle
 from ..morphs.bake import assign_default_material
+from ..object_values import ObjectValues
 from ..objects import stand, take_own_materials, triangle_mesh
 from ..unused_data import remove_if_unused
 from ..visibility import evaluated_object
@@ -46,13 +47,13 @@ class Surface:
         Without users, in local space.
     world : (4, 4) float64
         From local to world space.
-    color : (r, g, b, a)
-        Color of the object.
+    values : ObjectValues
+        What its materials read of the object.
     """
 
     mesh: Handle
     world: NDArray[np.float64]
-    color: tuple[float, ...]
+    values: ObjectValues
 
     def found(self) -> bpy.types.Mesh:
         """Return the mesh; raises ConvwassError if it was removed by undo."""
@@ -70,7 +71,7 @@ class Surface:
             The mesh was removed by undo.
         """
         obj = bpy.data.objects.new(name, self.found().copy())
-        obj.color = self.color
+        self.values.write_to(obj)
         stand(obj, Matrix(self.world))
         scene.collection.objects.link(obj)
         return obj
@@ -192,7 +193,8 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
     take_own_materials(mesh, shape)
     assign_default_material(mesh)
     reach = float(record.get("distance_95", 0.0)) * diagonal
-    return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, tuple(shape.color)), reach)
+    values = ObjectValues.of(shape, mesh.materials)
+    return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, values), reach)
 
 
 def _check_arrival(
@@ -230,4 +232,4 @@ def _posed(obj: bpy.types.Object, prepared: bpy.types.Mesh, positions: NDArray[n
     finally:
         bpy.data.objects.remove(copy)
         bpy.data.meshes.remove(mesh)
-    return Surface(Handle.of("meshes", frozen), world, tuple(obj.color))
+    return Surface(Handle.of("meshes", frozen), world, ObjectValues.of(obj, frozen.materials))

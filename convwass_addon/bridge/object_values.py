@@ -1,0 +1,89 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Read what materials read of an object: its color, its index and its properties."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+import bpy
+
+from .shown_nodes import shown_tree
+
+Color = tuple[float, float, float, float]
+
+# What Attribute nodes show of a property that is not found, or has more components.
+_NOTHING = (0.0, 0.0, 0.0, 0.0)
+# Blender's limit for names of custom properties.
+_LONGEST = 63
+
+
+@dataclass(frozen=True)
+class ObjectValues:
+    """What materials read of an object.
+
+    Attributes
+    ----------
+    color : (r, g, b, a)
+        Color of the object, scene linear.
+    index : int
+        Its pass index.
+    properties : dict of str to (r, g, b, a)
+        Its properties that Attribute nodes read, as these show them.
+    """
+
+    color: Color = (1.0, 1.0, 1.0, 1.0)
+    index: int = 0
+    properties: Mapping[str, Color] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, obj: bpy.types.Object, materials: Sequence[bpy.types.Material | None]) -> ObjectValues:
+        """Read what some materials can read of an object."""
+        names = {node.attribute_name for node in _nodes(materials) if reads_property(node)}
+        return cls(tuple(obj.color), obj.pass_index, {name: _property(obj, name) for name in sorted(names)})
+
+    def write_to(self, obj: bpy.types.Object) -> None:
+        """Let materials read the same of another object."""
+        obj.color, obj.pass_index = self.color, self.index
+        for name, value in self.properties.items():
+            if len(name.encode()) <= _LONGEST:
+                obj[name] = value
+
+
+def reads_property(node: bpy.types.Node) -> bool:
+    """Return whether a node reads a property of the object; that of an instancer is the object's if there is none."""
+    return node.type == "ATTRIBUTE" and node.attribute_type in ("OBJECT", "INSTANCER") and bool(node.attribute_name)
+
+
+def _nodes(materials: Sequence[bpy.types.Material | None]) -> Iterator[bpy.types.Node]:
+    trees = [shown_tree(material) for material in materials if material is not None]
+    for tree in trees:
+        if tree is not None:
+            yield from tree.nodes
+            trees += [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree not in trees]
+
+
+def _property(obj: bpy.types.Object, name: str) -> Color:
+    """Return a property as Blender shows it: custom ones come first, and those of the object before its data's."""
+    for block in (obj, obj.data):
+        value = None if block is None else block.get(name)
+        if value is None and block is not None:
+            try:
+                value = block.path_resolve(name)
+            except (ValueError, IndexError):  # no such property
+                continue
+        color = _color(value)
+        if color is not None:
+            return color
+    return _NOTHING
+
+
+def _color(value: object) -> Color | None:
+    """Return a number as gray, and up to four as a color; None if it is anything else."""
+    if isinstance(value, (bool, int, float)):
+        return (float(value),) * 3 + (1.0,)
+    parts = list(value) if hasattr(value, "__len__") and not isinstance(value, str) else []
+    if not 1 <= len(parts) <= 4 or any(isinstance(one, bool) or not isinstance(one, (int, float)) for one in parts):
+        return None
+    return (*map(float, parts), *(0.0, 0.0, 0.0, 1.0)[len(parts) :])
