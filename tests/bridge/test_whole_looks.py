@@ -220,6 +220,60 @@ def test_all_frames_have_the_colors_of_the_objects(bare_scene, make_object, tmp_
         np.testing.assert_allclose(seen, color, atol=0.02)
 
 
+def write_mask(obj, kind, domain):
+    """Give an object an attribute or a vertex group that is large on one side and small on the other one."""
+    points = np.array([vertex.co for vertex in obj.data.vertices])
+    places = {
+        "POINT": points,
+        "EDGE": np.array([points[list(edge.vertices)].mean(axis=0) for edge in obj.data.edges]),
+        "FACE": np.array([polygon.center for polygon in obj.data.polygons]),
+    }[domain]
+    sides = np.clip(places / 2 + 0.5, 0, 1)
+    if kind == "GROUP":
+        group = obj.vertex_groups.new(name="Mask")
+        for index, weight in enumerate(sides[:, 0]):
+            group.add([index], weight, "REPLACE")
+        return
+    data = obj.data.attributes.new("Mask", kind, domain).data
+    if kind == "FLOAT2":
+        data.foreach_set("vector", sides[:, :2].astype(np.float32).ravel())
+    elif kind == "QUATERNION":
+        data.foreach_set("value", np.column_stack([sides, np.ones(len(sides))]).astype(np.float32).ravel())
+    elif kind == "FLOAT":
+        data.foreach_set("value", sides[:, 0].astype(np.float32))
+    else:
+        data.foreach_set("value", (places[:, 0] > 0).astype(bool if kind == "BOOLEAN" else np.int32))
+
+
+@pytest.mark.parametrize("output", ["Color", "Fac"])
+@pytest.mark.parametrize(
+    ("kind", "domain"),
+    [
+        ("GROUP", "POINT"),
+        ("FLOAT2", "POINT"),
+        ("QUATERNION", "POINT"),
+        ("INT8", "FACE"),
+        ("FLOAT", "EDGE"),
+        ("INT", "EDGE"),
+        ("BOOLEAN", "EDGE"),
+    ],
+)
+def test_frames_carry_masks_of_all_kinds(bare_scene, make_object, tmp_path, kind, domain, output):
+    """The other shape has one of the same name, which nothing reads."""
+    inputs = [add_ball(make_object, name, material(name), with_uvs=False, points=3000) for name in "AB"]
+    shown(inputs[0].data.materials[0], "ShaderNodeAttribute", output=output, attribute_name="Mask")
+    inputs[1].data.materials[0].node_tree.nodes["Glow"].inputs["Color"].default_value = (0, 0, 0, 1)
+    for obj in inputs:
+        write_mask(obj, kind, domain)
+    inputs[1].rotation_euler.z = np.pi
+    frames = frame_objects(bake(inputs, steps=2))
+    inputs[0].hide_set(False)
+    expected = picture(bare_scene, tmp_path, inputs[0])
+    assert expected.std() > 0.05
+    assert np.abs(picture(bare_scene, tmp_path, frames[0]) - expected).mean() < 0.005
+    assert np.abs(picture(bare_scene, tmp_path, frames[1]) - expected / 2).mean() < 0.02
+
+
 def with_two_outputs(name, target, linked):
     """Return a material that glows green in Cycles, and red in other engines."""
     made = material(name)

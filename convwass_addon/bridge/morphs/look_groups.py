@@ -46,7 +46,7 @@ class CarriedNames:
     number : int
         Number of the input, from 1.
     uv_maps, attributes : sequence of str
-        Names of the UV maps and of the other attributes that it has.
+        Names of the UV maps, and of the other attributes and vertex groups that it has.
     default_uv, default_color : str
         The UV map and the color attribute that nodes without a name read; empty if there is none.
     color : (r, g, b, a)

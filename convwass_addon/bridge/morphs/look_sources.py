@@ -25,15 +25,19 @@ from .look_groups import CarriedNames, node_trees
 _VALUES = {
     "FLOAT": ("value", 1),
     "INT": ("value", 1),
+    "INT8": ("value", 1),
     "BOOLEAN": ("value", 1),
+    "FLOAT2": ("vector", 2),
     "FLOAT_VECTOR": ("vector", 3),
     "FLOAT_COLOR": ("color", 4),
     "BYTE_COLOR": ("color", 4),
+    "QUATERNION": ("value", 4),
 }
-_KINDS = {1: "FLOAT", 3: "FLOAT_VECTOR", 4: "FLOAT_COLOR"}
+_TYPES = {"BOOLEAN": bool, "INT": np.int32, "INT8": np.int32}
+_KINDS = {1: "FLOAT", 2: "FLOAT2", 3: "FLOAT_VECTOR", 4: "FLOAT_COLOR"}
 
 
-def carried_names(number: int, mesh: bpy.types.Mesh, color: Sequence[float]) -> CarriedNames:
+def carried_names(number: int, mesh: bpy.types.Mesh, source: FrozenInput) -> CarriedNames:
     """Describe what the materials of an input can read.
 
     Parameters
@@ -42,17 +46,17 @@ def carried_names(number: int, mesh: bpy.types.Mesh, color: Sequence[float]) -> 
         Number of the input, from 1.
     mesh : bpy.types.Mesh
         A frozen copy.
-    color : (r, g, b, a)
-        Color of the object, scene linear.
+    source : FrozenInput
+        The input.
     """
     color_map, uv_map = render_colors(mesh), render_uv_map(mesh)
     return CarriedNames(
         number=number,
         uv_maps=[layer.name for layer in mesh.uv_layers],
-        attributes=[own.name for own in mesh.attributes if own.data_type in _VALUES],
+        attributes=[*(own.name for own in mesh.attributes if own.data_type in _VALUES), *source.groups],
         default_uv="" if uv_map is None else uv_map.name,
         default_color="" if color_map is None else color_map.name,
-        color=tuple(color),
+        color=source.object_color,
     )
 
 
@@ -166,10 +170,14 @@ def _own_positions(mesh: bpy.types.Mesh, source: FrozenInput) -> np.ndarray:
 
 
 def _corner_values(mesh: bpy.types.Mesh, name: str, appearance: Appearance, loops: np.ndarray) -> np.ndarray:
-    """Return the values of an attribute at the corners of triangles, (m, 3, d)."""
-    attribute = mesh.attributes[name]
+    """Return the values of an attribute or vertex group at the corners of triangles, (m, 3, d)."""
+    attribute = mesh.attributes.get(name)
+    if attribute is None:
+        # Groups without any weight are left out of appearances.
+        weights = appearance.groups.get(name, np.zeros(len(mesh.vertices), np.float32))
+        return weights[appearance.faces][..., None]
     prop, size = _VALUES[attribute.data_type]
-    kind = {"BOOLEAN": bool, "INT": np.int32}.get(attribute.data_type, np.float32)
+    kind = _TYPES.get(attribute.data_type, np.float32)
     values = element_values(attribute.data, prop, size, kind).reshape(-1, size).astype(np.float32)
     if attribute.domain == "CORNER":
         return values[loops]
@@ -178,7 +186,22 @@ def _corner_values(mesh: bpy.types.Mesh, name: str, appearance: Appearance, loop
     if attribute.domain == "FACE":
         polygons = element_values(mesh.loop_triangles, "polygon_index", kind=np.int32)
         return np.repeat(values[polygons][:, None], 3, axis=1)
-    return np.zeros((len(loops), 3, size), np.float32)
+    return _at_vertices(mesh, values, attribute.data_type)[appearance.faces]
+
+
+def _at_vertices(mesh: bpy.types.Mesh, values: np.ndarray, kind: str) -> np.ndarray:
+    """Return values of edges as renders show them: means at the vertices, rounded for integers; for truth values, any.
+
+    This was measured in Cycles of Blender 5.2.
+    """
+    ends = element_values(mesh.edges, "vertices", 2, np.int32)
+    sums = np.zeros((len(mesh.vertices), values.shape[1]))
+    np.add.at(sums, ends, values[:, None])
+    if kind == "BOOLEAN":
+        return (sums > 0.0).astype(np.float32)
+    counts = np.bincount(ends.ravel(), minlength=len(sums))
+    means = sums / np.maximum(counts, 1)[:, None]
+    return (np.floor(means + 0.5) if kind in _TYPES else means).astype(np.float32)
 
 
 def _repeats(materials: Sequence[bpy.types.Material | None]) -> bool:

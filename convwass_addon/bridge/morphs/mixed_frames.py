@@ -50,7 +50,14 @@ _ALONE = 1.0 - 1e-3
 # Vertices are moved by at most this many cells to enclose the mixed volume; where a mixture misses a thin part, the
 # rest must not swell visibly (docs/performance, "Moments of players").
 _MOST_INFLATED = 0.2
-_KINDS = {"FLOAT": "FLOAT", "FLOAT_VECTOR": "FLOAT_VECTOR", "BYTE_COLOR": "FLOAT_COLOR", "FLOAT_COLOR": "FLOAT_COLOR"}
+# Data types in nodes, which have no vectors of two numbers, by those of attributes.
+_KINDS = {
+    "FLOAT": "FLOAT",
+    "FLOAT2": "FLOAT_VECTOR",
+    "FLOAT_VECTOR": "FLOAT_VECTOR",
+    "BYTE_COLOR": "FLOAT_COLOR",
+    "FLOAT_COLOR": "FLOAT_COLOR",
+}
 _OWN = ("position", CUSTOM_NORMAL, LOOKS)
 
 

@@ -63,7 +63,7 @@ def prepared_looks(
         return PreparedLooks(list(appearances), None, simple)
     found, groups, dropped = [], [], []
     for number, (source, mesh, own, parts) in enumerate(zip(inputs, frozen, appearances, simple, strict=True), start=1):
-        names = carried_names(number, mesh, source.object_color)
+        names = carried_names(number, mesh, source)
         groups.append(_groups(mesh, own, names))
         always = [GENERATED.format(number)] if how == PATCHES and number > 1 else []
         found.append(with_looks(own, mesh, source, names, always))
