@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Read what materials read of an object: its color, its index and its properties."""
+"""Read what materials read of an object: its color, its index, its place, its random number and its properties."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ Color = tuple[float, float, float, float]
 _NOTHING = (0.0, 0.0, 0.0, 0.0)
 # Blender's limit for names of custom properties.
 _LONGEST = 63
+_BITS = 0xFFFFFFFF
 
 
 @dataclass(frozen=True)
@@ -29,22 +30,34 @@ class ObjectValues:
         Color of the object, scene linear.
     index : int
         Its pass index.
+    location : (x, y, z)
+        Its place in world space.
+    random : float
+        The number between 0 and 1 that *Object Info* shows.
     properties : dict of str to (r, g, b, a)
         Its properties that Attribute nodes read, as these show them.
     """
 
     color: Color = (1.0, 1.0, 1.0, 1.0)
     index: int = 0
+    location: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    random: float = 0.0
     properties: Mapping[str, Color] = field(default_factory=dict)
 
     @classmethod
     def of(cls, obj: bpy.types.Object, materials: Sequence[bpy.types.Material | None]) -> ObjectValues:
         """Read what some materials can read of an object."""
         names = {node.attribute_name for node in _nodes(materials) if reads_property(node)}
-        return cls(tuple(obj.color), obj.pass_index, {name: _property(obj, name) for name in sorted(names)})
+        return cls(
+            tuple(obj.color),
+            obj.pass_index,
+            tuple(obj.matrix_world.translation),
+            _random_number(obj.name),
+            {name: _property(obj, name) for name in sorted(names)},
+        )
 
     def write_to(self, obj: bpy.types.Object) -> None:
-        """Let materials read the same of another object."""
+        """Let materials read the same color, index and properties of another object."""
         obj.color, obj.pass_index = self.color, self.index
         for name, value in self.properties.items():
             if len(name.encode()) <= _LONGEST:
@@ -77,6 +90,22 @@ def _property(obj: bpy.types.Object, name: str) -> Color:
         if color is not None:
             return color
     return _NOTHING
+
+
+def _random_number(name: str) -> float:
+    """Return the random number of an object that is no instance, which Blender makes of its name.
+
+    The bytes of the name are the digits of a number, which is hashed as by Jenkins' lookup3 (`BLI_hash_int_2d`).
+    """
+    number = 0
+    for byte in name.encode():
+        number = (37 * number + byte) & _BITS
+    last = changed = (0xDEADBEEF + (2 << 2) + 13) & _BITS
+    other = (last + number) & _BITS
+    for turn in (14, 11, 25, 16, 4, 14, 24):
+        turned = (last << turn | last >> (32 - turn)) & _BITS
+        last, changed, other = ((changed ^ last) - turned) & _BITS, other, last
+    return last / _BITS
 
 
 def _color(value: object) -> Color | None:

@@ -345,6 +345,8 @@ def test_materials_that_frames_do_not_show_are_named(make_object):
         ("glass", ["LOOK_SHADER"]),
         ("keyed", ["LOOK_ANIMATED"]),
         ("object", []),
+        ("random", ["LOOK_PROCEDURAL"]),
+        ("tinted", ["LOOK_NODES"]),
     ],
 )
 def test_ignored_features_of_a_material_are_listed(make_object, depsgraph, kind, expected):
@@ -356,6 +358,11 @@ def test_ignored_features_of_a_material_are_listed(make_object, depsgraph, kind,
         made.node_tree.links.new(glass.outputs["BSDF"], output.inputs["Surface"])
     elif kind == "keyed":
         principled(made).inputs["Roughness"].keyframe_insert("default_value", frame=1)
+    elif kind == "random":
+        linked(made, "ShaderNodeObjectInfo", "Random")
+    elif kind == "tinted":
+        info = made.node_tree.nodes.new("ShaderNodeObjectInfo")
+        made.node_tree.links.new(info.outputs["Color"], linked(made, "ShaderNodeInvert").inputs["Color"])
     elif kind == "corrected":
         between = linked(made, "ShaderNodeInvert")
         picture = made.node_tree.nodes.new("ShaderNodeTexImage")

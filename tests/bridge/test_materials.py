@@ -67,6 +67,15 @@ def test_frame_of_another_morph(make_object):
     assert input_color(obj) == pytest.approx(RED)
 
 
+@pytest.mark.parametrize(("output", "expected"), [("Color", (0.0, 0.0, 1.0, 1.0)), ("Random", (0.0, 1.0, 0.0, 1.0))])
+def test_only_its_color_counts_as_that_of_the_object(colored, output, expected):
+    tree = colored.active_material.node_tree
+    info = tree.nodes.new("ShaderNodeObjectInfo")
+    tree.links.new(info.outputs[output], base_color(colored.active_material))
+    assert input_color(colored) == pytest.approx(expected)
+    assert shows_object_color(colored.active_material) == (output == "Color")
+
+
 def test_morph_material_is_made_once():
     material = morph_material()
     assert material.name == MATERIAL_NAME

@@ -13,13 +13,14 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.handles import Handle
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
-from convwass_addon.bridge.morphs.look_groups import DISPLACEMENT, SURFACE
+from convwass_addon.bridge.morphs.look_groups import DISPLACEMENT, SURFACE, CarriedNames, LookGroups
 from convwass_addon.bridge.morphs.materials import is_carrying, principled_of
 from convwass_addon.bridge.morphs.mixed_materials import MixedMaterials, WholeLooks, emission_node
 from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, frame_objects, stored_diagnostics
 from convwass_addon.bridge.node_trees import own_tree
+from convwass_addon.bridge.object_values import ObjectValues
 from tests.shapes import ball
 
 SIZE = 24
@@ -266,9 +267,8 @@ def test_frames_carry_masks_of_all_kinds(bare_scene, make_object, tmp_path, kind
     for obj in inputs:
         write_mask(obj, kind, domain)
     inputs[1].rotation_euler.z = np.pi
-    frames = frame_objects(bake(inputs, steps=2))
-    inputs[0].hide_set(False)
     expected = picture(bare_scene, tmp_path, inputs[0])
+    frames = frame_objects(bake(inputs, steps=2))
     assert expected.std() > 0.05
     assert np.abs(picture(bare_scene, tmp_path, frames[0]) - expected).mean() < 0.005
     assert np.abs(picture(bare_scene, tmp_path, frames[1]) - expected / 2).mean() < 0.02
@@ -324,6 +324,44 @@ def test_the_shader_of_the_shown_output_counts(bare_scene):
     assert principled_of(made) == shader
     bare_scene.render.engine = "BLENDER_WORKBENCH"
     assert principled_of(made) == nodes["Principled BSDF"]
+
+
+@pytest.mark.parametrize(
+    "output", ["Random", "Object Index", "Material Index", "Location", "Alpha", "OBJECT", "INSTANCER"]
+)
+def test_frames_show_what_materials_read_of_their_objects(bare_scene, make_object, tmp_path, output):
+    inputs = [add_ball(make_object, name, material(name), points=200) for name in "AB"]
+    for obj, number in zip(inputs, (1, 3), strict=True):
+        made = obj.data.materials[0]
+        obj.pass_index = made.pass_index = number
+        obj.location, obj["Tint"], obj.color[3] = (0.1, 0.1 * number, 0.2), (0.2 * number, -0.5, 0.5), 0.2 * number
+        if output in ("OBJECT", "INSTANCER"):
+            shown(made, "ShaderNodeAttribute", attribute_type=output, attribute_name="Tint")
+        else:
+            shown(made, "ShaderNodeObjectInfo", output)
+    start, end = (picture(bare_scene, tmp_path, obj)[SIZE // 2, SIZE // 2] for obj in inputs)
+    frames = frame_objects(bake(inputs))
+    assert np.abs(end - start).max() > 0.05
+    for frame, expected in zip(frames, (start, (start + end) / 2, end), strict=True):
+        np.testing.assert_allclose(picture(bare_scene, tmp_path, frame)[SIZE // 2, SIZE // 2], expected, atol=0.02)
+
+
+def test_materials_that_share_a_group_keep_their_own_index(bare_scene):
+    import bpy
+
+    nested = bpy.data.node_groups.new("Index", "ShaderNodeTree")
+    nested.interface.new_socket("Value", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    index = nested.nodes.new("ShaderNodeObjectInfo").outputs["Material Index"]
+    nested.links.new(index, nested.nodes.new("NodeGroupOutput").inputs[0])
+    groups = LookGroups(CarriedNames(1, (), (), "", "", ObjectValues()))
+    found = []
+    for number in (4, 7):
+        made = material(f"Number {number}")
+        made.pass_index = number
+        made.node_tree.nodes.new("ShaderNodeGroup").node_tree = nested
+        copy = next(node.node_tree for node in groups.of(made).nodes if node.type == "GROUP")
+        found += [node.outputs[0].default_value for node in copy.nodes if node.type == "VALUE"]
+    assert found == [4, 7]
 
 
 def test_the_parts_of_a_shape_keep_their_own_spaces(make_object):

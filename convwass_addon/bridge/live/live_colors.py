@@ -43,7 +43,7 @@ def read_colors(sources: Sequence[ShapeSource], moves: Sequence[RigidMove] | Non
     shapes = frozen_inputs(sources, moves or [None] * len(sources))
     copies = found([shape.mesh for shape in shapes])
     try:
-        looks = [read_appearance(mesh, own.object_color) for mesh, own in zip(copies, shapes, strict=True)]
+        looks = [read_appearance(mesh, own.values.color) for mesh, own in zip(copies, shapes, strict=True)]
     finally:
         bpy.data.batch_remove(copies)
     if all(look.is_even and look.paints == looks[0].paints for look in looks):

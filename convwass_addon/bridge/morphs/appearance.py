@@ -220,10 +220,11 @@ def _paint(
         return Plain(tuple(material.diffuse_color))
     if not base.is_linked:
         return Plain(tuple(base.default_value))
-    for node in upstream_nodes(base):
-        if node.type == "OBJECT_INFO":
+    for link in upstream_links(base):
+        node = link.from_node
+        if is_object_color(link):
             return Plain(tuple(color))
-        if node.type in ("VERTEX_COLOR", "ATTRIBUTE"):
+        if node.type == "VERTEX_COLOR" or (node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY"):
             name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
             attribute = mesh.color_attributes.get(name) if name else render_colors(mesh)
             if attribute is not None:
@@ -235,11 +236,22 @@ def _paint(
 
 def upstream_nodes(socket: bpy.types.NodeSocket) -> list[bpy.types.Node]:
     """Return the nodes that an input depends on, nearest first."""
-    found: list[bpy.types.Node] = [link.from_node for link in socket.links]
-    for node in found:
-        for own in node.inputs:
-            found += [link.from_node for link in own.links if link.from_node not in found]
+    return list(dict.fromkeys(link.from_node for link in upstream_links(socket)))
+
+
+def upstream_links(socket: bpy.types.NodeSocket) -> list[bpy.types.NodeLink]:
+    """Return the links that an input depends on, nearest first."""
+    found, seen = list(socket.links), set()
+    for link in found:
+        if link.from_node not in seen:
+            seen.add(link.from_node)
+            found += [other for own in link.from_node.inputs for other in own.links]
     return found
+
+
+def is_object_color(link: bpy.types.NodeLink) -> bool:
+    """Return whether a link gives the color of the object, not another output of *Object Info*."""
+    return link.from_node.type == "OBJECT_INFO" and link.from_socket.name == "Color"
 
 
 def _painted(attribute: bpy.types.Attribute, faces: np.ndarray, loops: np.ndarray) -> Painted:

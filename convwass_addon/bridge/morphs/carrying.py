@@ -81,7 +81,7 @@ class Carrying:
         quads: bool = False,
     ) -> None:
         appearances = [
-            read_appearance(mesh, own.object_color, own.groups) for own, mesh in zip(inputs, frozen, strict=True)
+            read_appearance(mesh, own.values.color, own.groups) for own, mesh in zip(inputs, frozen, strict=True)
         ]
         prepared = prepared_looks(inputs, frozen, appearances, looks)
         self._appearances, self._quads = prepared.appearances, quads

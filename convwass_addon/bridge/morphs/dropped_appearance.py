@@ -14,7 +14,7 @@ from ...applications.morphs.appearance import Appearance, Plain
 from ...applications.morphs.diagnostics import Diagnostic
 from ..keyframes import has_animation
 from ..shown_nodes import shown_output
-from .appearance import upstream_nodes
+from .appearance import is_object_color, upstream_links
 from .look_groups import node_trees
 from .materials import base_color, principled_of
 from .mixed_materials import emission_node
@@ -26,7 +26,7 @@ _NORMALS, _MAPS, _TILES, _BLURRED = "LOOK_NORMALS", "LOOK_MAPS", "LOOK_TILES", "
 _VOLUME, _SPACE = "LOOK_VOLUME", "LOOK_SPACE"
 _ORDER = (_PROCEDURAL, _SHADER, _MISSING, _NODES, _ANIMATED, _NORMALS, _MAPS, _TILES, _VOLUME, _SPACE, _BLURRED)
 _NORMAL_SOCKETS = ("Normal", "Coat Normal", "Tangent")
-_COLOR_NODES = ("TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE", "OBJECT_INFO")
+_COLOR_NODES = ("TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE")
 
 
 @dataclass(frozen=True)
@@ -128,13 +128,14 @@ def _of_base_color(material: bpy.types.Material, is_plain: bool) -> Iterator[Dro
     base = base_color(material)
     if not base.is_linked:
         return
-    nodes = upstream_nodes(base)
-    images = [node for node in nodes if node.type == "TEX_IMAGE"]
+    links = upstream_links(base)
+    images = [link.from_node for link in links if link.from_node.type == "TEX_IMAGE"]
     if is_plain:
-        if not any(node.type == "OBJECT_INFO" for node in nodes):
-            yield DroppedPart(_MISSING if images else _PROCEDURAL, material.name)
+        if not is_object_color(links[0]):
+            has_color = any(is_object_color(link) for link in links)
+            yield DroppedPart(_NODES if has_color else _MISSING if images else _PROCEDURAL, material.name)
         return
-    if nodes[0].type not in _COLOR_NODES:
+    if links[0].from_node.type not in _COLOR_NODES or links[0].from_socket.name != "Color":
         yield DroppedPart(_NODES, material.name)
     if images:
         is_tiled = images[0].image is not None and images[0].image.source == "TILED"

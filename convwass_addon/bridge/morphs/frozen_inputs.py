@@ -16,6 +16,7 @@ from ...geometry.alignment import RigidMove
 from ..element_values import element_values
 from ..handles import Handle
 from ..joined_shapes import joined_shape
+from ..object_values import ObjectValues
 from ..objects import MESHED, frozen_copy
 from ..shape_sources import ShapeSource
 from .materials import input_color
@@ -35,8 +36,8 @@ class FrozenInput:
     """Center of the underside of the bounds, or of a flat shape, world space, (3,)."""
     parts: tuple[Handle, ...] = ()
     """The objects of the input if it has several; empty otherwise."""
-    object_color: tuple[float, float, float, float] = (1.0, 1.0, 1.0, 1.0)
-    """Color of the object, used for parts without a material."""
+    values: ObjectValues = field(default_factory=ObjectValues)
+    """What materials read of the object; its color is used for parts without a material."""
     groups: tuple[str, ...] = ()
     """Names of the vertex groups in order."""
     shown: Handle | None = None
@@ -83,6 +84,6 @@ def _described(source: ShapeSource, obj: bpy.types.Object, mesh: bpy.types.Mesh)
         size=float((high - low).max()),
         foot=np.array([middle[0], middle[1], low[2]], dtype=np.float64),
         parts=tuple(Handle.of("objects", part) for part in source.parts),
-        object_color=tuple(obj.color),
+        values=ObjectValues.of(source.parts[0], mesh.materials),
         groups=tuple(group.name for group in obj.vertex_groups),
     )

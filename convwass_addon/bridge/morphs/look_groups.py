@@ -8,13 +8,14 @@ read these read attributes of frames instead.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import bpy
 
 from ..node_copies import can_copy, copied_nodes
 from ..node_math import new_node
+from ..object_values import ObjectValues, reads_property
 from ..shown_nodes import shown_output, shown_tree
 from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
 from .materials import mark_as_frames
@@ -49,8 +50,10 @@ class CarriedNames:
         Names of the UV maps, and of the other attributes and vertex groups that it has.
     default_uv, default_color : str
         The UV map and the color attribute that nodes without a name read; empty if there is none.
-    color : (r, g, b, a)
-        Color of the object, scene linear.
+    values_of_object : ObjectValues
+        What materials read of the object itself.
+    material_index : int
+        Pass index of the material whose nodes are being copied.
     uvs, values : dict of str to str
         The UV maps and other attributes requested so far: names on the input, by names on frames.
     vectors : set of str
@@ -62,7 +65,8 @@ class CarriedNames:
     attributes: Sequence[str]
     default_uv: str
     default_color: str
-    color: Sequence[float]
+    values_of_object: ObjectValues
+    material_index: int = 0
     uvs: dict[str, str] = field(default_factory=dict)
     values: dict[str, str] = field(default_factory=dict)
     vectors: set[str] = field(default_factory=set)
@@ -104,7 +108,7 @@ class LookGroups:
 
     def __init__(self, names: CarriedNames) -> None:
         self.names = names
-        self._copies: dict[bpy.types.NodeTree, bpy.types.NodeTree] = {}
+        self._copies: dict[tuple[bpy.types.NodeTree, int], bpy.types.NodeTree] = {}
 
     def of(self, material: bpy.types.Material) -> bpy.types.NodeTree | None:
         """Return a new group with the outputs `SURFACE` and `DISPLACEMENT`; None if the nodes cannot be copied."""
@@ -126,6 +130,7 @@ class LookGroups:
         for node in list(group.nodes):
             if node.type.startswith("OUTPUT_"):
                 group.nodes.remove(node)
+        self.names.material_index = material.pass_index
         self._redirect(group)
         return group
 
@@ -139,12 +144,13 @@ class LookGroups:
                 _REDIRECTS[node.type](tree, node, self.names)
 
     def _redirected(self, tree: bpy.types.NodeTree) -> bpy.types.NodeTree:
-        """Return a copy of a nested group."""
-        if tree not in self._copies:
-            copy = self._copies[tree] = tree.copy()
+        """Return a copy of a nested group, which materials with the same index share."""
+        key = tree, self.names.material_index
+        if key not in self._copies:
+            copy = self._copies[key] = tree.copy()
             mark_as_frames(copy)
             self._redirect(copy)
-        return self._copies[tree]
+        return self._copies[key]
 
 
 def is_wrapped(material: bpy.types.Material) -> bool:
@@ -195,20 +201,24 @@ def _redirect_color(tree: bpy.types.NodeTree, node: bpy.types.Node, names: Carri
 def _redirect_attribute(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
     if node.attribute_type == "GEOMETRY":
         node.attribute_name = names.value(node.attribute_name)
+    elif reads_property(node):
+        *color, alpha = names.values_of_object.properties[node.attribute_name]
+        shown = {"Color": color, "Vector": color, "Fac": sum(color) / 3.0, "Alpha": alpha}
+        _replace_outputs(tree, node, shown)
 
 
 def _redirect_object(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
-    """Replace the color of the object, which frames do not have."""
-    if node.outputs["Color"].is_linked:
-        color = tree.nodes.new("ShaderNodeRGB")
-        color.outputs[0].default_value = names.color
-        color.location = node.location
-        _relink(tree, node.outputs["Color"], color.outputs[0])
-    if node.outputs["Alpha"].is_linked:
-        alpha = tree.nodes.new("ShaderNodeValue")
-        alpha.outputs[0].default_value = names.color[3]
-        alpha.location = node.location
-        _relink(tree, node.outputs["Alpha"], alpha.outputs[0])
+    """Replace what is read of the object, and the index of the material, which frames do not have."""
+    own = names.values_of_object
+    shown = {
+        "Location": own.location,
+        "Color": own.color[:3],
+        "Alpha": own.color[3],
+        "Object Index": own.index,
+        "Material Index": names.material_index,
+        "Random": own.random,
+    }
+    _replace_outputs(tree, node, shown)
 
 
 _REDIRECTS: dict[str, Callable[[bpy.types.NodeTree, bpy.types.Node, CarriedNames], None]] = {
@@ -238,6 +248,24 @@ def _uv_map(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
 
 def _attribute(tree: bpy.types.NodeTree, name: str) -> bpy.types.NodeSocket:
     return new_node(tree, "ShaderNodeAttribute", attribute_name=name).outputs["Vector"]
+
+
+def _replace_outputs(
+    tree: bpy.types.NodeTree, node: bpy.types.Node, values: Mapping[str, float | Sequence[float]]
+) -> None:
+    """Replace outputs of a node by constants, by their names."""
+    for name, value in values.items():
+        if node.outputs[name].is_linked:
+            _relink(tree, node.outputs[name], _constant(tree, value))
+
+
+def _constant(tree: bpy.types.NodeTree, value: float | Sequence[float]) -> bpy.types.NodeSocket:
+    """Return a number or a vector; colors are vectors, too, because those of RGB nodes cannot be negative."""
+    if isinstance(value, Sequence):
+        return new_node(tree, "ShaderNodeCombineXYZ", dict(enumerate(value))).outputs[0]
+    socket = tree.nodes.new("ShaderNodeValue").outputs[0]
+    socket.default_value = value
+    return socket
 
 
 def _relink(tree: bpy.types.NodeTree, old: bpy.types.NodeSocket, new: bpy.types.NodeSocket) -> None:

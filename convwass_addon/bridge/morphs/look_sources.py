@@ -56,7 +56,7 @@ def carried_names(number: int, mesh: bpy.types.Mesh, source: FrozenInput) -> Car
         attributes=[*(own.name for own in mesh.attributes if own.data_type in _VALUES), *source.groups],
         default_uv="" if uv_map is None else uv_map.name,
         default_color="" if color_map is None else color_map.name,
-        color=source.object_color,
+        values_of_object=source.values,
     )
 
 

@@ -40,7 +40,7 @@ def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
         return tuple(material.diffuse_color)
     if not base.is_linked:
         return tuple(base.default_value)
-    return tuple(obj.color if base.links[0].from_node.type == "OBJECT_INFO" else material.diffuse_color)
+    return tuple(obj.color if shows_object_color(material) else material.diffuse_color)
 
 
 def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, float]) -> bpy.types.Material:
@@ -74,9 +74,10 @@ def shows_color_attribute(material: bpy.types.Material | None) -> bool:
 
 
 def _color_source(material: bpy.types.Material | None) -> str | None:
-    """Return the type of the node linked to the base color, or None."""
+    """Return the type of the node whose color is linked to the base color, or None."""
     base = base_color(material) if material else None
-    return base.links[0].from_node.type if base is not None and base.is_linked else None
+    source = base.links[0].from_socket if base is not None and base.is_linked else None
+    return source.node.type if source is not None and source.name == "Color" else None
 
 
 def base_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:

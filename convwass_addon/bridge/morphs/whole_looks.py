@@ -13,6 +13,7 @@ import numpy as np
 from ...applications.morphs.appearance import Appearance
 from ..handles import Handle
 from ..joined_shapes import OWN_POSITION
+from ..object_values import reads_property
 from ..shown_nodes import shown_tree
 from .dropped_appearance import DroppedPart, dropped_parts, dropped_with_looks
 from .frame_attributes import GENERATED
@@ -78,13 +79,13 @@ def assign_end_materials(
 ) -> None:
     """Give copies of inputs the materials of frames where their own materials read what copies do not have.
 
-    Copies are in world space, in which materials that read positions in object space would look different, and have
-    the color of a frame.
+    Copies are in world space, in which materials that read positions in object space would look different, and are
+    data of other objects, which have the color of a frame.
     """
     for index, (source, mesh, own) in enumerate(zip(inputs, frozen, prepared.appearances, strict=True)):
         is_moved = OWN_POSITION in mesh.attributes or not np.allclose(source.own_space, np.eye(4), atol=1e-6)
         slots = _slots_in_own_space(prepared.whole, index, own) if is_moved else []
-        slots = sorted({*slots, *_slots_with_object_color(prepared.whole, index, mesh)})
+        slots = sorted({*slots, *_slots_with_object_values(prepared.whole, index, mesh)})
         for slot in slots:
             combination = [0] * len(frozen)
             combination[index] = slot
@@ -120,8 +121,8 @@ def _slots_in_own_space(whole: WholeLooks | None, index: int, appearance: Appear
     return [slot for slot, group in groups.items() if not appearance.fields.keys().isdisjoint(_read(group))]
 
 
-def _slots_with_object_color(whole: WholeLooks | None, index: int, mesh: bpy.types.Mesh) -> list[int]:
-    """Return the slots of an input whose materials read the color of the object."""
+def _slots_with_object_values(whole: WholeLooks | None, index: int, mesh: bpy.types.Mesh) -> list[int]:
+    """Return the slots of an input whose materials read something of the object itself."""
     if whole is None:
         return []
     return [
@@ -132,8 +133,10 @@ def _slots_with_object_color(whole: WholeLooks | None, index: int, mesh: bpy.typ
 def _reads_object(material: bpy.types.Material | None) -> bool:
     tree = None if material is None else shown_tree(material)
     nodes = [] if tree is None else [node for own in node_trees(tree) for node in own.nodes]
-    outputs = [node.outputs[name] for node in nodes if node.type == "OBJECT_INFO" for name in ("Color", "Alpha")]
-    return any(output.is_linked for output in outputs)
+    info = [output for node in nodes if node.type == "OBJECT_INFO" for output in node.outputs]
+    # Copies have the material itself, with its index.
+    read = any(output.is_linked and output.name != "Material Index" for output in info)
+    return read or any(reads_property(node) for node in nodes)
 
 
 def _read(group: bpy.types.NodeTree) -> Iterator[str]:
