@@ -541,6 +541,20 @@ def test_whole_materials_are_not_reported_as_dropped_and_removed_with_the_morph(
     assert set(bpy.data.node_groups) == groups
 
 
+@pytest.mark.parametrize("looks", ["FADE", "COLORS", "FRONT"])
+def test_outputs_of_passes_are_reported(make_object, looks):
+    """They alone are no reason to mix whole materials, which have none either."""
+    import bpy
+
+    made = material("Masked")
+    made.node_tree.nodes.new("ShaderNodeOutputAOV").aov_name = "Mask"
+    inputs = [add_ball(make_object, "A", made, points=200), add_ball(make_object, "B", material("B"), points=200)]
+    notes = stored_diagnostics(bake(inputs, looks=looks))
+    kinds = [(note.kind, note.values["materials"]) for note in notes if note.kind.startswith("LOOK")]
+    assert kinds == [("LOOK_AOV", "Masked")]
+    assert any(map(is_carrying, bpy.data.node_groups)) == (looks == "FRONT")
+
+
 def test_volumes_and_normal_maps_of_other_spaces_are_reported(make_object):
     foggy, bumpy = checkered("Foggy"), checkered("Bumpy")
     volume = foggy.node_tree.nodes.new("ShaderNodeVolumePrincipled")

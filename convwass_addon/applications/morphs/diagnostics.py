@@ -71,6 +71,7 @@ TEXTS: dict[str, str] = {
     "LOOK_VOLUME": "Volumes inside of {materials} ({names}) were left out",
     "LOOK_SPACE": "Normal maps of {materials} ({names}) in object or world space do not turn with the surface: use "
     "tangent space",
+    "LOOK_AOV": "AOV outputs of {materials} ({names}) were left out",
     "LOOK_BLURRED": "Textures of {materials} ({names}) became colors of vertices, as sharp as the cells",
     "PREVIEWS": "The bake was stopped before its first frame: these are previews, coarser than asked for; bake again",
     "GOOD": "All meshes are as exact as asked for, and no parts are lost",
@@ -92,7 +93,7 @@ SEVERITIES: dict[str, Severity] = {
     **dict.fromkeys(("APART", "TUMBLING", "SOLID", "BENT", "REGIONS", "DISTORTED", "TOPOLOGY"), "INFO"),
     **dict.fromkeys(("NO_MOTION", "GUIDES"), "WARNING"),
     **dict.fromkeys(("LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES", "LOOK_TILES"), "WARNING"),
-    **dict.fromkeys(("LOOK_ANIMATED", "LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE"), "WARNING"),
+    **dict.fromkeys(("LOOK_ANIMATED", "LOOK_NORMALS", "LOOK_MAPS", "LOOK_VOLUME", "LOOK_SPACE", "LOOK_AOV"), "WARNING"),
     "LOOK_BLURRED": "INFO",
     "PREVIEWS": "WARNING",
     "GOOD": "INFO",

@@ -21,10 +21,23 @@ from .mixed_materials import emission_node
 
 # Kinds of diagnostics, in the order in which they are shown.
 _PROCEDURAL, _SHADER, _MISSING, _NODES = "LOOK_PROCEDURAL", "LOOK_SHADER", "LOOK_MISSING", "LOOK_NODES"
-_ANIMATED = "LOOK_ANIMATED"
+_ANIMATED, _PASSES = "LOOK_ANIMATED", "LOOK_AOV"
 _NORMALS, _MAPS, _TILES, _BLURRED = "LOOK_NORMALS", "LOOK_MAPS", "LOOK_TILES", "LOOK_BLURRED"
 _VOLUME, _SPACE = "LOOK_VOLUME", "LOOK_SPACE"
-_ORDER = (_PROCEDURAL, _SHADER, _MISSING, _NODES, _ANIMATED, _NORMALS, _MAPS, _TILES, _VOLUME, _SPACE, _BLURRED)
+_ORDER = (
+    _PROCEDURAL,
+    _SHADER,
+    _MISSING,
+    _NODES,
+    _ANIMATED,
+    _NORMALS,
+    _MAPS,
+    _TILES,
+    _VOLUME,
+    _SPACE,
+    _PASSES,
+    _BLURRED,
+)
 _NORMAL_SOCKETS = ("Normal", "Coat Normal", "Tangent")
 _COLOR_NODES = ("TEX_IMAGE", "VERTEX_COLOR", "ATTRIBUTE")
 
@@ -64,6 +77,11 @@ def dropped_parts(mesh: bpy.types.Mesh, appearance: Appearance) -> list[DroppedP
         if material is not None and material.node_tree is not None:
             found += _of_material(material, is_plain=isinstance(appearance.paints[slot], Plain))
     return found
+
+
+def dropped_passes(materials: Sequence[bpy.types.Material]) -> list[DroppedPart]:
+    """Find the passes of materials that no frames have, whatever they have of the nodes."""
+    return [DroppedPart(_PASSES, material.name) for material in materials if _has_passes(material)]
 
 
 def dropped_with_looks(materials: Sequence[bpy.types.Material]) -> list[DroppedPart]:
@@ -116,6 +134,11 @@ def _of_material(material: bpy.types.Material, is_plain: bool) -> Iterator[Dropp
     linked = tuple(socket.name for socket in shown.inputs if socket.is_linked and socket.name not in known)
     if linked:
         yield DroppedPart(_MAPS, material.name, linked)
+
+
+def _has_passes(material: bpy.types.Material) -> bool:
+    trees = [] if material.node_tree is None else node_trees(material.node_tree)
+    return any(node.type == "OUTPUT_AOV" for tree in trees for node in tree.nodes)
 
 
 def _links_other_shaders(output: bpy.types.Node) -> bool:

@@ -15,7 +15,7 @@ from ..handles import Handle
 from ..joined_shapes import OWN_POSITION
 from ..object_values import reads_property
 from ..shown_nodes import shown_tree
-from .dropped_appearance import DroppedPart, dropped_parts, dropped_with_looks
+from .dropped_appearance import DroppedPart, dropped_parts, dropped_passes, dropped_with_looks
 from .frame_attributes import GENERATED
 from .frozen_inputs import FrozenInput
 from .look_groups import CarriedNames, LookGroups, is_wrapped, node_trees
@@ -60,8 +60,10 @@ def prepared_looks(
         Value of the setting `looks`.
     """
     simple = [dropped_parts(*own) for own in zip(frozen, appearances, strict=True)]
+    # Whole materials do not show these either.
+    passes = [dropped_passes(_used_materials(*own)) for own in zip(frozen, appearances, strict=True)]
     if how == COLORS or (how == FADE and not any(simple)):
-        return PreparedLooks(list(appearances), None, simple)
+        return PreparedLooks(list(appearances), None, [own + more for own, more in zip(simple, passes, strict=True)])
     found, groups, dropped = [], [], []
     for number, (source, mesh, own, parts) in enumerate(zip(inputs, frozen, appearances, simple, strict=True), start=1):
         names = carried_names(number, mesh, source)
@@ -71,6 +73,7 @@ def prepared_looks(
         wrapped = [material for material in _used_materials(mesh, own) if is_wrapped(material)]
         kept = {material.name for material in wrapped}
         dropped.append([part for part in parts if part.material not in kept] + dropped_with_looks(wrapped))
+    dropped = [own + more for own, more in zip(dropped, passes, strict=True)]
     return PreparedLooks(found, WholeLooks(groups, how), dropped)
 
 
