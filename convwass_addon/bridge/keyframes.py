@@ -31,9 +31,13 @@ class FrameRange:
 
 def driver_targets(block: bpy.types.ID | None) -> list[bpy.types.DriverTarget]:
     """Return what the drivers of a data-block read; nothing without a data-block."""
+    return [target for variable in driver_variables(block) for target in variable.targets]
+
+
+def driver_variables(block: bpy.types.ID | None) -> list[bpy.types.DriverVariable]:
+    """Return the variables of the drivers of a data-block; none without a data-block."""
     data = None if block is None else block.animation_data
-    drivers = () if data is None else data.drivers
-    return [target for curve in drivers for variable in curve.driver.variables for target in variable.targets]
+    return [variable for curve in (() if data is None else data.drivers) for variable in curve.driver.variables]
 
 
 def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Sequence[FrameRange]) -> None:

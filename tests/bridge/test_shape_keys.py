@@ -100,6 +100,67 @@ def test_sliders_of_long_names_are_shortened(cube):
     assert slide(cube, **{first: 0.0, second: 1.0}) == pytest.approx(moved(rest, 0, 0, 2), abs=1e-5)
 
 
+def driven_key(obj, path):
+    """Add a shape key to an object that is twice as large, driven by one of its properties."""
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="Puff")
+    for point in key.data:
+        point.co *= 2.0
+    driver = key.driver_add("value").driver
+    variable = driver.variables.new()
+    variable.targets[0].id, variable.targets[0].data_path = obj, path
+    driver.expression = variable.name
+
+
+def keyed_world_copy(obj, name):
+    """Add a slider that lifts a copy of an object without armature; return the copy and its vertices at rest."""
+    rest = rest_mesh(obj, bpy.context.evaluated_depsgraph_get())
+    positions = rest.key_coordinates(moved(rest.seen, 0, 0, 1)[None])
+    return object_with_keys(obj, rest.mesh, [path_to(name, (1.0,), positions)], bpy.context.scene), rest.seen
+
+
+@pytest.mark.parametrize("path", ['["Up"]', "location[2]", "scale[0]"])
+def test_keys_that_the_object_drives_itself_stay_as_they_are(cube, path):
+    cube["Up"], cube.location.z, cube.scale = 0.7, 0.7, (0.7, 1.0, 1.0)
+    cube.id_properties_ui("Up").update(min=0.0, max=2.0, description="How puffed")
+    driven_key(cube, path)
+    evaluated(cube)
+    obj, seen = keyed_world_copy(cube, "Up")
+    (name,) = (record["name"] for record in key_records(obj))
+    assert name == "Up.001" and obj["Up"] == pytest.approx(0.7)
+    assert obj.id_properties_ui("Up").as_dict() == cube.id_properties_ui("Up").as_dict()
+    assert obj.data.shape_keys.key_blocks["Puff"].value == pytest.approx(0.7)
+    assert slide(obj, **{name: 0.0}) == pytest.approx(seen, abs=1e-5)
+    assert slide(obj, **{name: 1.0}) == pytest.approx(moved(seen, 0, 0, 1), abs=1e-5)
+
+
+def test_keys_follow_the_custom_property_of_the_copy(cube):
+    cube["Puffed"] = 0.0
+    driven_key(cube, '["Puffed"]')
+    evaluated(cube)
+    obj, seen = keyed_world_copy(cube, "Up")
+    assert slide(obj, Puffed=1.0) == pytest.approx(2.0 * seen, abs=1e-5)
+
+
+def test_custom_properties_of_all_kinds_come_along(cube):
+    values = {
+        "text": "a",
+        "vector": [1.0, 2.0],
+        "group": {"inner": {"other": cube}},
+        "other": cube,
+        "flag": True,
+        "scale": 2,
+    }
+    for name, value in values.items():
+        cube[name] = value
+    obj, _ = keyed_world_copy(cube, "Up")
+    again, _ = keyed_world_copy(obj, "Down")
+    for own in (obj, again):
+        assert [own[name] for name in ("text", "other", "flag", "scale")] == ["a", cube, True, 2]
+        assert list(own["vector"]) == [1.0, 2.0] and own["group"].to_dict() == values["group"]
+    assert [record["name"] for record in key_records(again)] == ["Up", "Down"]
+
+
 def test_shapes_follow_each_other_in_time(cube):
     rest = evaluated(cube).astype(float)
     paths = [path_to("B", (1.0,), [moved(rest, 1, 0, 0)]), path_to("C", (1.0,), [moved(rest, 0, 1, 0)])]

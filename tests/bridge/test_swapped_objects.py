@@ -98,6 +98,22 @@ def test_the_second_mesh_stands_where_the_first_one_becomes_it(shapes, monkeypat
     assert shared_slider(second) is None and shared_slider(shapes[0]) is None
 
 
+def test_keys_that_the_second_mesh_drives_itself_stay_as_they_are(shapes, monkeypatch):
+    _, ball = shapes
+    ball.shape_key_add(name="Basis")
+    key = ball.shape_key_add(name="Raised")
+    for point in key.data:
+        point.co.z += 2.0
+    ball["raised"] = 0.5
+    driver = key.driver_add("value").driver
+    variable = driver.variables.new()
+    variable.targets[0].id, variable.targets[0].data_path = ball, '["raised"]'
+    driver.expression = variable.name
+    bpy.context.view_layer.update()
+    _, second = bake(monkeypatch, 0.4)
+    assert second["raised"] == 0.5 and shown_at(11)[1] == pytest.approx([0.0, 0.0, 1.0], abs=1e-4)
+
+
 def test_a_hidden_mesh_is_exported_as_it_is_at_the_swap(shapes, monkeypatch):
     _, second = bake(monkeypatch, 0.4)
     with shown_objects([second], bpy.context.scene):

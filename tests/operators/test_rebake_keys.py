@@ -128,6 +128,14 @@ def test_keys_materials_modifiers_and_place_are_kept(shapes):
     assert [material.name for material in obj.data.materials] == ["Skin"]
 
 
+def test_custom_properties_that_the_mesh_got_since_come_along(shapes):
+    shapes[0]["early"] = 1.0
+    obj = bake()
+    shapes[0]["early"], shapes[0]["late"], obj["early"] = 2.0, 3.0, 4.0
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert (obj["early"], obj["late"]) == (4.0, 3.0)
+
+
 def test_linked_duplicates_show_the_new_mesh(shapes, capfd):
     obj = bake("A,B")
     twin = obj.copy()

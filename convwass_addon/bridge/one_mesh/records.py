@@ -58,6 +58,16 @@ def key_names(name: str, count: int) -> list[str]:
     return [name] if count == 1 else [f"{name} {number}" for number in range(1, count + 1)]
 
 
+def slider_names(obj: bpy.types.Object) -> list[str]:
+    """Return the names of the sliders of an object; none if it has no shape keys to other shapes."""
+    try:
+        names = [record["name"] for record in key_records(obj)]
+    except InputError:
+        names = []
+    swap = obj.get(SWAP_KEY)
+    return list(dict.fromkeys([*names, *([swap["slider"]] if swap and swap.get("object") == obj else [])]))
+
+
 def described_bake(
     inputs: Sequence[bpy.types.Object], request: MorphRequest, settings: MorphSettings, first_frame: int
 ) -> StoredMorph:

@@ -8,22 +8,22 @@ from collections.abc import Mapping, Sequence
 
 import bpy
 
-from ...errors import InputError
 from ...sentence import Sentence
 from ..keyframes import curves_of, driver_targets, remove_curve
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
 from ..unused_data import remove_with_data
 from .attached_parts import detach_parts
+from .carried_properties import custom_properties, take_properties
 from .key_pad import pads_of, remove_idle_pads
-from .records import BAKE_KEYS, SWAP_KEY, key_records, objects_of
+from .records import BAKE_KEYS, SWAP_KEY, objects_of, slider_names
 from .shape_keys import add_slider, slider_path
 
 
 def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
     """Move meshes and sliders of a new bake to the objects of the last one, and remove the new objects.
 
-    The objects keep their names, places, modifiers and the keys of their sliders, and their materials if the new mesh
-    has as many slots. A pad that drives none of the sliders any more is removed.
+    The objects keep their names, places, modifiers, custom properties and the keys of their sliders, and their
+    materials if the new mesh has as many slots. A pad that drives none of the sliders any more is removed.
 
     Parameters
     ----------
@@ -40,6 +40,7 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
     kept, pads = dict(zip(new, objects_of(old), strict=False)), _pads(old)
     for own, before in kept.items():
         _take_sliders(before, own)
+        take_properties(before, own, [name for name in custom_properties(own) if name not in before])
         _take_drivers(before, own)
         _take_mesh(before, own)
         _take_records(before, own)
@@ -123,24 +124,14 @@ def _pads(keyed: bpy.types.Object) -> list[bpy.types.Object]:
     return pads_of(target.id for obj in objects_of(keyed) for target in driver_targets(obj))
 
 
-def _sliders(obj: bpy.types.Object) -> list[str]:
-    """Return the names of the sliders of an object."""
-    try:
-        names = [record["name"] for record in key_records(obj)]
-    except InputError:
-        names = []
-    swap = obj.get(SWAP_KEY)
-    return list(dict.fromkeys([*names, *([swap["slider"]] if swap and swap.get("object") == obj else [])]))
-
-
 def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
     """Give an object the sliders of a new one; those that it has keep their values and keys."""
-    for name in _sliders(before):
-        if name not in _sliders(own):
+    for name in slider_names(before):
+        if name not in slider_names(own):
             before.driver_remove(slider_path(name))
             remove_curve(before, slider_path(name))
             before.pop(name, None)
-    for name in _sliders(own):
+    for name in slider_names(own):
         if name in before:
             continue
         add_slider(before, name)

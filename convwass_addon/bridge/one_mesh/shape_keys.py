@@ -13,9 +13,9 @@ import numpy as np
 from ...applications.one_mesh.key_paths import KeyPath
 from ...errors import InputError
 from ..element_values import write_attribute
-from ..keyframes import driver_targets
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
+from .carried_properties import custom_properties, read_from_copy, take_properties
 from .records import BAKE_KEYS, has_key_record, key_names, key_records, store_records
 from .texture_looks import remember_shape, remembered_shapes
 
@@ -37,7 +37,7 @@ def object_with_keys(
 
     For each path, the object has a custom property from 0 to 1, which drives the shape keys of the path. The drivers
     are simple expressions, which Blender evaluates without running scripts. Vertices move linearly between two keys;
-    several paths add up.
+    several paths add up. The custom properties of `source` are kept, and drivers of its shape keys read the copies.
 
     Parameters
     ----------
@@ -55,10 +55,11 @@ def object_with_keys(
     """
     assign_default_material(mesh)
     name = f"{source.name} Morph"
-    obj = _copy_with_modifiers(source, mesh, modifiers) if modifiers else bpy.data.objects.new(name, mesh)
+    obj = _copy_with_modifiers(source, mesh, modifiers) if modifiers else _new_object(source, mesh)
     obj.name, obj.color = name, source.color
     scene.collection.objects.link(obj)
     records = _kept_sliders(source, obj)
+    read_from_copy(mesh.shape_keys, source, obj, is_in_place=bool(modifiers))
     if mesh.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)
     for path in paths:
@@ -76,7 +77,6 @@ def _kept_sliders(source: bpy.types.Object, obj: bpy.types.Object) -> list[dict[
         for record in records:
             obj.pop(record["name"], None)
         return []
-    _own_drivers(obj.data.shape_keys, source, obj)
     for slider, (shape, placement) in remembered_shapes(source).items():
         remember_shape(obj, slider, shape, placement)
     for name in (record["name"] for record in records):
@@ -115,6 +115,13 @@ def _add_path(obj: bpy.types.Object, path: KeyPath, slider: str) -> None:
     _mark(obj.data, POOR.format(name=slider), path.poor)
 
 
+def _new_object(source: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
+    """Create an object of a mesh in world space, with the custom properties of another one."""
+    obj = bpy.data.objects.new(source.name, mesh)
+    take_properties(obj, source, custom_properties(source))
+    return obj
+
+
 def _copy_with_modifiers(source: bpy.types.Object, mesh: bpy.types.Mesh, modifiers: Sequence[str]) -> bpy.types.Object:
     """Copy an object with its parent, vertex groups and some of its modifiers, but visible and without animation."""
     obj = source.copy()
@@ -126,13 +133,6 @@ def _copy_with_modifiers(source: bpy.types.Object, mesh: bpy.types.Mesh, modifie
     for modifier in [own for own in obj.modifiers if own.name not in modifiers]:
         obj.modifiers.remove(modifier)
     return obj
-
-
-def _own_drivers(keys: bpy.types.Key, source: bpy.types.Object, obj: bpy.types.Object) -> None:
-    """Let drivers of copied shape keys read the copied object instead of its source."""
-    for target in driver_targets(keys):
-        if target.id == source:
-            target.id = obj
 
 
 def key_expressions(times: Sequence[float]) -> list[str]:
