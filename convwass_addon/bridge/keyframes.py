@@ -158,6 +158,15 @@ def is_driven(block: bpy.types.ID, path: str) -> bool:
     return data is not None and any(curve.data_path == path for curve in data.drivers)
 
 
+def has_animation(block: bpy.types.ID, path: str) -> bool:
+    """Return whether a driver, keyframes or NLA strips that are not muted set a property of a data-block."""
+    data = block.animation_data
+    if data is None:
+        return False
+    curves = (*curves_of(block, path), *(curve for curve in data.drivers if curve.data_path == path))
+    return not all(curve.mute for curve in curves) or bool(strips_span([block], path))
+
+
 def is_tweaked(block: bpy.types.ID) -> bool:
     """Return whether the action of an NLA strip of a data-block is edited, in tweak mode."""
     data = block.animation_data

@@ -15,7 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..bridge.edited_materials import made_as
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
-from ..bridge.morphs.hidden_inputs import missed_in_renders
+from ..bridge.morphs.hidden_inputs import missed_in_renders, still_in_renders
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
@@ -102,7 +102,7 @@ class FrameResults:
         self._hand_over(scene, collection)
         shown = main_object(collection)
         select_only(context, [] if shown is None else [shown])
-        _report_missed(self.operator, collection)
+        _report_hiding(self.operator, collection)
         self._report(collection)
 
     def _report(self, collection: bpy.types.Collection) -> None:
@@ -194,6 +194,7 @@ class ShapeKeyResults:
         shown = made if replaced is None else replace_keys(replaced, made)
         _fit_range(self.operator, self.job, scene)
         select_only(context, shown)
+        _report_hiding(self.operator, shown[0])
         poor = [_poor_notice(path) for path in self.job.paths if len(path.poor)]
         tell(self.operator, self._summary(shown), (), [*self.job.notices, *poor, *following_notices(shown)])
 
@@ -239,8 +240,14 @@ def _report_kept(operator: bpy.types.Operator, materials: list[bpy.types.Materia
         operator.report({"WARNING"}, text.format(first_names(earlier)))
 
 
-def _report_missed(operator: bpy.types.Operator, morph: bpy.types.Collection) -> None:
-    """Report shapes that renders of other scenes lack from now on."""
+def _report_hiding(operator: bpy.types.Operator, morph: bpy.types.ID) -> None:
+    """Report shapes that cannot be hidden in renders, and those that renders of other scenes lack from now on."""
+    if shown := still_in_renders(morph):
+        text = rpt_(
+            "Renders may show {:s} beside the morph, since keyframes or drivers set whether renders show them; "
+            "remove or mute these"
+        )
+        operator.report({"WARNING"}, text.format(first_names(shown)))
     for scene, names in missed_in_renders(morph).items():
         text = rpt_(
             "Renders of {:s} lack {:s}, since objects are hidden in all scenes; if needed, turn Hide Inputs off"

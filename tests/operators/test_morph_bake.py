@@ -12,6 +12,7 @@ import pytest
 
 from convwass_addon.applications import memory
 from convwass_addon.bridge.element_values import element_values
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
 from convwass_addon.geometry.affine import transformed_points
@@ -97,6 +98,33 @@ def test_other_scenes_that_lack_hidden_shapes_are_named(capfd):
     bpy.ops.convwass.rebake_morph()
     said = capfd.readouterr().out
     assert "Renders of Set" not in said and "Renders of Close Up lack Cube," in said
+
+
+def set_visibility(obj, kind):
+    """Animate whether renders show an object."""
+    if kind == "driver":
+        obj.driver_add("hide_render").driver.expression = "0"
+        return
+    for frame in (1, 2):
+        obj.keyframe_insert("hide_render", frame=frame)
+    data = obj.animation_data
+    if kind == "strip":
+        strip = data.nla_tracks.new().strips.new("Shown", 1, data.action)
+        strip.action_slot = data.action_slot
+        data.action = None
+    if kind == "muted":
+        curves_of(obj)[0].mute = True
+
+
+@pytest.mark.parametrize("kind", ["keys", "driver", "strip", "muted", "none"])
+def test_inputs_whose_visibility_is_animated_are_named(capfd, kind):
+    cube, ball = two_shapes()
+    if kind != "none":
+        set_visibility(cube, kind)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    bpy.context.scene.frame_set(2)
+    assert cube.hide_render == (kind in ("muted", "none")) and ball.hide_render
+    assert ("Renders may show Cube beside the morph" in capfd.readouterr().out) == (not cube.hide_render)
 
 
 def test_undo_takes_the_morph_away():

@@ -136,6 +136,14 @@ def test_custom_properties_that_the_mesh_got_since_come_along(shapes):
     assert (obj["early"], obj["late"]) == (4.0, 3.0)
 
 
+def test_shapes_that_stay_in_renders_are_named(shapes, capfd):
+    shapes[1].driver_add("hide_render").driver.expression = "0"
+    bake()
+    assert "Renders may show B beside the morph" in capfd.readouterr().out
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert "Renders may show B beside the morph" in capfd.readouterr().out
+
+
 def test_linked_duplicates_show_the_new_mesh(shapes, capfd):
     obj = bake("A,B")
     twin = obj.copy()

@@ -13,6 +13,7 @@ from functools import reduce
 import bpy
 
 from ...errors import ConvwassError
+from ..keyframes import has_animation
 from ..object_names import ObjectName, objects_named
 from ..shape_sources import OBJECTS, shape_source
 from ..visibility import layers_with
@@ -71,16 +72,34 @@ def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene:
             obj.hide_set(True, view_layer=layer)
 
 
-def missed_in_renders(morph: bpy.types.Collection) -> dict[str, list[str]]:
+def still_in_renders(morph: bpy.types.ID) -> list[str]:
+    """Return the names of objects that a morph hides, but that may be rendered because their visibility is animated."""
+    hidden = objects_named([own.name for own in _hidden_by(morph)])
+    return [obj.name for obj in hidden if obj is not None and has_animation(obj, "hide_render")]
+
+
+def missed_in_renders(morph: bpy.types.ID) -> dict[str, list[str]]:
     """Return the scenes without a morph whose renders lack objects that it hides: names of objects by name of scene.
 
     Blender hides objects in the renders of all scenes.
     """
-    others = [scene for scene in bpy.data.scenes if morph not in scene.collection.children_recursive]
-    hidden = [own.name for own in _hidden_by(morph) if own.in_renders]
-    objects = [obj for obj in objects_named(hidden) if obj is not None]
+    others = [scene for scene in bpy.data.scenes if not _is_in(scene, morph)]
+    objects = _lost_in_renders(morph)
     missed = {scene.name: [obj.name for obj in objects if scene in obj.users_scene] for scene in others}
     return {scene: names for scene, names in missed.items() if names}
+
+
+def _is_in(scene: bpy.types.Scene, morph: bpy.types.ID) -> bool:
+    """Return whether a scene has a morph, which is a collection or an object with shape keys."""
+    if isinstance(morph, bpy.types.Object):
+        return scene in morph.users_scene
+    return morph in scene.collection.children_recursive
+
+
+def _lost_in_renders(morph: bpy.types.ID) -> list[bpy.types.Object]:
+    """Return the objects that a morph hides in renders."""
+    hidden = [own.name for own in _hidden_by(morph) if own.in_renders]
+    return [obj for obj in objects_named(hidden) if obj is not None]
 
 
 def take_hidden(old: bpy.types.ID, new: bpy.types.ID) -> None:
