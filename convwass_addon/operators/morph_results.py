@@ -15,7 +15,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..bridge.edited_materials import made_as
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
-from ..bridge.morphs.hidden_inputs import missed_in_renders, still_in_renders
+from ..bridge.morphs.hidden_inputs import instances_without, missed_in_renders, still_in_renders
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
@@ -241,7 +241,7 @@ def _report_kept(operator: bpy.types.Operator, materials: list[bpy.types.Materia
 
 
 def _report_hiding(operator: bpy.types.Operator, morph: bpy.types.ID) -> None:
-    """Report shapes that cannot be hidden in renders, and those that renders of other scenes lack from now on."""
+    """Report shapes that cannot be hidden in renders, and those that other scenes and instances lack from now on."""
     if shown := still_in_renders(morph):
         text = rpt_(
             "Renders may show {:s} beside the morph, since keyframes or drivers set whether renders show them; "
@@ -253,6 +253,13 @@ def _report_hiding(operator: bpy.types.Operator, morph: bpy.types.ID) -> None:
             "Renders of {:s} lack {:s}, since objects are hidden in all scenes; if needed, turn Hide Inputs off"
         )
         operator.report({"WARNING"}, text.format(scene, first_names(names)))
+    instances, names = instances_without(morph)
+    if instances:
+        text = rpt_(
+            "Renders of the instances {:s} lack {:s}, since objects are hidden in all instances; if needed, turn Hide "
+            "Inputs off"
+        )
+        operator.report({"WARNING"}, text.format(first_names(instances), first_names(names)))
 
 
 def _outdated(morph: bpy.types.Collection) -> list[str]:

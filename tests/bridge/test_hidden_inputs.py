@@ -10,7 +10,13 @@ import bpy
 import pytest
 
 from convwass_addon.bridge.morphs import hidden_inputs
-from convwass_addon.bridge.morphs.hidden_inputs import copy_hidden, hidden_only_by, hide_shapes, show_again
+from convwass_addon.bridge.morphs.hidden_inputs import (
+    copy_hidden,
+    hidden_only_by,
+    hide_shapes,
+    instances_without,
+    show_again,
+)
 from convwass_addon.bridge.morphs.stored import MORPH_KEY
 from convwass_addon.bridge.visibility import is_in
 
@@ -115,6 +121,41 @@ def test_the_shapes_of_a_linked_morph_are_other_ones(parts, tmp_path):
     copy_hidden(wanted.collections[0], sampled)
     show_again(hidden_only_by(sampled))
     assert hidden_in(bpy.context.scene, parts[:2]) == [True, True]
+
+
+def instance(name, collection):
+    """Add an Empty that instances a collection."""
+    empty = bpy.data.objects.new(name, None)
+    empty.instance_type, empty.instance_collection = "COLLECTION", collection
+    bpy.context.scene.collection.objects.link(empty)
+    return empty
+
+
+def test_instances_that_lack_hidden_parts_are_named(parts):
+    figure, crowd, others = (bpy.data.collections.new(name) for name in ("Figure", "Crowd", "Others"))
+    limbs = bpy.data.collections.new("Limbs")
+    figure.children.link(limbs)
+    limbs.objects.link(parts[0])
+    others.objects.link(parts[1])
+    crowd.objects.link(instance("Member", figure))
+    for name, collection in (("Near", figure), ("Rows", crowd), ("Others", others)):
+        instance(name, collection)
+    instance("Unseen", figure).hide_render = True
+    morph = new_morph()
+    hide_shapes(morph, parts[2:4], bpy.context.scene)
+    assert instances_without(morph) == ([], [])
+    hide_shapes(morph, [parts[0], parts[2]], bpy.context.scene)
+    assert instances_without(morph) == (["Member", "Near", "Rows"], [parts[0].name])
+    hide_shapes(morph, [], bpy.context.scene)
+    assert instances_without(morph) == ([], [])
+
+
+def test_an_instance_that_is_a_shape_itself_is_not_named(parts):
+    figure = bpy.data.collections.new("Figure")
+    figure.objects.link(parts[0])
+    morph = new_morph()
+    hide_shapes(morph, [parts[0], instance("Near", figure)], bpy.context.scene)
+    assert instances_without(morph) == ([], [])
 
 
 def test_a_view_layer_is_not_listed_to_find_an_object(parts):

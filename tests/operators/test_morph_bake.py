@@ -100,6 +100,16 @@ def test_other_scenes_that_lack_hidden_shapes_are_named(capfd):
     assert "Renders of Set" not in said and "Renders of Close Up lack Cube," in said
 
 
+def test_instances_that_lack_hidden_shapes_are_named(capfd):
+    cube, _ = two_shapes()
+    figure, empty = bpy.data.collections.new("Figure"), bpy.data.objects.new("Crowd", None)
+    figure.objects.link(cube)
+    empty.instance_type, empty.instance_collection = "COLLECTION", figure
+    bpy.context.scene.collection.objects.link(empty)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    assert "Renders of the instances Crowd lack Cube," in capfd.readouterr().out
+
+
 def set_visibility(obj, kind):
     """Animate whether renders show an object."""
     if kind == "driver":

@@ -15,7 +15,7 @@ import bpy
 from ...errors import ConvwassError
 from ..keyframes import has_animation
 from ..object_names import ObjectName, objects_named
-from ..shape_sources import OBJECTS, shape_source
+from ..shape_sources import OBJECTS, shape_source, shows_collection
 from ..visibility import layers_with
 from .stored import MORPH_KEY, copied_inputs, stored_morph
 
@@ -89,17 +89,23 @@ def missed_in_renders(morph: bpy.types.ID) -> dict[str, list[str]]:
     return {scene: names for scene, names in missed.items() if names}
 
 
-def _is_in(scene: bpy.types.Scene, morph: bpy.types.ID) -> bool:
-    """Return whether a scene has a morph, which is a collection or an object with shape keys."""
-    if isinstance(morph, bpy.types.Object):
-        return scene in morph.users_scene
-    return morph in scene.collection.children_recursive
+def instances_without(morph: bpy.types.ID) -> tuple[list[str], list[str]]:
+    """Return which instances of collections lack objects in renders that a morph hides.
 
+    Blender hides objects in all of their instances.
 
-def _lost_in_renders(morph: bpy.types.ID) -> list[bpy.types.Object]:
-    """Return the objects that a morph hides in renders."""
-    hidden = [own.name for own in _hidden_by(morph) if own.in_renders]
-    return [obj for obj in objects_named(hidden) if obj is not None]
+    Returns
+    -------
+    instances : list of str
+        Names of Empties in scenes, except for hidden ones, such as shapes of the morph.
+    objects : list of str
+        Names of the objects that they lack.
+    """
+    hidden = set(_lost_in_renders(morph))
+    empties = [obj for obj in bpy.data.objects if shows_collection(obj) and obj.users_scene and not obj.hide_render]
+    lacking = {obj.name: hidden & _instanced(obj.instance_collection) for obj in empties} if hidden else {}
+    lost = {obj.name for objects in lacking.values() for obj in objects}
+    return [name for name, objects in lacking.items() if objects], sorted(lost)
 
 
 def take_hidden(old: bpy.types.ID, new: bpy.types.ID) -> None:
@@ -133,6 +139,29 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
         for layer in layers_with(obj, bpy.data.scenes):
             if _names(layer) in own.layers:
                 obj.hide_set(False, view_layer=layer)
+
+
+def _instanced(collection: bpy.types.Collection) -> set[bpy.types.Object]:
+    """Return the objects that an instance of a collection shows, also by instances in it."""
+    seen, waiting = set(), [collection]
+    while waiting:
+        new = set(waiting.pop().all_objects) - seen
+        seen |= new
+        waiting += [obj.instance_collection for obj in new if shows_collection(obj)]
+    return seen
+
+
+def _is_in(scene: bpy.types.Scene, morph: bpy.types.ID) -> bool:
+    """Return whether a scene has a morph, which is a collection or an object with shape keys."""
+    if isinstance(morph, bpy.types.Object):
+        return scene in morph.users_scene
+    return morph in scene.collection.children_recursive
+
+
+def _lost_in_renders(morph: bpy.types.ID) -> list[bpy.types.Object]:
+    """Return the objects that a morph hides in renders."""
+    hidden = [own.name for own in _hidden_by(morph) if own.in_renders]
+    return [obj for obj in objects_named(hidden) if obj is not None]
 
 
 def _to_hide(
