@@ -219,6 +219,41 @@ def own_action(block: bpy.types.ID) -> None:
         data.action_slot = data.action.slots[slot]
 
 
+def take_animation(block: bpy.types.ID, source: bpy.types.ID, paths: Sequence[str]) -> None:
+    """Give a data-block without animation copies of the keyframes and drivers of another one, for some properties.
+
+    Strips of the NLA are left out, and so are keyframes that are edited inside of one, at the times of the strip.
+
+    Parameters
+    ----------
+    block, source : bpy.types.ID
+        Data-blocks of the same type.
+    paths : sequence of str
+        With what the data paths of these properties begin.
+    """
+    data, taken = source.animation_data, tuple(paths)
+    if data is None:
+        return
+    if not is_tweaked(source) and any(curve.data_path.startswith(taken) for curve in curves_of(source)):
+        _take_curves(block, data, taken)
+    for curve in [own for own in data.drivers if own.data_path.startswith(taken)]:
+        own = block.animation_data or block.animation_data_create()
+        own.drivers.from_existing(src_driver=curve)
+
+
+def _take_curves(block: bpy.types.ID, data: bpy.types.AnimData, taken: tuple[str, ...]) -> None:
+    """Give a data-block a copy of an action, in which only curves remain whose data paths begin in some way."""
+    own, action = block.animation_data_create(), data.action.copy()
+    own.action, own.action_slot = action, action.slots[data.action_slot.identifier]
+    for slot in [slot for slot in action.slots if slot != own.action_slot]:
+        action.slots.remove(slot)
+    bag = channels_of(block)
+    for curve in [curve for curve in bag.fcurves if not curve.data_path.startswith(taken)]:
+        bag.fcurves.remove(curve)
+    for group in [group for group in bag.groups if not len(group.channels)]:
+        bag.groups.remove(group)
+
+
 def clear_animation(block: bpy.types.ID) -> None:
     """Remove the keyframes and drivers of a data-block, and its action unless something else uses it."""
     action = None if block.animation_data is None else block.animation_data.action

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keyed visibility, as Blender evaluates it."""
+"""Keyed visibility, as Blender evaluates it, and copies of animation."""
 
 from __future__ import annotations
 
 import bpy
 import pytest
 
-from convwass_addon.bridge.keyframes import FrameRange, key_visibility
+from convwass_addon.bridge.keyframes import FrameRange, curves_of, is_tweaked, key_visibility, take_animation
 
 
 def visible_frames(obj, frames):
@@ -63,6 +63,48 @@ def test_one_action_serves_many_objects(make_object):
         key_visibility(obj, action, [FrameRange(number, number)])
     assert [visible_frames(obj, range(4)) for obj in objects] == [[0], [1], [2]]
     assert len(action.slots) == 3
+
+
+def test_some_animation_is_taken_without_the_rest(make_object, bare_scene):
+    source, other, block = map(make_object, "ABC")
+    for obj in (source, other):
+        obj["own"] = [0.0, 0.0]
+    for frame in (1, 5):
+        source["own"], source.location.x = [frame, 2.0 * frame], frame
+        for path in ('["own"]', "location"):
+            source.keyframe_insert(path, frame=frame, group="Group")
+    data = other.animation_data_create()
+    data.action, data.action_slot = source.animation_data.action, source.animation_data.action.slots.new("OBJECT", "2")
+    other.keyframe_insert("scale", frame=1)
+    for path in ("rotation_euler", "delta_location"):
+        source.driver_add(path, 2).driver.expression = "7"
+    before = len(curves_of(source))
+    block["own"] = [0.0, 0.0]
+    take_animation(block, source, ['["own"]', "delta_"])
+    bare_scene.frame_set(5)
+    assert list(block["own"]) == [5.0, 10.0] and list(block.location) == [0.0, 0.0, 0.0]
+    assert (block.rotation_euler.z, block.delta_location.z) == (0.0, 7.0)
+    action = block.animation_data.action
+    assert action != source.animation_data.action and len(action.slots) == 1
+    assert len(curves_of(block)) == 2 and len(curves_of(source)) == before
+
+
+@pytest.mark.parametrize("kind", ["none", "other", "tweaked"])
+def test_nothing_is_taken_where_nothing_fits(make_object, kind):
+    source, block = map(make_object, "AB")
+    if kind != "none":
+        source.keyframe_insert("location" if kind == "other" else "scale", frame=1)
+    if kind == "tweaked":
+        data = source.animation_data
+        strip = data.nla_tracks.new().strips.new("Strip", 5, data.action)
+        strip.action_slot = data.action_slot
+        data.action = None
+        data.nla_tracks[0].select = strip.select = True
+        data.nla_tracks.active = data.nla_tracks[0]
+        data.use_tweak_mode = True
+        assert is_tweaked(source)
+    take_animation(block, source, ["scale"])
+    assert block.animation_data is None
 
 
 def test_few_keys(make_object):

@@ -10,11 +10,12 @@ import pytest
 
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.keyframes import curves_of, driver_targets
 from convwass_addon.bridge.morphs.morph_request import MorphRequest
 from convwass_addon.bridge.one_mesh.records import key_records
 from convwass_addon.bridge.one_mesh.rest_mesh import armature_last, pose_notices, rest_mesh
 from convwass_addon.bridge.one_mesh.shape_key_job import ShapeKeyJob
-from convwass_addon.bridge.one_mesh.shape_keys import object_with_keys
+from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
 from tests.rigs import bend_by_two_bones
@@ -158,6 +159,57 @@ def test_new_shape_keys_begin_at_the_visible_shape(rigged):
     np.testing.assert_allclose(slide(obj, 1.0), wider(before), atol=1e-5)
     obj.data.shape_keys.key_blocks["Bent"].value = 0.0
     assert np.linalg.norm(slide(obj, 1.0) - wider(before), axis=1).max() == pytest.approx(0.5, abs=1e-5)
+
+
+def test_kept_modifiers_and_custom_properties_stay_animated(rigged):
+    bar, _ = rigged
+    bar.modifiers.new("Off", "WAVE").show_viewport = False
+    bar.modifiers.move(len(bar.modifiers) - 1, 0)
+    bar.modifiers.new('Wide "one"', "DISPLACE")
+    bar["own"] = 0.0
+    for frame in (1, 9):
+        bar["own"] = bar.modifiers["Off"].height = bar.modifiers['Wide "one"'].strength = bar.location.y = frame
+        for path in ('["own"]', "location", 'modifiers["Off"].height', 'modifiers["Wide \\"one\\""].strength'):
+            bar.keyframe_insert(path, frame=frame)
+    driver = bar.driver_add('modifiers["Wide \\"one\\""].mid_level').driver
+    variable = driver.variables.new()
+    variable.targets[0].id, variable.targets[0].data_path = bar, '["own"]'
+    driver.expression = variable.name
+    bpy.context.scene.frame_set(1)
+    obj, _ = keyed(bar, wider)
+    bpy.context.scene.frame_set(9)
+    modifier = obj.modifiers['Wide "one"']
+    assert (obj["own"], modifier.strength, modifier.mid_level, obj.location.y) == (9.0, 9.0, 9.0, 1.0)
+    assert variable.targets[0].id == bar and {target.id for target in driver_targets(obj)} == {obj}
+    assert {curve.data_path for curve in curves_of(obj)} == {'["own"]', 'modifiers["Wide \\"one\\""].strength'}
+    assert len(curves_of(bar)) == 6
+
+
+def test_custom_properties_stay_animated_without_an_armature(rigged):
+    bar, _ = rigged
+    bar.modifiers.clear()
+    bar["own"] = bar["driven"] = 0.0
+    for frame in (1, 9):
+        bar["own"] = float(frame)
+        bar.keyframe_insert('["own"]', frame=frame)
+    driver = bar.driver_add('["driven"]').driver
+    for name, path in (("a", '["own"]'), ("b", "location[1]")):
+        variable = driver.variables.new()
+        variable.name, variable.targets[0].id, variable.targets[0].data_path = name, bar, path
+    driver.expression = "a + b"
+    obj, _ = keyed(bar, wider)
+    bpy.context.scene.frame_set(9)
+    assert (obj["own"], obj["driven"]) == (9.0, pytest.approx(9.0 + bar.location.y))
+    assert [target.id for target in driver_targets(obj)] == [obj, bar]
+
+
+def test_sliders_of_an_earlier_bake_are_not_animated_by_the_next_one(rigged):
+    bar, _ = rigged
+    first, _ = keyed(bar, wider)
+    animate_sliders(first, ["Target"], 1, 10)
+    bpy.context.scene.frame_set(6)
+    second, _ = keyed(first, wider)
+    assert curves_of(second) == [] and second["Target"] == first["Target"]
 
 
 @pytest.mark.parametrize("with_keys", [False, True])

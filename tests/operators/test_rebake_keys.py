@@ -136,6 +136,23 @@ def test_custom_properties_that_the_mesh_got_since_come_along(shapes):
     assert (obj["early"], obj["late"]) == (4.0, 3.0)
 
 
+def test_drivers_of_modifiers_and_custom_properties_stay_as_they_are(shapes):
+    rigged(shapes[0])
+    shapes[0].modifiers.new("Thick", "SOLIDIFY")
+    for path in ("own", "late"):
+        shapes[0][path] = 1.0
+    for path in ('["own"]', 'modifiers["Thick"].thickness'):
+        shapes[0].driver_add(path).driver.expression = "2"
+    obj = bake()
+    for curve in obj.animation_data.drivers:
+        curve.driver.expression = "3"
+    obj.pop("late")
+    shapes[0].driver_add('["late"]').driver.expression = "4"
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    bpy.context.view_layer.update()
+    assert (obj["own"], obj["late"], obj.modifiers["Thick"].thickness) == (3.0, 4.0, 3.0)
+
+
 def test_shapes_that_stay_in_renders_are_named(shapes, capfd):
     shapes[1].driver_add("hide_render").driver.expression = "0"
     bake()

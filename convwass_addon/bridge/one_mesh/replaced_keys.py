@@ -40,8 +40,9 @@ def replace_keys(old: bpy.types.Object, new: Sequence[bpy.types.Object]) -> list
     kept, pads = dict(zip(new, objects_of(old), strict=False)), _pads(old)
     for own, before in kept.items():
         _take_sliders(before, own)
-        take_properties(before, own, [name for name in custom_properties(own) if name not in before])
-        _take_drivers(before, own)
+        there = [name for name in custom_properties(own) if name in before]
+        take_properties(before, own, [name for name in custom_properties(own) if name not in there])
+        _take_drivers(before, own, ["modifiers[", *map(slider_path, there)])
         _take_mesh(before, own)
         _take_records(before, own)
         if own.parent is not None and own.parent in kept:
@@ -142,9 +143,10 @@ def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
         before[name] = own[name]
 
 
-def _take_drivers(before: bpy.types.Object, own: bpy.types.Object) -> None:
-    """Give an object the drivers of a new one."""
-    for curve in own.animation_data.drivers if own.animation_data else ():
+def _take_drivers(before: bpy.types.Object, own: bpy.types.Object, kept: Sequence[str]) -> None:
+    """Give an object the drivers of a new one, except for those of properties whose data paths begin like `kept`."""
+    drivers = own.animation_data.drivers if own.animation_data else ()
+    for curve in [curve for curve in drivers if not curve.data_path.startswith(tuple(kept))]:
         before.driver_remove(curve.data_path)
         data = before.animation_data or before.animation_data_create()
         data.drivers.from_existing(src_driver=curve)

@@ -13,6 +13,7 @@ import numpy as np
 from ...applications.one_mesh.key_paths import KeyPath
 from ...errors import InputError
 from ..element_values import write_attribute
+from ..keyframes import take_animation
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
 from .carried_properties import custom_properties, read_from_copy, take_properties
@@ -37,7 +38,9 @@ def object_with_keys(
 
     For each path, the object has a custom property from 0 to 1, which drives the shape keys of the path. The drivers
     are simple expressions, which Blender evaluates without running scripts. Vertices move linearly between two keys;
-    several paths add up. The custom properties of `source` are kept, and drivers of its shape keys read the copies.
+    several paths add up.
+
+    The custom properties of `source` are kept, with their keyframes and drivers, and drivers read the copies.
 
     Parameters
     ----------
@@ -51,7 +54,8 @@ def object_with_keys(
     scene : bpy.types.Scene
         The scene to add the object to.
     modifiers : sequence of str
-        Modifiers of `source` to keep, if the mesh is in the space of `source`; without any, it is in world space.
+        Modifiers of `source` to keep, with their keyframes and drivers, if the mesh is in the space of `source`;
+        without any, it is in world space.
     """
     assign_default_material(mesh)
     name = f"{source.name} Morph"
@@ -59,7 +63,9 @@ def object_with_keys(
     obj.name, obj.color = name, source.color
     scene.collection.objects.link(obj)
     records = _kept_sliders(source, obj)
-    read_from_copy(mesh.shape_keys, source, obj, is_in_place=bool(modifiers))
+    take_animation(obj, source, [*map(slider_path, custom_properties(source)), *map(_modifier_path, modifiers)])
+    for block in (obj, mesh.shape_keys):
+        read_from_copy(block, source, obj, is_in_place=bool(modifiers))
     if mesh.shape_keys is None:
         obj.shape_key_add(name="Basis", from_mix=False)
     for path in paths:
@@ -205,6 +211,11 @@ def drive(curve: bpy.types.FCurve, obj: bpy.types.Object, slider: str, expressio
     variable.targets[0].id = obj
     variable.targets[0].data_path = slider_path(slider)
     curve.driver.expression = expression
+
+
+def _modifier_path(name: str) -> str:
+    """Return with what the data paths of all settings of a modifier begin."""
+    return f'modifiers["{bpy.utils.escape_identifier(name)}"]'
 
 
 def slider_path(name: str) -> str:
