@@ -19,7 +19,7 @@ from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..geometry.polygons import Polygons
 from .element_values import element_values, triangle_corners, vectors_of
-from .matrix_checks import is_flattening, require_finite
+from .matrix_checks import is_flattening, require_depth, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
 from .visibility import evaluated_object, is_current, shown_objects
@@ -146,12 +146,12 @@ def frozen_copy(
         checked_matrix(evaluated)
         world = evaluated.matrix_world.copy()
         mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-    try:
-        _check_faces(obj.name, mesh)
-        checked_vertices(obj.name, mesh)
-    except InputError:
-        bpy.data.meshes.remove(mesh)
-        raise
+        try:
+            _check_faces(obj.name, evaluated, mesh)
+            checked_vertices(obj.name, mesh)
+        except InputError:
+            bpy.data.meshes.remove(mesh)
+            raise
     mesh.name = obj.name
     take_own_materials(mesh, obj)
     transform_mesh(mesh, world)
@@ -375,18 +375,14 @@ def checked_matrix(evaluated: bpy.types.Object) -> np.ndarray:
     """Return the world matrix of an evaluated object, (4, 4) float64; raises InputError if it flattens the object."""
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
     require_finite(evaluated.name, matrix)
-    if is_flattening(matrix):
-        raise InputError(
-            "{name} has a scale of zero, so it has no volume; give it another scale in Item > Transform.",
-            name=evaluated.name,
-        )
+    require_depth(evaluated.name, matrix)
     return matrix
 
 
 def _world_mesh(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> TriangleMesh:
     """Check an evaluated object and its mesh, and transform the mesh to world space."""
     matrix = checked_matrix(evaluated)
-    _check_faces(name, mesh)
+    _check_faces(name, evaluated, mesh)
     vertices = checked_vertices(name, mesh)
     result = TriangleMesh.from_arrays(transformed_points(vertices, matrix), triangle_corners(mesh, "vertices"))
     return result.flipped() if np.linalg.det(matrix[:3, :3]) < 0 else result
@@ -402,8 +398,8 @@ def checked_vertices(name: str, mesh: bpy.types.Mesh) -> NDArray[np.float64]:
         ) from error
 
 
-def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
-    """Raise InputError if a mesh has no faces."""
+def _check_faces(name: str, evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> None:
+    """Raise InputError if the mesh of an evaluated object has no faces."""
     if len(mesh.polygons):
         return
     if len(mesh.edges):
@@ -414,5 +410,9 @@ def _check_faces(name: str, mesh: bpy.types.Mesh) -> None:
     if len(mesh.vertices):
         raise InputError(
             "{name} has points but no faces, so it has no volume; choose an object with a surface.", name=name
+        )
+    if evaluated.evaluated_geometry().instances_pointcloud() is not None:
+        raise InputError(
+            "{name} shows instances only and has no faces of its own; add the node Realize Instances.", name=name
         )
     raise InputError("{name} is an empty mesh; choose an object with a surface.", name=name)

@@ -303,6 +303,17 @@ def test_a_scale_of_zero_among_solid_shapes_is_named(make_object, thickness, dep
     assert asks_for_flat([gem, word], depsgraph, 0.0)
 
 
+@pytest.mark.parametrize("far", [1e4, 1e30])
+def test_a_vertex_that_is_far_away_from_a_solid_is_named(make_object, far):
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    solid, stray, plane = make_object("Solid"), make_object("Stray"), make_object("Plane", SQUARE, faces=[(0, 1, 2, 3)])
+    stray.data.vertices[5].co.x = plane.data.vertices[2].co.x = far
+    with pytest.raises(InputError, match="Stray looks flat, because 1 of its 6 vertices are very far away"):
+        asks_for_flat([solid, stray], depsgraph, 0.0)
+    with pytest.raises(InputError, match="Plane is flat but Solid is solid"):
+        asks_for_flat([solid, plane], depsgraph, 0.0)
+
+
 def test_an_outline_becomes_a_curve_that_blender_fills():
     angle = np.linspace(0, 2 * np.pi, 300, endpoint=False)
     ring = np.stack([np.cos(angle), np.sin(angle)], axis=1)

@@ -163,6 +163,32 @@ def test_zero_scale(make_object, depsgraph, read, scale):
         read(obj, depsgraph)
 
 
+@pytest.mark.parametrize("read", [triangle_mesh, frozen_copy])
+def test_infinite_scale(make_object, depsgraph, read):
+    """Blender stores the largest number instead."""
+    obj = make_object("Long")
+    obj.scale.x = math.inf
+    with pytest.raises(InputError, match=r"Long has 3\.4e\+38 times as large a scale along one axis"):
+        read(obj, depsgraph)
+
+
+@pytest.mark.parametrize("read", [triangle_mesh, frozen_copy])
+def test_instances_only(make_object, depsgraph, inventory, read):
+    obj = make_object("Crowd")
+    tree = bpy.data.node_groups.new("Instances", "GeometryNodeTree")
+    for kind in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=kind, socket_type="NodeSocketGeometry")
+    given, made, placed = map(tree.nodes.new, ("NodeGroupInput", "NodeGroupOutput", "GeometryNodeInstanceOnPoints"))
+    for end in ("Points", "Instance"):
+        tree.links.new(given.outputs[0], placed.inputs[end])
+    tree.links.new(placed.outputs[0], made.inputs[0])
+    obj.modifiers.new("Instances", "NODES").node_group = tree
+    before = inventory()
+    with pytest.raises(InputError, match=r"Crowd shows instances only .* Realize Instances"):
+        read(obj, depsgraph)
+    assert inventory() == before
+
+
 def test_small_scale_is_fine(make_object, depsgraph):
     obj = make_object("Small")
     obj.scale = (1e-4, 1e-4, 1e-7)

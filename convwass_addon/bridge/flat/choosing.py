@@ -7,12 +7,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import bpy
+import numpy as np
+from numpy.typing import NDArray
 
 from ...errors import InputError
+from ..element_values import vectors_of
 from ..objects import MESHED, checked_matrix
 from ..visibility import evaluated_object
 from .flat_kinds import has_own_depth, is_drawn_flat, is_shape
 from .flat_objects import is_flat
+from .planes import plane_of
+
+# Distance of a vertex from the others, relative to their median distance, from which it counts as a stray one.
+_FAR = 100.0
 
 
 def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph, thickness: float) -> bool:
@@ -21,7 +28,8 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
     Raises
     ------
     InputError
-        Flat and solid shapes are mixed, and the flat ones have no depth, or only a scale of zero flattens them.
+        Flat and solid shapes are mixed, and the flat ones have no depth, or only a scale of zero or a vertex that is
+        very far away flattens them.
     """
     if not all(is_shape(obj) for obj in inputs):
         # Reading them reports the problem.
@@ -43,6 +51,8 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
         with evaluated_object(obj, depsgraph) as evaluated:
             # Neither a thickness nor a depth helps where the scale is zero.
             checked_matrix(evaluated)
+            if obj.type == "MESH":
+                _refuse_strays(obj.name, vectors_of(evaluated.data.vertices))
         if thickness <= 0 and not (is_drawn_flat(obj) and has_own_depth(obj)):
             raise InputError(
                 "{flat} is flat but {solid} is solid; choose shapes of one kind, or set Thickness to make the flat "
@@ -51,6 +61,20 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
                 solid=solid.name,
             )
     return False
+
+
+def _refuse_strays(name: str, points: NDArray[np.float64]) -> None:
+    """Raise InputError, with the name of a flat mesh, if a few far ones of its vertices, (n, 3), make it look flat."""
+    distances = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    is_near = distances <= _FAR * np.median(distances)
+    if not is_near.all() and plane_of(points[is_near], np.eye(4)) is None:
+        raise InputError(
+            "{name} looks flat, because {bad} of its {count} vertices are very far away. Delete those vertices, or the "
+            "modifier that makes them.",
+            name=name,
+            bad=int(np.count_nonzero(~is_near)),
+            count=len(points),
+        )
 
 
 def refuse_following(wanted: bool) -> None:
