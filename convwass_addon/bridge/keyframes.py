@@ -276,6 +276,12 @@ def ease(curve: bpy.types.FCurve, easing: str) -> None:
     interpolate([curve], EASINGS[easing])
 
 
+def repeat(curve: bpy.types.FCurve) -> None:
+    """Repeat the keys of a curve before and after them, each time from the value at which the last time ended."""
+    modifier = curve.modifiers.new("CYCLES")
+    modifier.mode_before = modifier.mode_after = "REPEAT_OFFSET"
+
+
 def set_keys(curve: bpy.types.FCurve, keys: ArrayLike, how: str = "LINEAR") -> None:
     """Replace the keys of a curve by frames and values, (n, 2)."""
     points = curve.keyframe_points

@@ -91,7 +91,11 @@ class CONVWASS_OT_make_player(_OnPlayedMorph, bpy.types.Operator):
         require_path(morph)
         turn_into_meshes(morph)
         work = build_player(morph, playback=self.playback, easing=self.easing, between=_fitting_between(self, morph))
-        return _with_cursor(work)
+        player = _with_cursor(work)
+        if self.playback == "PING_PONG":
+            # The baked velocities are those of the way there.
+            key_speed(player)
+        return player
 
 
 class _OnPlayer(_OnPlayedMorph):

@@ -152,6 +152,21 @@ def test_playback(collection, playback, value):
     assert seen() == [RISE * round(STEPS * expected(playback, value))]  # noqa: F821
 
 
+@pytest.mark.parametrize("playback", PLAYBACKS)
+def test_the_playback_goes_on_before_and_after_the_keys(collection, playback):
+    make_player(collection, playback=playback)
+    # At the seam of a loop, either end is right.
+    frames = [frame for frame in range(FIRST - 18, FIRST + 30) if playback != "LOOP" or (frame - FIRST) % (2 * STEPS)]
+    wanted = [[RISE * round(STEPS * expected(playback, (frame - FIRST) / STEPS))] for frame in frames]
+    assert heights(frames) == wanted
+
+
+def test_easing_goes_on_with_the_playback(collection):
+    make_player(collection, playback="LOOP", easing="SMOOTH")
+    inside = FIRST + np.arange(1, 2 * STEPS)
+    assert heights(inside + 2 * STEPS) == heights(inside - 2 * STEPS) == heights(inside)
+
+
 @settings(max_examples=15, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(value=st.floats(-50, 50, width=32), playback=st.sampled_from(list(PLAYBACKS)))
 def test_any_value_shows_one_of_the_nearest_blends(collection, value, playback):

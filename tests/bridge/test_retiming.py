@@ -78,6 +78,19 @@ def test_the_speed_goes_on_where_a_modifier_repeats_the_keys(player):
     assert np.allclose(values(player, FIRST + 48 + np.arange(1, 24)), once, atol=1e-4)
 
 
+@pytest.mark.parametrize(("playback", "back"), [("ONCE", 0), ("LOOP", 1), ("PING_PONG", -1)])
+def test_the_speed_is_that_of_the_playback(moving, playback, back):
+    player = make_player(moving, playback=playback, between="INTERPOLATED")
+    bpy.context.scene.frame_end = FIRST + 40
+    key_speed(player)
+    assert np.allclose(values(player, FIRST + FRAMES * np.arange(4) + 1)[:, 1], [1, back, back**2, back], atol=1e-4)
+    retime(player, Retiming(style="LINEAR", frames=10))
+    wanted = np.array([1, back, back**2, back]) * FRAMES / 10
+    assert np.allclose(values(player, FIRST + 10 * np.arange(4) + 5)[:, 1], wanted, atol=1e-4)
+    if playback == "PING_PONG":
+        assert np.allclose(values(player, FIRST + np.arange(10, 40, 10))[:, 1], 0.0, atol=1e-4)
+
+
 def test_a_single_key_has_the_speed_of_its_modifier_and_else_none(player):
     retime(player, Retiming(style="EASE", frames=24))
     (curve,) = (own for own in curves_of(player) if own.data_path == morph_value(player).data_path)

@@ -12,7 +12,7 @@ import pytest
 
 from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.morphs.pad_velocity import handle_velocity
-from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value
+from convwass_addon.bridge.morphs.player_inputs import is_player, morph_value, speed
 from convwass_addon.bridge.morphs.stand_ins import shown_morph, stand_ins
 from convwass_addon.bridge.morphs.stored import WEIGHTS_KEY, frame_objects
 from tests.operators.morphs import add, census
@@ -136,6 +136,15 @@ def test_by_arguments(path):
         bpy.context.view_layer.update()
         sizes.append(len(player.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices))
     assert sizes[0] == sizes[1] == len(frame_objects(path)[1].data.vertices)
+
+
+def test_a_player_that_goes_back_has_the_speed_of_the_way_back(path):
+    bpy.ops.convwass.make_player(playback="PING_PONG", between="INTERPOLATED")
+    found = []
+    for frame in (2, 5, 8):
+        bpy.context.scene.frame_set(frame)
+        found.append(speed(bpy.context.object).get())
+    assert np.allclose(found, [1.0, -1.0, 1.0], atol=1e-4)
 
 
 def test_undo(path):

@@ -15,7 +15,7 @@ import numpy as np
 from ...errors import InputError
 from ...progress import Work, drained
 from ..animation_time import times_per_second
-from ..keyframes import ease
+from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
 from ..sequence import (
@@ -64,14 +64,14 @@ def build_player(
 
     Its `VALUE` is keyed over the frames of the bake, so that the animation is unchanged at first. With `Once`, the
     first and last shapes are also shown outside of the path. `Loop` continues with the first shape after the last one,
-    and `Ping-Pong` goes back and forth; to see either, add keys or extrapolate the curve.
+    and `Ping-Pong` goes back and forth: a modifier of the curve lets the value go on beyond its keys.
 
     Parameters
     ----------
     collection : bpy.types.Collection
         A morph along a path.
     playback : str
-        One of `PLAYBACKS`; can be changed in the modifier.
+        One of `PLAYBACKS`; can be changed in the modifier, which leaves the curve of the value as it is.
     easing : str
         One of `keyframes.EASINGS`.
     between : "NEAREST" or "INTERPOLATED"
@@ -109,6 +109,8 @@ def build_player(
     for parent in collections_for_stand_ins(collection):
         parent.objects.link(player)
     _key(morph_value(player), frames, starting_frame(collection), easing)
+    if playback != "ONCE":
+        repeat(morph_value(player).curve())
     set_shown(collection, False)
     return player
 

@@ -27,7 +27,7 @@ from ..keyframes import (
 from ..node_inputs import NodeInput
 from ..visibility import hidden_modifiers
 from .player import pace
-from .player_inputs import last_value, morph_value, playback_item, speed
+from .player_inputs import last_value, morph_value, playback_item, shown_value, speed
 
 # Half of the range shown in slow motion, in shapes.
 _SLOW_HALF = 0.15
@@ -161,7 +161,7 @@ def key_speed(player: bpy.types.Object) -> None:
     """Key the speed of a player from the change of its value, which may also be driven or in NLA strips.
 
     The speed at a frame is the difference of the value half a frame before and after it, and 0 beyond the ends unless
-    they repeat. Nothing is keyed if the value is not animated.
+    they repeat; it is negative on the way back. Nothing is keyed if the value is not animated.
     """
     target = speed(player)
     if target is None:
@@ -173,8 +173,10 @@ def key_speed(player: bpy.types.Object) -> None:
         span = changing_span([curve], bpy.context.scene)
     frames = np.arange(span.start - 1, span.stop + 1)
     values = _values_at(player, np.append(frames - 0.5, span.stop + 0.5))
-    if playback_item(player) == "ONCE":
-        values = np.clip(values, 0.0, last_value(player))
+    item, last = playback_item(player), last_value(player)
+    if item != "LOOP":
+        # A loop jumps where it starts again, which is no motion.
+        values = np.array([shown_value(value, item, last) for value in values])
     speeds = np.diff(values) / pace(player)
     set_keys(_keyed_curve(target, int(frames[0])), np.stack([frames, speeds], axis=1))
 
