@@ -158,7 +158,7 @@ def is_driven(block: bpy.types.ID, path: str) -> bool:
     return data is not None and any(curve.data_path == path for curve in data.drivers)
 
 
-def has_animation(block: bpy.types.ID, path: str) -> bool:
+def is_animated_property(block: bpy.types.ID, path: str) -> bool:
     """Return whether a driver, keyframes or NLA strips that are not muted set a property of a data-block."""
     data = block.animation_data
     if data is None:

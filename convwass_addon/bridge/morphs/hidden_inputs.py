@@ -13,7 +13,7 @@ from functools import reduce
 import bpy
 
 from ...errors import ConvwassError
-from ..keyframes import has_animation
+from ..keyframes import is_animated_property
 from ..object_names import ObjectName, objects_named
 from ..shape_sources import OBJECTS, shape_source, shows_collection
 from ..visibility import layers_with
@@ -75,7 +75,7 @@ def hide_shapes(morph: bpy.types.ID, objects: Iterable[bpy.types.Object], scene:
 def still_in_renders(morph: bpy.types.ID) -> list[str]:
     """Return the names of objects that a morph hides, but that may be rendered because their visibility is animated."""
     hidden = objects_named([own.name for own in _hidden_by(morph)])
-    return [obj.name for obj in hidden if obj is not None and has_animation(obj, "hide_render")]
+    return [obj.name for obj in hidden if obj is not None and is_animated_property(obj, "hide_render")]
 
 
 def missed_in_renders(morph: bpy.types.ID) -> dict[str, list[str]]:
