@@ -80,6 +80,22 @@ def test_a_morph_in_stretched_time_starts_at_the_current_frame():
     assert velocities[:, 0].mean() == pytest.approx(24.0, rel=0.1)
 
 
+@pytest.mark.parametrize("output", ["OBJECTS", "PLAYER", "SHAPE_KEYS"])
+def test_renders_treat_a_morph_like_its_inputs(output):
+    both, lights = two_shapes(), bpy.data.collections.new("Lights")
+    for obj in both:
+        obj.pass_index, obj.visible_shadow, obj.light_linking.receiver_collection = 5, False, lights
+    both[0].is_holdout = True
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", output=output, **QUICK)
+    found = [obj for obj in bpy.data.objects if obj not in both and not obj.name.endswith("Fields")]
+    shown = [obj for obj in found if obj.users_scene]
+    assert len(shown) == {"OBJECTS": 4, "PLAYER": 5, "SHAPE_KEYS": 1}[output]
+    for obj in shown:
+        assert (obj.pass_index, obj.visible_shadow, obj.light_linking.receiver_collection) == (5, False, lights)
+        # Where inputs differ, Blender's default holds; shape keys belong to one mesh.
+        assert obj.is_holdout == (output == "SHAPE_KEYS")
+
+
 def test_inputs_are_hidden_on_request_only():
     cube, ball = two_shapes()
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK, hide_inputs=False)

@@ -23,6 +23,7 @@ from ..handles import Handle, found
 from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
 from ..objects import write_mesh
+from ..render_settings import take_render_settings
 from ..shape_sources import OBJECTS, shape_source
 from ..unused_data import remove_if_unused
 from ..visibility import is_in, layers_with
@@ -228,6 +229,7 @@ class MorphBake:
         obj = self._made(frame, f"Morph {index + 1:04d}")
         collection.objects.link(obj)
         obj.color = np.average([shape.color for shape in self._inputs], axis=0, weights=frame.blend.weights)
+        take_render_settings(obj, found([own for shape in self._inputs for own in shape.objects]))
         obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
         obj[INDEX_KEY] = index
         if frame.blend.frame is not None:

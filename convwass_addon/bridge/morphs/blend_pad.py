@@ -20,6 +20,7 @@ from ...progress import Work, drained
 from ..element_values import vectors_of
 from ..node_math import joined, math_node, new_node, switch
 from ..pad_handles import pad_handle, pad_labels, pad_lines
+from ..render_settings import take_render_settings
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
 from .frame_colors import color_of, colored, colored_materials, seen_materials
 from .mixed_frames import DETAIL, INTERPOLATE
@@ -297,7 +298,9 @@ def _result(
         shown = switch(tree, "GEOMETRY", interpolates, shown, mixed.geometry)
         color = switch(tree, "RGBA", interpolates, color, mixed.color)
     output(tree, colored(tree, shown, color, sheet.frames), 1)
-    return table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, sheet.frames))
+    shown = table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, sheet.frames))
+    take_render_settings(shown, sheet.frames)
+    return shown
 
 
 def _place_on(tree: bpy.types.NodeTree, pad: bpy.types.Node, handle: bpy.types.Object) -> bpy.types.NodeSocket:

@@ -11,6 +11,7 @@ import bpy
 
 from ...errors import ConvwassError, InputError
 from ..operator_errors import reason
+from ..render_settings import take_render_settings
 from ..scratch_scene import scratch_scene
 from ..unused_data import remove_if_unused
 from .disk_output import OUTPUT_KEY, DiskOutput, cache_readers, disk_outputs, for_blender, remember_readers
@@ -63,6 +64,7 @@ def _named(collection: bpy.types.Collection, shown: bpy.types.Object) -> bpy.typ
     """Add an imported object to a morph."""
     shown.name = f"{collection.name} Cache"
     shown[OUTPUT_KEY] = "cache"
+    take_render_settings(shown, frame_objects(collection))
     collection.objects.link(shown)
     shown.data.materials.clear()
     shown.data.materials.append(attribute_material(_MATERIAL_NAME, COLORS))

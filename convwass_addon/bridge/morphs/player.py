@@ -18,6 +18,7 @@ from ..animation_time import times_per_second
 from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
+from ..render_settings import take_render_settings
 from ..sequence import (
     along_x,
     frame_group,
@@ -104,6 +105,7 @@ def build_player(
     _add_inputs(tree, interpolated)
     _fill(tree, frames, shapes, moment)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
+    take_render_settings(player, frames)
     adopt(collection, [player, tree, *colored_materials(tree)])
     node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
     for parent in collections_for_stand_ins(collection):

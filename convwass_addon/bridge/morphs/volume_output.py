@@ -22,11 +22,12 @@ from ...sentence import Sentence
 from ..numbered_files import file_number, numbered_paths
 from ..objects import triangle_meshes
 from ..openvdb_module import openvdb_module
+from ..render_settings import take_render_settings
 from ..visibility import layers_with
 from .disk_output import OUTPUT_KEY, DiskOutput, disk_outputs, for_blender, remember_readers
 from .materials import morph_material
 from .still_frames import still_frames
-from .stored import shown_frames, some_frame_objects, stored_morph
+from .stored import frame_objects, shown_frames, some_frame_objects, stored_morph
 
 GRID_NAME = "density"
 
@@ -197,6 +198,7 @@ def _mesh_object(collection: bpy.types.Collection, volume: bpy.types.Object) -> 
     name = f"{collection.name} Surface"
     shown = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     shown[OUTPUT_KEY] = "volume"
+    take_render_settings(shown, frame_objects(collection))
     shown.data.materials.append(morph_material())
     modifier = shown.modifiers.new("Volume to Mesh", "VOLUME_TO_MESH")
     modifier.object = volume

@@ -16,6 +16,7 @@ from ..element_values import write_attribute
 from ..keyframes import take_animation
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
+from ..render_settings import take_render_settings
 from .carried_properties import custom_properties, read_from_copy, take_properties
 from .records import BAKE_KEYS, has_key_record, key_names, key_records, store_records
 from .texture_looks import remember_shape, remembered_shapes
@@ -122,8 +123,9 @@ def _add_path(obj: bpy.types.Object, path: KeyPath, slider: str) -> None:
 
 
 def _new_object(source: bpy.types.Object, mesh: bpy.types.Mesh) -> bpy.types.Object:
-    """Create an object of a mesh in world space, with the custom properties of another one."""
+    """Create an object of a mesh in world space, with the custom properties and render settings of another one."""
     obj = bpy.data.objects.new(source.name, mesh)
+    take_render_settings(obj, [source])
     take_properties(obj, source, custom_properties(source))
     return obj
 
