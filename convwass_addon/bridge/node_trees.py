@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Node trees of data-blocks."""
+"""Node trees of data-blocks, and groups in them."""
 
 from __future__ import annotations
 
@@ -12,3 +12,12 @@ def own_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
     if block.node_tree is None:  # Blender 4.5; later versions always use nodes and warn about this property
         block.use_nodes = True
     return block.node_tree
+
+
+def node_trees(tree: bpy.types.NodeTree) -> list[bpy.types.NodeTree]:
+    """Return a tree and all groups in it."""
+    found = [tree]
+    for own in found:
+        nested = [node.node_tree for node in own.nodes if node.type == "GROUP" and node.node_tree is not None]
+        found += [one for one in dict.fromkeys(nested) if one not in found]
+    return found

@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 import bpy
 
-from .shown_nodes import shown_tree
+from .shown_nodes import nodes_of
 
 Color = tuple[float, float, float, float]
 
@@ -47,7 +47,7 @@ class ObjectValues:
     @classmethod
     def of(cls, obj: bpy.types.Object, materials: Sequence[bpy.types.Material | None]) -> ObjectValues:
         """Read what some materials can read of an object."""
-        names = {node.attribute_name for node in _nodes(materials) if reads_property(node)}
+        names = {node.attribute_name for node in nodes_of(materials) if reads_property(node)}
         return cls(
             tuple(obj.color),
             obj.pass_index,
@@ -67,14 +67,6 @@ class ObjectValues:
 def reads_property(node: bpy.types.Node) -> bool:
     """Return whether a node reads a property of the object; that of an instancer is the object's if there is none."""
     return node.type == "ATTRIBUTE" and node.attribute_type in ("OBJECT", "INSTANCER") and bool(node.attribute_name)
-
-
-def _nodes(materials: Sequence[bpy.types.Material | None]) -> Iterator[bpy.types.Node]:
-    trees = [shown_tree(material) for material in materials if material is not None]
-    for tree in trees:
-        if tree is not None:
-            yield from tree.nodes
-            trees += [node.node_tree for node in tree.nodes if node.type == "GROUP" and node.node_tree not in trees]
 
 
 def _property(obj: bpy.types.Object, name: str) -> Color:

@@ -4,7 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import bpy
+
+from .node_trees import node_trees
 
 
 def shown_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree | None:
@@ -12,6 +16,12 @@ def shown_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTre
     if bpy.app.version < (5, 0, 0) and not block.use_nodes:
         return None
     return block.node_tree
+
+
+def nodes_of(materials: Iterable[bpy.types.Material | None]) -> list[bpy.types.Node]:
+    """Return the nodes of the trees that materials are rendered with, including those in groups."""
+    trees = [shown_tree(material) for material in materials if material is not None]
+    return [node for tree in trees if tree is not None for own in node_trees(tree) for node in own.nodes]
 
 
 def shown_output(tree: bpy.types.NodeTree) -> bpy.types.Node | None:

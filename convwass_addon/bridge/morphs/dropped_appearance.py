@@ -13,9 +13,9 @@ import numpy as np
 from ...applications.morphs.appearance import Appearance, Plain
 from ...applications.morphs.diagnostics import Diagnostic
 from ..keyframes import has_animation
-from ..shown_nodes import shown_output
+from ..node_trees import node_trees
+from ..shown_nodes import nodes_of, shown_output
 from .appearance import is_object_color, upstream_links
-from .look_groups import node_trees
 from .materials import base_color, principled_of
 from .mixed_materials import emission_node
 
@@ -81,7 +81,8 @@ def dropped_parts(mesh: bpy.types.Mesh, appearance: Appearance) -> list[DroppedP
 
 def dropped_passes(materials: Sequence[bpy.types.Material]) -> list[DroppedPart]:
     """Find the passes of materials that no frames have, whatever they have of the nodes."""
-    return [DroppedPart(_PASSES, material.name) for material in materials if _has_passes(material)]
+    passing = [own for own in materials if any(node.type == "OUTPUT_AOV" for node in nodes_of([own]))]
+    return [DroppedPart(_PASSES, material.name) for material in passing]
 
 
 def dropped_with_looks(materials: Sequence[bpy.types.Material]) -> list[DroppedPart]:
@@ -91,8 +92,7 @@ def dropped_with_looks(materials: Sequence[bpy.types.Material]) -> list[DroppedP
         output = shown_output(material.node_tree)
         if output is not None and output.inputs["Volume"].is_linked:
             found.append(DroppedPart(_VOLUME, material.name))
-        nodes = [node for tree in node_trees(material.node_tree) for node in tree.nodes]
-        if any(node.type == "NORMAL_MAP" and node.space != "TANGENT" for node in nodes):
+        if any(node.type == "NORMAL_MAP" and node.space != "TANGENT" for node in nodes_of([material])):
             found.append(DroppedPart(_SPACE, material.name))
         data = material.node_tree.animation_data
         if data is not None and data.nla_tracks:
@@ -134,11 +134,6 @@ def _of_material(material: bpy.types.Material, is_plain: bool) -> Iterator[Dropp
     linked = tuple(socket.name for socket in shown.inputs if socket.is_linked and socket.name not in known)
     if linked:
         yield DroppedPart(_MAPS, material.name, linked)
-
-
-def _has_passes(material: bpy.types.Material) -> bool:
-    trees = [] if material.node_tree is None else node_trees(material.node_tree)
-    return any(node.type == "OUTPUT_AOV" for tree in trees for node in tree.nodes)
 
 
 def _links_other_shaders(output: bpy.types.Node) -> bool:

@@ -15,6 +15,7 @@ import bpy
 
 from ..node_copies import can_copy, copied_nodes
 from ..node_math import new_node
+from ..node_trees import node_trees
 from ..object_values import ObjectValues, reads_property
 from ..shown_nodes import shown_output, shown_tree
 from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
@@ -157,15 +158,6 @@ def is_wrapped(material: bpy.types.Material) -> bool:
     """Return whether :class:`LookGroups` can copy a material."""
     tree = shown_tree(material)
     return tree is not None and all(can_copy(own) for own in node_trees(tree))
-
-
-def node_trees(tree: bpy.types.NodeTree) -> list[bpy.types.NodeTree]:
-    """Return a tree and all groups in it."""
-    found = [tree]
-    for own in found:
-        nested = [node.node_tree for node in own.nodes if node.type == "GROUP" and node.node_tree is not None]
-        found += [one for one in dict.fromkeys(nested) if one not in found]
-    return found
 
 
 def _redirect_image(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:

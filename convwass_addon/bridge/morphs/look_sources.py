@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import bpy
@@ -16,10 +16,11 @@ from ...geometry.affine import transformed_points
 from ...geometry.normals import unit_vectors
 from ..element_values import element_values, triangle_corners, write_attribute
 from ..joined_shapes import OWN_POSITION
+from ..shown_nodes import nodes_of
 from .appearance import render_colors, render_uv_map
 from .frame_attributes import GENERATED, LOOKS, REST_NORMAL, REST_POSITION, SOURCE_WEIGHT
 from .frozen_inputs import FrozenInput
-from .look_groups import CarriedNames, node_trees
+from .look_groups import CarriedNames
 
 # Attributes that can be interpolated: the property of their values and its components.
 _VALUES = {
@@ -206,17 +207,10 @@ def _at_vertices(mesh: bpy.types.Mesh, values: np.ndarray, kind: str) -> np.ndar
 
 def _repeats(materials: Sequence[bpy.types.Material | None]) -> bool:
     """Return whether materials have image textures, and all of these repeat."""
-    images = list(_images(materials))
+    images = [node for node in nodes_of(materials) if node.type == "TEX_IMAGE"]
     return bool(images) and all(
         node.extension == "REPEAT" and (node.image is None or node.image.source != "TILED") for node in images
     )
-
-
-def _images(materials: Sequence[bpy.types.Material | None]) -> Iterator[bpy.types.Node]:
-    for material in materials:
-        if material is not None and material.node_tree is not None:
-            for tree in node_trees(material.node_tree):
-                yield from (node for node in tree.nodes if node.type == "TEX_IMAGE")
 
 
 def _rounded(uvs: np.ndarray) -> np.ndarray:

@@ -13,12 +13,13 @@ import numpy as np
 from ...applications.morphs.appearance import Appearance
 from ..handles import Handle
 from ..joined_shapes import OWN_POSITION
+from ..node_trees import node_trees
 from ..object_values import reads_property
-from ..shown_nodes import shown_tree
+from ..shown_nodes import nodes_of
 from .dropped_appearance import DroppedPart, dropped_parts, dropped_passes, dropped_with_looks
 from .frame_attributes import GENERATED
 from .frozen_inputs import FrozenInput
-from .look_groups import CarriedNames, LookGroups, is_wrapped, node_trees
+from .look_groups import CarriedNames, LookGroups, is_wrapped
 from .look_mixing import COLORS, FADE, PATCHES
 from .look_sources import carried_names, with_looks, write_own_looks
 from .mixed_materials import MixedMaterials, WholeLooks
@@ -134,8 +135,7 @@ def _slots_with_object_values(whole: WholeLooks | None, index: int, mesh: bpy.ty
 
 
 def _reads_object(material: bpy.types.Material | None) -> bool:
-    tree = None if material is None else shown_tree(material)
-    nodes = [] if tree is None else [node for own in node_trees(tree) for node in own.nodes]
+    nodes = nodes_of([material])
     info = [output for node in nodes if node.type == "OBJECT_INFO" for output in node.outputs]
     # Copies have the material itself, with its index.
     read = any(output.is_linked and output.name != "Material Index" for output in info)

@@ -14,10 +14,9 @@ from dataclasses import dataclass
 import bpy
 
 from ..image_files import image_path
-from ..morphs.look_groups import node_trees
 from ..node_math import Value, new_node, vector_math_node
 from ..node_trees import own_tree
-from ..shown_nodes import shown_tree, source_node
+from ..shown_nodes import nodes_of, shown_tree, source_node
 
 _METALS = ("BSDF_GLOSSY", "BSDF_METALLIC")
 
@@ -103,7 +102,7 @@ def has_normals(materials: Sequence[bpy.types.Material | None]) -> bool:
     """Return whether any of the materials changes the normals of a surface."""
     return any(
         node.inputs[name].is_linked
-        for node in _nodes_of(materials)
+        for node in nodes_of(materials)
         for name in ("Normal", "Displacement")
         if _takes(node, name)
     )
@@ -111,19 +110,13 @@ def has_normals(materials: Sequence[bpy.types.Material | None]) -> bool:
 
 def missing_images(materials: Sequence[bpy.types.Material | None]) -> list[bpy.types.Image]:
     """Return images in materials whose files do not exist."""
-    shown = (node for node in _nodes_of(materials) if node.type == "TEX_IMAGE" and node.image is not None)
+    shown = (node for node in nodes_of(materials) if node.type == "TEX_IMAGE" and node.image is not None)
     images = dict.fromkeys(node.image for node in shown)
     return [
         image
         for image in images
         if image.source == "FILE" and image.packed_file is None and not image_path(image).is_file()
     ]
-
-
-def _nodes_of(materials: Sequence[bpy.types.Material | None]) -> list[bpy.types.Node]:
-    """Return the nodes of materials, including those in groups."""
-    trees = [shown_tree(own) for own in materials if own is not None]
-    return [node for tree in trees if tree is not None for own in node_trees(tree) for node in own.nodes]
 
 
 def _takes(node: bpy.types.Node, name: str) -> bool:
