@@ -15,9 +15,11 @@ def scratch_scene() -> Iterator[bpy.types.Scene]:
     """Run a block of code in a new scene, which is removed afterwards.
 
     Importers change the frame range, frame rate and selection of the current scene, and exporters write everything
-    in it. Objects created in the temporary scene are kept.
+    in it. Objects created in the temporary scene are kept. It has the units of the current scene, by which FBX files
+    are scaled.
     """
-    scene = bpy.data.scenes.new("Convwass Scratch")
+    units, scene = bpy.context.scene.unit_settings, bpy.data.scenes.new("Convwass Scratch")
+    scene.unit_settings.system, scene.unit_settings.scale_length = units.system, units.scale_length
     try:
         with bpy.context.temp_override(scene=scene, view_layer=scene.view_layers[0], collection=scene.collection):
             yield scene

@@ -154,6 +154,17 @@ def test_fbx_keeps_the_keys(keyed, tmp_path):
     assert obj.data.shape_keys.animation_data.action is not None
 
 
+def test_fbx_has_the_size_that_the_scene_gives_it(keyed, tmp_path):
+    """In scenes in centimeters, exporters of Blender write a hundredth of the numbers."""
+    bpy.context.scene.unit_settings.scale_length = 0.01
+    size = np.array(keyed.dimensions)
+    (file,) = export_shape_keys(keyed, tmp_path / "keys.fbx")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.ops.import_scene.fbx(filepath=str(file))
+    (obj,) = [one for one in bpy.data.objects if one.type == "MESH"]
+    np.testing.assert_allclose(sorted(obj.dimensions), sorted(0.01 * size), rtol=1e-3)
+
+
 @pytest.mark.parametrize(("moved", "first"), [(0, 3), (-5, 0)])
 @pytest.mark.parametrize("suffix", [".usdc", ".abc"])
 def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, suffix, octahedron, moved, first):
