@@ -23,6 +23,7 @@ from convwass_addon.bridge.flat.flat_objects import flat_objects, is_flat
 from convwass_addon.bridge.flat.flat_rings import CurveStyle
 from convwass_addon.bridge.flat.planes import Plane, blended_plane, plane_of
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.objects import MESHED, triangle_mesh
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.fitting import fitted_beziers
 from convwass_addon.geometry.outlines import FlatRegion, Outline
@@ -289,6 +290,15 @@ def test_flat_and_solid_shapes_are_not_mixed_without_a_thickness(make_object):
     assert not asks_for_flat([solid, flat], depsgraph, 0.0)
     with pytest.raises(InputError, match="cannot be made solid"):
         asks_for_flat([solid, painted(disc())], depsgraph, 0.1)
+
+
+def test_wires_are_not_called_solid(make_object):
+    """Reading them says what they lack."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    wire, plane = make_object("Wire", SQUARE, faces=[]), make_object("Plane", SQUARE, faces=[(0, 1, 2, 3)])
+    assert not asks_for_flat([plane, wire], depsgraph, 0.0)
+    with pytest.raises(InputError, match="Wire has points but no faces"):
+        triangle_mesh(wire, depsgraph, MESHED)
 
 
 @pytest.mark.parametrize("thickness", [0.0, 0.1])

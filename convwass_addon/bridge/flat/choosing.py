@@ -40,6 +40,9 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
     if not any(flat):
         return False
     solid = inputs[flat.index(False)]
+    if not _has_faces(solid, depsgraph):
+        # Reading it reports the problem.
+        return False
     for obj in (obj for obj, is_one in zip(inputs, flat, strict=True) if is_one):
         if obj.type not in MESHED:
             raise InputError(
@@ -61,6 +64,17 @@ def asks_for_flat(inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsg
                 solid=solid.name,
             )
     return False
+
+
+def _has_faces(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
+    """Return whether an object shows faces of its own, unlike wires and mere instances."""
+    if obj.type not in MESHED:
+        return True
+    with evaluated_object(obj, depsgraph) as evaluated:
+        try:
+            return len(evaluated.to_mesh().polygons) > 0
+        finally:
+            evaluated.to_mesh_clear()
 
 
 def _refuse_strays(name: str, points: NDArray[np.float64]) -> None:
