@@ -53,7 +53,7 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
 
 
 class CONVWASS_OT_make_key_pad(bpy.types.Operator):
-    """Create a pad whose handle drives the sliders of the active mesh, in place of their keyframes; for two or three other shapes"""  # noqa: E501
+    """Create a pad whose handle drives the sliders of the active mesh, in place of their keyframes and drivers; for two or three other shapes"""  # noqa: E501
 
     bl_idname = "convwass.make_key_pad"
     bl_label = "Make Pad"
@@ -68,10 +68,13 @@ class CONVWASS_OT_make_key_pad(bpy.types.Operator):
 
     @reporting_errors
     def execute(self, context):
-        from ..bridge.one_mesh.key_pad import make_key_pad
+        from ..bridge.one_mesh.key_pad import foreign_drivers, make_key_pad
 
+        replaced = foreign_drivers(context.object)
         handle = make_key_pad(context.object)
         select_only(context, [handle])
+        if replaced:
+            self.report({"WARNING"}, rpt_("The pad replaces the drivers of {:s}").format(first_names(replaced)))
         tell(self, rpt_("Drag {:s}").format(handle.name))
         return {"FINISHED"}
 

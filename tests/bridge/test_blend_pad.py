@@ -250,9 +250,11 @@ def test_only_complete_sheets(bake, inventory, blends, count):
 
 
 def test_a_second_pad_is_refused(bake):
+    """What is named is the blend, not one of the labels, whatever their names."""
     collection = bake(SHEETS["grid"])
-    make_blend_pad(collection)
-    with pytest.raises(InputError, match="already"):
+    result = make_blend_pad(collection).result
+    next(obj for obj in stand_ins(collection) if obj.type == "FONT").name = "A Label"
+    with pytest.raises(InputError, match=f"already shown by {result.name};"):
         make_blend_pad(collection)
 
 

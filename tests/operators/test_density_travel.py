@@ -190,7 +190,7 @@ def test_undo_takes_it_away(obj):
         ({**PAIR, "frames": "1, 1e30"}, "must lie between -1048574 and 1048574, not at 1e[+]30"),
         ({**PAIR, "frames": "1, 2, 3"}, "2 groups and 3 key times"),
         ({**PAIR, "density": "A"}, "already has a vertex group or an attribute A"),
-        ({**PAIR, "density": ""}, "cannot be the name of a density"),
+        ({**PAIR, "density": ""}, "A density needs a name"),
         ({**PAIR, "blur": 1e-4}, "finer than the mesh can carry"),
         ({**PAIR, "blur": 100.0}, "longer than the whole surface"),
     ],

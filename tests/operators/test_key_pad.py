@@ -68,6 +68,18 @@ def test_the_handle_drives_the_sliders(count):
     assert all(curve.driver.is_simple_expression for curve in obj.animation_data.drivers)
 
 
+def test_drivers_that_a_pad_replaces_are_named(capfd):
+    obj, _ = cube_with_targets(2)
+    obj.animation_data_clear()
+    curve = obj.driver_add('["B"]')
+    curve.driver.variables.new().targets[0].id = bpy.data.objects.new("Control", None)
+    bpy.ops.convwass.make_key_pad()
+    assert "Warning: The pad replaces the drivers of B\n" in capfd.readouterr().out
+    bpy.context.view_layer.objects.active = obj
+    bpy.ops.convwass.make_key_pad()
+    assert "replaces" not in capfd.readouterr().out
+
+
 def test_another_number_of_targets_is_refused():
     cube_with_targets(1)
     with pytest.raises(RuntimeError, match="two or three"):

@@ -35,7 +35,9 @@ def require_free(obj: bpy.types.Object, name: str) -> None:
     InputError
         The name is already used.
     """
-    if not name or name.startswith(".") or "*" in name or len(frame_name(name, 9999).encode()) > 63:
+    if not name:
+        raise InputError("A density needs a name; choose a short one.")
+    if name.startswith(".") or "*" in name or len(frame_name(name, 9999).encode()) > 63:
         raise InputError(
             "{name} cannot be the name of a density; choose a short name without asterisks that does not start with a "
             "dot.",

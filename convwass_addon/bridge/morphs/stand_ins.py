@@ -71,8 +71,10 @@ def require_none(collection: bpy.types.Collection) -> None:
     InputError
         Names the object.
     """
-    found = next((obj for obj in stand_ins(collection) if obj.users_scene), None)
-    if found is not None:
+    shown = [obj for obj in stand_ins(collection) if obj.users_scene]
+    if shown:
+        # What can be seen in renders, rather than the labels of a pad.
+        found = min(shown, key=lambda obj: obj.hide_render)
         raise InputError(
             "{name} is already shown by {other}; duplicate that, or remove it first.",
             name=collection.name,

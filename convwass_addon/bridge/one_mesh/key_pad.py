@@ -74,6 +74,18 @@ def make_key_pad(obj: bpy.types.Object) -> bpy.types.Object:
     return handle
 
 
+def foreign_drivers(obj: bpy.types.Object) -> list[str]:
+    """Return the sliders of an object that drivers set which are not those of a pad."""
+    drivers = obj.animation_data.drivers if obj.animation_data else ()
+    driven = {curve.data_path: [own.targets for own in curve.driver.variables] for curve in drivers}
+    found = []
+    for name in (record["name"] for record in key_records(obj)):
+        targets = [target.id for own in driven.get(slider_path(name), ()) for target in own]
+        if slider_path(name) in driven and not any(own is not None and PAD_KEY in own for own in targets):
+            found.append(name)
+    return found
+
+
 def _driving_handle(obj: bpy.types.Object, names: Sequence[str]) -> bpy.types.Object | None:
     """Return the handle of a pad that drives all sliders of an object, if there is one."""
     drivers = obj.animation_data.drivers if obj.animation_data else ()
