@@ -154,6 +154,18 @@ def test_fbx_keeps_the_keys(keyed, tmp_path):
     assert obj.data.shape_keys.animation_data.action is not None
 
 
+def test_files_have_the_names_of_the_scene(keyed, tmp_path):
+    """Copies are exported, whose names end in numbers as long as the originals have theirs."""
+    keyed.name, keyed.data.name = "Hero", "Skin"
+    before = {(type(own), own.name) for own in (keyed, keyed.data, *keyed.data.materials)}
+    (file,) = export_shape_keys(keyed, tmp_path / "keys.glb")
+    head, _ = read_glb(file)
+    found = {kind: [own["name"] for own in head[kind]] for kind in ("nodes", "meshes", "materials", "animations")}
+    materials = [own.name for own in keyed.data.materials]
+    assert found == {"nodes": ["Hero"], "meshes": ["Skin"], "materials": materials, "animations": ["Hero Keys"]}
+    assert {(type(own), own.name) for own in (keyed, keyed.data, *keyed.data.materials)} == before
+
+
 def test_fbx_has_the_size_that_the_scene_gives_it(keyed, tmp_path):
     """In scenes in centimeters, exporters of Blender write a hundredth of the numbers."""
     bpy.context.scene.unit_settings.scale_length = 0.01

@@ -91,6 +91,16 @@ def read_back(file):
     return obj, key
 
 
+def test_files_have_the_names_of_mesh_and_rig(rigged, tmp_path):
+    rig = rigged.modifiers[0].object
+    rigged.name, rig.name, rig.data.name = "Hero", "Rig", "Bones"
+    (file,) = export_shape_keys(rigged, tmp_path / "keys.fbx")
+    assert (rigged.name, rig.name, rig.data.name) == ("Hero", "Rig", "Bones")
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.ops.import_scene.fbx(filepath=str(file))
+    assert {obj.name for obj in bpy.data.objects} == {"Hero", "Rig"}
+
+
 @pytest.mark.parametrize("sheared", ["nothing", "mesh", "armature", "mirrored armature"])
 @pytest.mark.parametrize("suffix", [".glb", ".fbx"])
 def test_the_rig_goes_along(rigged, tmp_path, suffix, sheared, inventory):

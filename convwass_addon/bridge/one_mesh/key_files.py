@@ -24,6 +24,7 @@ from ...drafts import written_whole
 from ...errors import InputError
 from ...sentence import Sentence
 from ..animation_time import returning, show_time
+from ..borrowed_names import borrowed_names
 from ..files import checked_target
 from ..keyframes import curves_of, interpolate
 from ..mesh_checks import require_not_edited
@@ -147,12 +148,14 @@ def _keyed_copy(obj: bpy.types.Object, frames: range) -> Iterator[None]:
                 _key_places(copy, sampled.places, made[0])
             for block in (keys, copy):
                 interpolate(curves_of(block))
+            made[0].name = keys.name
             scene.frame_set(0)
-            yield
+            with borrowed_names([(copy, obj), (mesh, obj.data), *plain, *_rig_names(rig, obj)]):
+                yield
         finally:
             bpy.data.objects.remove(copy)
             bpy.data.meshes.remove(mesh)
-            bpy.data.batch_remove([*made, *plain, *_parts_of(rig)])
+            bpy.data.batch_remove([*made, *(own for own, _ in plain), *_parts_of(rig)])
 
 
 def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.types.Action) -> None:
@@ -207,13 +210,23 @@ def _parts_of(rig: bpy.types.Object | None) -> list[bpy.types.ID]:
     return [] if rig is None else [rig, rig.data, *([rig.parent] if rig.parent else [])]
 
 
-def _assign_plain_material(mesh: bpy.types.Mesh, obj: bpy.types.Object) -> list[bpy.types.Material]:
-    """Replace materials that read the color of the object by copies with that color; return the copies."""
+def _rig_names(rig: bpy.types.Object | None, obj: bpy.types.Object) -> list[tuple[bpy.types.ID, bpy.types.ID]]:
+    """Return the copy of an object's armature and of its data, each with its original."""
+    if rig is None:
+        return []
+    original = armatures(obj)[0].object
+    return [(rig, original), (rig.data, original.data)]
+
+
+def _assign_plain_material(
+    mesh: bpy.types.Mesh, obj: bpy.types.Object
+) -> list[tuple[bpy.types.Material, bpy.types.Material]]:
+    """Replace materials that read the color of the object by copies with that color; return these and the originals."""
     made = []
     for place, material in enumerate(mesh.materials):
         if shows_object_color(material):
-            made.append(plain_copy(material, tuple(obj.color)))
-            mesh.materials[place] = made[-1]
+            made.append((plain_copy(material, tuple(obj.color)), material))
+            mesh.materials[place] = made[-1][0]
     return made
 
 
@@ -270,7 +283,7 @@ def _write_textures(obj: bpy.types.Object, frames: range, target: Path) -> list[
         return write_moving_mesh(mesh, obj.name, moving, target, render.fps / render.fps_base)
     finally:
         bpy.data.meshes.remove(mesh)
-        bpy.data.batch_remove(plain)
+        bpy.data.batch_remove([own for own, _ in plain])
 
 
 def _without_keys(obj: bpy.types.Object) -> bpy.types.Mesh:
