@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import re
+
 import bpy
 import numpy as np
 import pytest
@@ -49,6 +51,12 @@ def polygon(points, *, kind="POLY", cyclic=True, dimensions="2D"):
     spline.points.foreach_set("co", np.array([(*point, 1.0) for point in points], np.float32).ravel())
     spline.use_cyclic_u = cyclic
     return linked("Curve", curve)
+
+
+def filled(points):
+    obj = polygon(points)
+    obj.data.fill_mode = "BOTH"
+    return obj
 
 
 def circle(**options):
@@ -109,6 +117,143 @@ def test_splines_of_all_kinds_are_read_as_blender_draws_them():
 
 def test_open_splines_whose_ends_touch_are_closed():
     assert area(read(polygon([*SQUARE, SQUARE[0]], cyclic=False))[0]) == pytest.approx(4.0, rel=1e-6)
+
+
+def bend(obj):
+    modifier = obj.modifiers.new("Bend", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis, modifier.angle = "BEND", "Z", 0.5
+    return modifier
+
+
+def stretch(obj):
+    modifier = obj.modifiers.new("Stretch", "SIMPLE_DEFORM")
+    modifier.deform_method, modifier.deform_axis, modifier.factor = "STRETCH", "X", 1.0
+    return modifier
+
+
+def repeat(obj):
+    modifier = obj.modifiers.new("Repeat", "ARRAY")
+    modifier.count = 3
+    modifier.relative_offset_displace[0] = 1.5
+    return modifier
+
+
+def mirror(obj):
+    modifier = obj.modifiers.new("Mirror", "MIRROR")
+    modifier.mirror_object = linked("Axis", None)
+    modifier.mirror_object.location.x = 9.0
+    return modifier
+
+
+def push(obj):
+    data = bpy.data.lattices.new("Lattice")
+    for point in data.points:
+        point.co_deform.x *= 2.0 if point.co.y > 0 else 1.0
+    modifier = obj.modifiers.new("Push", "LATTICE")
+    modifier.object = linked("Lattice", data)
+    modifier.object.scale = (4, 4, 4)
+    return modifier
+
+
+def by_nodes(obj):
+    tree = bpy.data.node_groups.new("Move", "GeometryNodeTree")
+    for direction in ("INPUT", "OUTPUT"):
+        tree.interface.new_socket("Geometry", in_out=direction, socket_type="NodeSocketGeometry")
+    kinds = ("NodeGroupInput", "GeometryNodeTransform", "NodeGroupOutput")
+    begin, move, end = (tree.nodes.new(kind) for kind in kinds)
+    move.inputs["Scale"].default_value = (2.0, 3.0, 1.0)
+    move.inputs["Translation"].default_value = (2.0, 0.0, 0.0)
+    tree.links.new(begin.outputs[0], move.inputs[0])
+    tree.links.new(move.outputs[0], end.inputs[0])
+    modifier = obj.modifiers.new("Nodes", "NODES")
+    modifier.node_group = tree
+    return modifier
+
+
+def drawn_bounds(obj):
+    """Bounds in world space of what Blender draws of an object, along X and Y, (2, 2)."""
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    mesh = bpy.data.meshes.new_from_object(obj.evaluated_get(depsgraph), depsgraph=depsgraph)
+    return bounds([obj.matrix_world @ vertex.co for vertex in mesh.vertices])
+
+
+def bounds(points):
+    places = np.array(points)[:, :2]
+    return np.array([places.min(axis=0), places.max(axis=0)])
+
+
+@pytest.mark.parametrize("modify", [bend, stretch, repeat, mirror, push, by_nodes])
+@pytest.mark.parametrize(
+    "make", [lambda: text("E"), lambda: filled(SQUARE), circle], ids=["text", "filled", "unfilled"]
+)
+def test_all_modifiers_of_texts_and_curves_count(make, modify):
+    obj = make()
+    obj.location = (3.0, 1.0, 0.0)
+    modify(obj)
+    bpy.context.view_layer.update()
+    (flat,) = read(obj)
+    np.testing.assert_allclose(bounds(flat.read.points), drawn_bounds(obj), atol=1e-4)
+    assert flat.read.notice is None
+    if drawn_area(obj) > 0:
+        assert area(flat) == pytest.approx(drawn_area(obj), rel=1e-3)
+
+
+def test_modifiers_of_beveled_texts_count_and_the_depth_is_kept():
+    plain, deep = text("E"), text("E", extrude=0.2, bevel_depth=0.01, offset=0.02)
+    for obj in (plain, deep):
+        repeat(obj).use_relative_offset = False
+        obj.modifiers[0].use_constant_offset = True
+        obj.modifiers[0].constant_offset_displace = (2.0, 0.0, 0.0)
+    plain.data.offset = 0.02
+    first, second = read(plain, deep)
+    assert area(second) == pytest.approx(area(first), rel=1e-4)
+    style = second.read.style
+    assert (style.extrude, style.bevel_depth, style.offset) == pytest.approx((0.2, 0.01, 0.0))
+    assert (deep.data.extrude, deep.data.bevel_depth) == pytest.approx((0.2, 0.01))
+
+
+def test_texts_keep_their_letters_without_shown_modifiers():
+    obj = text("AB")
+    repeat(obj).show_viewport = False
+    assert set(read(obj)[0].shape.letters) == {0, 1}
+    obj.modifiers[0].show_viewport = True
+    assert read(obj)[0].shape.letters is None
+
+
+def test_modifiers_applied_on_splines_are_read_by_splines():
+    obj = circle()
+    obj.data.dimensions = "3D"
+    stretch(obj).use_apply_on_spline = True
+    (flat,) = read(obj)
+    np.testing.assert_allclose(bounds(flat.read.points), drawn_bounds(obj), atol=1e-2)
+    assert flat.read.notice is None
+    assert flat.read.style.fill_mode == "NONE"
+
+
+def test_materials_of_splines_are_kept_with_modifiers():
+    obj = filled(SQUARE)
+    for name in ("First", "Second"):
+        obj.data.materials.append(bpy.data.materials.new(name))
+    spline = obj.data.splines.new("POLY")
+    spline.points.add(3)
+    spline.points.foreach_set("co", np.array([(x + 5, y, z, 1) for x, y, z in SQUARE], np.float32).ravel())
+    spline.use_cyclic_u, spline.material_index = True, 1
+    stretch(obj)
+    (flat,) = read(obj)
+    left, right = sorted(zip(flat.read.rings, flat.read.slots, strict=True), key=lambda each: each[0][:, 0].mean())
+    assert (left[1], right[1]) == (0, 1)
+
+
+def test_modifiers_that_make_no_flat_area_are_named():
+    twisted, joined = text("E"), polygon([(x + 1, y, z) for x, y, z in SQUARE], dimensions="3D")
+    bend(twisted).deform_method, twisted.modifiers[0].deform_axis = "TWIST", "X"
+    # The common edge of the halves is open at both ends.
+    joined.modifiers.new("Mirror", "MIRROR")
+    for obj in (twisted, joined):
+        (flat,) = read(obj)
+        name = re.escape(f"{obj.name}: blends leave out the modifier {obj.modifiers[0].name}")
+        assert re.match(name, str(flat.read.notice))
+        assert area(flat) > 0
 
 
 def test_open_splines_among_closed_ones_are_left_out_with_a_notice():

@@ -29,26 +29,58 @@ def is_flat_mesh(evaluated: bpy.types.Object) -> bool:
 
 
 def mesh_rings(evaluated: bpy.types.Object) -> FlatRings:
-    """Read the boundaries of the faces of a flat mesh by material, regardless of the orientation of faces."""
-    mesh = evaluated.data
+    """Read the boundaries of the faces of a flat mesh by material, regardless of the orientation of faces.
+
+    The mesh of a curve or text is what its modifiers make of it.
+    """
     matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-    points = _points(mesh, matrix)
-    plane = plane_of(points, matrix)
-    corners, loops = plane.coordinates(points), element_values(mesh.loops, "vertex_index", kind=np.int32)
-    names = ("loop_start", "loop_total", "material_index")
-    starts, totals, slots = (element_values(mesh.polygons, name, kind=np.int32) for name in names)
+    try:
+        mesh = evaluated.to_mesh()
+        points, faces, slots = _points(mesh, matrix), _faces(mesh), _slots(mesh)
+    finally:
+        evaluated.to_mesh_clear()
+    corners = plane_of(points, matrix).coordinates(points)
     rings: list[NDArray[np.int64]] = []
     owners: list[int] = []
     for slot in np.unique(slots):
-        chosen = np.flatnonzero(slots == slot)
-        found = _border([loops[starts[face] : starts[face] + totals[face]] for face in chosen], corners)
+        found = _border([faces[face] for face in np.flatnonzero(slots == slot)], corners)
         rings += found
         owners += [int(slot)] * len(found)
     return FlatRings([points[ring] for ring in rings], matrix, "non-zero", None, tuple(owners))
 
 
+def wire_rings(evaluated: bpy.types.Object) -> FlatRings | None:
+    """Read the edges of a flat mesh without faces, as of a curve that is not filled.
+
+    Return None if they are open, or do not lie in a plane.
+    """
+    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
+    try:
+        mesh = evaluated.to_mesh()
+        if mesh is None or len(mesh.polygons) or not len(mesh.edges):
+            return None
+        points, edges = _points(mesh, matrix), element_values(mesh.edges, "vertices", 2, np.int32).astype(np.int64)
+    finally:
+        evaluated.to_mesh_clear()
+    # Edges of a spline have the same direction.
+    leaving, arriving = (np.bincount(ends, minlength=len(points)) for ends in edges.T)
+    if (leaving != arriving).any() or not np.isfinite(points).all() or plane_of(points, matrix) is None:
+        return None
+    return FlatRings([points[ring] for ring in closed_chains(*edges.T)], matrix, "even-odd")
+
+
 def _points(mesh: bpy.types.Mesh, matrix: NDArray[np.float64]) -> NDArray[np.float64]:
     return transformed_points(vectors_of(mesh.vertices), matrix)
+
+
+def _faces(mesh: bpy.types.Mesh) -> list[NDArray[np.int32]]:
+    """Return the vertices of every face."""
+    loops = element_values(mesh.loops, "vertex_index", kind=np.int32)
+    return np.split(loops, element_values(mesh.polygons, "loop_start", kind=np.int32)[1:])
+
+
+def _slots(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    return element_values(mesh.polygons, "material_index", kind=np.int32)
 
 
 def _border(faces: list[NDArray[np.int32]], corners: NDArray[np.float64]) -> list[NDArray[np.int64]]:

@@ -21,9 +21,9 @@ from ..visibility import evaluated_object
 from .flat_images import image_rings
 from .flat_kinds import has_own_depth, is_drawn_flat, is_tube, may_become_solid
 from .flat_meshes import is_flat_mesh, mesh_rings
+from .flat_modifiers import modified_rings
 from .flat_pencils import pencil_rings
 from .flat_rings import FlatRings
-from .flat_splines import curve_rings
 from .planes import Plane, common_planes, plane_of
 
 # Ratio of the extents in a plane below which an object is degenerate.
@@ -101,7 +101,7 @@ def read_rings(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> FlatRin
         elif obj.type == "EMPTY":
             read = image_rings(obj, evaluated)
         else:
-            read = curve_rings(obj, evaluated, depsgraph)
+            read = modified_rings(obj, evaluated, depsgraph)
     if not np.isfinite(read.points).all():
         raise InputError("{name} has points without valid coordinates; delete them.", name=obj.name)
     return read

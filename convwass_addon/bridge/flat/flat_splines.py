@@ -33,7 +33,7 @@ _Sign = tuple[tuple[float, ...], ...]
 
 
 def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> FlatRings:
-    """Read the closed splines of a curve or text object, with deforming modifiers.
+    """Read the closed splines of a curve or text object, with modifiers that are applied to its control points.
 
     Parameters
     ----------
@@ -48,22 +48,19 @@ def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: b
         The text is empty or has characters missing in its font, or there are no closed splines.
     """
     is_text = obj.type == "FONT"
-    if is_text and not obj.data.body.strip():
-        raise InputError("The text {name} is empty; type something into it.", name=obj.name)
+    if is_text:
+        check_text(obj, evaluated, depsgraph)
     try:
         curve = evaluated.to_curve(depsgraph, apply_modifiers=True)
         splines = list(curve.splines)
-        drawn = _drawn_signs(_glyphs(splines)) if is_text else {}
         matrix = np.array(evaluated.matrix_world, dtype=np.float64)
         found = [(spline, sampled_spline(spline)) for spline in splines]
         closed = [(spline, ring) for spline, ring in found if ring is not None and len(ring) >= 3]
-        style = _style(obj.data, matrix)
+        style = style_of(obj.data, matrix)
         letters = tuple(_letter_of(spline) for spline, _ in closed) if is_text else None
         slots = tuple(spline.material_index for spline, _ in closed)
     finally:
         evaluated.to_curve_clear()
-    if is_text:
-        _check_glyphs(obj, drawn)
     if not closed:
         raise _nothing_closed(obj.name, len(found))
     notice = None
@@ -72,6 +69,17 @@ def curve_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: b
         notice = Sentence("{name}: {count} open splines are ignored, since they fill no area.", values)
     rings = [transformed_points(ring, matrix) for _, ring in closed]
     return FlatRings(rings, matrix, "non-zero" if is_text else "even-odd", letters, slots, style, notice)
+
+
+def check_text(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> None:
+    """Raise InputError if a text is empty or has characters missing in its font."""
+    if not obj.data.body.strip():
+        raise InputError("The text {name} is empty; type something into it.", name=obj.name)
+    try:
+        drawn = _drawn_signs(_glyphs(evaluated.to_curve(depsgraph).splines))
+    finally:
+        evaluated.to_curve_clear()
+    _check_glyphs(obj, drawn)
 
 
 def sampled_spline(spline: bpy.types.Spline) -> NDArray[np.float64] | None:
@@ -142,7 +150,8 @@ def _vectors(items: bpy.types.bpy_prop_collection, name: str, width: int) -> NDA
     return element_values(items, name, width).reshape(-1, width).astype(np.float64)
 
 
-def _style(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveStyle:
+def style_of(curve: bpy.types.Curve, matrix: NDArray[np.float64]) -> CurveStyle:
+    """Return the depth of a curve, in scene units, and its fill."""
     scales = np.linalg.norm(matrix[:3, :3], axis=0)
     across = float(np.sqrt(scales[0] * scales[1]))
     bevel = curve.bevel_depth if curve.bevel_mode == "ROUND" else 0.0
