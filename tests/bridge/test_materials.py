@@ -35,6 +35,14 @@ def base_color(material):
     return next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED").inputs["Base Color"]
 
 
+def show_shader(material, kind):
+    """Link a new shader to the output of a material."""
+    tree = material.node_tree
+    shader = tree.nodes.new(f"ShaderNode{kind}")
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    return shader
+
+
 def test_base_color(colored):
     base_color(colored.active_material).default_value = RED
     assert input_color(colored) == pytest.approx(RED)
@@ -50,6 +58,29 @@ def test_textured_material_gives_its_viewport_color(colored):
 def test_material_without_principled(colored):
     colored.active_material.node_tree.nodes.clear()
     assert input_color(colored) == pytest.approx((0.0, 1.0, 0.0, 1.0))
+
+
+@pytest.mark.parametrize("shader", ["Emission", "BsdfDiffuse", "BsdfGlossy", "BsdfGlass", "BsdfTransparent"])
+def test_color_of_the_shown_shader(colored, shader):
+    show_shader(colored.active_material, shader).inputs["Color"].default_value = RED
+    assert input_color(colored) == pytest.approx(RED)
+
+
+def test_color_of_an_rgb_node(colored):
+    tree = colored.active_material.node_tree
+    node, reroute = tree.nodes.new("ShaderNodeRGB"), tree.nodes.new("NodeReroute")
+    node.outputs[0].default_value = RED
+    tree.links.new(node.outputs[0], reroute.inputs[0])
+    link = tree.links.new(reroute.outputs[0], base_color(colored.active_material))
+    assert input_color(colored) == pytest.approx(RED)
+    link.is_muted = True
+    assert input_color(colored) == pytest.approx(tuple(base_color(colored.active_material).default_value))
+
+
+def test_a_mix_of_shaders_gives_the_base_color(colored):
+    base_color(colored.active_material).default_value = RED
+    show_shader(colored.active_material, "MixShader")
+    assert input_color(colored) == pytest.approx(RED)
 
 
 def test_object_without_material(make_object):

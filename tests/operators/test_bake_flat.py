@@ -401,6 +401,24 @@ def test_letters_keep_their_colors_and_share_materials():
         assert {spline.material_index for spline in obj.data.splines} == {0, 1}
 
 
+def glowing(obj, color):
+    """Give an object an Emission shader of a color."""
+    material = bpy.data.materials.new(obj.name)
+    tree = own_tree(material)
+    shader = tree.nodes.new("ShaderNodeEmission")
+    shader.inputs["Color"].default_value = color
+    tree.links.new(shader.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    obj.data.materials.append(material)
+    return obj
+
+
+def test_blends_have_the_colors_of_other_shaders():
+    select_only(glowing(text("A"), RED), glowing(text("B", 3.0), BLUE))
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    colors = np.array([obj.color for obj in frame_objects(baked_morph())])
+    np.testing.assert_allclose(colors, np.linspace(RED, BLUE, len(colors)), atol=1e-6)
+
+
 def test_a_player_of_curves_shows_the_colors_of_regions():
     select_only(two_letters("IO", RED, GREEN), two_letters("OI", BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)

@@ -8,7 +8,7 @@ import bpy
 
 from ..node_math import new_node
 from ..node_trees import own_tree
-from ..shown_nodes import shown_output
+from ..shown_nodes import shown_output, shown_tree
 
 MATERIAL_NAME = "Convwass Morph"
 
@@ -16,6 +16,9 @@ _CARRIES_KEY = "convwass_carries"
 """Custom property of a material that belongs to the frames of one morph."""
 
 ROUGHNESS = 0.45
+
+# Inputs of shaders for their color.
+_COLOR_INPUTS = ("Base Color", "Color")
 
 
 def morph_material() -> bpy.types.Material:
@@ -29,18 +32,52 @@ def morph_material() -> bpy.types.Material:
 def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
     """Return the representative color of an object as scene linear RGBA.
 
-    This is the base color of its first material, or that material's viewport color if the base color is linked; without
-    a material, and for morph frames, the object's color.
+    This is the color of its first material; without a material, the object's color.
     """
     material = next((slot.material for slot in obj.material_slots if slot.material), None)
-    if material is None:
-        return tuple(obj.color)
-    base = base_color(material)
-    if base is None:
+    return tuple(obj.color) if material is None else material_color(material, obj)
+
+
+def material_color(material: bpy.types.Material, obj: bpy.types.Object) -> tuple[float, float, float, float]:
+    """Return the representative color of a material of an object as scene linear RGBA.
+
+    This is the color of the shader that it shows, which may come from an *RGB* node; for morph frames, the object's
+    color. It is the material's viewport color if other nodes give the color, or if the shader has none.
+    """
+    color = _shown_color(material)
+    if color is None:
         return tuple(material.diffuse_color)
-    if not base.is_linked:
-        return tuple(base.default_value)
-    return tuple(obj.color if shows_object_color(material) else material.diffuse_color)
+    source = _linked_output(color)
+    if source is None:
+        return tuple(color.default_value)
+    if source.node.mute:
+        return tuple(material.diffuse_color)
+    if source.node.type == "RGB":
+        return tuple(source.default_value)
+    is_of_object = source.node.type == "OBJECT_INFO" and source.name == "Color"
+    return tuple(obj.color if is_of_object else material.diffuse_color)
+
+
+def _shown_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
+    """Return the color input of the shader that a material shows, else that of a Principled BSDF, or None."""
+    tree = shown_tree(material)
+    output = shown_output(tree) if tree is not None else None
+    surface = _linked_output(output.inputs["Surface"]) if output is not None else None
+    if surface is not None and surface.node.type != "GROUP":
+        found = [surface.node.inputs[name] for name in _COLOR_INPUTS if name in surface.node.inputs]
+        if found:
+            return found[0]
+    return base_color(material) if tree is not None else None
+
+
+def _linked_output(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
+    """Return the output that is linked to an input, also by reroutes; None if there is none, or if a link is muted."""
+    link = next(iter(socket.links), None)
+    while link is not None and not link.is_muted:
+        if link.from_node.type != "REROUTE":
+            return link.from_socket
+        link = next(iter(link.from_node.inputs[0].links), None)
+    return None
 
 
 def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, float]) -> bpy.types.Material:
