@@ -10,8 +10,10 @@ import pytest
 from convwass_addon.bridge.morphs.materials import (
     MATERIAL_NAME,
     input_color,
+    material_opacity,
     morph_material,
     plain_copy,
+    see_through_material,
     shows_object_color,
 )
 from convwass_addon.bridge.node_trees import own_tree
@@ -119,3 +121,23 @@ def test_plain_copy():
     assert not shows_object_color(copy)
     assert tuple(base_color(copy).default_value) == pytest.approx(RED)
     assert shows_object_color(morph_material())
+
+
+def test_opacity_of_a_material(colored):
+    material, tree = colored.active_material, colored.active_material.node_tree
+    alpha = base_color(material).node.inputs["Alpha"]
+    alpha.default_value = 0.25
+    assert material_opacity(material, colored) == 0.25
+    tree.links.new(tree.nodes.new("ShaderNodeTexNoise").outputs[0], alpha)
+    assert material_opacity(material, colored) == 1.0
+    show_shader(material, "Emission")
+    assert material_opacity(material, colored) == 1.0
+
+
+def test_opacity_of_the_object(make_object):
+    obj, material = make_object("A"), see_through_material("Clear")
+    obj.color = (0.8, 0.1, 0.2, 0.25)
+    assert material_opacity(material, obj) == 0.25
+    alpha = base_color(plain_copy(material, tuple(obj.color))).node.inputs["Alpha"]
+    assert not alpha.is_linked
+    assert alpha.default_value == 0.25

@@ -419,6 +419,51 @@ def test_blends_have_the_colors_of_other_shaders():
     np.testing.assert_allclose(colors, np.linspace(RED, BLUE, len(colors)), atol=1e-6)
 
 
+def with_alpha(obj, alpha):
+    """Set the alpha of all materials of an object."""
+    for slot in obj.material_slots:
+        slot.material.node_tree.nodes["Principled BSDF"].inputs["Alpha"].default_value = alpha
+    return obj
+
+
+def alpha_source(material):
+    """Return the node whose alpha a material has, and None if it is opaque."""
+    links = material.node_tree.nodes["Principled BSDF"].inputs["Alpha"].links
+    return links[0].from_node if links and links[0].from_socket.name == "Alpha" else None
+
+
+def test_blends_are_as_transparent_as_their_shapes():
+    select_only(with_alpha(colored(text("A"), RED), 0.25), with_alpha(colored(text("B", 3.0), RED), 0.75))
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    frames = frame_objects(baked_morph())
+    np.testing.assert_allclose([obj.color[3] for obj in frames], np.linspace(0.25, 0.75, len(frames)), atol=1e-6)
+    assert {alpha_source(obj.active_material).type for obj in frames[1:-1]} == {"OBJECT_INFO"}
+    bpy.context.view_layer.objects.active = frames[0]
+    assert bpy.ops.convwass.make_player() == {"FINISHED"}
+    shown = [one for one in bpy.data.materials if one.name.endswith(" Player")]
+    assert [alpha_source(material).attribute_name for material in shown] == ["morph_color"]
+
+
+@pytest.mark.parametrize(("kind", "source"), [("CURVE", "ATTRIBUTE"), ("MESH", "VERTEX_COLOR")])
+def test_letters_keep_their_transparency(kind, source):
+    letters = two_letters("IO", RED, GREEN), two_letters("OI", BLUE, BLUE)
+    select_only(*(with_alpha(obj, 0.25) for obj in letters))
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", flat_output=kind, **QUICK)
+    for obj in frame_objects(baked_morph())[1:-1]:
+        assert {alpha_source(slot.material).type for slot in obj.material_slots} == {source}
+        if kind == "CURVE":
+            assert region(obj, 1)[3] == pytest.approx(0.25)
+
+
+def test_the_color_of_an_object_does_not_make_blends_transparent():
+    letters = text("A"), text("B", 3.0)
+    for obj in letters:
+        obj.color = (1.0, 0.0, 0.0, 0.5)
+    select_only(*letters)
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", **QUICK)
+    assert {obj.active_material.name for obj in frame_objects(baked_morph())} == {"Convwass Morph"}
+
+
 def test_a_player_of_curves_shows_the_colors_of_regions():
     select_only(two_letters("IO", RED, GREEN), two_letters("OI", BLUE, BLUE))
     bpy.ops.convwass.bake_morph(motion="TRANSPORT", words="LETTERS", **QUICK)

@@ -22,7 +22,7 @@ from ..unused_data import remove_if_unused
 from ..visibility import evaluated_object
 from .flat_curves import FittedFrame, mesh_of, write_curves, write_rings
 from .flat_moves import MovedFlat
-from .flat_paint import assign_region_materials, paint_mesh, unused_materials
+from .flat_paint import assign_region_materials, assign_see_through_material, paint_mesh, unused_materials
 from .flat_pencils import freeze_drawing
 from .flat_rings import blended_style
 from .planes import blended_plane
@@ -72,12 +72,14 @@ class FlatBake(MorphBake):
         bake._copies = [Handle.of("objects", copy) for copy in copies]
         bake._flats, bake._kind = tuple(flats), kind
         bake._material = _shared_material(inputs)
+        bake._see_through = tuple(map(_is_see_through, inputs, flats))
         return bake
 
     _copies: list[Handle]
     _flats: tuple[MovedFlat, ...]
     _kind: FlatKind
     _material: Handle | None
+    _see_through: tuple[bool, ...]
 
     def _made(self, frame: FittedFrame, name: str) -> bpy.types.Object:
         """Make the object of a frame; frames that equal an input are copies of it."""
@@ -85,7 +87,7 @@ class FlatBake(MorphBake):
             obj = self._living(self._copies[frame.blend.source]).copy()
             obj.name = name
             if obj.type != "GREASEPENCIL":
-                assign_default_material(obj.data)
+                _assign_default(obj.data, self._see_through[frame.blend.source])
             return obj
         weights = frame.blend.weights
         curve = bpy.data.curves.new(name, "CURVE")
@@ -112,7 +114,7 @@ class FlatBake(MorphBake):
         material = self._material.find() if self._material is not None else None
         if material is not None:
             obj.data.materials.append(material)
-        assign_default_material(obj.data)
+        _assign_default(obj.data, any(self._see_through))
 
     def _sheet_location(self, blend: Blend) -> np.ndarray:
         """Return the position of a frame on a sheet, (3,): columns along the plane's X, rows against its Y."""
@@ -211,6 +213,19 @@ def mean_color(flat: MovedFlat) -> tuple[float, ...]:
     """Mean color of an input, weighted by the areas of its rings."""
     areas = np.abs([ring_area(ring) for ring in flat.shape.rings])
     return tuple(float(value) for value in areas @ flat.shape.colors / areas.sum())
+
+
+def _assign_default(data: bpy.types.ID, is_see_through: bool) -> None:
+    """Assign the material of all frames, or the one with opacity, to data without material."""
+    if is_see_through and not any(data.materials):
+        data.materials.clear()
+        assign_see_through_material(data)
+    assign_default_material(data)
+
+
+def _is_see_through(obj: bpy.types.Object, flat: MovedFlat) -> bool:
+    """Return whether materials of an input are transparent; without any, its color does not make it so in renders."""
+    return any(slot.material for slot in obj.material_slots) and bool((flat.shape.colors[:, 3] < 1.0).any())
 
 
 def _shared_material(inputs: Sequence[bpy.types.Object]) -> Handle | None:

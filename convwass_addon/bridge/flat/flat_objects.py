@@ -15,7 +15,7 @@ from ...applications.flat.flat_shapes import FlatShape
 from ...errors import InputError
 from ...geometry.flat_moments import directed
 from ..matrix_checks import require_finite
-from ..morphs.materials import input_color, material_color
+from ..morphs.materials import input_color, material_color, material_opacity
 from ..nodes_output import nodes_output
 from ..visibility import evaluated_object
 from .flat_images import image_rings
@@ -139,4 +139,4 @@ def _slot_color(material: bpy.types.Material | None, obj: bpy.types.Object) -> t
         return tuple(obj.color)
     if obj.type == "GREASEPENCIL" and material.grease_pencil is not None:
         return tuple(material.grease_pencil.fill_color)
-    return material_color(material, obj)
+    return (*material_color(material, obj)[:3], material_opacity(material, obj))

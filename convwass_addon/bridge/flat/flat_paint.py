@@ -11,12 +11,14 @@ import numpy as np
 
 from ..element_values import element_values, write_attribute
 from ..morphs.appearance import COLOR
-from ..morphs.materials import attribute_material, object_property_material
+from ..morphs.materials import attribute_material, object_property_material, see_through_material
 
 REGION_KEY = "convwass_region_{}"
 """Custom property of a curve object with the color of a region, numbered from 1."""
 
-_CURVE_NAME, _MESH_NAME = "Convwass Region {}", "Convwass Regions"
+_CURVE_NAME, _MESH_NAME, _SINGLE_NAME = "Convwass Region {}", "Convwass Regions", "Convwass Flat Morph"
+# Appended to the names of materials that show the opacity of their colors.
+_SEE_THROUGH = " with Alpha"
 
 
 def assign_region_materials(obj: bpy.types.Object, colors: Sequence[Sequence[float]]) -> None:
@@ -32,10 +34,17 @@ def assign_region_materials(obj: bpy.types.Object, colors: Sequence[Sequence[flo
         Colors of the regions.
     """
     obj.data.materials.clear()
+    clear = _is_see_through(colors)
     for number, color in enumerate(colors, start=1):
         key = REGION_KEY.format(number)
         obj[key] = [float(value) for value in color]
-        obj.data.materials.append(object_property_material(_CURVE_NAME.format(number), key))
+        name = _CURVE_NAME.format(number) + (_SEE_THROUGH if clear else "")
+        obj.data.materials.append(object_property_material(name, key, is_see_through=clear))
+
+
+def assign_see_through_material(data: bpy.types.ID) -> None:
+    """Assign the material that shows the color and opacity of the object."""
+    data.materials.append(see_through_material(_SINGLE_NAME + _SEE_THROUGH))
 
 
 def region_colors(obj: bpy.types.Object) -> list[tuple[float, ...]]:
@@ -67,10 +76,16 @@ def paint_mesh(mesh: bpy.types.Mesh, colors: Sequence[Sequence[float]]) -> None:
     mesh.color_attributes.render_color_index = mesh.color_attributes.find(COLOR)
     mesh.polygons.foreach_set("material_index", np.zeros(len(mesh.polygons), np.int32))
     mesh.materials.clear()
-    mesh.materials.append(attribute_material(_MESH_NAME, COLOR))
+    clear = _is_see_through(colors)
+    name = _MESH_NAME + (_SEE_THROUGH if clear else "")
+    mesh.materials.append(attribute_material(name, COLOR, is_see_through=clear))
+
+
+def _is_see_through(colors: Sequence[Sequence[float]]) -> bool:
+    return any(color[3] < 1.0 for color in colors)
 
 
 def unused_materials() -> list[bpy.types.Material]:
     """Return the materials made by this module that nothing uses."""
-    names = (_MESH_NAME, _CURVE_NAME.partition("{")[0])
+    names = (_MESH_NAME, _CURVE_NAME.partition("{")[0], _SINGLE_NAME)
     return [one for one in bpy.data.materials if not one.users and one.name.startswith(names)]

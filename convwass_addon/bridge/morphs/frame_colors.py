@@ -93,6 +93,7 @@ def _colored_copy(material: bpy.types.Material) -> bpy.types.Material:
     attribute = new_node(tree, "ShaderNodeAttribute", attribute_type="GEOMETRY", attribute_name=COLOR)
     for node in [node for node in tree.nodes if node.type == "OBJECT_INFO"]:
         attribute.location = node.location
-        for link in list(node.outputs["Color"].links):
-            tree.links.new(attribute.outputs["Color"], link.to_socket)
+        for name in ("Color", "Alpha"):
+            for link in list(node.outputs[name].links):
+                tree.links.new(attribute.outputs[name], link.to_socket)
     return copy

@@ -29,6 +29,11 @@ def morph_material() -> bpy.types.Material:
     return _found_or_wired(MATERIAL_NAME, "ShaderNodeObjectInfo")
 
 
+def see_through_material(name: str) -> bpy.types.Material:
+    """Return the material whose base color and alpha are the color of the object; created if missing."""
+    return _found_or_wired(name, "ShaderNodeObjectInfo", is_see_through=True)
+
+
 def input_color(obj: bpy.types.Object) -> tuple[float, float, float, float]:
     """Return the representative color of an object as scene linear RGBA.
 
@@ -58,16 +63,40 @@ def material_color(material: bpy.types.Material, obj: bpy.types.Object) -> tuple
     return tuple(obj.color if is_of_object else material.diffuse_color)
 
 
+def material_opacity(material: bpy.types.Material, obj: bpy.types.Object) -> float:
+    """Return the representative opacity of a material of an object.
+
+    This is the *Alpha* of the Principled BSDF that it shows, or that of the object's color if it is linked; without any
+    shader, that of the viewport color. Other shaders and links count as opaque.
+    """
+    shader = _shown_shader(material)
+    if shader is None:
+        return float(material.diffuse_color[3])
+    if shader.type != "BSDF_PRINCIPLED":
+        return 1.0
+    source = _linked_output(shader.inputs["Alpha"])
+    if source is None:
+        return float(shader.inputs["Alpha"].default_value)
+    is_of_object = source.node.type == "OBJECT_INFO" and source.name == "Alpha"
+    return float(obj.color[3]) if is_of_object else 1.0
+
+
 def _shown_color(material: bpy.types.Material) -> bpy.types.NodeSocket | None:
     """Return the color input of the shader that a material shows, else that of a Principled BSDF, or None."""
+    shader = _shown_shader(material)
+    if shader is not None and shader.type != "GROUP":
+        found = [shader.inputs[name] for name in _COLOR_INPUTS if name in shader.inputs]
+        if found:
+            return found[0]
+    return base_color(material) if shown_tree(material) is not None else None
+
+
+def _shown_shader(material: bpy.types.Material) -> bpy.types.Node | None:
+    """Return the node that is linked to the surface of the shown output, or None."""
     tree = shown_tree(material)
     output = shown_output(tree) if tree is not None else None
     surface = _linked_output(output.inputs["Surface"]) if output is not None else None
-    if surface is not None and surface.node.type != "GROUP":
-        found = [surface.node.inputs[name] for name in _COLOR_INPUTS if name in surface.node.inputs]
-        if found:
-            return found[0]
-    return base_color(material) if tree is not None else None
+    return surface.node if surface is not None else None
 
 
 def _linked_output(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
@@ -81,7 +110,7 @@ def _linked_output(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
 
 
 def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, float]) -> bpy.types.Material:
-    """Return a copy of a morph material with a constant base color, for file formats without object colors.
+    """Return a copy of a morph material with a constant color and opacity, for file formats without object colors.
 
     A linked color attribute is kept, for programs that support it. Whole materials of the inputs are left out.
     """
@@ -95,6 +124,10 @@ def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, f
     for link in list(base.links):
         if link.from_node.type == "OBJECT_INFO":
             copy.node_tree.links.remove(link)
+    alpha = base.node.inputs["Alpha"]
+    for link in [link for link in alpha.links if link.from_node.type == "OBJECT_INFO"]:
+        copy.node_tree.links.remove(link)
+        alpha.default_value = color[3]
     base.default_value = color
     copy.diffuse_color = color
     return copy
@@ -144,14 +177,14 @@ def drop_unused_groups() -> None:
         bpy.data.batch_remove(unused)
 
 
-def attribute_material(name: str, color: str) -> bpy.types.Material:
-    """Return the material whose base color is a color attribute; created if missing."""
-    return _found_or_wired(name, "ShaderNodeVertexColor", layer_name=color)
+def attribute_material(name: str, color: str, *, is_see_through: bool = False) -> bpy.types.Material:
+    """Return the material whose base color, and alpha on demand, is a color attribute; created if missing."""
+    return _found_or_wired(name, "ShaderNodeVertexColor", is_see_through, layer_name=color)
 
 
-def object_property_material(name: str, key: str) -> bpy.types.Material:
-    """Return the material whose base color is a custom property of the object; created if missing."""
-    return _found_or_wired(name, "ShaderNodeAttribute", attribute_type="OBJECT", attribute_name=key)
+def object_property_material(name: str, key: str, *, is_see_through: bool = False) -> bpy.types.Material:
+    """Return the material whose base color, and alpha on demand, is a property of the object; created if missing."""
+    return _found_or_wired(name, "ShaderNodeAttribute", is_see_through, attribute_type="OBJECT", attribute_name=key)
 
 
 def principled_of(material: bpy.types.Material) -> bpy.types.Node | None:
@@ -174,10 +207,14 @@ def wire(material: bpy.types.Material, kind: str, **settings: object) -> None:
     new_node(tree, "ShaderNodeOutputMaterial", {"Surface": principled.outputs["BSDF"]})
 
 
-def _found_or_wired(name: str, kind: str, **settings: object) -> bpy.types.Material:
-    """Return the material of a name; created as `wire` does if missing."""
+def _found_or_wired(name: str, kind: str, is_see_through: bool = False, **settings: object) -> bpy.types.Material:
+    """Return the material of a name; created as `wire` does if missing, and with the alpha of the color on demand."""
     material = bpy.data.materials.get(name)
     if material is None:
         material = bpy.data.materials.new(name)
         wire(material, kind, **settings)
+        if is_see_through:
+            base = base_color(material)
+            alpha = base.links[0].from_node.outputs["Alpha"]
+            material.node_tree.links.new(alpha, base.node.inputs["Alpha"])
     return material
