@@ -16,6 +16,7 @@ from convwass_addon.applications.flat.flat_settings import FlatSettings
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.bridge.flat.choosing import asks_for_flat
+from convwass_addon.bridge.flat.color_notices import color_notices
 from convwass_addon.bridge.flat.flat_curves import mesh_of, write_curves
 from convwass_addon.bridge.flat.flat_images import silhouette_of
 from convwass_addon.bridge.flat.flat_job import FlatJob
@@ -25,6 +26,7 @@ from convwass_addon.bridge.flat.flat_objects import flat_objects, is_flat
 from convwass_addon.bridge.flat.flat_rings import CurveStyle
 from convwass_addon.bridge.flat.planes import Plane, blended_plane, plane_of
 from convwass_addon.bridge.morphs.stored import frame_objects
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import MESHED, triangle_mesh
 from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.fitting import fitted_beziers
@@ -264,6 +266,27 @@ def test_open_splines_among_closed_ones_are_left_out_with_a_notice():
     (flat,) = read(obj)
     assert area(flat) == pytest.approx(4.0, rel=1e-6)
     assert "1 open splines" in str(flat.read.notice)
+
+
+def test_materials_without_a_single_color_are_named():
+    plain, textured = text("A"), text("B")
+    for obj, name in ((plain, "Plain"), (textured, "Marble")):
+        obj.data.materials.append(bpy.data.materials.new(name))
+        own_tree(obj.active_material)
+    assert color_notices([plain, textured]) == []
+    tree = textured.active_material.node_tree
+    noise = tree.nodes.new("ShaderNodeTexNoise")
+    tree.links.new(noise.outputs["Color"], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    job = flat_job(plain, textured)
+    assert [str(notice) for notice in job.notices] == [str(notice) for notice in color_notices([plain, textured])]
+    assert "colors of Marble (B), not" in str(job.notices[0])
+    job.discard()
+    plain.active_material = textured.active_material
+    assert flat_job(plain, textured).notices == []
+
+
+def flat_job(*objects):
+    return FlatJob(objects, path_blends(len(objects), 3), FlatSettings(resolution=32), {}, 1)
 
 
 @pytest.mark.parametrize(

@@ -71,7 +71,7 @@ class FlatBake(MorphBake):
         bake = cls._opened(inputs, shapes, blends, settings, first_frame)
         bake._copies = [Handle.of("objects", copy) for copy in copies]
         bake._flats, bake._kind = tuple(flats), kind
-        bake._material = _shared_material(inputs)
+        bake._material = shared_material(inputs)
         bake._see_through = tuple(map(_is_see_through, inputs, flats))
         return bake
 
@@ -228,7 +228,7 @@ def _is_see_through(obj: bpy.types.Object, flat: MovedFlat) -> bool:
     return any(slot.material for slot in obj.material_slots) and bool((flat.shape.colors[:, 3] < 1.0).any())
 
 
-def _shared_material(inputs: Sequence[bpy.types.Object]) -> Handle | None:
+def shared_material(inputs: Sequence[bpy.types.Object]) -> Handle | None:
     """Return the material that all inputs share, if there is exactly one."""
     used = [{slot.material for slot in obj.material_slots if slot.material} for obj in inputs]
     common = set.intersection(*used)

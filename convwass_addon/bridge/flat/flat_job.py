@@ -17,7 +17,8 @@ from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work
 from ..morphs.animated_inputs import animation_notices
-from .flat_bake import FlatBake, FlatKind
+from .color_notices import color_notices
+from .flat_bake import FlatBake, FlatKind, shared_material
 from .flat_curves import FittedFrame
 from .flat_moves import moved_flats
 from .flat_objects import flat_objects
@@ -63,6 +64,8 @@ class FlatJob(WritesFlatFrames):
         self._settings = settings
         chosen = options.get("flat_output")
         self.kind: FlatKind = chosen if chosen in get_args(FlatKind) else "CURVE"
+        if self.kind == "DRAWING" or shared_material(inputs) is None:
+            self.notices += color_notices(inputs)
         stored = {**settings.as_dict(), **options, "flat": True}
         bake = PencilBake if self.kind == "DRAWING" else FlatBake
         self._bake = bake.begin_flat(inputs, blends, stored, first_frame, flats, self.kind)

@@ -50,17 +50,22 @@ def material_color(material: bpy.types.Material, obj: bpy.types.Object) -> tuple
     color. It is the material's viewport color if other nodes give the color, or if the shader has none.
     """
     color = _shown_color(material)
-    if color is None:
+    if color is None or has_color_of_nodes(material):
         return tuple(material.diffuse_color)
     source = _linked_output(color)
     if source is None:
         return tuple(color.default_value)
-    if source.node.mute:
-        return tuple(material.diffuse_color)
-    if source.node.type == "RGB":
-        return tuple(source.default_value)
+    return tuple(source.default_value if source.node.type == "RGB" else obj.color)
+
+
+def has_color_of_nodes(material: bpy.types.Material) -> bool:
+    """Return whether the color of a material comes from textures or other nodes without a single color."""
+    color = _shown_color(material)
+    source = _linked_output(color) if color is not None else None
+    if source is None:
+        return False
     is_of_object = source.node.type == "OBJECT_INFO" and source.name == "Color"
-    return tuple(obj.color if is_of_object else material.diffuse_color)
+    return source.node.mute or not (is_of_object or source.node.type == "RGB")
 
 
 def material_opacity(material: bpy.types.Material, obj: bpy.types.Object) -> float:
