@@ -26,17 +26,7 @@ def modified_rings(obj: bpy.types.Object, evaluated: bpy.types.Object, depsgraph
 
     The mesh has no letters. If it has no outlines in a plane, a notice names a modifier that is left out.
 
-    Parameters
-    ----------
-    obj, evaluated : bpy.types.Object
-        Original and evaluated object.
-    depsgraph : bpy.types.Depsgraph
-        The dependency graph of `evaluated`.
-
-    Raises
-    ------
-    InputError
-        The text is empty or has characters missing in its font, or nothing is closed or filled.
+    Parameters and errors are those of :func:`.flat_splines.curve_rings`.
     """
     modifier = _first_of_mesh(obj)
     if modifier is None:

@@ -18,7 +18,7 @@ from ...geometry.polygons import Polygons
 from ..element_values import element_values, triangle_corners, vectors_of, write_attribute
 from ..image_files import pixel_values
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
-from .materials import base_color, is_carrying, shows_color_attribute
+from .materials import base_color, is_carrying, is_object_color, shows_color_attribute
 from .mixed_materials import emission_node
 
 # Rounding steps of normals per unit.
@@ -222,7 +222,7 @@ def _paint(
         return Plain(tuple(base.default_value))
     for link in upstream_links(base):
         node = link.from_node
-        if is_object_color(link):
+        if is_object_color(link.from_socket):
             return Plain(tuple(color))
         if node.type == "VERTEX_COLOR" or (node.type == "ATTRIBUTE" and node.attribute_type == "GEOMETRY"):
             name = node.layer_name if node.type == "VERTEX_COLOR" else node.attribute_name
@@ -247,11 +247,6 @@ def upstream_links(socket: bpy.types.NodeSocket) -> list[bpy.types.NodeLink]:
             seen.add(link.from_node)
             found += [other for own in link.from_node.inputs for other in own.links]
     return found
-
-
-def is_object_color(link: bpy.types.NodeLink) -> bool:
-    """Return whether a link gives the color of the object, not another output of *Object Info*."""
-    return link.from_node.type == "OBJECT_INFO" and link.from_socket.name == "Color"
 
 
 def _painted(attribute: bpy.types.Attribute, faces: np.ndarray, loops: np.ndarray) -> Painted:

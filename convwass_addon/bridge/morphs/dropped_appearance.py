@@ -15,8 +15,8 @@ from ...applications.morphs.diagnostics import Diagnostic
 from ..keyframes import has_animation
 from ..node_trees import node_trees
 from ..shown_nodes import nodes_of, shown_output
-from .appearance import is_object_color, upstream_links
-from .materials import base_color, principled_of
+from .appearance import upstream_links
+from .materials import base_color, is_object_color, principled_of
 from .mixed_materials import emission_node
 
 # Kinds of diagnostics, in the order in which they are shown.
@@ -149,8 +149,8 @@ def _of_base_color(material: bpy.types.Material, is_plain: bool) -> Iterator[Dro
     links = upstream_links(base)
     images = [link.from_node for link in links if link.from_node.type == "TEX_IMAGE"]
     if is_plain:
-        if not is_object_color(links[0]):
-            has_color = any(is_object_color(link) for link in links)
+        if not is_object_color(links[0].from_socket):
+            has_color = any(is_object_color(link.from_socket) for link in links)
             yield DroppedPart(_NODES if has_color else _MISSING if images else _PROCEDURAL, material.name)
         return
     if links[0].from_node.type not in _COLOR_NODES or links[0].from_socket.name != "Color":

@@ -64,8 +64,12 @@ def has_color_of_nodes(material: bpy.types.Material) -> bool:
     source = _linked_output(color) if color is not None else None
     if source is None:
         return False
-    is_of_object = source.node.type == "OBJECT_INFO" and source.name == "Color"
-    return source.node.mute or not (is_of_object or source.node.type == "RGB")
+    return source.node.mute or not (is_object_color(source) or source.node.type == "RGB")
+
+
+def is_object_color(source: bpy.types.NodeSocket) -> bool:
+    """Return whether an output is the color of the object, not another one of *Object Info*."""
+    return source.node.type == "OBJECT_INFO" and source.name == "Color"
 
 
 def material_opacity(material: bpy.types.Material, obj: bpy.types.Object) -> float:
