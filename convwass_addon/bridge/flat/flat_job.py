@@ -17,7 +17,7 @@ from ...applications.morphs.layouts import Blend
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Work
 from ..morphs.animated_inputs import animation_notices
-from .color_notices import color_notices
+from .color_notices import color_notices, line_notices
 from .flat_bake import FlatBake, FlatKind, shared_material
 from .flat_curves import FittedFrame
 from .flat_moves import moved_flats
@@ -66,6 +66,8 @@ class FlatJob(WritesFlatFrames):
         self.kind: FlatKind = chosen if chosen in get_args(FlatKind) else "CURVE"
         if self.kind == "DRAWING" or shared_material(inputs) is None:
             self.notices += color_notices(inputs)
+        if self.kind != "DRAWING":
+            self.notices += line_notices(read, self._names)
         stored = {**settings.as_dict(), **options, "flat": True}
         bake = PencilBake if self.kind == "DRAWING" else FlatBake
         self._bake = bake.begin_flat(inputs, blends, stored, first_frame, flats, self.kind)

@@ -15,6 +15,7 @@ from ...applications.flat.flat_shapes import FlatShape
 from ...geometry.flat_moments import FlatMoments
 from .flat_objects import FlatObject
 from .flat_rings import CurveStyle
+from .pencil_looks import StrokeLine, mean_line
 from .planes import Plane
 
 
@@ -32,12 +33,20 @@ class MovedFlat:
         Depth and fill.
     move : (4, 4) float64
         Transform from the original to the aligned position, in world space.
+    lines : tuple of StrokeLine or None
+        The line along every ring of a drawing, each of which may be None; None for other objects.
     """
 
     shape: FlatShape
     plane: Plane
     style: CurveStyle
     move: NDArray[np.float64]
+    lines: tuple[StrokeLine | None, ...] | None
+
+    def line(self, layer: NDArray[np.int64]) -> StrokeLine | None:
+        """Return the mean line along the rings of a layer, given by their indices, that have one."""
+        own = [self.lines[ring] for ring in layer if self.lines[ring] is not None] if self.lines is not None else []
+        return mean_line(own, [1.0 / len(own)] * len(own)) if own else None
 
 
 def moved_flats(flats: Sequence[FlatObject], alignment: str, scaling: str) -> list[MovedFlat]:
@@ -54,7 +63,7 @@ def moved_flats(flats: Sequence[FlatObject], alignment: str, scaling: str) -> li
         Unchanged, or with the area of the first one.
     """
     if (alignment, scaling) == ("PLACED", "PLACED"):
-        return [MovedFlat(flat.shape, flat.plane, flat.read.style, np.eye(4)) for flat in flats]
+        return [MovedFlat(flat.shape, flat.plane, flat.read.style, np.eye(4), flat.read.lines) for flat in flats]
     moments = [_moments(flat.shape) for flat in flats]
     first = moments[0]
     found = []
@@ -67,7 +76,10 @@ def moved_flats(flats: Sequence[FlatObject], alignment: str, scaling: str) -> li
         within = np.diag([1.0, 1.0, factor, 1.0])
         within[:2, :2], within[:2, 3] = turn, target - turn @ own.center
         move = plane.matrix @ within @ np.linalg.inv(flat.plane.matrix)
-        found.append(MovedFlat(replace(flat.shape, rings=rings), plane, flat.read.style.scaled(factor), move))
+        style, lines = flat.read.style.scaled(factor), flat.read.lines
+        if lines is not None:
+            lines = tuple(None if line is None else line.scaled(factor) for line in lines)
+        found.append(MovedFlat(replace(flat.shape, rings=rings), plane, style, move, lines))
     return found
 
 

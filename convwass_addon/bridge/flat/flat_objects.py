@@ -129,7 +129,9 @@ def _in_plane(read: FlatRings, plane: Plane) -> tuple[NDArray[np.float64], ...]:
 
 
 def _colors(obj: bpy.types.Object, read: FlatRings) -> NDArray[np.float64]:
-    """Colors of rings by material slot, (r, 4)."""
+    """Colors of rings, (r, 4): their own, or those of their material slots."""
+    if read.colors is not None:
+        return np.array(read.colors, dtype=np.float64)
     own = [_slot_color(slot.material, obj) for slot in obj.material_slots] or [input_color(obj)]
     return np.array([own[min(slot, len(own) - 1)] for slot in read.slots or (0,) * len(read.rings)], dtype=np.float64)
 
@@ -137,6 +139,4 @@ def _colors(obj: bpy.types.Object, read: FlatRings) -> NDArray[np.float64]:
 def _slot_color(material: bpy.types.Material | None, obj: bpy.types.Object) -> tuple[float, float, float, float]:
     if material is None:
         return tuple(obj.color)
-    if obj.type == "GREASEPENCIL" and material.grease_pencil is not None:
-        return tuple(material.grease_pencil.fill_color)
     return (*material_color(material, obj)[:3], material_opacity(material, obj))

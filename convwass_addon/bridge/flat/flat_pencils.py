@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...geometry.affine import transformed_points
+from ...sentence import Sentence
 from ..element_values import element_values
 from .flat_rings import FlatRings
 from .flat_splines import cubic_points
+from .pencil_looks import ShownDrawing, fill_color, is_drawn, line_of
 
 # Blender's curve type for Bezier curves, and points per segment.
 _BEZIER, _STEPS = 2, 16
@@ -31,23 +33,42 @@ def pencil_rings(obj: bpy.types.Object, evaluated: bpy.types.Object) -> FlatRing
     InputError
         No stroke is filled.
     """
-    matrix = np.array(evaluated.matrix_world, dtype=np.float64)
-    rings, slots, fills = [], [], []
-    known: dict[tuple[int, int], int] = {}
-    for number, (place, drawing) in enumerate(_drawings(evaluated)):
-        for index, stroke in enumerate(drawing.strokes):
-            fill = _fill_of(obj, stroke, index)
-            if fill is None or len(stroke.points) < 3:
+    rings, lines, fills = [], [], []
+    numbers: dict[tuple[int, int], int] = {}
+    colors: list[tuple[float, ...]] = []
+    leaves_lines_out = False
+    for number, shown in enumerate(_shown_drawings(evaluated)):
+        for index, stroke in enumerate(shown.drawing.strokes):
+            material = _material_of(obj, stroke)
+            if not is_drawn(material):
                 continue
-            points = _points_of(stroke)
-            rings.append(transformed_points(points, place))
-            slots.append(stroke.material_index)
-            fills.append(known.setdefault((number, fill), len(known)))
+            line = line_of(material, stroke, shown)
+            fill = _fill_of(material, stroke, index)
+            if fill is None or len(stroke.points) < 3:
+                leaves_lines_out |= line is not None
+                continue
+            if (number, fill) not in numbers:
+                numbers[number, fill] = len(colors)
+                # Its first stroke gives a fill its color.
+                color = obj.color if material is None else material.grease_pencil.fill_color
+                colors.append(fill_color(color, stroke, shown))
+            rings.append(transformed_points(_points_of(stroke), shown.place))
+            lines.append(line)
+            fills.append(numbers[number, fill])
     if not rings:
         raise InputError(
             "{name} has no filled stroke at this frame; fill its strokes, or close and fill them again.", name=obj.name
         )
-    return FlatRings(rings, matrix, "non-zero", None, tuple(slots), fills=tuple(fills))
+    notice = Sentence("Blends leave out the strokes of {name} that are not filled.", {"name": obj.name})
+    return FlatRings(
+        rings,
+        np.array(evaluated.matrix_world, dtype=np.float64),
+        "non-zero",
+        notice=notice if leaves_lines_out else None,
+        fills=tuple(fills),
+        colors=tuple(colors[fill] for fill in fills),
+        lines=tuple(lines),
+    )
 
 
 def freeze_drawing(
@@ -129,13 +150,23 @@ def _points_of(stroke: object) -> NDArray[np.float64]:
     return curve.swapaxes(0, 1).reshape(-1, 3)
 
 
-def _drawings(evaluated: bpy.types.Object) -> Iterator[tuple[NDArray[np.float64], object]]:
-    """Yield the drawing of every visible layer, and its transform to world space, (4, 4)."""
+def _shown_drawings(evaluated: bpy.types.Object) -> Iterator[ShownDrawing]:
+    """Yield the visible layers that have a drawing at the current frame, from bottom to top."""
     world = np.array(evaluated.matrix_world, dtype=np.float64)
     for layer in evaluated.data.layers:
         frame = layer.current_frame()
-        if not layer.hide and frame is not None and frame.drawing is not None:
-            yield _place_of(layer, world), frame.drawing
+        if not _is_hidden(layer) and frame is not None and frame.drawing is not None:
+            yield ShownDrawing(frame.drawing, layer.opacity, _place_of(layer, world))
+
+
+def _is_hidden(layer: bpy.types.GreasePencilLayer) -> bool:
+    """Return whether a layer, or a group that contains it, is hidden."""
+    member = layer
+    while member is not None:
+        if member.hide:
+            return True
+        member = member.parent_group
+    return False
 
 
 def _place_of(layer: object, world: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -151,12 +182,16 @@ def _place_of(layer: object, world: NDArray[np.float64]) -> NDArray[np.float64]:
     return np.array(space @ layer.matrix_parent_inverse, dtype=np.float64) @ own
 
 
-def _fill_of(obj: bpy.types.Object, stroke: object, index: int) -> int | None:
+def _material_of(obj: bpy.types.Object, stroke: object) -> bpy.types.Material | None:
+    """Return the material of a stroke if it is one for strokes."""
+    slots = obj.material_slots
+    material = slots[stroke.material_index].material if stroke.material_index < len(slots) else None
+    return None if material is None or material.grease_pencil is None else material
+
+
+def _fill_of(material: bpy.types.Material | None, stroke: object, index: int) -> int | None:
     """Return the fill that a stroke belongs to, or None if it is not filled."""
     if hasattr(stroke, "fill_id"):
         # From Blender 5.2, strokes with the same nonzero id are filled together.
         return stroke.fill_id or None
-    slots = obj.material_slots
-    material = slots[stroke.material_index].material if stroke.material_index < len(slots) else None
-    filled = material is not None and material.grease_pencil is not None and material.grease_pencil.show_fill
-    return index if filled else None
+    return index if material is not None and material.grease_pencil.show_fill else None

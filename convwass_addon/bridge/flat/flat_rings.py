@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...geometry.outlines import Rule
 from ...sentence import Sentence
+from .pencil_looks import StrokeLine
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,10 @@ class FlatRings:
     fills : tuple of int or None
         For rings without orientation: rings with the same number are filled together, nested rings are holes, and fills
         overlap.
+    colors : tuple of (float, float, float, float) or None
+        Color of every ring, linear with opacity; None for that of its material slot.
+    lines : tuple of StrokeLine or None
+        The line along every ring of a drawing, each of which may be None; None for other objects.
     """
 
     rings: list[NDArray[np.float64]]
@@ -72,6 +77,8 @@ class FlatRings:
     style: CurveStyle = field(default_factory=CurveStyle)
     notice: Sentence | None = None
     fills: tuple[int, ...] | None = None
+    colors: tuple[tuple[float, ...], ...] | None = None
+    lines: tuple[StrokeLine | None, ...] | None = None
 
     @property
     def points(self) -> NDArray[np.float64]:

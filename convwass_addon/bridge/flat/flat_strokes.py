@@ -1,11 +1,12 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Write outlines as filled strokes of a Grease Pencil drawing."""
+"""Write outlines as filled strokes of a Grease Pencil drawing, with lines along them."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import count
 
 import bpy
 import numpy as np
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from ...geometry.fitting import BezierRing
 from ...geometry.outlines import FlatRegion
 from ...geometry.ring_nesting import keyholed
+from .pencil_looks import StrokeLine
 
 # Points per curve segment if strokes are polygons.
 _STEPS = 8
@@ -31,13 +33,19 @@ class Fill:
         An outer ring and its holes each, in the plane given by `place`.
     slot : int
         Index of the material.
-    color : (float, float, float, float) or None
+    opacity : float
+        Opacity, from 0 to 1.
+    color : (float, float, float) or None
         Replaces the color of the material; None for that color.
+    line : StrokeLine or None
+        Drawn along the rings.
     """
 
     regions: tuple[tuple[BezierRing, ...], ...]
     slot: int
-    color: tuple[float, float, float, float] | None = None
+    opacity: float = 1.0
+    color: tuple[float, float, float] | None = None
+    line: StrokeLine | None = None
 
 
 def new_drawing_data(name: str) -> bpy.types.ID:
@@ -47,23 +55,31 @@ def new_drawing_data(name: str) -> bpy.types.ID:
 
 
 def fill_material(name: str, color: Sequence[float]) -> bpy.types.Material:
-    """Create a material that fills strokes with a scene linear RGBA color and draws no lines."""
+    """Create a material that fills strokes with a scene linear RGB color and draws no lines."""
+    return _material(name, (*color[:3], 1.0), fills=True)
+
+
+def line_material(name: str) -> bpy.types.Material:
+    """Create a material that draws lines along strokes, in the colors of their points, and does not fill them."""
+    return _material(name, (0.0, 0.0, 0.0, 1.0), fills=False)
+
+
+def _material(name: str, color: tuple[float, ...], fills: bool) -> bpy.types.Material:
     material = bpy.data.materials.new(name)
     bpy.data.materials.create_gpencil_data(material)
     own = material.grease_pencil
-    own.fill_color = own.color = color
-    material.diffuse_color = color
+    own.fill_color = own.color = material.diffuse_color = color
     if bpy.app.version < (5, 2, 0):
         # Later versions set this per stroke.
-        own.show_fill, own.show_stroke = True, False
+        own.show_fill, own.show_stroke = fills, not fills
     return material
 
 
-def write_fills(drawing: object, fills: Sequence[Fill], place: NDArray[np.float64]) -> None:
+def write_fills(drawing: object, fills: Sequence[Fill], place: NDArray[np.float64], line_slot: int) -> None:
     """Draw overlapping fills in an empty drawing.
 
     From Blender 5.2, strokes are Bezier curves, and holes are strokes of the same fill. Before, every stroke is filled
-    separately, so strokes are polygons with cuts to their holes.
+    separately, so strokes are polygons with cuts to their holes. Lines are strokes of their own, above their fill.
 
     Parameters
     ----------
@@ -73,65 +89,101 @@ def write_fills(drawing: object, fills: Sequence[Fill], place: NDArray[np.float6
         From bottom to top.
     place : (4, 4)
         Transform from the plane of the fills to object space.
+    line_slot : int
+        Index of the material of lines; see :func:`line_material`.
     """
-    write = _write_curves if bpy.app.version >= (5, 2, 0) else _write_polygons
-    write(drawing, fills, place)
-
-
-def _write_curves(drawing: object, fills: Sequence[Fill], place: NDArray[np.float64]) -> None:
-    rings = [(ring, fill) for fill in fills for region in fill.regions for ring in region]
-    if not rings:
+    is_curved = bpy.app.version >= (5, 2, 0)
+    strokes = list(_curves(fills) if is_curved else _polygons(fills))
+    if not strokes:
         return
-    regions = [region for fill in fills for region in fill.regions]
-    numbers = [number for number, region in enumerate(regions, start=1) for _ in region]
-    drawing.add_strokes([len(ring.points) for ring, _ in rings])
+    drawing.add_strokes([len(stroke.points) for stroke in strokes])
+    _write(drawing, "position", "FLOAT_VECTOR", "vector", _in_space([stroke.points for stroke in strokes], place))
+    if is_curved:
+        _write_handles(drawing, [stroke.ring for stroke in strokes], place)
+    _write_lines(drawing, strokes)
+    for stroke, made in zip(strokes, drawing.strokes, strict=True):
+        made.cyclic = True
+        made.material_index = stroke.fill.slot if stroke.is_filled else line_slot
+        if is_curved:
+            made.fill_id, made.hide_stroke = stroke.number, stroke.is_filled
+        if stroke.is_filled:
+            made.fill_opacity = stroke.fill.opacity
+            if stroke.fill.color is not None:
+                # Where its opacity is 1, this color covers that of the material.
+                made.fill_color = (*stroke.fill.color, 1.0)
+    drawing.tag_positions_changed()
+
+
+@dataclass(frozen=True)
+class _Stroke:
+    """A stroke to be drawn: its curve if it is one, its points, (n, 2), its fill, and the number of the filled region.
+
+    The number is 0 for a line.
+    """
+
+    ring: BezierRing | None
+    points: NDArray[np.float64]
+    fill: Fill
+    number: int
+
+    @property
+    def is_filled(self) -> bool:
+        return self.number > 0
+
+
+def _curves(fills: Sequence[Fill]) -> Iterator[_Stroke]:
+    """Yield the rings of all regions, and those with a line once more."""
+    numbers = count(1)
+    for fill in fills:
+        for region, number in zip(fill.regions, numbers, strict=False):
+            yield from (_Stroke(ring, ring.points, fill, number) for ring in region)
+        if fill.line is not None:
+            yield from (_Stroke(ring, ring.points, fill, 0) for region in fill.regions for ring in region)
+
+
+def _polygons(fills: Sequence[Fill]) -> Iterator[_Stroke]:
+    """Yield a polygon per region, with cuts to its holes, and those of its rings if they have a line."""
+    for fill in fills:
+        sampled = [[ring.sampled(_STEPS) for ring in region] for region in fill.regions]
+        for outer, *holes in sampled:
+            yield _Stroke(None, keyholed(FlatRegion(outer, tuple(holes))), fill, 1)
+        if fill.line is not None:
+            yield from (_Stroke(None, ring, fill, 0) for region in sampled for ring in region)
+
+
+def _write_handles(drawing: object, rings: Sequence[BezierRing], place: NDArray[np.float64]) -> None:
     drawing.set_types(type="BEZIER")
     for name, places in (
-        ("position", [ring.points for ring, _ in rings]),
-        ("handle_left", [ring.left for ring, _ in rings]),
-        ("handle_right", [ring.right for ring, _ in rings]),
+        ("handle_left", [ring.left for ring in rings]),
+        ("handle_right", [ring.right for ring in rings]),
     ):
-        _write(drawing, name, "FLOAT_VECTOR", "vector", _in_space(np.concatenate(places), place))
-    kinds = np.where(np.concatenate([ring.corners for ring, _ in rings]), _FREE, _ALIGNED)
+        _write(drawing, name, "FLOAT_VECTOR", "vector", _in_space(places, place))
+    kinds = np.where(np.concatenate([ring.corners for ring in rings]), _FREE, _ALIGNED).astype(np.int32)
     for name in ("handle_type_left", "handle_type_right"):
         _write(drawing, name, "INT8", "value", kinds)
-    for stroke, (_, fill), number in zip(drawing.strokes, rings, numbers, strict=True):
-        _finish(stroke, fill)
-        stroke.fill_id, stroke.hide_stroke = number, True
-    drawing.tag_positions_changed()
 
 
-def _write_polygons(drawing: object, fills: Sequence[Fill], place: NDArray[np.float64]) -> None:
-    rings = [(_polygon(region), fill) for fill in fills for region in fill.regions]
-    if not rings:
+def _write_lines(drawing: object, strokes: Sequence[_Stroke]) -> None:
+    """Write radii and colors of the points of lines; those of fills do not matter."""
+    lines = [None if stroke.is_filled else stroke.fill.line for stroke in strokes]
+    if not any(lines):
         return
-    drawing.add_strokes([len(ring) for ring, _ in rings])
-    _write(drawing, "position", "FLOAT_VECTOR", "vector", _in_space(np.concatenate([r for r, _ in rings]), place))
-    for stroke, (_, fill) in zip(drawing.strokes, rings, strict=True):
-        _finish(stroke, fill)
-    drawing.tag_positions_changed()
+    sizes = [len(stroke.points) for stroke in strokes]
+    table = np.array([(0.0,) * 5 if line is None else (line.radius, *line.color) for line in lines])
+    radius, *color, opacity = np.repeat(table, sizes, axis=0).T
+    _write(drawing, "radius", "FLOAT", "value", radius)
+    _write(drawing, "opacity", "FLOAT", "value", opacity)
+    _write(drawing, "vertex_color", "FLOAT_COLOR", "color", np.stack([*color, np.ones_like(radius)], axis=1))
 
 
-def _polygon(region: tuple[BezierRing, ...]) -> NDArray[np.float64]:
-    sampled = [ring.sampled(_STEPS) for ring in region]
-    outer, *holes = sampled
-    return keyholed(FlatRegion(outer, tuple(holes)))
-
-
-def _finish(stroke: object, fill: Fill) -> None:
-    stroke.cyclic = True
-    stroke.material_index = fill.slot
-    if fill.color is not None:
-        stroke.fill_color = fill.color
-
-
-def _in_space(points: NDArray[np.float64], place: NDArray[np.float64]) -> NDArray[np.float64]:
-    return points @ place[:3, :2].T + place[:3, 3]
+def _in_space(points: Sequence[NDArray[np.float64]], place: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.concatenate(points) @ place[:3, :2].T + place[:3, 3]
 
 
 def _write(drawing: object, name: str, kind: str, key: str, values: NDArray) -> None:
     attribute = drawing.attributes.get(name) or drawing.attributes.new(name, kind, "POINT")
-    attribute.data.foreach_set(key, np.ascontiguousarray(values, np.int32 if key == "value" else np.float32).ravel())
+    flat = np.ascontiguousarray(values, np.int32 if kind == "INT8" else np.float32).ravel()
+    attribute.data.foreach_set(key, flat)
 
 
 def polygon_ring(ring: NDArray[np.float64]) -> BezierRing:

@@ -8,6 +8,7 @@ import bpy
 import numpy as np
 from mathutils import Matrix
 
+from ...applications.flat.flat_frames import ColoredOutline
 from ...applications.flat.flat_pieces import filled_by, layers_of
 from ...geometry.fitting import fitted_polygons
 from ...geometry.ring_nesting import outline_of
@@ -18,10 +19,12 @@ from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY
 from ..unused_data import remove_if_unused
 from .flat_bake import FlatBake, mean_color
 from .flat_curves import FittedFrame
-from .flat_strokes import Fill, fill_material, new_drawing_data, polygon_ring, write_fills
+from .flat_strokes import Fill, fill_material, line_material, new_drawing_data, polygon_ring, write_fills
+from .pencil_looks import StrokeLine, mean_line
 from .planes import blended_plane
 
 _LAYER = "Morph"
+_LINES = "Lines"
 # Error of an input's drawing, relative to its extent.
 _ERROR = 1e-4
 
@@ -31,6 +34,7 @@ class PencilBake(FlatBake):
 
     _drawing: Handle | None = None
     _inks: list[list[Handle]] | None = None
+    _line_ink: Handle | None = None
 
     def _shown_object(self, frame: FittedFrame, index: int) -> bpy.types.Object:
         """Draw a frame of a path; the first frame creates the object."""
@@ -59,23 +63,22 @@ class PencilBake(FlatBake):
         data = new_drawing_data(name)
         # Fills should not be affected by lights.
         data.layers.new(_LAYER).use_lights = False
-        for material in (self._living(ink) for inks in self._materials() for ink in inks):
-            data.materials.append(material)
+        for ink in (*(ink for inks in self._materials() for ink in inks), self._line_ink):
+            if ink is not None:
+                data.materials.append(self._living(ink))
         obj = bpy.data.objects.new(name, data)
         obj.matrix_world = Matrix(place)
         return obj
 
     def _materials(self) -> list[list[Handle]]:
-        """Return a material for every color of every input; created on the first call."""
+        """Return a material for every color of every input; created on the first call, with one for lines if needed."""
         if self._inks is None:
             self._inks = []
             for shape, flat in zip(self._inputs, self._flats, strict=True):
                 layers = layers_of(flat.shape)
-                made = [fill_material(shape.name, flat.shape.colors[layer[0]]) for layer in layers]
-                for material in made:
-                    mark_as_frames(material)
-                    remember_made(material)
-                self._inks.append([Handle.of("materials", material) for material in made])
+                self._inks.append([_ink(fill_material(shape.name, flat.shape.colors[layer[0]])) for layer in layers])
+            if any(any(flat.lines or ()) for flat in self._flats):
+                self._line_ink = _ink(line_material(_LINES))
         return self._inks
 
     def _draw(self, obj: bpy.types.Object, frame: FittedFrame, number: int) -> None:
@@ -83,17 +86,19 @@ class PencilBake(FlatBake):
         place = np.linalg.inv(np.array(obj.matrix_basis, dtype=np.float64)) @ plane.matrix
         drawing = obj.data.layers[_LAYER].frames.new(number).drawing
         fills = self._fills_of_input(frame.blend.source) if frame.outline is None else self._fills_of_blend(frame)
-        write_fills(drawing, fills, place)
+        write_fills(drawing, fills, place, sum(map(len, self._materials())))
 
     def _fills_of_input(self, source: int) -> list[Fill]:
         """Layers of an input with their own materials, from bottom to top."""
-        shape, first = self._flats[source].shape, self._first_slot(source)
+        flat, first = self._flats[source], self._first_slot(source)
+        shape = flat.shape
         error = _ERROR * float(np.ptp(np.concatenate(shape.rings), axis=0).max())
         fills = []
         for number, layer in enumerate(layers_of(shape)):
             outline = fitted_polygons(outline_of(filled_by(shape, layer)), error)
             regions = tuple(tuple(polygon_ring(ring) for ring in region.rings) for region in outline.regions)
-            fills.append(Fill(regions, first + number))
+            opacity = float(shape.colors[layer[0], 3])
+            fills.append(Fill(regions, first + number, opacity, line=flat.line(layer)))
         return fills
 
     def _fills_of_blend(self, frame: FittedFrame) -> list[Fill]:
@@ -105,12 +110,27 @@ class PencilBake(FlatBake):
         nearest = int(np.argmax(weights))
         slot = self._first_slot(nearest)
         if not frame.regions:
-            color = tuple(float(value) for value in weights @ np.array([mean_color(flat) for flat in self._flats]))
-            return [Fill(frame.grouped(frame.outline, 0), slot, color)]
+            *color, opacity = (float(value) for value in weights @ np.array([mean_color(flat) for flat in self._flats]))
+            line = mean_line([flat.line(np.arange(len(flat.shape.rings))) for flat in self._flats], weights)
+            return [Fill(frame.grouped(frame.outline, 0), slot, opacity, tuple(color), line)]
         return [
-            Fill(frame.grouped(region.outline, number), slot + region.layers[nearest], region.color)
+            Fill(
+                frame.grouped(region.outline, number),
+                slot + region.layers[nearest],
+                region.color[3],
+                region.color[:3],
+                self._line_of_region(region, weights),
+            )
             for number, region in enumerate(frame.regions)
         ]
+
+    def _line_of_region(self, region: ColoredOutline, weights: np.ndarray) -> StrokeLine | None:
+        """Return the mean of the lines along the layers that a region comes from."""
+        lines = [
+            self._flats[index].line(layers_of(self._flats[index].shape)[layer])
+            for index, layer in region.layers.items()
+        ]
+        return mean_line(lines, [weights[index] for index in region.layers])
 
     def _first_slot(self, source: int) -> int:
         return sum(len(inks) for inks in self._materials()[:source])
@@ -120,4 +140,12 @@ class PencilBake(FlatBake):
 
     def _drop_unused(self) -> None:
         super()._drop_unused()
-        remove_if_unused(found([ink for inks in self._inks or [] for ink in inks]))
+        inks = [ink for inks in self._inks or [] for ink in inks]
+        remove_if_unused(found([*inks, self._line_ink] if self._line_ink is not None else inks))
+
+
+def _ink(material: bpy.types.Material) -> Handle:
+    """Mark a new material as one of frames, and return its handle."""
+    mark_as_frames(material)
+    remember_made(material)
+    return Handle.of("materials", material)
