@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 
 import bpy
@@ -19,35 +19,48 @@ MODIFIER = "Frames"
 
 
 @contextmanager
-def mesh_sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], first_frame: int) -> Iterator[None]:
-    """Run a block of code in a temporary scene of one object, which shows the meshes of others, frame by frame.
+def mesh_sequences(
+    shown: Mapping[str, Sequence[tuple[bpy.types.Object, ...]]], first_frame: int
+) -> Iterator[list[bpy.types.Object]]:
+    """Run a block of code in a temporary scene of objects that show the meshes of others, frame by frame.
 
-    All versions of Blender export it as a single mesh of changing topology, whereas exporters treat objects that are
+    All versions of Blender export each as a single mesh of changing topology, whereas exporters treat objects that are
     shown in turn differently.
 
     Parameters
     ----------
-    name : str
-        Name of the object, its mesh and its node group.
-    shown : sequence of tuple of bpy.types.Object
-        Objects at the origin, shown at `first_frame`, the frame after it, and so on.
+    shown : mapping of str to sequence of tuple of bpy.types.Object
+        Objects at the origin, shown at `first_frame`, the frame after it, and so on, by the name of the object that
+        shows them, its mesh and its node group. All sequences have the same length.
     first_frame : int
         The first frame of the scene, and its current one; 0 instead if it is before, where no scene begins.
+
+    Yields
+    ------
+    list of bpy.types.Object
+        The objects that show the sequences.
     """
     first_frame = max(first_frame, 0)
+    made = [_sequence(name, groups, first_frame) for name, groups in shown.items()]
+    try:
+        with scratch_animation(first_frame, first_frame + max(map(len, shown.values())) - 1) as scene:
+            for obj in made:
+                scene.collection.objects.link(obj)
+            scene.frame_set(first_frame)
+            yield made
+    finally:
+        trees = [obj.modifiers[MODIFIER].node_group for obj in made]
+        bpy.data.batch_remove([*made, *(obj.data for obj in made), *trees])
+
+
+def _sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], first_frame: int) -> bpy.types.Object:
+    """Create an object that shows the meshes of others from a frame on."""
     tree = frame_group(name)
     time = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
     index = nearest(tree, own_geometry(tree), along_x(tree, time))
     joints = {objects: _joint(tree, objects) for objects in set(shown)}
     output(tree, pick(tree, "GEOMETRY", index, [joints[objects] for objects in shown]), len(shown))
-    obj = table_object(name, [(first_frame + place, 0.0, 0.0) for place in range(len(shown))], tree)
-    try:
-        with scratch_animation(first_frame, first_frame + len(shown) - 1) as scene:
-            scene.collection.objects.link(obj)
-            scene.frame_set(first_frame)
-            yield
-    finally:
-        bpy.data.batch_remove([obj, obj.data, tree])
+    return table_object(name, [(first_frame + place, 0.0, 0.0) for place in range(len(shown))], tree)
 
 
 def frame_group(name: str) -> bpy.types.NodeTree:

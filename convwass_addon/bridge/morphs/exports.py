@@ -27,7 +27,7 @@ from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
 from ..scene_writing import require_written, write_alembic, write_still_gltf, write_usd
 from ..scratch_scene import scratch_animation, scratch_scene
-from ..sequence import mesh_sequence
+from ..sequence import mesh_sequences
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, shows_color_attribute, shows_object_color
@@ -173,7 +173,7 @@ def _export_animation(still: StillFrames, span: range, file: Path, chosen: _Form
     with _colored_copies(still.all, chosen.write_colors) as copies:
         groups = [tuple(copies[obj] for obj in group) for group in still.shown]
         first = span[0] if span else bpy.context.scene.frame_current
-        with mesh_sequence(bpy.path.clean_name(file.stem), groups, first):
+        with mesh_sequences({bpy.path.clean_name(file.stem): groups}, first):
             _write(file, chosen)
 
 

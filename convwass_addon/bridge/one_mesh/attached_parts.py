@@ -93,27 +93,38 @@ def detach_parts(bodies: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
     list of bpy.types.Object
         The parts that followed them; those that are linked from another file are left as they are.
     """
+    parts = [part for part in attached_parts(bodies) if part.is_editable and part.data.is_editable]
+    return [part for part in parts if _detach(part, bodies)]
+
+
+def attached_parts(bodies: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
+    """Return the objects that have shape keys with which they follow bodies, which are none of these."""
     meshes = {body.data for body in bodies}
-    found = []
-    for part in bpy.data.objects:
-        is_other = part.type == "MESH" and part.data.shape_keys is not None and part.data not in meshes
-        if is_other and part.is_editable and part.data.is_editable and _detach(part, bodies):
-            found.append(part)
-    return found
+    others = [obj for obj in bpy.data.objects if obj.type == "MESH" and obj.data not in meshes]
+    return [
+        obj
+        for obj in others
+        if obj.data.shape_keys is not None
+        and any(_is_following(key, body) for key in obj.data.shape_keys.key_blocks for body in bodies)
+    ]
 
 
 def _detach(part: bpy.types.Object, bodies: Sequence[bpy.types.Object]) -> bool:
-    """Remove the keys with which a part follows bodies; return whether there were any."""
-    count = len(part.data.shape_keys.key_blocks)
+    """Remove the keys with which a part follows bodies; return whether there were any.
+
+    There are none if another part has the same mesh, and was detached before.
+    """
+    keys = part.data.shape_keys
+    if keys is None:
+        return False
+    count = len(keys.key_blocks)
     for body in bodies:
         _remove_other_keys(part, body, ())
-    left = part.data.shape_keys.key_blocks
-    if len(left) == count:
-        return False
-    if len(left) == 1:
-        part.shape_key_remove(left[0])
+    left = len(keys.key_blocks)
+    if left == 1:
+        part.shape_key_remove(keys.key_blocks[0])
     part.data.update()
-    return True
+    return left < count
 
 
 def _follow(
