@@ -442,6 +442,24 @@ def test_a_collection_without_surfaces_is_refused(bare_scene, inventory):
     assert inventory() == before
 
 
+@pytest.mark.parametrize("grouping", ["COLLECTIONS", "OBJECTS"])
+def test_flat_groups_are_told_to_be_joined(bare_scene, inventory, grouping):
+    words = []
+    for number, name in enumerate(("Word", "Number")):
+        group = new_collection(name, bare_scene.collection if grouping == "COLLECTIONS" else None)
+        for place in range(2):
+            bpy.ops.object.text_add(location=(5 * number + place, 0, 0))
+            text = bpy.context.object
+            bare_scene.collection.objects.unlink(text)
+            group.objects.link(text)
+        words.append(text if grouping == "COLLECTIONS" else instance(f"{name} Shown", group))
+    before, options = inventory(), {"grouping": grouping}
+    with pytest.raises(InputError, match=r"Word.* is flat, but not a single object of its own. .* join these"):
+        MorphJob(words, path_blends(2, 3), MorphSettings(resolution=32), options, 1)
+    assert inventory() == before
+    MorphJob(words, path_blends(2, 3), MorphSettings(resolution=32, thickness=0.1), options, 1).discard()
+
+
 def test_collections_are_morphed_and_restored(bare_scene, add, inventory):
     """In centimeters; the ends have the parts of the collections, which are hidden and shown as a whole."""
     bare_scene.unit_settings.scale_length = 0.01

@@ -9,14 +9,17 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import bpy
+import numpy as np
 
 from ...applications.morphs.morph_settings import MorphSettings
 from ...applications.morphs.part_labels import FaceLabels, matched
+from ...errors import InputError
 from ...geometry.alignment import RigidMove, aligned_meshes
 from ...geometry.mesh import TriangleMesh
+from ..flat.planes import plane_of
 from ..joined_shapes import joined_shape
 from ..objects import MESHED, labeled_mesh, triangle_mesh
-from ..shape_sources import OBJECTS, shape_source
+from ..shape_sources import OBJECTS, ShapeSource, is_plain, shape_source
 from .morph_guides import guides_of_entries, guides_of_shapes
 
 if TYPE_CHECKING:
@@ -71,7 +74,8 @@ def read_shapes(
     Raises
     ------
     InputError
-        An input has no faces, no size, or is not a mesh; or the requested parts have no match.
+        An input has no faces, no size, or is not a mesh; or several objects or instances form a flat shape; or the
+        requested parts have no match.
     """
     sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
     names, labels, meshes = [source.name for source in sources], None, []
@@ -88,8 +92,21 @@ def read_shapes(
             labels.append(read.labels)
         # Checked before anything is created.
         matched(labels, names)
+    if settings.thickness <= 0:
+        _refuse_flat_groups(sources, meshes)
     entries = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
     guides = guides_of_shapes(entries, inputs, meshes, depsgraph)
     alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
     laid = aligned_meshes(meshes, alignment, scaling, names)
     return ReadShapes(names, laid.meshes, labels, guides, laid.moves)
+
+
+def _refuse_flat_groups(sources: Sequence[ShapeSource], meshes: Sequence[TriangleMesh]) -> None:
+    """Raise InputError if several objects, or instances, form a shape that is flat; only single objects can be."""
+    for source, mesh in zip(sources, meshes, strict=True):
+        if not is_plain(source) and plane_of(mesh.vertices, np.eye(4)) is not None:
+            raise InputError(
+                "{name} is flat, but not a single object of its own. Make its instances real, convert it to meshes or "
+                "curves and join these; or set Thickness to make it solid.",
+                name=source.name,
+            )
