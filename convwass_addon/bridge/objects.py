@@ -22,7 +22,7 @@ from .element_values import element_values, triangle_corners, vectors_of
 from .matrix_checks import is_flattening, require_depth, require_finite
 from .mesh_checks import not_a_mesh
 from .morphs.frame_attributes import VELOCITY
-from .visibility import evaluated_object, is_current, shown_objects
+from .visibility import current_objects, evaluated_object
 
 if TYPE_CHECKING:
     from ..applications.morphs.part_labels import FaceLabels
@@ -88,8 +88,7 @@ class LabeledMesh:
 
 def triangle_meshes(objects: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> list[TriangleMesh]:
     """Read objects as `triangle_mesh` does; Blender rebuilds its graph to show hidden ones, here once for all."""
-    depsgraph.update()
-    with shown_objects([obj for obj in objects if not is_current(obj, depsgraph)], depsgraph.scene):
+    with current_objects(objects, depsgraph):
         return [triangle_mesh(obj, depsgraph) for obj in objects]
 
 

@@ -19,7 +19,7 @@ from ..sentence import Sentence
 from .element_values import triangle_corners
 from .matrix_checks import require_finite
 from .mesh_checks import readable_mesh
-from .visibility import is_current, shown_objects
+from .visibility import current_objects, is_current, shown_objects
 
 # fmt: off
 KEEPS_VERTICES = frozenset((
@@ -121,16 +121,15 @@ def read_surface(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> Surfa
         Not a mesh, no faces or none with an area, or coordinates that are not finite.
     """
     topology = _Topology.of(readable_mesh(obj))
-    depsgraph.update()
-    if is_current(obj, depsgraph):
+    with current_objects([obj], depsgraph):
         evaluated = obj.evaluated_get(depsgraph)
+        matrix = np.array(evaluated.matrix_world, dtype=np.float64)
         shape = _shape_if(topology, evaluated)
         if shape is not None:
-            return SurfaceReading(_world(obj, shape, np.array(evaluated.matrix_world, dtype=np.float64)))
-    with _probe(obj, depsgraph) as probe:
-        shape = _without_builders(probe, topology, depsgraph) or _shape(obj.data)
-        kept = {modifier.name for modifier in probe.modifiers if modifier.show_viewport}
-        matrix = np.array(probe.evaluated_get(depsgraph).matrix_world, dtype=np.float64)
+            return SurfaceReading(_world(obj, shape, matrix))
+        with _probe(obj, depsgraph) as probe:
+            shape = _without_builders(probe, topology, depsgraph) or _shape(obj.data)
+            kept = {modifier.name for modifier in probe.modifiers if modifier.show_viewport}
     shown = [modifier.name for modifier in obj.modifiers if modifier.show_viewport]
     return SurfaceReading(_world(obj, shape, matrix), tuple(name for name in shown if name not in kept))
 

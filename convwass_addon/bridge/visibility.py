@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 
 import bpy
@@ -41,29 +41,66 @@ def evaluated_object(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> I
     """Provide the evaluated object, even if it is hidden, without changing the scene permanently."""
     if obj.mode == "EDIT":
         obj.update_from_editmode()
-    depsgraph.update()
-    if is_current(obj, depsgraph):
-        yield obj.evaluated_get(depsgraph)
-        return
-    with shown_objects([obj], depsgraph.scene):
-        depsgraph.update()
+    with current_objects([obj], depsgraph):
         yield obj.evaluated_get(depsgraph)
 
 
 def update_places(objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
     """Update the world matrices of objects, also of hidden ones, without changing the scene permanently."""
+    with current_objects(objects, depsgraph):
+        pass
+
+
+@contextmanager
+def current_objects(objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> Iterator[None]:
+    """Keep objects evaluated in their current state during a block of code; hidden ones are shown meanwhile.
+
+    What Blender adds to its graph for them gets the values that its animation has now, which Blender itself only
+    computes when the frame changes.
+    """
     depsgraph.update()
-    with shown_objects([obj for obj in objects if not is_current(obj, depsgraph)], depsgraph.scene):
+    hidden = [obj for obj in objects if not is_current(obj, depsgraph)]
+    if not hidden:
+        yield
+        return
+    parts = {block for obj in hidden for block in (obj, obj.data, getattr(obj.data, "shape_keys", None))}
+    known = {block.original for block in depsgraph.ids} - parts
+    with shown_objects(hidden, depsgraph.scene):
         depsgraph.update()
+        added = {block.original for block in depsgraph.ids} - known
+        animated = [block for block in added if getattr(block, "animation_data", None) is not None]
+        for block in animated:
+            block.update_tag(refresh={"TIME"})
+        if animated:
+            depsgraph.update()
+        yield
 
 
 def is_current(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bool:
     """Return whether Blender has evaluated an object in its current state.
 
-    It does not evaluate objects hidden in all viewports, but keeps those whose visibility changes over time.
+    It does not evaluate objects that are disabled in all viewports, but keeps those whose visibility changes over time.
+    Of those to which only a property or a constraint refers, it evaluates no more than it needs for these.
     """
     evaluated = obj.evaluated_get(depsgraph)
-    return evaluated.is_evaluated and not evaluated.hide_viewport
+    return evaluated.is_evaluated and not evaluated.hide_viewport and is_enabled(obj, depsgraph.view_layer)
+
+
+def is_enabled(obj: bpy.types.Object, layer: bpy.types.ViewLayer) -> bool:
+    """Return whether the collections of an object let a view layer evaluate it; the eye icon may hide it."""
+    if not is_in(layer, obj):
+        return False
+    return obj.visible_get(view_layer=layer) or _is_within(layer.layer_collection, set(obj.users_collection))
+
+
+def _is_within(layer_collection: bpy.types.LayerCollection, homes: Container[bpy.types.Collection]) -> bool:
+    """Return whether a layer collection, or one inside it, is one of some collections and enabled in viewports."""
+    collection = layer_collection.collection
+    if collection.hide_viewport:
+        return False
+    if collection in homes and not layer_collection.exclude:
+        return True
+    return any(_is_within(child, homes) for child in layer_collection.children)
 
 
 @contextmanager

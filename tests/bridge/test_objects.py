@@ -98,6 +98,58 @@ def test_hidden_objects_are_read_in_their_current_state(make_object, depsgraph, 
     assert (obj.hide_viewport, obj.hide_render, obj.visible_get()) == state
 
 
+def _property(obj):
+    bpy.context.scene["shape"] = obj
+
+
+def _constraint(obj):
+    empty = bpy.data.objects.new("Follower", None)
+    bpy.context.scene.collection.objects.link(empty)
+    empty.constraints.new("COPY_LOCATION").target = obj
+
+
+@pytest.mark.parametrize("refer", [_property, _constraint])
+@pytest.mark.parametrize("hide", [hide_viewport, hide_collection, exclude_collection])
+def test_hidden_objects_that_others_refer_to_are_read_with_their_modifiers(make_object, depsgraph, hide, refer):
+    """Blender evaluates no more of them than a property or a constraint needs."""
+    obj = make_object("A")
+    obj.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    hide(obj)
+    refer(obj)
+    obj.location.x = 7.0
+    bpy.context.view_layer.update()
+    mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
+    assert mesh.bounds.mean(axis=0)[0] == pytest.approx(7.0)
+    assert len(mesh.faces) == 48
+
+
+@pytest.mark.parametrize("carried", ["itself", "parent"])
+@pytest.mark.parametrize("hide", [hide_viewport, hide_with_eye, hide_collection, exclude_collection, unlink])
+def test_animated_objects_that_are_hidden_are_read_as_they_are_now(make_object, empty_scene, hide, carried):
+    obj, other = make_object("A"), make_object("Other")
+    moved = obj
+    if carried == "parent":
+        moved = obj.parent = make_object("Parent")
+        hide(moved)
+    key = (obj.shape_key_add(name="Basis"), obj.shape_key_add(name="Large"))[1]
+    for point in key.data:
+        point.co *= 2.0
+    for frame, share in ((1, 0.0), (5, 1.0)):
+        moved.location.x, key.value = 8.0 * share, share
+        moved.keyframe_insert("location", frame=frame)
+        key.keyframe_insert("value", frame=frame)
+        other.keyframe_insert("location", frame=frame)
+    bpy.context.scene.frame_set(1)
+    hide(obj)
+    bpy.context.view_layer.update()
+    bpy.context.scene.frame_set(5)
+    other.location.x = 3.0
+    mesh = triangle_mesh(obj, bpy.context.evaluated_depsgraph_get())
+    np.testing.assert_allclose(mesh.bounds, [[6.0, -2.0, -2.0], [10.0, 2.0, 2.0]], atol=1e-5)
+    # What others have without keys is kept.
+    assert other.location.x == 3.0
+
+
 def by_keys(obj):
     obj.keyframe_insert("hide_viewport", frame=1)
 

@@ -237,6 +237,29 @@ def test_duplicates_of_frames_are_no_frames_and_stay(morph, operator):
         assert not {still, copy} & set(frame_objects(bpy.data.collections[name]))
 
 
+@pytest.mark.parametrize("how", ["excluded", "disabled"])
+def test_hidden_inputs_have_not_changed_when_the_file_is_opened(morph, tmp_path, how):
+    obj = shapes(morph)[0]
+    obj.modifiers.new("Array", "ARRAY")
+    obj.location.x = 2.0
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    name, shape = next(found.name for found in bpy.data.collections if "convwass_morph" in found), obj.name
+    if how == "excluded":
+        home = bpy.data.collections.new("Sources")
+        bpy.context.scene.collection.children.link(home)
+        home.objects.link(obj)
+        for other in obj.users_collection[:-1]:
+            other.objects.unlink(obj)
+        bpy.context.view_layer.layer_collection.children["Sources"].exclude = True
+    else:
+        obj.hide_viewport = True
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "hidden.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "hidden.blend"))
+    assert changed_inputs(bpy.data.collections[name]) == []
+    bpy.data.objects[shape].modifiers.clear()
+    assert changed_inputs(bpy.data.collections[name]) == [shape]
+
+
 @pytest.mark.parametrize(
     "change",
     [

@@ -11,6 +11,7 @@ import bpy
 
 from ...errors import ConvwassError
 from ..shape_sources import OBJECTS, ShapeSource, shape_source
+from ..visibility import is_enabled
 from .stored import stored_morph
 
 SIGNATURES_KEY = "convwass_signatures"
@@ -18,6 +19,8 @@ SIGNATURES_KEY = "convwass_signatures"
 
 # Allows for single precision, and for saving and loading the scene.
 _TOLERANCE = 1e-5
+# The first numbers of a signature, which do not depend on evaluation: counts of mesh elements and of modifiers.
+_UNEVALUATED = 3
 
 
 def store_signatures(block: bpy.types.Collection | bpy.types.Object, signatures: list[list[float]]) -> None:
@@ -72,9 +75,17 @@ def changed_inputs(block: bpy.types.Collection | bpy.types.Object) -> list[str]:
 
 
 def _is_as_before(obj: bpy.types.Object, grouping: str, before: object) -> bool:
-    now = signature(shape_source(obj, grouping))
+    source = shape_source(obj, grouping)
+    now = signature(source)
     if not (isinstance(before, list) and len(before) == len(now)):
         return True
     if not all(isinstance(number, (int, float)) for number in before):
         return True
+    if not all(map(_is_evaluated, source.parts)):
+        now, before = now[:_UNEVALUATED], before[:_UNEVALUATED]
     return all(math.isclose(a, b, rel_tol=_TOLERANCE, abs_tol=_TOLERANCE) for a, b in zip(now, before, strict=True))
+
+
+def _is_evaluated(obj: bpy.types.Object) -> bool:
+    """Return whether Blender keeps the bounds and the transform of an object current, also after a file is opened."""
+    return not obj.hide_viewport and is_enabled(obj, bpy.context.view_layer)
