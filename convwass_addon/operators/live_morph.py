@@ -160,8 +160,14 @@ class CONVWASS_OT_bake_live_morph(_OnLiveMorph, bpy.types.Operator):
     bl_label = "Bake"
     bl_options = {"INTERNAL"}
 
+    @reporting_errors
     def execute(self, context):
         session = running_live()
+        if session.watch.lost:
+            raise InputError(
+                "{names} was deleted, so the live morph cannot be baked; Keep Shape keeps what it shows.",
+                names=", ".join(session.watch.lost),
+            )
         names, weights = "\n".join(session.objects), ",".join(f"{weight:.6g}" for weight in session.weights)
         session.end()
         settings = context.scene.convwass_morph

@@ -15,7 +15,12 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from ..bridge.edited_materials import made_as
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.disk_output import ReadFiles, disk_outputs, packed_bytes, read_files
-from ..bridge.morphs.hidden_inputs import instances_without, missed_in_renders, still_in_renders
+from ..bridge.morphs.hidden_inputs import (
+    instances_without,
+    missed_in_renders,
+    shown_when_opened,
+    still_in_renders,
+)
 from ..bridge.morphs.replace import replace_bake
 from ..bridge.morphs.showing import main_object
 from ..bridge.morphs.stand_ins import stand_ins
@@ -248,6 +253,12 @@ def _report_hiding(operator: bpy.types.Operator, morph: bpy.types.ID) -> None:
             "remove or mute these"
         )
         operator.report({"WARNING"}, text.format(first_names(shown)))
+    if linked := shown_when_opened(morph):
+        text = rpt_(
+            "Renders show {:s} again when the file is opened, since they are linked; hide them in their file, or make "
+            "library overrides and bake again"
+        )
+        operator.report({"WARNING"}, text.format(first_names(linked)))
     for scene, names in missed_in_renders(morph).items():
         text = rpt_(
             "Renders of {:s} lack {:s}, since objects are hidden in all scenes; if needed, turn Hide Inputs off"

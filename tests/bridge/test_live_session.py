@@ -104,7 +104,9 @@ def test_nothing_is_left_behind(begin, inventory):
     session.end()
     bpy.context.view_layer.update()
     before, selected = inventory(), {obj.name for obj in bpy.context.selected_objects}
-    handlers = {name: list(getattr(bpy.app.handlers, name)) for name in ("save_pre", "depsgraph_update_post")}
+    handlers = {
+        name: list(getattr(bpy.app.handlers, name)) for name in ("save_pre", "save_post_fail", "depsgraph_update_post")
+    }
     session = begin(3)
     ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
     assert inventory() != before
@@ -192,8 +194,11 @@ def test_files_are_saved_without_it(begin, tmp_path, inventory):
     ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
     path = str(tmp_path / "live.blend")
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
-    # It continues after saving the file.
+    # It continues after saving the file, and if that fails.
     assert session.tick() and bpy.data.objects["Ball 0"].hide_get()
+    with pytest.raises(RuntimeError):
+        bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "missing" / "live.blend"), copy=True)
+    assert bpy.data.objects["Ball 0"].hide_get()
     session.end()
     before = inventory()
     bpy.ops.wm.open_mainfile(filepath=path)

@@ -125,6 +125,16 @@ def test_a_single_blend_is_baked_with_the_weights_of_the_handle(press):
     assert running_live() is None
 
 
+def test_it_goes_on_when_it_cannot_be_baked_without_a_deleted_shape(press):
+    operator, context = press()
+    goes_on(operator, context, is_shown)
+    bpy.data.objects.remove(bpy.context.selected_objects[0])
+    with pytest.raises(RuntimeError, match="was deleted, so the live morph cannot be baked; Keep Shape keeps"):
+        bpy.ops.convwass.bake_live_morph()
+    assert operator.modal(context, TIMER) == {"PASS_THROUGH"}
+    assert bpy.ops.convwass.keep_live_shape() == {"FINISHED"}
+
+
 def test_disabling_the_addon_ends_it(press):
     _, context = press()
     ended = []

@@ -16,6 +16,7 @@ from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.morphs.animated_inputs import animation_notices, is_animated
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_settings
 from convwass_addon.geometry.affine import transformed_points
+from tests.linked_objects import linked_to_new_file
 from tests.operators.morphs import add, baked_morph, census, guide_coarsely, two_shapes
 from tests.panels.fake_layout import FakeLayout
 
@@ -151,6 +152,22 @@ def test_inputs_whose_visibility_is_animated_are_named(capfd, kind):
     bpy.context.scene.frame_set(2)
     assert cube.hide_render == (kind in ("muted", "none")) and ball.hide_render
     assert ("Renders may show Cube beside the morph" in capfd.readouterr().out) == (not cube.hide_render)
+
+
+@pytest.mark.parametrize("how", ["linked", "override"])
+def test_linked_inputs_that_renders_show_again_in_the_opened_file_are_named(capfd, tmp_path, how):
+    name = two_shapes()[0].name
+    cube = linked_to_new_file(name, tmp_path)
+    if how == "override":
+        cube = cube.override_create(remap_local_usages=True)
+    add("uv_sphere", "Ball", location=(3, 0, 0))
+    capfd.readouterr()
+    bpy.ops.convwass.bake_morph(motion="TRANSPORT", inputs=f"{name},Ball", **QUICK)
+    assert cube.hide_render
+    assert (f"Renders show {name} again when the file is opened" in capfd.readouterr().out) == (how == "linked")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "opened.blend"))
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "opened.blend"))
+    assert bpy.data.objects[name].hide_render == (how == "override")
 
 
 def test_undo_takes_the_morph_away():

@@ -114,8 +114,8 @@ class LiveSession:
         self._moved_at, self._looked_at, self._changed_at = now, now, None
         self._shown_version, self._changing_until = -1, now
         self._shown: LiveShape | None = None
-        bpy.app.handlers.save_pre.append(self._before_saving)
-        bpy.app.handlers.save_post.append(self._after_saving)
+        for handlers, own in self._handlers:
+            handlers.append(own)
         watch_undo()
         set_running(self)
 
@@ -311,13 +311,20 @@ class LiveSession:
             set_running(None)
         self._job.cancel(0.0)
         self.watch.unregister()
-        for handlers, own in (
-            (bpy.app.handlers.save_pre, self._before_saving),
-            (bpy.app.handlers.save_post, self._after_saving),
-        ):
+        for handlers, own in self._handlers:
             if own in handlers:
                 handlers.remove(own)
         self.scene.remove()
+
+    @property
+    def _handlers(self) -> list[tuple[list[Callable[..., None]], Callable[..., None]]]:
+        """Blender's lists of functions to call about saving, and what they are to call."""
+        lists = bpy.app.handlers
+        return [
+            (lists.save_pre, self._before_saving),
+            (lists.save_post, self._after_saving),
+            (lists.save_post_fail, self._after_saving),
+        ]
 
     def _before_saving(self, *_: object) -> None:
         """Show the inputs in the saved file, without the live morph."""

@@ -78,6 +78,14 @@ def still_in_renders(morph: bpy.types.ID) -> list[str]:
     return [obj.name for obj in hidden if obj is not None and is_animated_property(obj, "hide_render")]
 
 
+def shown_when_opened(morph: bpy.types.ID) -> list[str]:
+    """Return the names of linked objects that a morph hides in renders, which Blender forgets when it saves the file.
+
+    Library overrides stay hidden.
+    """
+    return [obj.name for obj in _lost_in_renders(morph) if obj.library is not None]
+
+
 def missed_in_renders(morph: bpy.types.ID) -> dict[str, list[str]]:
     """Return the scenes without a morph whose renders lack objects that it hides: names of objects by name of scene.
 
