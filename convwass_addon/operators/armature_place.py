@@ -23,6 +23,7 @@ from .windows import write_status
 
 if TYPE_CHECKING:
     from ..applications.skeletons.inner_points import InnerPointFinder
+    from ..bridge.armatures.rig_graphs import RigGraph
 
 
 class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
@@ -96,12 +97,11 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
 
     def _place(self, context: bpy.types.Context, name: str, point: NDArray[np.float64]) -> None:
         """Move a joint behind a surface point and pin it; raises InputError if that is impossible."""
-        from ..bridge.armatures.rigs import move_joints, rig_graph
+        from ..bridge.armatures.rigs import move_joints
 
         rig = chosen_rig(context)
         found = self._finder.find(point, self.depth)
-        graph = rig_graph(rig, only_deforming=False)
-        joint = graph.joint(name)
+        graph, joint = _moving_joint(rig, name)
         positions = graph.graph.positions.copy()
         positions[joint] = found.position
         # Bones are measured before the joint moves.
@@ -109,6 +109,20 @@ class CONVWASS_OT_place_joint(PicksPoints, OnBody, bpy.types.Operator):
         move_joints(rig, graph, positions)
         text = rpt_("{:s} is pinned {:s} behind the surface")
         self.report({"INFO"}, text.format(name, length_text(context.scene, found.depth)))
+
+
+def _moving_joint(rig: bpy.types.Object, name: str) -> tuple[RigGraph, int]:
+    """Return the graph in which a joint is to move, and its number there.
+
+    That of the deforming bones, if it is one of theirs; other bones then move along as a whole.
+    """
+    from ..bridge.armatures.rigs import rig_graph
+
+    whole, deforming = rig_graph(rig, only_deforming=False), rig_graph(rig)
+    joint = whole.joint(name)
+    shared = set(whole.ends[joint])
+    own = next((number for number, ends in enumerate(deforming.ends) if shared & set(ends)), None)
+    return (whole, joint) if own is None else (deforming, own)
 
 
 def _finder(context: bpy.types.Context) -> InnerPointFinder:

@@ -20,7 +20,7 @@ from convwass_addon.operators import armature_place, picking
 from convwass_addon.operators.armature_place import CONVWASS_OT_place_joint
 from convwass_addon.properties.armatures import chosen_rig, dotted_rig, is_mesh, is_rig
 from tests.operators.running import ESCAPE, TIMER, Pressed, call, window_context
-from tests.rigs import chain, choose, lines, own, select_joints, tube, world_ends
+from tests.rigs import armature, chain, choose, lines, own, select_joints, tube, world_ends
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -154,6 +154,31 @@ def test_a_joint_is_placed_and_pinned(rig, axis, capfd):
     assert axis[0][1] == pytest.approx(0.5)
     assert "C.tail is pinned 40 cm behind the surface" in capfd.readouterr().out
     assert rig_graph(rig).graph.lengths == pytest.approx([1, 1, 1])
+
+
+def test_control_bones_keep_their_lengths_where_a_joint_is_placed(axis):
+    bones = [
+        ("Target", (3, 0, 0), (3, 0, 1), None, False),
+        ("Arm", (0, 0, 0), (3, 0, 0), None, False),
+        ("Root", (0, 0, -1), (0, 0, 0), None, False),
+    ]
+    rig = armature(bones)
+    for name in ("Target", "Root"):
+        rig.data.bones[name].use_deform = False
+    choose(tube(), rig)
+    call("place_joint", joints="Target.head", location=(3.5, 0, 0.4))
+    call("place_joint", joints="Arm.head", location=(0.5, 0, 0.4))
+    found = world_ends(rig)
+    wanted = {
+        "Target": ((3.5, 0, 0), (3.5, 0, 1)),
+        "Arm": ((0.5, 0, 0), (3.5, 0, 0)),
+        "Root": ((0.5, 0, -1), (0.5, 0, 0)),
+    }
+    for name, ends in wanted.items():
+        np.testing.assert_allclose([found[f"{name}.head"], found[f"{name}.tail"]], ends, atol=1e-6)
+    call("place_joint", joints="Target.tail", location=(3.5, 0, 0.4))
+    np.testing.assert_allclose(world_ends(rig)["Target.head"], (3.5, 0, 0), atol=1e-6)
+    assert rig_graph(rig).graph.pinned.all()
 
 
 def test_placing_is_one_undo_step(rig, axis):

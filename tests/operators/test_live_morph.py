@@ -128,7 +128,7 @@ def test_a_single_blend_is_baked_with_the_weights_of_the_handle(press):
 def test_it_goes_on_when_it_cannot_be_baked_without_a_deleted_shape(press):
     operator, context = press()
     goes_on(operator, context, is_shown)
-    bpy.data.objects.remove(bpy.context.selected_objects[0])
+    bpy.data.objects.remove(bpy.data.objects["Cube"])
     with pytest.raises(RuntimeError, match="was deleted, so the live morph cannot be baked; Keep Shape keeps"):
         bpy.ops.convwass.bake_live_morph()
     assert operator.modal(context, TIMER) == {"PASS_THROUGH"}
