@@ -77,6 +77,11 @@ def draft_of(path: Path, suffix: str | None = None) -> Iterator[Path]:
     try:
         yield draft
         os.replace(draft, path)
+    except OSError as error:
+        if error.filename == str(draft):
+            # Users know only the file.
+            error.filename = str(path)
+        raise
     finally:
         draft.unlink(missing_ok=True)
 

@@ -40,6 +40,16 @@ def test_failures_are_reported(tmp_path, error):
     assert file.read_text() == "old"
 
 
+def test_errors_name_the_file_and_not_its_draft(tmp_path):
+    file = tmp_path / "missing" / "a.txt"
+    with pytest.raises(FileNotFoundError) as caught, draft_of(file) as draft:
+        draft.write_text("new")
+    assert caught.value.filename == str(file)
+    with pytest.raises(FileNotFoundError) as caught, draft_of(tmp_path / "a.txt"):
+        (tmp_path / "b.txt").read_text()
+    assert caught.value.filename == str(tmp_path / "b.txt")
+
+
 def test_a_draft_has_no_draft_of_its_own(tmp_path):
     file = tmp_path / "a.txt"
     file.write_text("old")

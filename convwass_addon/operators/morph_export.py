@@ -11,7 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 from bpy.props import StringProperty
 
 from ..bridge.active import active_object
-from ..bridge.files import absolute_path
+from ..bridge.files import absolute_path, file_stem
 from ..bridge.one_mesh.records import has_key_record
 from ..errors import InputError
 from ..progress import drained
@@ -48,7 +48,7 @@ class CONVWASS_OT_export_morph(bpy.types.Operator):
 
     def invoke(self, context, event):
         if not self.filepath:
-            name = bpy.path.clean_name(_subject(context).name) + ".glb"
+            name = f"{file_stem(_subject(context).name)}.glb"
             self.filepath = f"//{name}" if bpy.data.filepath else name
         context.window_manager.fileselect_add(self)
         return {"RUNNING_MODAL"}

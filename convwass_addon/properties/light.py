@@ -97,7 +97,8 @@ class SkyProperties:
     frame_end: IntProperty(name="End", description="Frame that shows the last sky", default=24, **_FRAMES)
     width: IntProperty(
         name="Width",
-        description="Width of the images in pixels; the height is half of it",
+        description="Width of the images in pixels, rounded to a multiple of the grid on which light travels; the "
+        "height is half of it",
         default=1024,
         min=64,
         soft_max=4096,

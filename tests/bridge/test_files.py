@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.bridge.files import checked_folder, checked_target, save_blend
+from convwass_addon.bridge.files import checked_folder, checked_target, file_stem, save_blend
 from convwass_addon.drafts import DraftFiles
 from convwass_addon.errors import ConvwassError, InputError
 
@@ -158,3 +158,11 @@ def test_folders_are_checked(tmp_path):
     ):
         with pytest.raises(InputError, match=said):
             checked_folder(str(wrong))
+
+
+def test_long_names_leave_room_for_numbers_and_extensions():
+    stem = file_stem(255 * "a")
+    assert len(f".{stem}_0001.usdc@".encode()) <= 220
+    assert stem.startswith(40 * "a")
+    assert stem == file_stem(255 * "a") != file_stem(250 * "a")
+    assert file_stem("A to B/C") == "A_to_B_C"

@@ -18,7 +18,7 @@ from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
 from ..element_values import element_values, triangle_corners
-from ..files import absolute_folder, made_folder
+from ..files import absolute_folder, file_stem, made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh, require_not_edited
 from ..morphs.disk_output import for_blender
@@ -135,7 +135,7 @@ def _own_images(obj: bpy.types.Object, name: str) -> list[Path]:
 
 def _own_paths(obj: bpy.types.Object, name: str, folder: Path, suffix: str, steps: int) -> list[Path]:
     """Return where to write images: in a folder, or in the first one in it where they replace no other files."""
-    stem = bpy.path.clean_name(name)
+    stem = file_stem(name)
     own = set(map(_place, _own_images(obj, name)))
     others = {_place(path): other for other, path in outputs_of_others(obj, name, IMAGES)}
     for tried in chain([folder], (folder / f"{stem}_{number:03d}" for number in count(1))):

@@ -16,7 +16,7 @@ import bpy
 
 from ...applications.whole_paths import whole_path
 from ...errors import InputError
-from ..files import absolute_folder, creatable_folder
+from ..files import absolute_folder, creatable_folder, file_stem
 from ..linked_data import overriding
 from ..unused_data import remove_if_unused
 
@@ -95,7 +95,7 @@ def named_folder(path: str, morph: bpy.types.Collection) -> Path:
     InputError
         As for :func:`.files.absolute_folder`.
     """
-    return absolute_folder(path) / bpy.path.clean_name(morph.name)
+    return absolute_folder(path) / file_stem(morph.name)
 
 
 def free_folder(path: str, morph: bpy.types.Collection) -> Path:
@@ -114,7 +114,7 @@ def free_folder(path: str, morph: bpy.types.Collection) -> Path:
     InputError
         As for `named_folder`.
     """
-    parent, name = absolute_folder(path), bpy.path.clean_name(morph.name)
+    parent, name = absolute_folder(path), file_stem(morph.name)
     taken = {*_remembered_folders(), *_CREATED}
     tried = (parent / each for each in chain([name], (f"{name}_{number:03d}" for number in count(1))))
     return next(folder for folder in tried if folder not in taken and _is_unused(folder))

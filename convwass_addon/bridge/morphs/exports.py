@@ -19,7 +19,7 @@ from ...disk_space import require_space
 from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..element_values import element_values
-from ..files import checked_target
+from ..files import checked_target, file_stem
 from ..numbered_files import numbered_paths
 from ..objects import world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
@@ -136,7 +136,7 @@ def _with_suffix(path: Path, chosen: _Format, name: str) -> Path:
     """Return the path with an extension of the format."""
     target = whole_path(path)
     if target.is_dir():
-        target /= bpy.path.clean_name(name)
+        target /= file_stem(name)
     if target.suffix.lower() in chosen.suffixes:
         return target
     known = {".blend", *(suffix for other in FORMATS.values() for suffix in other.suffixes)}

@@ -19,7 +19,7 @@ from ...errors import ConvwassError, InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..element_values import element_values, write_attribute
-from ..files import absolute_folder
+from ..files import absolute_folder, file_stem
 from ..handles import Handle
 from ..image_files import image_path
 from ..mesh_checks import writable_mesh
@@ -284,7 +284,7 @@ class TextureJob:
     def _stored(self, image: bpy.types.Image, name: str) -> Path:
         """Write an image to the folder, under a name."""
         self._folder.mkdir(parents=True, exist_ok=True)
-        file = self._folder / f"{bpy.path.clean_name(name)}.png"
+        file = self._folder / f"{file_stem(name)}.png"
         image.filepath_raw, image.file_format = for_blender(file), "PNG"
         try:
             image.save()
