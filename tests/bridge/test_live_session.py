@@ -110,7 +110,8 @@ def test_nothing_is_left_behind(begin, inventory):
     session = begin(3)
     ticked(session, lambda: len(session.scene.shape.data.polygons) > 0)
     assert inventory() != before
-    assert all(obj.hide_get() for obj in bpy.data.objects if obj.name.startswith("Ball"))
+    assert all(obj.hide_get() and not obj.hide_render for obj in bpy.data.objects if obj.name.startswith("Ball"))
+    assert bpy.data.collections["Live Morph"].hide_render
     session.end()
     session.end()
     assert inventory() == before

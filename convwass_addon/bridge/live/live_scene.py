@@ -46,6 +46,8 @@ class LiveScene:
     ) -> None:
         collection = bpy.data.collections.new("Live Morph")
         scene.collection.children.link(collection)
+        # Renders show the inputs, as saved files do; hidden in renders, these could stay so.
+        collection.hide_render = True
         mesh = bpy.data.meshes.new("Live Morph")
         first = sources[0].parts[0]
         for slot in first.material_slots:
