@@ -47,12 +47,11 @@ def group_marks(
         Not a mesh, or a mesh without a surface.
     """
     mesh = surface_mesh(obj, depsgraph)
-    used = np.zeros(len(mesh.vertices), bool)
-    used[mesh.faces] = True
+    is_used = mesh.is_used
     found: dict[str, int | None] = {}
     for name, weights in zip(names, read_groups(obj, list(names)), strict=True):
-        own = np.flatnonzero((weights > 0) & used)
-        is_mark = 0 < len(own) <= max(largest * used.sum(), _FEW_VERTICES)
+        own = np.flatnonzero((weights > 0) & is_used)
+        is_mark = 0 < len(own) <= max(largest * is_used.sum(), _FEW_VERTICES)
         found[name] = _middle(mesh, own, weights) if is_mark else None
     return found
 
@@ -110,7 +109,7 @@ def bone_marks(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> dict[st
         Not a mesh, or a mesh without a surface.
     """
     mesh = surface_mesh(obj, depsgraph)
-    used = np.unique(mesh.faces)
+    used = np.flatnonzero(mesh.is_used)
     found: dict[str, int] = {}
     for rig in _rigs(obj):
         evaluated = rig.evaluated_get(depsgraph)
@@ -124,7 +123,7 @@ def bone_marks(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> dict[st
 
 def nearest_vertex(mesh: TriangleMesh, place: NDArray[np.float64]) -> int:
     """Return the vertex with a face that is nearest to a point, (3,)."""
-    used = np.unique(mesh.faces)
+    used = np.flatnonzero(mesh.is_used)
     return int(used[np.linalg.norm(mesh.vertices[used] - place, axis=1).argmin()])
 
 

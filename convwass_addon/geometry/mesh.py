@@ -66,13 +66,19 @@ class TriangleMesh:
         # Three to four times as fast as indexing with an array.
         return self.vertices.take(self.faces, axis=0)
 
+    @property
+    def is_used(self) -> NDArray[np.bool_]:
+        """Which vertices faces use, (n,)."""
+        # NumPy's unique takes seconds for millions of corners.
+        found = np.zeros(len(self.vertices), bool)
+        found[self.faces] = True
+        return found
+
     @cached_property
     def bounds(self) -> NDArray[np.float64]:
         """Smallest and largest coordinates over the vertices that faces use, (2, 3)."""
-        in_use = np.zeros(len(self.vertices), bool)
-        in_use[self.faces] = True
         # NumPy takes several times as long for extremes of rows of three.
-        used = np.ascontiguousarray(self.vertices.compress(in_use, axis=0).T)
+        used = np.ascontiguousarray(self.vertices.compress(self.is_used, axis=0).T)
         return np.stack([used.min(axis=1), used.max(axis=1)])
 
     @property

@@ -92,9 +92,7 @@ def _samples(shape: TriangleMesh, spacing: float) -> NDArray[np.float64]:
     places = np.arange(len(edges)) - (np.cumsum(counts) - counts)[edges]
     shares = ((places + 1) / (counts[edges] + 1))[:, None]
     between = (1.0 - shares) * ends[edges, 0] + shares * ends[edges, 1]
-    used = np.zeros(len(shape.vertices), bool)
-    used[shape.faces] = True
-    return np.concatenate([shape.vertices[used], between])
+    return np.concatenate([shape.vertices[shape.is_used], between])
 
 
 def _have_long_sides(shape: TriangleMesh, length: float) -> NDArray[np.bool_]:

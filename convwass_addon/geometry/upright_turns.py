@@ -87,7 +87,7 @@ def distances_after(source: TriangleMesh, target: TriangleMesh, turns: NDArray[n
 
 def _samples(mesh: TriangleMesh) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Return some vertices about the center in sizes of the surface, their normals, and their shares of the area."""
-    used = np.unique(mesh.faces)
+    used = np.flatnonzero(mesh.is_used)
     chosen = used[:: max(len(used) // _SAMPLES, 1)]
     areas = mesh.vertex_areas
     middle = areas @ mesh.vertices / areas.sum()

@@ -76,7 +76,7 @@ def coinciding_region(
     (n,) bool, (n,) int64
         The vertices of the first mesh in the region, and the nearest vertex of the second to each of its vertices.
     """
-    used = np.unique(second.faces)
+    used = np.flatnonzero(second.is_used)
     size = np.sqrt(TriangleMesh(points, first.faces).area)
     apart, nearest = cKDTree(others[used]).query(points)
     nearest = used[nearest]

@@ -21,7 +21,7 @@ def is_compact(mesh: TriangleMesh) -> bool:
 
     A shape that lies in a plane has no hull, and is not compact.
     """
-    points, volume = mesh.vertices[np.unique(mesh.faces)], abs(mesh.volume)
+    points, volume = mesh.vertices[mesh.is_used], abs(mesh.volume)
     # The hull of some of the points is found much faster, and not larger.
     if volume < _NEARLY_CONVEX * _hull_volume(points[:: 1 + len(points) // _SOME]):
         return False

@@ -107,7 +107,7 @@ class _Reflection:
         """Reflect guides, (k, 2)."""
         sides, is_there, images, same = np.ones(len(pairs)), np.ones(len(pairs), bool), np.empty_like(pairs), []
         for k, (shape, plane) in enumerate(zip(shapes, planes, strict=True)):
-            points, used = shape.mesh.vertices[pairs[:, k]], np.unique(shape.mesh.faces)
+            points, used = shape.mesh.vertices[pairs[:, k]], np.flatnonzero(shape.mesh.is_used)
             mirrored = plane.mirrored(points)
             away, nearest = point_tree(shape.mesh.vertices[used]).query(mirrored)
             images[:, k] = used[nearest]

@@ -67,7 +67,7 @@ class MirroredSides:
         mesh = self.meshes[k]
         beside = self.planes[k].heights(mesh.vertices)
         # Vertices without triangles may be anywhere.
-        farthest = max(np.abs(beside[np.unique(mesh.faces)]).max(), np.finfo(float).tiny)
+        farthest = max(np.abs(beside[mesh.is_used]).max(), np.finfo(float).tiny)
         beside = np.clip(beside / farthest, -1.0, 1.0)
         return {"left": np.maximum(beside, 0.0), "right": np.maximum(-beside, 0.0), **height_groups(mesh)}
 

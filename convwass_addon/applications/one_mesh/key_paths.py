@@ -200,8 +200,7 @@ def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control:
 
 def _straighten_loose_vertices(samples: list[NDArray[np.float64]], way: GuidedWay) -> None:
     """Let vertices that no triangle uses stay, or move straight to known ends, in place: nothing guides them."""
-    loose = np.ones(len(way.mesh.vertices), bool)
-    loose[way.mesh.faces] = False
+    loose = ~way.mesh.is_used
     begin = samples[0][loose]
     end = way.target.vertices[loose] if way.ends_on_vertices else begin
     for time, points in zip(np.linspace(0.0, 1.0, len(samples))[1:], samples[1:], strict=True):

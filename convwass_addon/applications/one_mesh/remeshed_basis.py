@@ -10,7 +10,6 @@ import numpy as np
 from scipy.ndimage import gaussian_filter
 
 from ...geometry.closest_points import ClosestPointFinder
-from ...geometry.edges import used_part
 from ...geometry.even_surface import even_surface
 from ...geometry.facing_points import FacingShape
 from ...geometry.isosurface import surface_enclosing
@@ -90,7 +89,7 @@ def missing_reach(mesh: TriangleMesh, remeshed: TriangleMesh, least: float, cont
     float
         A length, in the units of the meshes.
     """
-    points = mesh.vertices[used_part(mesh.faces, len(mesh.vertices))[0]]
+    points = mesh.vertices[mesh.is_used]
     # Exact distances would take most of the time of large meshes.
     distances = ClosestPointFinder(remeshed.corners).find_about(points, control).distances
     far = distances > least

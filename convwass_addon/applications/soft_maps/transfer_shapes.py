@@ -117,9 +117,7 @@ class ShapeCarrier:
         """Relative areas of the receiver's vertices; 0 for unused ones."""
         shares = self.receiver.vertex_areas
         # Vertices of degenerate triangles need a small positive area to be determined.
-        used = np.zeros(len(shares), bool)
-        used[self.receiver.faces] = True
-        return np.where(used, np.maximum(shares / shares.sum(), 1e-12), 0.0)
+        return np.where(self.receiver.is_used, np.maximum(shares / shares.sum(), 1e-12), 0.0)
 
     def _gradients(self, offsets: NDArray[np.float64]) -> NDArray[np.float64]:
         """Deformation gradients of the giver's triangles minus the identity, (g, 3, 3)."""
