@@ -76,23 +76,24 @@ def make_key_pad(obj: bpy.types.Object) -> bpy.types.Object:
 
 def foreign_drivers(obj: bpy.types.Object) -> list[str]:
     """Return the sliders of an object that drivers set which are not those of a pad."""
-    drivers = obj.animation_data.drivers if obj.animation_data else ()
-    driven = {curve.data_path: [own.targets for own in curve.driver.variables] for curve in drivers}
-    found = []
-    for name in (record["name"] for record in key_records(obj)):
-        targets = [target.id for own in driven.get(slider_path(name), ()) for target in own]
-        if slider_path(name) in driven and not any(own is not None and PAD_KEY in own for own in targets):
-            found.append(name)
-    return found
+    read = _read_by_drivers(obj, [record["name"] for record in key_records(obj)])
+    return [name for name, blocks in read.items() if not any(own is not None and PAD_KEY in own for own in blocks)]
 
 
 def _driving_handle(obj: bpy.types.Object, names: Sequence[str]) -> bpy.types.Object | None:
     """Return the handle of a pad that drives all sliders of an object, if there is one."""
-    drivers = obj.animation_data.drivers if obj.animation_data else ()
-    of_sliders = [curve for curve in drivers if curve.data_path in map(slider_path, names)]
-    read = [{target.id for own in curve.driver.variables for target in own.targets} for curve in of_sliders]
-    shared = set.intersection(*read) if len(read) == len(names) else set()
+    read = _read_by_drivers(obj, names)
+    shared = set.intersection(*read.values()) if len(read) == len(names) else set()
     return next((own for own in shared if own is not None and PAD_KEY in own and own.parent is not None), None)
+
+
+def _read_by_drivers(obj: bpy.types.Object, names: Sequence[str]) -> dict[str, set[bpy.types.ID | None]]:
+    """Return what the drivers of sliders of an object read, for those of the sliders that have one."""
+    drivers = obj.animation_data.drivers if obj.animation_data else ()
+    found = {
+        curve.data_path: {target.id for own in curve.driver.variables for target in own.targets} for curve in drivers
+    }
+    return {name: found[slider_path(name)] for name in names if slider_path(name) in found}
 
 
 def pads_of(blocks: Iterable[bpy.types.ID | None]) -> list[bpy.types.Object]:
