@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -70,8 +70,6 @@ class LiveSession:
         Two to four shapes.
     request : LiveRequest
         How.
-    clock : callable
-        Seconds.
 
     Attributes
     ----------
@@ -88,16 +86,10 @@ class LiveSession:
         Another live morph is running, or inputs or settings are invalid; nothing is left in the scene.
     """
 
-    def __init__(
-        self,
-        context: bpy.types.Context,
-        inputs: Sequence[bpy.types.Object],
-        request: LiveRequest,
-        clock: Callable[[], float] = time.monotonic,
-    ) -> None:
+    def __init__(self, context: bpy.types.Context, inputs: Sequence[bpy.types.Object], request: LiveRequest) -> None:
         if running_live() is not None:
             raise InputError("Another live morph is running; end it first.")
-        self._request, self._clock = request, clock
+        self._request = request
         self._read = read_shapes(inputs, context.evaluated_depsgraph_get(), request.settings, request.options)
         sources = self._sources_of(inputs)
         self._looks = self._looks_of(sources, self._read)
@@ -110,7 +102,7 @@ class LiveSession:
         self.fraction = 0.0
         self.is_frozen = self._ended = False
         self._place: tuple[float, float] | None = None
-        now = clock()
+        now = time.monotonic()
         self._moved_at, self._looked_at, self._changed_at = now, now, None
         self._shown_version, self._changing_until = -1, now
         self._shown: LiveShape | None = None
@@ -129,7 +121,7 @@ class LiveSession:
         matching = unparted(len(read.meshes)) if read.labels is None else matched(read.labels, read.names)
         shapes = LiveShapes(tuple(read.meshes), tuple(read.names), matching, tuple(read.guides), looks)
         request = self._request
-        return LiveBlends(shapes, request.settings, request.live, clock=self._clock, motions=FOUND_MOTIONS)
+        return LiveBlends(shapes, request.settings, request.live, motions=FOUND_MOTIONS)
 
     @property
     def count(self) -> int:
@@ -185,10 +177,10 @@ class LiveSession:
         """
         if not self.scene.is_there:
             return False
-        now = self._clock()
+        now = time.monotonic()
         self._point(now)
         self._look_after_inputs(now)
-        self._look_after_job(now)
+        self._look_after_job()
         self._blends.settle()
         if not bpy.app.is_job_running("RENDER"):
             self._show(now)
@@ -213,7 +205,7 @@ class LiveSession:
             self.scene.show(found)
             self._shown = found
 
-    def _look_after_job(self, now: float) -> None:
+    def _look_after_job(self) -> None:
         """Process the reports of the thread, and restart it if there is more to compute."""
         for report in self._job.poll():
             self.message, self.fraction = report.message, max(report.fraction, self.fraction)
@@ -279,11 +271,11 @@ class LiveSession:
         bpy.types.Object or None
             In the scene's collection; None if nothing is shown yet.
         """
-        until = self._clock() + patience
+        until = time.monotonic() + patience
         self._blends.rest()
         shown = self._blends.shown()
-        while not self.is_frozen and self._clock() < until and not (shown is not None and shown.is_solved):
-            self._look_after_job(self._clock())
+        while not self.is_frozen and time.monotonic() < until and not (shown is not None and shown.is_solved):
+            self._look_after_job()
             time.sleep(0.01)
             shown = self._blends.shown()
         if shown is None or not self.scene.is_there:
