@@ -73,6 +73,25 @@ class PairMap:
         return _start(one, other, self.found.forward), _start(other, one, self.found.backward)
 
 
+@dataclass(frozen=True)
+class _MapShapes:
+    """Two shapes to map onto each other.
+
+    Attributes
+    ----------
+    both : (Carrier, Carrier)
+        The shapes.
+    vertices : int
+        Approximate number of vertices of the coarse meshes on which maps are solved.
+    control : Control
+        Stops the work.
+    """
+
+    both: tuple[Carrier, Carrier]
+    vertices: int
+    control: Control
+
+
 def pair_map(
     first: Carrier,
     second: Carrier,
@@ -106,15 +125,16 @@ def pair_map(
     InputError
         The meshes cannot be mapped.
     """
+    shapes = _MapShapes((first, second), vertices, control)
     seeds = coinciding_places(first.mesh, second.mesh)
     groups = None if sides is None else sides.both_groups
     if not len(pairs):
-        return (yield from _without_guides(first, second, seeds, vertices, control, groups))
-    plain = yield from within(_solved(first, second, _NO_PAIRS, vertices, control, groups), 0.0, 0.2)
+        return (yield from _without_guides(shapes, seeds, groups))
+    plain = yield from within(_solved(shapes, _NO_PAIRS, groups), 0.0, 0.2)
     sound = _missed(first, second, plain.found, pairs) < _ASTRAY
     chosen, begin = pairs, 0.2
     for number in range(_TRIES):
-        work = _with_guides(first, second, chosen, seeds, vertices, control, groups)
+        work = _with_guides(shapes, chosen, seeds, groups)
         found = yield from within(work, begin, begin + 0.5 * (1.0 - begin))
         begin += 0.5 * (1.0 - begin)
         if found.score >= plain.score - _MARGIN:
@@ -135,23 +155,20 @@ def pair_map(
 
 
 def _with_guides(
-    first: Carrier,
-    second: Carrier,
+    shapes: _MapShapes,
     pairs: NDArray[np.int64],
     seeds: NDArray[np.int64],
-    vertices: int,
-    control: Control,
     groups: tuple[Groups, Groups] | None,
 ) -> Work[PairMap]:
     """Solve the map from the guides, also together with coinciding points and without groups; return the best one."""
     starts = [pairs]
     if len(seeds):
-        starts.append(np.concatenate([pairs, _beside(seeds, pairs, first, second)]))
+        starts.append(np.concatenate([pairs, _beside(seeds, pairs, shapes)]))
     ways = list(product([groups, None] if groups else [None], starts))
     tried = []
     for number, (own, start) in enumerate(ways):
         begin, end = number / len(ways), (number + 1) / len(ways)
-        found = yield from within(_solved(first, second, start, vertices, control, own), begin, end)
+        found = yield from within(_solved(shapes, start, own), begin, end)
         tried.append(replace(found, pairs=pairs))
         if tried[-1].score >= _BEYOND_DOUBT:
             break
@@ -159,12 +176,7 @@ def _with_guides(
 
 
 def _without_guides(
-    first: Carrier,
-    second: Carrier,
-    seeds: NDArray[np.int64],
-    vertices: int,
-    control: Control,
-    groups: tuple[Groups, Groups] | None,
+    shapes: _MapShapes, seeds: NDArray[np.int64], groups: tuple[Groups, Groups] | None
 ) -> Work[PairMap]:
     """Solve the map from coinciding points, or without any.
 
@@ -172,13 +184,12 @@ def _without_guides(
     without sides are mapped once more if the score is low, with a preference for the same heights: a tree would become
     a snowman upside down.
     """
-    tried = [(yield from within(_solved(first, second, seeds, vertices, control, groups), 0.0, 0.5))]
+    tried = [(yield from within(_solved(shapes, seeds, groups), 0.0, 0.5))]
     if len(seeds) and tried[0].score < DOUBTED:
-        tried.append((yield from within(_solved(first, second, _NO_PAIRS, vertices, control, groups), 0.5, 0.75)))
-    if groups is None and max(one.score for one in tried) < _FAIR and not is_level(first.mesh.vertices):
-        heights = height_groups(first.mesh), height_groups(second.mesh)
-        solved = _solved(first, second, seeds, vertices, control, heights, weight=_HEIGHTS)
-        upright = yield from within(solved, 0.75, 1.0)
+        tried.append((yield from within(_solved(shapes, _NO_PAIRS, groups), 0.5, 0.75)))
+    if groups is None and max(one.score for one in tried) < _FAIR and not is_level(shapes.both[0].mesh.vertices):
+        heights = height_groups(shapes.both[0].mesh), height_groups(shapes.both[1].mesh)
+        upright = yield from within(_solved(shapes, seeds, heights, weight=_HEIGHTS), 0.75, 1.0)
         if upright.score >= _UPRIGHT * max(one.score for one in tried):
             return replace(upright, pairs=_NO_PAIRS)
     return replace(max(tried, key=lambda one: one.score), pairs=_NO_PAIRS)
@@ -189,7 +200,7 @@ def mirrored_map(
 ) -> Work[PairMap]:
     """Solve the map between two shapes without guides; with sides, it is attracted to what it is in the mirror."""
     groups, planes = (None, None) if sides is None else (sides.both_groups, sides.planes)
-    return _solved(first, second, _NO_PAIRS, vertices, control, groups, planes)
+    return _solved(_MapShapes((first, second), vertices, control), _NO_PAIRS, groups, planes)
 
 
 def limb_map(
@@ -201,7 +212,7 @@ def limb_map(
     sides: MirroredSides,
 ) -> Work[PairMap]:
     """Solve the map that joins the tips of limbs, (k, 2), and keeps left and right; they do not count as guides."""
-    found = yield from _solved(first, second, pairs, vertices, control, sides.both_groups)
+    found = yield from _solved(_MapShapes((first, second), vertices, control), pairs, sides.both_groups)
     return replace(found, pairs=_NO_PAIRS)
 
 
@@ -212,10 +223,10 @@ def _start(source: Carrier, target: Carrier, points: PointMap) -> Laid:
     return Laid(places, np.where(points.found, np.maximum(points.confidence.astype(np.float64), 1e-6), 0.0))
 
 
-def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], first: Carrier, second: Carrier) -> NDArray[np.int64]:
+def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], shapes: _MapShapes) -> NDArray[np.int64]:
     """Return the coinciding points, (s, 2), that are too far from all pairs on both shapes to contradict them."""
     far = np.ones(len(seeds), bool)
-    for side, carrier in enumerate((first, second)):
+    for side, carrier in enumerate(shapes.both):
         places, marked = carrier.mesh.vertices[seeds[:, side]], carrier.mesh.vertices[pairs[:, side]]
         apart = np.linalg.norm(places[:, None] - marked[None], axis=2).min(axis=1, initial=np.inf)
         far &= apart > _ASTRAY * carrier.size
@@ -223,21 +234,18 @@ def _beside(seeds: NDArray[np.int64], pairs: NDArray[np.int64], first: Carrier, 
 
 
 def _solved(
-    first: Carrier,
-    second: Carrier,
+    shapes: _MapShapes,
     pairs: NDArray[np.int64],
-    vertices: int,
-    control: Control,
     groups: tuple[Groups, Groups] | None = None,
     mirrors: MirrorPlanes | None = None,
     weight: float = _SIDED,
 ) -> Work[PairMap]:
     """Solve the map from pairs, (k, 2), with a weight of the groups."""
     own = groups or ({}, {})
-    mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate((first, second)))
-    settings = SoftMapSettings(vertices=vertices, group_weight=weight)
-    found = yield from soft_map_steps(*mapped, pairs, settings, control, mirrors)
-    return PairMap(found, pairs, _score(first, second, found))
+    mapped = (MapSide(carrier.mesh, carrier.name, own[k]) for k, carrier in enumerate(shapes.both))
+    settings = SoftMapSettings(vertices=shapes.vertices, group_weight=weight)
+    found = yield from soft_map_steps(*mapped, pairs, settings, shapes.control, mirrors)
+    return PairMap(found, pairs, _score(*shapes.both, found))
 
 
 def _missed(first: Carrier, second: Carrier, found: SurfaceMap, pairs: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -75,7 +75,7 @@ def test_of_two_doubtful_maps_the_upright_one_is_taken(monkeypatch, plain, uprig
     scores = {"plain": plain, "upright": upright}
     weights = []
 
-    def solved(_first, _second, pairs, _vertices, _control, groups=None, _mirrors=None, weight=None):
+    def solved(_shapes, pairs, groups=None, _mirrors=None, weight=None):
         yield from ()
         weights.append(weight)
         return PairMap(
@@ -96,7 +96,7 @@ def test_the_map_without_guides_follows_those_that_it_does_not_contradict(monkey
     """It is better than with guides, however many of them are left out."""
     pairs = np.array([(1, 2), (3, 4)])
 
-    def of_pairs(_first, _second, given, *_others):
+    def of_pairs(_shapes, given, *_others):
         yield from ()
         return PairMap("found", given, 0.3 if len(given) else 0.8)
 
@@ -117,7 +117,7 @@ def test_guides_may_contradict_the_heights_or_sides_of_a_body(monkeypatch, sided
     pairs = np.array([(1, 2)])
     scores = []
 
-    def solved(_first, _second, given, _vertices, _control, groups=None, *_others):
+    def solved(_shapes, given, groups=None, *_others):
         yield from ()
         if len(given):
             scores.append(free if groups is None else sided)
