@@ -11,7 +11,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from benchmarks.meshes import blob
-from convwass_addon.applications.soft_maps.compatibility import comparison, compatibility
+from convwass_addon.applications.soft_maps.compatibility import comparison
 from convwass_addon.applications.soft_maps.map_sides import MapSide
 from convwass_addon.applications.soft_maps.shape_descriptors import differences, shape_descriptors
 from convwass_addon.applications.soft_maps.soft_map_settings import SoftMapSettings
@@ -94,8 +94,8 @@ def test_moving_scaling_and_reordering_change_nothing(arms):
     target = replace(mesh, vertices=bent(mesh.vertices, 0.8))
     rank = np.argsort(order)
     tips = np.array([hand, foot, int(np.argmax(mesh.vertices[:, 2]))])
-    first = compatibility(side(mesh), side(target), np.stack([tips, tips], 1))
-    second = compatibility(side(other), side(target), np.stack([rank[tips], tips], 1))
+    first = comparison(side(mesh), side(target), np.stack([tips, tips], 1)).costs
+    second = comparison(side(other), side(target), np.stack([rank[tips], tips], 1)).costs
     assert np.abs(second - first[order]).mean() < 0.01
 
 
@@ -103,11 +103,11 @@ def test_painted_groups_distinguish_similar_points():
     mesh = ball(points=200)
     weights = (mesh.vertices[:, 2] > 0.3).astype(float)
     painted = side(mesh, cap=weights, own=np.ones(200))
-    plain = compatibility(side(mesh), side(mesh), NONE)
-    found = compatibility(painted, side(mesh, cap=weights), NONE)
+    plain = comparison(side(mesh), side(mesh), NONE).costs
+    found = comparison(painted, side(mesh, cap=weights), NONE).costs
     apart = weights[:, None] != weights
     assert (found - plain)[apart].mean() > (found - plain)[~apart].mean() + 0.2
-    without = compatibility(painted, side(mesh, cap=weights), NONE, SoftMapSettings(group_weight=0.0))
+    without = comparison(painted, side(mesh, cap=weights), NONE, SoftMapSettings(group_weight=0.0)).costs
     np.testing.assert_allclose(without, plain, atol=0.05)
 
 
@@ -133,6 +133,6 @@ def test_degenerate_input_gives_finite_numbers(source, target, pairs):
 def test_loose_vertices_are_ignored():
     mesh = TriangleMesh.from_arrays(*blob(200))
     loose = TriangleMesh(np.concatenate([[[9.0, 9, 9]], mesh.vertices]), mesh.faces + 1)
-    found = compatibility(side(loose), side(loose), NONE)
+    found = comparison(side(loose), side(loose), NONE).costs
     assert np.isfinite(found).all()
     np.testing.assert_array_equal(found.argmin(axis=1)[1:], np.arange(1, 201))

@@ -52,13 +52,6 @@ class Comparison:
     overlay: Overlay
 
 
-def compatibility(
-    source: MapSide, target: MapSide, pairs: ArrayLike, settings: SoftMapSettings | None = None
-) -> NDArray[np.float32]:
-    """Return c(x, y) for all vertices of two meshes, (n0, n1); see :func:`comparison`."""
-    return comparison(source, target, pairs, settings).costs
-
-
 def comparison(
     source: MapSide,
     target: MapSide,
