@@ -10,6 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .integer_ranges import integer_ranges
+
 # How often the curve parameters of the points are corrected.
 _CORRECTED = 4
 # Above this multiple of the error, correcting parameters does not help, so the piece is split.
@@ -142,9 +144,8 @@ class _Batch:
     ) -> _Batch:
         sizes = high - low + 1
         firsts = np.cumsum(sizes) - sizes
-        piece = np.repeat(np.arange(len(low)), sizes)
-        numbers = points.numbers(owner[piece], low[piece] + np.arange(len(piece)) - firsts[piece])
-        return cls(points.points[numbers], piece, firsts, firsts + sizes - 1)
+        piece, places = integer_ranges(low, sizes)
+        return cls(points.points[points.numbers(owner[piece], places)], piece, firsts, firsts + sizes - 1)
 
     def part(self, chosen: NDArray[np.bool_]) -> _Batch:
         """Return a subset of the pieces."""

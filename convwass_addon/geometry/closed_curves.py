@@ -11,6 +11,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from .integer_ranges import integer_ranges
 from .nearest_edges import nearest_edges
 from .planar_fill import Boundary
 from .plane_angles import signed_angles
@@ -98,8 +99,7 @@ class ClosedCurve:
         inner = inner[np.diff(inner, prepend=-np.inf) > near]
         ends = np.concatenate([[begin], inner, [end]])
         counts = np.maximum(np.rint(np.diff(ends) / spacing).astype(int), 1)
-        piece = np.repeat(np.arange(len(counts)), counts)
-        number = np.arange(len(piece)) - np.repeat(np.cumsum(counts) - counts, counts)
+        piece, number = integer_ranges(0, counts)
         return np.append(ends[piece] + np.diff(ends)[piece] * number / counts[piece], end)
 
     def resampled(self, knots: NDArray[np.float64], spacing: float) -> ClosedCurve:

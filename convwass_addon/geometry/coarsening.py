@@ -23,6 +23,7 @@ from scipy.sparse.csgraph import dijkstra
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import closest_in_triangles
 from .edges import mesh_edges, proper_faces, proper_part, vertex_components
+from .integer_ranges import integer_ranges
 from .mesh import TriangleMesh
 
 # Rounds of Lloyd's algorithm, in which seeds move to the centers of their clusters.
@@ -337,7 +338,7 @@ def _prolongation(mesh: TriangleMesh, clusters: NDArray[np.int64], coarse: Trian
         own = clusters[vertices[some]]
         number = counts[own]
         first = np.cumsum(number) - number
-        candidates = around[np.arange(number.sum()) + np.repeat(starts[own] - first, number)]
+        candidates = around[integer_ranges(starts[own], number)[1]]
         points = np.repeat(mesh.vertices[vertices[some]], number, axis=0)
         found = closest_in_triangles(coarse.corners[candidates], points)
         # The first of the closest triangles of every vertex.

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from .integer_ranges import integer_ranges
 from .planar_fill import Boundary
 
 
@@ -109,8 +110,7 @@ def _cut_at_lines(boundary: Boundary) -> tuple[NDArray[np.float64], NDArray[np.f
         low, high = np.minimum(starts[:, axis], ends[:, axis]), np.maximum(starts[:, axis], ends[:, axis])
         first = np.floor(low).astype(np.int64) + 1
         counts = np.maximum(np.ceil(high).astype(np.int64) - first, 0)
-        owner = np.repeat(numbers, counts)
-        lines = np.arange(len(owner)) - np.repeat(np.cumsum(counts) - counts, counts) + first[owner]
+        owner, lines = integer_ranges(first, counts)
         owners.append(owner)
         shares.append((lines - starts[owner, axis]) / (ends[owner, axis] - starts[owner, axis]))
     owner, share = np.concatenate(owners), np.clip(np.concatenate(shares), 0.0, 1.0)

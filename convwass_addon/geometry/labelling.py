@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
+from .integer_ranges import integer_ranges
+
 
 @dataclass(frozen=True)
 class Pieces:
@@ -117,7 +119,4 @@ def _meeting(starts: NDArray[np.int64], ends: NDArray[np.int64], step: int) -> N
     """Return the pairs of runs, (2, m), of which the second overlaps the first shifted by `step`."""
     low = np.searchsorted(ends, starts + step, side="right")
     high = np.searchsorted(starts, ends + step, side="left")
-    counts = high - low
-    first = np.repeat(np.arange(len(starts)), counts)
-    within = np.arange(len(first)) - np.repeat(np.cumsum(counts) - counts, counts)
-    return np.stack([first, low[first] + within])
+    return np.stack(integer_ranges(low, high - low))

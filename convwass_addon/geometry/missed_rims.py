@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .edges import mesh_edges
+from .integer_ranges import integer_ranges
 from .mesh import TriangleMesh
 from .point_tree import point_tree
 
@@ -88,8 +89,7 @@ def _samples(shape: TriangleMesh, spacing: float) -> NDArray[np.float64]:
     ends = shape.vertices[mesh_edges(shape.faces[_have_long_sides(shape, spacing)])]
     lengths = np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1)
     counts = np.clip(np.ceil(lengths / spacing).astype(np.int64), 1, _MOST_SAMPLES) - 1
-    edges = np.repeat(np.arange(len(ends)), counts)
-    places = np.arange(len(edges)) - (np.cumsum(counts) - counts)[edges]
+    edges, places = integer_ranges(0, counts)
     shares = ((places + 1) / (counts[edges] + 1))[:, None]
     between = (1.0 - shares) * ends[edges, 0] + shares * ends[edges, 1]
     return np.concatenate([shape.vertices[shape.is_used], between])

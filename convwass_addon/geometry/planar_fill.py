@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
+from .integer_ranges import integer_ranges
 from .outlines import Rule
 
 # Steps of the lattice along the longest side: products of two doubled coordinates are exact in 64 bits. The coarser
@@ -87,8 +88,7 @@ class Boundary:
         """Return the boundary with edges divided evenly into pieces no longer than `longest`."""
         along = self.ends - self.starts
         counts = np.maximum(np.ceil(np.linalg.norm(along, axis=1) / longest), 1).astype(np.int64)
-        edge = np.repeat(np.arange(len(along)), counts)
-        place = np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)
+        edge, place = integer_ranges(0, counts)
         starts = self.starts[edge] + (place / counts[edge])[:, None] * along[edge]
         ends = self.starts[edge] + ((place + 1) / counts[edge])[:, None] * along[edge]
         # Use the exact corners, without rounding.

@@ -15,6 +15,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from .integer_ranges import integer_ranges
+
 # Lattice points in the bounding boxes of triangles that are processed together; limits the memory.
 _CHUNK = 1_000_000
 
@@ -80,7 +82,7 @@ def _between_edges(corners: NDArray[np.float64]) -> Crossings:
     )
     turned = np.where((order[:, 1] - order[:, 0]) % 3 == 1, 1, -1)
     begin = np.ceil(first[:, 0]).astype(np.int64)
-    triangle, column = _counted(begin, np.ceil(last[:, 0]).astype(np.int64) - begin)
+    triangle, column = integer_ranges(begin, np.ceil(last[:, 0]).astype(np.int64) - begin)
     # The edge from the first corner to the last, and the two edges through the middle corner.
     one, one_height = _Edges.between(first, last).at(triangle, column)
     halves = _Edges.between(np.concatenate([first, middle]), np.concatenate([middle, last]))
@@ -88,15 +90,9 @@ def _between_edges(corners: NDArray[np.float64]) -> Crossings:
     other, other_height = halves.at(triangle + count * is_second, column)
     low, high = np.minimum(one, other), np.maximum(one, other)
     begin = np.ceil(low).astype(np.int64)
-    line, row = _counted(begin, np.ceil(high).astype(np.int64) - begin)
+    line, row = integer_ranges(begin, np.ceil(high).astype(np.int64) - begin)
     # Heights between both edges.
     slope = (other_height - one_height) / np.where(other != one, other - one, 1.0)
     height = one_height.take(line) + (row - one.take(line)) * slope.take(line)
     sign = np.where(other < one, -turned.take(triangle), turned.take(triangle))
     return Crossings(column.take(line), row, height, sign.take(line))
-
-
-def _counted(begin: NDArray[np.int64], lengths: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the ranges of integers from `begin`, (n,), with these lengths, and for each integer its range."""
-    owner = np.repeat(np.arange(len(begin)), lengths)
-    return owner, np.arange(len(owner)) + np.repeat(begin - (np.cumsum(lengths) - lengths), lengths)

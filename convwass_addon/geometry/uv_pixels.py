@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import distance_transform_edt
 
+from .integer_ranges import integer_ranges
+
 PIXELS_AT_ONCE = 2_000_000
 """Pixels of triangle bounding boxes processed together."""
 
@@ -93,9 +95,8 @@ def _rasterize(
     shares: NDArray[np.float32],
 ) -> None:
     """Store triangle and barycentric coordinates of all pixels whose centers lie in a block of triangles."""
-    triangles = np.arange(block.start, block.stop)
-    triangle = np.repeat(triangles, counts[block])
-    within = np.arange(len(triangle)) - np.repeat(np.cumsum(counts[block]) - counts[block], counts[block])
+    triangle, within = integer_ranges(0, counts[block])
+    triangle += block.start
     width = boxes[triangle, 0]
     x, y = low[triangle, 0] + within % np.maximum(width, 1), low[triangle, 1] + within // np.maximum(width, 1)
     weights = _barycentric(corners[triangle], np.stack([x, y], axis=1))

@@ -12,6 +12,7 @@ from scipy.ndimage import distance_transform_edt
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
+from ...geometry.integer_ranges import integer_ranges
 from ...geometry.planar_fill import Boundary
 from .flat_frames import FlatFrame
 from .flat_pieces import filled_layer, layers_of
@@ -100,6 +101,5 @@ def _samples(boundary: Boundary) -> NDArray[np.float64]:
     along = boundary.ends - boundary.starts
     step = float(np.ptp(boundary.bounds, axis=0).max()) / _SAMPLES
     counts = np.ceil(np.linalg.norm(along, axis=1) / step).astype(np.int64)
-    edge = np.repeat(np.arange(len(along)), counts)
-    share = (np.arange(len(edge)) - np.repeat(np.cumsum(counts) - counts, counts)) / counts[edge]
-    return boundary.starts[edge] + share[:, None] * along[edge]
+    edge, place = integer_ranges(0, counts)
+    return boundary.starts[edge] + (place / counts[edge])[:, None] * along[edge]

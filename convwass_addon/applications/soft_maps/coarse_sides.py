@@ -13,6 +13,7 @@ from scipy.sparse import csr_array
 from ...errors import InputError
 from ...geometry.coarsening import coarsened
 from ...geometry.edges import proper_part
+from ...geometry.integer_ranges import integer_ranges
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import area_normals
 from ...progress import UNINTERRUPTED, Control
@@ -138,8 +139,7 @@ def _of(
 def _interpolation(prolongation: csr_array) -> VertexInterpolation:
     """Convert a matrix with up to three entries per row to two arrays."""
     counts = np.diff(prolongation.indptr)
-    rows = np.repeat(np.arange(len(counts)), counts)
-    places = np.arange(len(rows)) - np.repeat(prolongation.indptr[:-1], counts)
+    rows, places = integer_ranges(0, counts)
     columns, shares = np.zeros((len(counts), 3), np.int32), np.zeros((len(counts), 3), np.float32)
     columns[rows, places] = prolongation.indices
     shares[rows, places] = prolongation.data
