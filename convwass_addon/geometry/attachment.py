@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPointFinder, ClosestPoints
+from .label_sums import label_sums
 from .mesh import TriangleMesh
 from .rotations import nearest_rotations
 from .surface_rotations import surface_rotations
@@ -87,7 +88,7 @@ def rigidly_moved(
         transformation parameters between two point patterns", 1991).
     """
     counts = np.maximum(np.bincount(parts), 1)[:, None]
-    centers = [np.stack([np.bincount(parts, axis) for axis in each.T], axis=1) / counts for each in (points, followed)]
+    centers = [label_sums(parts, each, len(counts)) / counts for each in (points, followed)]
     before, after = points - centers[0][parts], followed - centers[1][parts]
     products = np.zeros((len(counts), 3, 3))
     np.add.at(products, parts, np.einsum("ni,nj->nij", after, before))

@@ -13,6 +13,7 @@ from scipy.interpolate import CubicSpline
 from ..progress import UNINTERRUPTED, Control
 from .components import component_labels
 from .edges import mesh_edges, used_part
+from .label_sums import label_sums
 from .mesh import TriangleMesh
 from .polylines import along_polyline, arc_lengths
 from .subdivision import Subdivision, with_short_edges
@@ -129,9 +130,9 @@ def _centers(mesh: TriangleMesh, places: NDArray[np.float64], count: int) -> NDA
     beyond = mesh.vertex_areas * (near - own)
     rows = np.concatenate([own, own + 1])
     weights = np.concatenate([mesh.vertex_areas - beyond, beyond])
-    sums = [np.bincount(rows, weights * np.tile(column, 2), count) for column in mesh.vertices.T]
+    sums = label_sums(rows, weights[:, None] * np.tile(mesh.vertices, (2, 1)), count)
     # A slice that has lost its vertices puts the line far away, and the volume tells that this is no tube.
-    return np.stack(sums, axis=1) / np.maximum(np.bincount(rows, weights, count), np.finfo(np.float64).tiny)[:, None]
+    return sums / np.maximum(np.bincount(rows, weights, count), np.finfo(np.float64).tiny)[:, None]
 
 
 def _line(centers: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -24,6 +24,7 @@ from ..progress import UNINTERRUPTED, Control
 from .closest_points import closest_in_triangles
 from .edges import mesh_edges, proper_faces, proper_part, vertex_components
 from .integer_ranges import integer_ranges
+from .label_sums import label_sums
 from .mesh import TriangleMesh
 
 # Rounds of Lloyd's algorithm, in which seeds move to the centers of their clusters.
@@ -242,7 +243,7 @@ class _Fine:
         # All vertices of a cluster may belong to triangles without area only.
         weights = np.where(np.bincount(clusters.labels, self.areas)[clusters.labels] > 0.0, self.areas, 1.0)
         mass = np.bincount(clusters.labels, weights)
-        centers = np.stack([np.bincount(clusters.labels, weights * x) / mass for x in self.points.T], axis=1)
+        centers = label_sums(clusters.labels, weights[:, None] * self.points, len(mass)) / mass[:, None]
         away = np.square(self.points - centers[clusters.labels]).sum(axis=1)
         least = np.full(len(mass), np.inf)
         np.minimum.at(least, clusters.labels, away)

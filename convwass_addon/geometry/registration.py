@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import ClosestPoints
+from .label_sums import label_sums
 from .normals import triangle_normals, vertex_normals
 from .point_tree import point_tree
 from .unit_shape import TURN, UnitShape
@@ -98,20 +99,15 @@ class _Pulls:
 
     def pulled(self, count: int) -> NDArray[np.float64]:
         """Return the sum of weighted positions at each of `count` vertices, (n, 3)."""
-        return _summed(self.vertices, self.weights[:, None] * self.positions, count)
+        return label_sums(self.vertices, self.weights[:, None] * self.positions, count)
 
     def springs(self, count: int, grip: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return springs, (n, 3, 3), with the fraction `grip` along the surface, and springs times targets, (n, 3)."""
         across = (1.0 - grip) * self.normals[:, :, None] * self.normals[:, None, :]
         springs = self.weights[:, None, None] * (across + grip * np.eye(3))
         pulls = np.einsum("kij,kj->ki", springs, self.positions)
-        sums = _summed(self.vertices, np.concatenate([springs.reshape(-1, 9), pulls], axis=1), count)
+        sums = label_sums(self.vertices, np.concatenate([springs.reshape(-1, 9), pulls], axis=1), count)
         return sums[:, :9].reshape(-1, 3, 3), sums[:, 9:]
-
-
-def _summed(rows: NDArray[np.int64], values: NDArray[np.float64], count: int) -> NDArray[np.float64]:
-    """Sum values, (k, d), by row, (n, d)."""
-    return np.stack([np.bincount(rows, column, count) for column in values.T], axis=1)
 
 
 class Registration:

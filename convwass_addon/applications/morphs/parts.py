@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 from scipy.spatial import cKDTree
 
+from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from ...geometry.thicken import surface_points
 from ...progress import UNINTERRUPTED, Control
@@ -126,7 +127,7 @@ def _mean_points(points: NDArray[np.float64], shape: tuple[int, int, int]) -> ND
     cells = np.ravel_multi_index(np.floor(points).astype(np.int64).T, shape, mode="clip")
     counts = np.bincount(cells)
     hit = np.flatnonzero(counts)
-    return np.stack([np.bincount(cells, weights=axis)[hit] for axis in points.T], axis=1) / counts[hit, None]
+    return label_sums(cells, points, len(counts))[hit] / counts[hit, None]
 
 
 def joined(matching: Matching, volumes: Sequence[list[NDArray[np.float32]]]) -> SplitShapes:

@@ -19,6 +19,7 @@ from ...geometry.coarsening import coarsened
 from ...geometry.component_links import component_links
 from ...geometry.edges import proper_part
 from ...geometry.facing_points import FacingPointFinder
+from ...geometry.label_sums import label_sums
 from ...geometry.limb_axes import LimbAxes
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
@@ -148,7 +149,7 @@ class Carrier:
         corners = self.mesh.faces.ravel()
         count = len(points)
         weighted = np.repeat(areas[:, None] * gradients.reshape(-1, 9), 3, axis=0)
-        sums = np.stack([np.bincount(corners, column, count) for column in weighted.T], axis=1)
+        sums = label_sums(corners, weighted, count)
         totals = np.bincount(corners, np.repeat(areas, 3), count)
         local = np.where(totals[:, None] > 0, sums / np.where(totals > 0, totals, 1.0)[:, None], np.eye(3).ravel())
         # Average the affine maps of the carrier's vertices around each vertex.

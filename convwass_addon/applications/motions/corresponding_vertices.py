@@ -14,6 +14,7 @@ from scipy.spatial.distance import cdist
 
 from ...geometry.closest_points import ClosestPointFinder
 from ...geometry.edges import proper_faces, vertex_components
+from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from ...geometry.rotations import nearest_rotation
 from ...geometry.welding import place_labels
@@ -133,10 +134,7 @@ class _Components:
         _, kinds = np.unique(np.stack([sizes, triangles], axis=1), axis=0, return_inverse=True)
         points = [(mesh.vertices[used] - mesh.area_center) / np.sqrt(mesh.area) for mesh in (first, second)]
         areas = [np.bincount(own, mesh.vertex_areas[used], count) / mesh.area for mesh in (first, second)]
-        centers = np.stack(
-            [np.stack([np.bincount(own, column, count) for column in each.T], axis=1) for each in points]
-        )
-        centers /= sizes[:, None]
+        centers = np.stack([label_sums(own, each, count) for each in points]) / sizes[:, None]
         here, there = (each - center[own] for each, center in zip(points, centers, strict=True))
         turn = nearest_rotation((first.vertex_areas[used, None] * there).T @ here)
         return cls(centers, 0.5 * (areas[0] + areas[1]), kinds, turn)

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.edges import vertex_components
+from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 
 # Vertices farther from the surface of the body than this share of the longest side are on attached parts, and move with
@@ -67,7 +68,7 @@ class AttachedParts:
         parts = vertex_components(TriangleMesh(mesh.vertices, mesh.faces[is_loose[mesh.faces].all(axis=1)])) + 1
         reaches = np.zeros(parts.max(initial=0) + 1)
         np.maximum.at(reaches, parts, distances)
-        middles = np.stack([np.bincount(parts, own) for own in directions.T], axis=1)
+        middles = label_sums(parts, directions, len(reaches))
         has_middle = np.linalg.norm(middles, axis=1) > _WOUND * np.bincount(parts)
         middle = middles[parts]
         angles = np.arctan2(np.cross(middle, directions) @ axis, (middle * directions).sum(axis=1))

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from ...geometry.components import component_labels
 from ...geometry.edges import vertex_components
+from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from .map_sides import MapSide
 
@@ -120,7 +121,7 @@ def _descriptors(mesh: TriangleMesh, labels: NDArray[np.int64], count: int) -> N
     areas = np.where(labels >= 0, mesh.vertex_areas, 0.0)
     own = np.maximum(labels, 0)
     sums = np.maximum(np.bincount(own, areas, count), np.finfo(float).tiny)
-    centers = np.stack([np.bincount(own, areas * x, count) / sums for x in mesh.vertices.T], axis=1)
+    centers = label_sums(own, areas[:, None] * mesh.vertices, count) / sums[:, None]
     used = labels >= 0
     extents = np.stack([_extent(x[used], labels[used], count) for x in mesh.vertices.T], axis=1)
     extents = np.sort(np.maximum(extents, _FLAT * extents.max(axis=1, keepdims=True)), axis=1)

@@ -17,6 +17,7 @@ from scipy.spatial import cKDTree
 from ...errors import InputError
 from ...geometry.closest_points import ClosestPointFinder, closest_in_triangles
 from ...geometry.components import component_labels
+from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import doubled_areas, triangle_areas
 from ...geometry.uv_charts import SEAM_DETOUR, SharedEdges, chart_labels, uv_sizes
@@ -150,7 +151,7 @@ class _Sides:
         rank = np.unique(owners, return_inverse=True)[1]
         counts = np.bincount(rank)[:, None]
         means = images.mean(axis=1)
-        middles = np.stack([np.bincount(rank, part) for part in means.T], axis=1) / counts
+        middles = label_sums(rank, means, len(counts)) / counts
         home = self.finder.find_about(middles)
         middle_uvs = home.interpolated(self.uvs)
         middle_points = home.interpolated(self.mesh.corners)
