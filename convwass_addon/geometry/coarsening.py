@@ -22,7 +22,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from ..progress import UNINTERRUPTED, Control
 from .closest_points import closest_in_triangles
-from .edges import mesh_edges, proper_faces, proper_part, vertex_components
+from .edges import edge_lengths, mesh_edges, proper_faces, proper_part, vertex_components
 from .integer_ranges import integer_ranges
 from .label_sums import label_sums
 from .mesh import TriangleMesh
@@ -204,7 +204,7 @@ class _Fine:
         points = mesh.vertices[used]
         control.check()
         edges = mesh_edges(faces)
-        lengths = np.linalg.norm(points[edges[:, 0]] - points[edges[:, 1]], axis=1)
+        lengths = edge_lengths(points, edges)
         control.check()
         # An edge of length zero must remain an edge of the sparse graph.
         lengths = np.maximum(lengths, np.finfo(float).tiny)

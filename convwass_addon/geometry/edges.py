@@ -74,6 +74,17 @@ def mesh_edges(faces: NDArray[np.int64]) -> NDArray[np.int64]:
     return ends[ends[:, 0] < ends[:, 1]]
 
 
+def rim_vertices(faces: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return the vertices at edges that only one of `faces`, (m, 3), has, sorted."""
+    use = edge_use(faces)
+    return np.unique(edge_ends(faces, use)[use.count == 1])
+
+
+def edge_lengths(points: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArray[np.float64]:
+    """Return the lengths of edges, (e,), given points, (n, 3), and which of them the ends are, (e, 2)."""
+    return np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
+
+
 @dataclass(frozen=True)
 class Topology:
     """Topological properties of a mesh.

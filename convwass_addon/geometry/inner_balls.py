@@ -17,7 +17,7 @@ from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import connected_components
 from scipy.spatial import cKDTree
 
-from .edges import mesh_edges
+from .edges import edge_lengths, mesh_edges
 from .mesh import TriangleMesh
 from .normals import vertex_normals
 
@@ -105,8 +105,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     radii = np.minimum(radii, tree.query(centers)[0])
     edges = mesh_edges(mesh.faces)
     # Across a fold, the balls of adjacent vertices are far apart.
-    apart = np.linalg.norm(centers[edges[:, 0]] - centers[edges[:, 1]], axis=1)
-    edges = edges[apart <= _FOLDED * np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1)]
+    edges = edges[edge_lengths(centers, edges) <= _FOLDED * edge_lengths(mesh.vertices, edges)]
     found = InnerBalls(centers, radii, np.ones(len(radii)), edges)
     return _largest_part(_central(_subset(found, radii > 0)))
 

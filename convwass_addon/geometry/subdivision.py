@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .edges import EdgeUse, edge_ends, edge_use
+from .edges import EdgeUse, edge_ends, edge_lengths, edge_use
 from .mesh import TriangleMesh
 
 # Every round halves long edges.
@@ -132,17 +132,11 @@ def _halved(mesh: TriangleMesh, longest: float, moved: NDArray[np.float64] | Non
     """Halve every edge once that is long, or becomes so with moved vertices; None if there is none."""
     use = edge_use(mesh.faces)
     ends = edge_ends(mesh.faces, use)
-    lengths = _lengths(mesh.vertices, ends)
+    lengths = edge_lengths(mesh.vertices, ends)
     long = lengths > longest
     if moved is not None:
-        long |= (lengths > _SHORTEST * longest) & (_lengths(moved, ends) > longest)
+        long |= (lengths > _SHORTEST * longest) & (edge_lengths(moved, ends) > longest)
     return with_edges_halved(mesh, use, long) if long.any() else None
-
-
-def _lengths(points: NDArray[np.float64], ends: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return the distances between the ends of edges, (e,)."""
-    first, last = points[ends].swapaxes(0, 1)
-    return np.linalg.norm(last - first, axis=1)
 
 
 def _cut(

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_array, csr_array
 from scipy.sparse.csgraph import dijkstra
 
-from .edges import EdgeUse, edge_ends, edge_use, mesh_edges, proper_faces
+from .edges import EdgeUse, edge_ends, edge_lengths, edge_use, mesh_edges, proper_faces
 from .mesh import TriangleMesh
 
 # Relative lower limit of the length of a line, because the sparse graph would drop lines of length zero.
@@ -30,7 +30,7 @@ def surface_graph(mesh: TriangleMesh) -> csr_array:
     faces = proper_faces(mesh.faces)
     use = edge_use(faces)
     ends = np.sort(edge_ends(faces, use), axis=1)
-    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
+    lengths = edge_lengths(mesh.vertices, ends)
     crossing, across = _lines_across(mesh.vertices, faces, use)
     rows, columns = np.concatenate([ends, crossing]).T
     values = np.maximum(np.concatenate([lengths, across]), _SHORTEST * np.sqrt(mesh.area))
@@ -62,7 +62,7 @@ def surface_distances(graph: csr_array, sources: ArrayLike, limit: float = np.in
 def edge_distances(mesh: TriangleMesh, vertices: ArrayLike) -> NDArray[np.float64]:
     """Return the lengths of shortest paths along edges from some vertices to all, (k, n), or from one, (n,)."""
     ends = mesh_edges(mesh.faces)
-    lengths = np.linalg.norm(mesh.vertices[ends[:, 0]] - mesh.vertices[ends[:, 1]], axis=1)
+    lengths = edge_lengths(mesh.vertices, ends)
     lengths = np.maximum(lengths, np.finfo(float).tiny)
     graph = coo_array((lengths, ends.T), shape=(len(mesh.vertices),) * 2).tocsr()
     return dijkstra(graph, directed=False, indices=vertices)

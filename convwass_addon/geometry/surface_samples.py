@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array, diags_array
 from scipy.sparse.csgraph import dijkstra
 
-from .edges import vertex_components
+from .edges import edge_lengths, vertex_components
 from .mesh import TriangleMesh
 from .normals import vertex_normals
 from .point_tree import point_tree
@@ -103,7 +103,7 @@ def _blended(mesh: TriangleMesh, seeds: NDArray[np.int64]) -> csr_array:
     """Return the blurred Voronoi regions (along edges) of the seeds, (n, s)."""
     points, count = mesh.vertices, len(mesh.vertices)
     ends = np.concatenate([mesh.faces[:, [0, 1]], mesh.faces[:, [1, 2]], mesh.faces[:, [2, 0]]])
-    lengths = np.linalg.norm(points[ends[:, 0]] - points[ends[:, 1]], axis=1)
+    lengths = edge_lengths(points, ends)
     # Duplicate entries of edges shared by two triangles are summed; the graph of ones tells how many there are.
     shape = (count, count)
     both = np.concatenate([ends, ends[:, ::-1]])

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .edges import edge_use, proper_faces, used_part
+from .edges import proper_faces, rim_vertices, used_part
 from .mesh import TriangleMesh
 
 
@@ -44,9 +44,7 @@ class ClosedSeams:
     @classmethod
     def of(cls, mesh: TriangleMesh) -> ClosedSeams:
         """Close the seams of a mesh; if there are none, it stays the same."""
-        use = edge_use(mesh.faces)
-        sides = use.side[use.start[use.count == 1]]
-        rim = np.unique(np.r_[mesh.faces.ravel()[sides], np.roll(mesh.faces, -1, axis=1).ravel()[sides]])
+        rim = rim_vertices(mesh.faces)
         _, first, places = np.unique(place_labels(mesh.vertices[rim]), return_index=True, return_inverse=True)
         merged = np.arange(len(mesh.vertices))
         if len(first) == len(rim):

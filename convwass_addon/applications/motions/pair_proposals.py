@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...geometry.edges import mesh_edges
+from ...geometry.edges import edge_lengths, mesh_edges
 from ...geometry.facing_points import FacingPointFinder
 from ...geometry.fusion import fused_choice
 from ...geometry.mesh import TriangleMesh
@@ -145,7 +145,7 @@ def _fused(own: Carrier, one: Proposal, other: Proposal) -> Proposal:
     areas = mesh.vertex_areas / mesh.area
     edges = mesh_edges(mesh.faces)
     apart = np.linalg.norm(one.points - other.points, axis=1) / own.size
-    lengths = np.linalg.norm(mesh.vertices[edges[:, 0]] - mesh.vertices[edges[:, 1]], axis=1) / own.size
+    lengths = edge_lengths(mesh.vertices, edges) / own.size
     seams = _SEAM * lengths * apart[edges].mean(axis=1)
     second = fused_choice(np.stack([areas * one.costs, areas * other.costs]), edges, seams)
     costs = np.where(second, other.costs, one.costs)

@@ -13,7 +13,7 @@ from scipy.sparse import csc_array, diags_array
 from scipy.spatial import cKDTree
 
 from ...geometry.closed_curves import ClosedCurve, boundary_of
-from ...geometry.edges import edge_ends, edge_use, proper_part, vertex_components
+from ...geometry.edges import proper_part, rim_vertices, vertex_components
 from ...geometry.factorization import factorize
 from ...geometry.foldover_free import DeformedTriangles, foldover_free
 from ...geometry.laplacian import laplacian
@@ -99,19 +99,13 @@ def region_labels(mesh: TriangleMesh, shape: OutlinedShape) -> NDArray[np.int64]
     if len(shape.regions) == 1:
         return np.zeros(len(mesh.vertices), np.int64)
     components = vertex_components(mesh)
-    vertices = _rim_vertices(mesh)
+    vertices = rim_vertices(mesh.faces)
     away = [
         np.min([shape.curves[index].nearest(mesh.vertices[vertices, :2])[1] for index in region.curves], axis=0)
         for region in shape.regions
     ]
     total = np.stack([np.bincount(components[vertices], own) for own in away])
     return total.argmin(axis=0)[components]
-
-
-def _rim_vertices(mesh: TriangleMesh) -> NDArray[np.int64]:
-    """Return the vertices on the boundary of a mesh."""
-    use = edge_use(mesh.faces)
-    return np.unique(edge_ends(mesh.faces, use)[use.count == 1])
 
 
 @dataclass(frozen=True)
@@ -135,7 +129,7 @@ class Rim:
     @classmethod
     def of(cls, mesh: TriangleMesh, shape: OutlinedShape) -> Rim:
         """Find the places of the vertices on the boundary of a mesh of a shape."""
-        vertices = _rim_vertices(mesh)
+        vertices = rim_vertices(mesh.faces)
         labels = region_labels(mesh, shape)[vertices]
         curves, places = np.empty(len(vertices), np.int64), np.empty(len(vertices))
         for region, own in enumerate(shape.regions):
