@@ -9,7 +9,7 @@ from collections.abc import Collection, Iterator
 
 import bpy
 
-from .keyframes import curves_of
+from .keyframes import curves_of, drivers_of
 
 MADE_KEY = "convwass_made"
 """Custom property of a material or node group: a digest of its nodes and settings as they were made."""
@@ -90,7 +90,7 @@ def _lines_of_tree(tree: bpy.types.NodeTree) -> Iterator[str]:
     moving = {}
     for curve in curves_of(tree):
         moving.setdefault(curve.data_path, []).append([tuple(key.co) for key in curve.keyframe_points])
-    for curve in tree.animation_data.drivers if tree.animation_data else ():
+    for curve in drivers_of(tree):
         moving.setdefault(curve.data_path, []).append([*_lines_of(curve.driver, "", _NO_VALUES, ())])
     yield _text(sorted(moving.items()))
     for node in sorted(tree.nodes, key=lambda node: node.name):

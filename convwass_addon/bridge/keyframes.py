@@ -36,8 +36,7 @@ def driver_targets(block: bpy.types.ID | None) -> list[bpy.types.DriverTarget]:
 
 def driver_variables(block: bpy.types.ID | None) -> list[bpy.types.DriverVariable]:
     """Return the variables of the drivers of a data-block; none without a data-block."""
-    data = None if block is None else block.animation_data
-    return [variable for curve in (() if data is None else data.drivers) for variable in curve.driver.variables]
+    return [variable for curve in drivers_of(block) for variable in curve.driver.variables]
 
 
 def key_visibility(obj: bpy.types.Object, action: bpy.types.Action, shown: Sequence[FrameRange]) -> None:
@@ -146,6 +145,12 @@ def curves_of(block: bpy.types.ID, path: str | None = None) -> list[bpy.types.FC
     return [] if bag is None else [curve for curve in bag.fcurves if path in (None, curve.data_path)]
 
 
+def drivers_of(block: bpy.types.ID | None) -> list[bpy.types.FCurve]:
+    """Return the drivers of a data-block, or of a node tree; none without a data-block, or if it cannot have any."""
+    data = getattr(block, "animation_data", None)
+    return [] if data is None else list(data.drivers)
+
+
 def has_animation(block: bpy.types.ID) -> bool:
     """Return whether a data-block, or a node tree, has an action, drivers or NLA tracks."""
     data = getattr(block, "animation_data", None)
@@ -154,16 +159,12 @@ def has_animation(block: bpy.types.ID) -> bool:
 
 def is_driven(block: bpy.types.ID, path: str) -> bool:
     """Return whether a property of a data-block has a driver."""
-    data = block.animation_data
-    return data is not None and any(curve.data_path == path for curve in data.drivers)
+    return any(curve.data_path == path for curve in drivers_of(block))
 
 
 def is_animated_property(block: bpy.types.ID, path: str) -> bool:
     """Return whether a driver, keyframes or NLA strips that are not muted set a property of a data-block."""
-    data = block.animation_data
-    if data is None:
-        return False
-    curves = (*curves_of(block, path), *(curve for curve in data.drivers if curve.data_path == path))
+    curves = (*curves_of(block, path), *(curve for curve in drivers_of(block) if curve.data_path == path))
     return not all(curve.mute for curve in curves) or bool(strips_span([block], path))
 
 

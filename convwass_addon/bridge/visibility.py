@@ -10,7 +10,7 @@ from contextlib import contextmanager
 import bpy
 
 from .animation_time import returning, show_time
-from .keyframes import curves_of, is_shown
+from .keyframes import curves_of, drivers_of, is_shown
 
 
 def shown_at(objects: Sequence[bpy.types.Object], times: Iterable[float]) -> list[tuple[bpy.types.Object, ...]]:
@@ -107,8 +107,7 @@ def _is_within(layer_collection: bpy.types.LayerCollection, homes: Container[bpy
 def shown_objects(objects: Iterable[bpy.types.Object], scene: bpy.types.Scene) -> Iterator[None]:
     """Show objects in all frames of a scene, also where they, their collections, keys or drivers hide them."""
     objects, linked = list(objects), set(scene.collection.objects)
-    animated = [obj for obj in objects if obj.animation_data is not None]
-    curves = [curve for obj in animated for curve in (*curves_of(obj), *obj.animation_data.drivers)]
+    curves = [curve for obj in objects for curve in (*curves_of(obj), *drivers_of(obj))]
     muted = [curve for curve in curves if curve.data_path == "hide_viewport" and not curve.mute]
     hidden, others = [obj.hide_viewport for obj in objects], [obj for obj in objects if obj not in linked]
     for curve in muted:

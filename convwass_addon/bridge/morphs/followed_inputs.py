@@ -20,6 +20,7 @@ from ...geometry.mesh import TriangleMesh
 from ..animation_time import returning, show_time
 from ..handles import found
 from ..joined_shapes import joined_shape, shown_live
+from ..keyframes import drivers_of
 from ..mouse_progress import progress_at_mouse
 from ..node_math import new_node
 from ..objects import MESHED, frozen_copy, triangle_mesh
@@ -170,8 +171,7 @@ def _refuse_failing_drivers(sources: Sequence[ShapeSource]) -> None:
     """Raise InputError for drivers with errors, because the shapes would be wrong."""
     for part in [part for source in sources for part in source.parts]:
         for block in data_of(part):
-            data = getattr(block, "animation_data", None)
-            for curve in data.drivers if data is not None else ():
+            for curve in drivers_of(block):
                 if not curve.driver.is_valid:
                     raise InputError(
                         "The driver of {path} on {name} has an error: fix or delete it in the Drivers editor.",

@@ -14,7 +14,7 @@ import numpy as np
 from ..animation_time import returning, show_time, time_of_frame
 from ..element_values import element_values
 from ..flat.frames_as_meshes import mesh_of_frame
-from ..keyframes import VISIBILITY_PATHS, curves_of
+from ..keyframes import VISIBILITY_PATHS, curves_of, drivers_of
 from ..matrix_checks import require_finite
 from ..objects import take_own_materials, transform_mesh
 from ..visibility import shown_at, shown_objects, update_places
@@ -127,8 +127,7 @@ def _copy(obj: bpy.types.Object) -> bpy.types.Object:
 
 def _may_change(obj: bpy.types.Object) -> bool:
     """Return whether an object shows something else than its own mesh at a fixed place."""
-    data = obj.animation_data
-    curves = [] if data is None else [*curves_of(obj), *data.drivers]
+    data, curves = obj.animation_data, [*curves_of(obj), *drivers_of(obj)]
     animated = any(curve.data_path not in VISIBILITY_PATHS for curve in curves) or bool(data and data.nla_tracks)
     others = obj.parent or obj.constraints or obj.modifiers
     return bool(obj.type != "MESH" or animated or others or obj.data.shape_keys)

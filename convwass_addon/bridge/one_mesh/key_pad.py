@@ -12,7 +12,7 @@ import numpy as np
 from mathutils import Vector
 
 from ...errors import InputError
-from ..keyframes import driver_targets, remove_curve
+from ..keyframes import driver_targets, drivers_of, remove_curve
 from ..mesh_checks import writable_mesh
 from ..morphs.blend_pad import GAP, SIDE, TEXT
 from ..morphs.removal import remove_objects
@@ -89,9 +89,9 @@ def _driving_handle(obj: bpy.types.Object, names: Sequence[str]) -> bpy.types.Ob
 
 def _read_by_drivers(obj: bpy.types.Object, names: Sequence[str]) -> dict[str, set[bpy.types.ID | None]]:
     """Return what the drivers of sliders of an object read, for those of the sliders that have one."""
-    drivers = obj.animation_data.drivers if obj.animation_data else ()
     found = {
-        curve.data_path: {target.id for own in curve.driver.variables for target in own.targets} for curve in drivers
+        curve.data_path: {target.id for own in curve.driver.variables for target in own.targets}
+        for curve in drivers_of(obj)
     }
     return {name: found[slider_path(name)] for name in names if slider_path(name) in found}
 

@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 import bpy
 
 from ...sentence import Sentence
-from ..keyframes import curves_of, driver_targets, remove_curve
+from ..keyframes import curves_of, driver_targets, drivers_of, remove_curve
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
 from ..unused_data import remove_with_data
 from .attached_parts import detach_parts
@@ -145,8 +145,7 @@ def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
 
 def _take_drivers(before: bpy.types.Object, own: bpy.types.Object, kept: Sequence[str]) -> None:
     """Give an object the drivers of a new one, except for those of properties whose data paths begin like `kept`."""
-    drivers = own.animation_data.drivers if own.animation_data else ()
-    for curve in [curve for curve in drivers if not curve.data_path.startswith(tuple(kept))]:
+    for curve in [curve for curve in drivers_of(own) if not curve.data_path.startswith(tuple(kept))]:
         before.driver_remove(curve.data_path)
         data = before.animation_data or before.animation_data_create()
         data.drivers.from_existing(src_driver=curve)

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from ...applications.reflectance.materials import Ggx
 from ..edited_materials import is_edited, remember_made
-from ..keyframes import clear_animation, curves_of, interpolate, own_action, remove_curve
+from ..keyframes import clear_animation, curves_of, drivers_of, interpolate, own_action, remove_curve
 from ..last_result import last_result
 from ..node_trees import own_tree
 from ..unused_data import remove_if_unused
@@ -258,7 +258,7 @@ def _drop_animation(node: bpy.types.Node) -> None:
     tree, start = node.id_data, f"{node.path_from_id()}.inputs["
     for path in {curve.data_path for curve in curves_of(tree) if curve.data_path.startswith(start)}:
         remove_curve(tree, path)
-    for curve in list(tree.animation_data.drivers) if tree.animation_data else ():
+    for curve in drivers_of(tree):
         if curve.data_path.startswith(start):
             tree.animation_data.drivers.remove(curve)
 
