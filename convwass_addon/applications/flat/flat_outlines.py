@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,10 +54,7 @@ def blend_outline(
     """Extract the outline of a blend that encloses `area` cells, with the connectivity of the blended shapes."""
     if not settings.mend:
         return FlatMending(outline_enclosing(prepared, area), prepared)
-    most = shapes[0]
-    for other in shapes[1:]:
-        most = most.or_more(other)
-    return mended_outline(prepared, area, most)
+    return mended_outline(prepared, area, reduce(FlatConnectivity.or_more, shapes))
 
 
 def half_max_outline(density: NDArray[np.floating]) -> FlatMending:

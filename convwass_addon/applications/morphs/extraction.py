@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import reduce
 
 import numpy as np
 from numpy.typing import NDArray
@@ -207,9 +208,7 @@ def _mended(
         surface = surface_enclosing(prepared.density, volume)
         even = with_face_size(even_surface(surface, prepared.density), prepared.density, settings.face_size, control)
         return Extraction(even, {"found": asdict(Connectivity.of(surface))})
-    most = shapes[0]
-    for other in shapes[1:]:
-        most = most.or_more(other)
+    most = reduce(Connectivity.or_more, shapes)
     if constraint.bounds is None:
         mending = mended_surface(prepared.density, volume, most, constraint.effort, control)
         return Extraction(_sized(mending, settings, control), mending.record())
