@@ -14,8 +14,8 @@ from ...geometry.fitting import fitted_polygons
 from ...geometry.ring_nesting import outline_of
 from ..edited_materials import remember_made
 from ..handles import Handle, found
+from ..morphs.bake import alone_in
 from ..morphs.materials import mark_as_frames
-from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY
 from ..unused_data import remove_if_unused
 from .flat_bake import FlatBake, mean_color
 from .flat_curves import FittedFrame
@@ -43,10 +43,7 @@ class PencilBake(FlatBake):
         collection = self._living(self._collection)
         if self._drawing is None:
             obj = self._new_object(collection.name, self._flats[0].plane.matrix)
-            collection.objects.link(obj)
-            obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
-            obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
-            self._drawing = Handle.of("objects", obj)
+            self._drawing = alone_in(collection, obj, frame.blend)
         obj = self._living(self._drawing)
         number = self._scene_frame(index)
         # A drawing is not shown before its first keyframe.

@@ -24,11 +24,11 @@ from ...errors import InputError
 from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..image_files import image_path
-from ..morphs.bake import MorphBake, check_frames
+from ..morphs.bake import MorphBake, alone_in, check_frames
 from ..morphs.disk_output import for_blender, named_folder, output_folder, remember_folder
 from ..morphs.frozen_inputs import FrozenInput
 from ..morphs.materials import input_color, is_carrying, mark_as_frames
-from ..morphs.stored import ALONE_KEY, INDEX_KEY, WEIGHTS_KEY, frame_objects
+from ..morphs.stored import frame_objects
 from ..morphs.written_files import drop_surplus, store_written
 from ..node_trees import own_tree
 from ..numbered_files import file_number, numbered_paths
@@ -105,10 +105,7 @@ class PictureBake(MorphBake):
         if self._plane is None:
             obj = _plane_object(collection.name, frame, self._grays[0].plane.matrix)
             obj.data.materials.append(_picture_material(collection.name))
-            collection.objects.link(obj)
-            obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
-            obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
-            self._plane = Handle.of("objects", obj)
+            self._plane = alone_in(collection, obj, frame.blend)
         return self._living(self._plane)
 
     def _path(self, number: int) -> Path:

@@ -32,7 +32,17 @@ from .frozen_inputs import FrozenInput, frozen_inputs
 from .hidden_inputs import hide_shapes
 from .materials import MATERIAL_NAME, morph_material
 from .removal import remove_bake, remove_objects
-from .stored import FIRST_FRAMES, FRAME_KEY, INDEX_KEY, WEIGHTS_KEY, StoredMorph, store, store_diagnostics, summary
+from .stored import (
+    ALONE_KEY,
+    FIRST_FRAMES,
+    FRAME_KEY,
+    INDEX_KEY,
+    WEIGHTS_KEY,
+    StoredMorph,
+    store,
+    store_diagnostics,
+    summary,
+)
 
 SHEET_SPACING = 1.3
 """Distance between neighbors in a sheet, in sizes of the largest input."""
@@ -202,10 +212,15 @@ class MorphBake:
         self._previews.clear()
         return True
 
+    @property
+    def _input_objects(self) -> list[Handle]:
+        """The objects of all inputs."""
+        return [own for shape in self._inputs for own in shape.objects]
+
     def _hide_behind_previews(self) -> None:
         """Hide the inputs in the viewport, since they would overlap with previews."""
         scene = self._living(self._scene)
-        for handle in [own for shape in self._inputs for own in shape.objects]:
+        for handle in self._input_objects:
             obj = handle.find()
             for layer in layers_with(obj, [scene]) if obj is not None else ():
                 if not obj.hide_get(view_layer=layer):
@@ -229,7 +244,7 @@ class MorphBake:
         obj = self._made(frame, f"Morph {index + 1:04d}")
         collection.objects.link(obj)
         obj.color = np.average([shape.color for shape in self._inputs], axis=0, weights=frame.blend.weights)
-        take_render_settings(obj, found([own for shape in self._inputs for own in shape.objects]))
+        take_render_settings(obj, found(self._input_objects))
         obj[WEIGHTS_KEY] = [float(weight) for weight in frame.blend.weights]
         obj[INDEX_KEY] = index
         if frame.blend.frame is not None:
@@ -295,7 +310,7 @@ class MorphBake:
         notes = diagnose(figures, self._stored.settings, [shape.name for shape in self._inputs], numbers, dropped)
         store_diagnostics(collection, notes)
         self._drop_unused()
-        shown = found([own for shape in self._inputs for own in shape.objects])
+        shown = found(self._input_objects)
         hide_shapes(collection, shown if hide_inputs else (), scene)
         return collection
 
@@ -367,6 +382,14 @@ class MorphBake:
         if self._brings_material:
             spare.append(bpy.data.materials.get(MATERIAL_NAME))
         remove_if_unused(spare)
+
+
+def alone_in(collection: bpy.types.Collection, obj: bpy.types.Object, blend: Blend) -> Handle:
+    """Add an object to a morph that shows all of its frames, beginning with a blend, and return its handle."""
+    collection.objects.link(obj)
+    obj[WEIGHTS_KEY] = [float(weight) for weight in blend.weights]
+    obj[INDEX_KEY], obj[ALONE_KEY] = 0, True
+    return Handle.of("objects", obj)
 
 
 def check_frames(first_frame: int, blends: Sequence[Blend]) -> None:
