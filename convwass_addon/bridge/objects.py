@@ -362,7 +362,7 @@ def _short(vertices: np.ndarray) -> np.ndarray:
 
 
 def _evaluated(
-    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...] = ("MESH",)
+    obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph, kinds: tuple[str, ...]
 ) -> AbstractContextManager[bpy.types.Object]:
     """Provide the evaluated object if its type is allowed."""
     if obj.type not in kinds:

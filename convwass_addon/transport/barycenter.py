@@ -283,9 +283,7 @@ class _Problem:
         state.density[...] = start.region.gather(begun.density)
         return _Solved(state, begun.levels, begun.iterations)
 
-    def coarse_to_fine(
-        self, limit: float | None, before: tuple[Potentials, ...], done: _Solved | None = None
-    ) -> _Solved:
+    def coarse_to_fine(self, limit: float | None, before: tuple[Potentials, ...], done: _Solved | None) -> _Solved:
         """Solve from coarse to fine, each level started from the last and, if given, from a similar solve's levels."""
         levels: list[Potentials] = [] if done is None else list(done.levels)
         iterations = [] if done is None else list(done.iterations)

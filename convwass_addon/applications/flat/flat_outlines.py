@@ -27,7 +27,7 @@ def own_outline(occupancy: NDArray[np.floating], area: float) -> LevelOutline:
 
 
 def prepared_density(
-    density: NDArray[np.float64], area: float, solids: CoincidingSolids | None = None
+    density: NDArray[np.float64], area: float, solids: CoincidingSolids | None
 ) -> NDArray[np.floating]:
     """Blur the density of a blend for the extraction of its outline.
 
@@ -37,7 +37,7 @@ def prepared_density(
         The barycenter.
     area : float
         The area to enclose, in cells.
-    solids : CoincidingSolids, optional
+    solids : CoincidingSolids or None
         The mean of moved shapes: where they agree, it replaces the barycenter.
     """
     prepared = gaussian_filter(density / density.max(), _READING_BLUR)

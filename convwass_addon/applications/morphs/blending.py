@@ -109,8 +109,8 @@ def solve_some_blends(
     transport: TransportProblem,
     blends: Sequence[Blend],
     problems: Sequence[MorphProblem | None],
-    control: Control = UNINTERRUPTED,
-    kept: KeptBlends | None = None,
+    control: Control,
+    kept: KeptBlends | None,
 ) -> list[MorphFrame]:
     """Compute the frames of some blends of a run, in which each blend is solved from the previous one.
 

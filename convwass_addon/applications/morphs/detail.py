@@ -16,7 +16,7 @@ from ...geometry.distortion import vertex_distortions
 from ...geometry.facing_points import FacingShape
 from ...geometry.normals import vertex_normals
 from ...geometry.surface_detail import DetailedSurface, DetailSource, with_detail
-from ...progress import UNINTERRUPTED, Control
+from ...progress import Control
 from ..motions.motion import MovedShape
 from .coinciding_solids import CoincidingSolids
 from .morph_problem import MorphFrame, MorphProblem
@@ -54,7 +54,7 @@ def detailed_blend(
     shapes: Sequence[FacingShape],
     occupancies: Sequence[NDArray[np.floating]],
     starts: Starts,
-    control: Control = UNINTERRUPTED,
+    control: Control,
     reliabilities: Sequence[NDArray[np.float64]] | None = None,
 ) -> DetailedSurface:
     """Add the detail of shapes to a blend of them.

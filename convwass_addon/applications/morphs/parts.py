@@ -15,7 +15,7 @@ from scipy.spatial import cKDTree
 from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from ...geometry.thicken import surface_points
-from ...progress import UNINTERRUPTED, Control
+from ...progress import Control
 from .part_labels import Matching, PartNotice
 from .volumes import Lattice, voxelized
 
@@ -57,7 +57,7 @@ def voxelized_parts(
     lattice: Lattice,
     thickness: float,
     matching: Matching,
-    control: Control = UNINTERRUPTED,
+    control: Control,
 ) -> list[NDArray[np.float32]]:
     """Voxelize shape `index` and divide it into its parts; parameters as for :func:`.voxelized`."""
     filled = voxelized(shape, name, index, lattice, thickness, control)

@@ -157,7 +157,7 @@ def sketched_runs_in_threads(
     sketched: Sequence[int],
     control: Control,
     workers: int,
-    kept: KeptBlends | None = None,
+    kept: KeptBlends | None,
 ) -> Iterator[SketchedRuns]:
     """Like :func:`runs_in_threads` for a problem with coarser levels, which are solved first for some runs.
 

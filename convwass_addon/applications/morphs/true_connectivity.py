@@ -14,7 +14,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.mesh_connectivity import mesh_connectivity
 from ...geometry.occupancy import occupancy
 from ...geometry.orientation import orient_outward
-from ...progress import UNINTERRUPTED, Control
+from ...progress import Control
 from .extraction import connectivity_of
 from .morph_settings import MorphSettings
 from .volumes import Lattice
@@ -25,7 +25,7 @@ _FINER, _MOST_CELLS = 2, 8_000_000
 
 
 def true_connectivity(
-    shape: TriangleMesh, index: int, lattice: Lattice, settings: MorphSettings, control: Control = UNINTERRUPTED
+    shape: TriangleMesh, index: int, lattice: Lattice, settings: MorphSettings, control: Control
 ) -> Connectivity | None:
     """Determine pieces, handles and bubbles from the mesh or, if the mesh is not reliable, from a finer grid.
 

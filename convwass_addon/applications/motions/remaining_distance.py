@@ -64,7 +64,7 @@ def remaining_share(
     return max(between) / apart if apart > 0.0 else 0.0
 
 
-def centered_distance(shapes: Sequence[TriangleMesh], cells: int, control: Control = UNINTERRUPTED) -> float:
+def centered_distance(shapes: Sequence[TriangleMesh], cells: int, control: Control) -> float:
     """Return W2 between two shapes with their centers of mass aligned, in their unit; 0 for equal shapes.
 
     Parameters

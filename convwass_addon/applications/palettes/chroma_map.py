@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...progress import UNINTERRUPTED, Control
+from ...progress import Control
 from ...transport import Grid, barycenter, distance, transport_map
 from .interpolation import interpolated
 from .palette_statistics import BINS, REACH
@@ -57,7 +57,7 @@ def chroma_domain() -> Grid:
 
 
 def chroma_barycenter(
-    histograms: Sequence[NDArray[np.float64]], weights: Sequence[float], control: Control = UNINTERRUPTED
+    histograms: Sequence[NDArray[np.float64]], weights: Sequence[float], control: Control
 ) -> NDArray[np.float64]:
     """Return the debiased barycenter of histograms, (BINS, BINS), with sum 1."""
     domain = chroma_domain()
@@ -68,8 +68,8 @@ def chroma_barycenter(
 def chroma_map(
     source: NDArray[np.float64],
     target: NDArray[np.float64],
-    smoothing: float = 1.0,
-    control: Control = UNINTERRUPTED,
+    smoothing: float,
+    control: Control,
 ) -> ChromaMap:
     """Solve for the map from one histogram to another.
 

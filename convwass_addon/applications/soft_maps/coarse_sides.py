@@ -16,7 +16,7 @@ from ...geometry.edges import proper_part
 from ...geometry.integer_ranges import integer_ranges
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import area_normals
-from ...progress import UNINTERRUPTED, Control
+from ...progress import Control
 from .map_sides import MapSide
 from .surface_maps import VertexInterpolation
 
@@ -62,7 +62,7 @@ class CoarseSide:
         return order[np.searchsorted(self.vertices[order], fine)]
 
 
-def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Control = UNINTERRUPTED) -> CoarseSide:
+def coarse_side(side: MapSide, count: int, kept: NDArray[np.int64], control: Control) -> CoarseSide:
     """Return a coarse mesh of about `count` vertices that includes the vertices `kept`, (k,), of the finer one.
 
     Cancelling `control` stops the work.

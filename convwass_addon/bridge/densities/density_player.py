@@ -137,7 +137,7 @@ def density_value(obj: bpy.types.Object, name: str = NAME) -> NodeInput:
     return node_input(density_modifier(obj, name), VALUE)
 
 
-def takes_keys(obj: bpy.types.Object, name: str = NAME) -> bool:
+def takes_keys(obj: bpy.types.Object, name: str) -> bool:
     """Return whether keys of a density, which need not exist yet, have an effect and may be replaced.
 
     A driver takes precedence over keys, and those of a locked curve are to stay as they are.

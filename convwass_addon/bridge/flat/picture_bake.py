@@ -25,7 +25,7 @@ from ..edited_materials import remember_made
 from ..handles import Handle, found
 from ..image_files import image_path
 from ..morphs.bake import MorphBake, alone_in, check_frames
-from ..morphs.disk_output import for_blender, named_folder, output_folder, remember_folder
+from ..morphs.disk_output import for_blender, output_folder, remember_folder
 from ..morphs.frozen_inputs import FrozenInput
 from ..morphs.materials import input_color, is_carrying, mark_as_frames
 from ..morphs.stored import frame_objects
@@ -55,8 +55,8 @@ class PictureBake(MorphBake):
         settings: dict[str, object],
         first_frame: int,
         grays: Sequence[GrayInput],
-        replaces: bpy.types.Collection | None = None,
-        folder_of: Callable[[str, bpy.types.Collection], Path] = named_folder,
+        replaces: bpy.types.Collection | None,
+        folder_of: Callable[[str, bpy.types.Collection], Path],
     ) -> Self:
         """Create the collection and the output folder in `folder` of `settings`.
 

@@ -104,7 +104,7 @@ def make_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST"
     return drained(build_blend_pad(collection, between=between))
 
 
-def build_blend_pad(collection: bpy.types.Collection, *, between: str = "NEAREST") -> Work[BlendPad]:
+def build_blend_pad(collection: bpy.types.Collection, *, between: str) -> Work[BlendPad]:
     """Create a pad from a sheet of four or three shapes, and hide the sheet's own objects.
 
     The blend at the Empty is shown at the position of the first shape; the pad is to its left, upright like the sheet.

@@ -46,7 +46,7 @@ def store_fields(
     frames: Sequence[bpy.types.Object],
     cells: float,
     places: NDArray[np.float64],
-    columns: Sequence[Column] = (),
+    columns: Sequence[Column],
 ) -> Work[StoredFields]:
     """Sample and store the signed distances of blends.
 

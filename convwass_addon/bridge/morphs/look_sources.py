@@ -107,7 +107,7 @@ def write_looks(
     mesh: bpy.types.Mesh,
     uvs: dict[str, np.ndarray],
     fields: dict[str, np.ndarray],
-    sources: np.ndarray | None = None,
+    sources: np.ndarray | None,
 ) -> None:
     """Write carried UV maps and other attributes to a frame.
 
@@ -119,8 +119,8 @@ def write_looks(
         UVs of the corners of triangles. The first map becomes the active one, which exporters write first.
     fields : dict of str to (n, d)
         Values of the vertices.
-    sources : (c,) int, optional
-        For each corner of the mesh, the corner of a triangle that it is, 3 f + c; by default in the same order.
+    sources : (c,) int or None
+        For each corner of the mesh, the corner of a triangle that it is, 3 f + c; None if in the same order.
     """
     for name, corners in uvs.items():
         values = corners.reshape(-1, 2)

@@ -191,7 +191,7 @@ def attribute_material(name: str, color: str, *, is_see_through: bool = False) -
     return _found_or_wired(name, "ShaderNodeVertexColor", is_see_through, layer_name=color)
 
 
-def object_property_material(name: str, key: str, *, is_see_through: bool = False) -> bpy.types.Material:
+def object_property_material(name: str, key: str, *, is_see_through: bool) -> bpy.types.Material:
     """Return the material whose base color, and alpha on demand, is a property of the object; created if missing."""
     return _found_or_wired(name, "ShaderNodeAttribute", is_see_through, attribute_type="OBJECT", attribute_name=key)
 

@@ -59,7 +59,7 @@ def make_player(
 
 
 def build_player(
-    collection: bpy.types.Collection, *, playback: str = "ONCE", easing: str = "LINEAR", between: str = "NEAREST"
+    collection: bpy.types.Collection, *, playback: str, easing: str, between: str
 ) -> Work[bpy.types.Object]:
     """Create an object that shows the blends of a path, and hide the baked objects.
 

@@ -53,7 +53,7 @@ class SeenFrames:
             remove_bake(self.morph)
 
 
-def seen_frames(morph: bpy.types.Collection, active: bpy.types.Object | None = None) -> Work[SeenFrames]:
+def seen_frames(morph: bpy.types.Collection, active: bpy.types.Object | None) -> Work[SeenFrames]:
     """Return the frames of a morph as they are seen.
 
     If a player shows them as they were baked, they are those of the bake. If it was retimed, moved, modified or has
@@ -63,7 +63,7 @@ def seen_frames(morph: bpy.types.Collection, active: bpy.types.Object | None = N
     ----------
     morph : bpy.types.Collection
         A baked morph.
-    active : bpy.types.Object, optional
+    active : bpy.types.Object or None
         The player to use of several.
 
     Yields

@@ -45,9 +45,7 @@ def take_properties(obj: bpy.types.Object, source: bpy.types.Object, names: Sequ
             obj.id_properties_ui(name).update_from(source.id_properties_ui(name))
 
 
-def read_from_copy(
-    block: bpy.types.ID, source: bpy.types.Object, obj: bpy.types.Object, *, is_in_place: bool = False
-) -> None:
+def read_from_copy(block: bpy.types.ID, source: bpy.types.Object, obj: bpy.types.Object, *, is_in_place: bool) -> None:
     """Let drivers read the copy of an object instead of its source, as far as the copy has what they read.
 
     Parameters

@@ -27,7 +27,7 @@ _GAP = 0.005
 _SLACK = 1e-3
 
 
-def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str, made: str = "") -> str:
+def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str, made: str) -> str:
     """Return the name of a UV map in which every face has its own place; unwraps the mesh if it has none.
 
     Parameters
@@ -39,7 +39,7 @@ def baked_uv_map(mesh: bpy.types.Mesh, name: str, how: str, made: str = "") -> s
     how : "AUTO", "OWN" or "NEW"
         With "AUTO", the UV map of renders is used if it lies in the image and does not overlap itself.
     made : str
-        Name of a UV map that an earlier call has made, which another new one replaces.
+        Name of a UV map that an earlier call has made, which another new one replaces; empty for none.
 
     Raises
     ------
