@@ -22,7 +22,7 @@ from .facing_turns import is_turned_over
 from .laid_meshes import Laid
 from .mirrored_sides import MirroredSides
 from .pair_maps import PairMap, mirrored_map
-from .pair_proposals import FROM_MAP, proposed, total_cost, trusted
+from .pair_proposals import FROM_MAP, DraftPair, total_cost, trusted
 from .pair_registration import carried, draft_of
 
 # Numbers of vertices of the maps, each of which takes a second (docs/performance, "Left and right").
@@ -119,9 +119,10 @@ def _rough_map(
     starts = found.starts(*drafts)
     # Each direction needs both, and two threads would compute each twice.
     both_ways(lambda k: drafts[k].unit)
-    both = list(both_ways(lambda k: proposed(drafts, k, starts[k], _NO_PAIRS, FROM_MAP, control)))
+    pair = DraftPair(drafts, _NO_PAIRS, control)
+    both = list(both_ways(lambda k: pair.proposed(k, starts[k], FROM_MAP)))
     drafted = [trusted(own) for own in both]
     over = any(is_turned_over(draft.mesh, own) for draft, own in zip(drafts, drafted, strict=True))
-    cost = total_cost(drafts, both, sides) + (_ASKEW if sides is None else 0.0) + (_TURNED_OVER if over else 0.0)
+    cost = total_cost(pair, both, sides) + (_ASKEW if sides is None else 0.0) + (_TURNED_OVER if over else 0.0)
     laid = both_ways(lambda k: carried(drafts[k], drafted[k]))
     return RoughMap(pose, found, laid, cost)

@@ -67,33 +67,54 @@ class Proposal:
     inverse: Laid
 
 
-def proposed(
-    drafts: tuple[Carrier, Carrier],
-    k: int,
-    start: Laid,
-    pairs: NDArray[np.int64],
-    stages: tuple[Stage, ...],
-    control: Control,
-) -> Proposal:
-    """Register one of two coarse meshes to the other from a start.
+@dataclass(frozen=True)
+class DraftPair:
+    """Two coarse meshes that are registered to each other.
 
-    Parameters
+    Attributes
     ----------
-    drafts : (Carrier, Carrier)
+    both : (Carrier, Carrier)
         The two meshes.
-    k : int
-        Index of the mesh to register, 0 or 1.
-    start : Laid
-        Initial positions of its vertices.
     pairs : (p, 2) int64
-        Corresponding vertices of this mesh and the other.
-    stages : tuple of Stage
-        Stages of the registration.
+        Their corresponding vertices.
     control : Control
         Stops the work.
     """
-    own, other = drafts[k], drafts[1 - k]
-    return judged(own, other, registered(own, other, start, pairs, stages, control).points, control)
+
+    both: tuple[Carrier, Carrier]
+    pairs: NDArray[np.int64]
+    control: Control
+
+    def registered(self, k: int, start: Laid, stages: tuple[Stage, ...]) -> Registered:
+        """Register mesh k to the other one in some stages, from initial positions of its vertices."""
+        pairs = self.pairs if k == 0 else self.pairs[:, ::-1]
+        return registered(self.both[k], self.both[1 - k], start, pairs, stages, self.control)
+
+    def judged(self, k: int, points: NDArray[np.float64]) -> Proposal:
+        """Measure the costs of a registration of mesh k."""
+        self.control.check()
+        own, other = self.both[k], self.both[1 - k]
+        mesh = own.mesh
+        lying = TriangleMesh(points, mesh.faces)
+        images = other.finder.find(points, vertex_normals(points, mesh.faces))
+        there = vertex_normals(other.mesh.vertices, other.mesh.faces)
+        origins = FacingPointFinder(lying).find(other.mesh.vertices, there)
+        home = origins.interpolated(mesh.corners)
+        trip = np.linalg.norm(images.interpolated(home[other.mesh.faces]) - mesh.vertices, axis=1) / own.size
+        away = images.distances / other.size
+        misfit = np.minimum(trip / _TRIP, 1.0) + np.minimum(away / _AWAY, 1.0)
+        costs = misfit + np.minimum(_vertex_stretch(own, points) / _STRETCH, 1.0)
+        missed = np.minimum(origins.distances / other.size / _AWAY, 1.0)
+        inverse = Laid(home, np.exp(-np.square(missed + origins.interpolated(costs[mesh.faces][:, :, None])[:, 0])))
+        return Proposal(points, costs, weighted_quantile(misfit, mesh.vertex_areas, _MOST), inverse)
+
+    def proposed(self, k: int, start: Laid, stages: tuple[Stage, ...]) -> Proposal:
+        """Register mesh k as :meth:`registered` does, and measure the costs."""
+        return self.judged(k, self.registered(k, start, stages).points)
+
+    def home_distances(self, k: int, found: Sequence[Proposal | Registered]) -> NDArray[np.float64]:
+        """Return the round-trip errors of the vertices of mesh k, (n,), given the registrations of both meshes."""
+        return home_distances(self.both[k], self.both[1 - k], found[k].points, found[1 - k].points)
 
 
 def trusted(found: Proposal) -> Laid:
@@ -101,42 +122,29 @@ def trusted(found: Proposal) -> Laid:
     return Laid(found.points, np.exp(-np.square(found.costs)))
 
 
-def all_mended(
-    drafts: tuple[Carrier, Carrier],
-    first: list[Proposal],
-    both: tuple[NDArray[np.int64], NDArray[np.int64]],
-    control: Control,
-) -> list[list[Proposal]]:
+def all_mended(drafts: DraftPair, first: list[Proposal]) -> list[list[Proposal]]:
     """Improve registrations from other starts, once more where they disagree after that; return all attempts."""
 
     def mended(k: int) -> Proposal:
-        placed = Laid(_placed(drafts[k], drafts[1 - k], first[k]), np.ones(len(drafts[k].mesh.vertices)))
-        ways = [(first[1 - k].inverse, FROM_MAP), (placed, _FROM_PLACE)]
-        return _mended(drafts, k, first[k], ways, both[k], control)
+        own, other = drafts.both[k], drafts.both[1 - k]
+        placed = Laid(_placed(own, other, first[k]), np.ones(len(own.mesh.vertices)))
+        return _mended(drafts, k, first[k], [(first[1 - k].inverse, FROM_MAP), (placed, _FROM_PLACE)])
 
     best = list(both_ways(mended))
     tries = [best]
     for k in (1, 0):
         if not agree(drafts, best, k):
             best = list(best)
-            best[k] = _mended(drafts, k, best[k], [(best[1 - k].inverse, FROM_MAP)], both[k], control)
+            best[k] = _mended(drafts, k, best[k], [(best[1 - k].inverse, FROM_MAP)])
             tries.append(best)
     return tries
 
 
-def _mended(
-    drafts: tuple[Carrier, Carrier],
-    k: int,
-    best: Proposal,
-    ways: list[tuple[Laid, tuple[Stage, ...]]],
-    pairs: NDArray[np.int64],
-    control: Control,
-) -> Proposal:
+def _mended(drafts: DraftPair, k: int, best: Proposal, ways: list[tuple[Laid, tuple[Stage, ...]]]) -> Proposal:
     """Replace parts of a registration by those from other starts where these have lower costs."""
-    own, other = drafts[k], drafts[1 - k]
     for start, stages in ways:
-        best = _fused(own, best, proposed(drafts, k, start, pairs, stages, control))
-    return judged(own, other, registered(own, other, trusted(best), pairs, _HEALING, control).points, control)
+        best = _fused(drafts.both[k], best, drafts.proposed(k, start, stages))
+    return drafts.proposed(k, trusted(best), _HEALING)
 
 
 def _fused(own: Carrier, one: Proposal, other: Proposal) -> Proposal:
@@ -153,24 +161,6 @@ def _fused(own: Carrier, one: Proposal, other: Proposal) -> Proposal:
     torn = edges[second[edges[:, 0]] != second[edges[:, 1]]].ravel()
     np.maximum.at(costs, torn, np.minimum(apart[torn] / _AWAY, 1.0))
     return Proposal(np.where(second[:, None], other.points, one.points), costs, one.misfit, one.inverse)
-
-
-def judged(own: Carrier, other: Carrier, points: NDArray[np.float64], control: Control) -> Proposal:
-    """Measure the costs of a registration."""
-    control.check()
-    mesh = own.mesh
-    lying = TriangleMesh(points, mesh.faces)
-    images = other.finder.find(points, vertex_normals(points, mesh.faces))
-    there = vertex_normals(other.mesh.vertices, other.mesh.faces)
-    origins = FacingPointFinder(lying).find(other.mesh.vertices, there)
-    home = origins.interpolated(mesh.corners)
-    trip = np.linalg.norm(images.interpolated(home[other.mesh.faces]) - mesh.vertices, axis=1) / own.size
-    away = images.distances / other.size
-    misfit = np.minimum(trip / _TRIP, 1.0) + np.minimum(away / _AWAY, 1.0)
-    costs = misfit + np.minimum(_vertex_stretch(own, points) / _STRETCH, 1.0)
-    missed = np.minimum(origins.distances / other.size / _AWAY, 1.0)
-    inverse = Laid(home, np.exp(-np.square(missed + origins.interpolated(costs[mesh.faces][:, :, None])[:, 0])))
-    return Proposal(points, costs, weighted_quantile(misfit, mesh.vertex_areas, _MOST), inverse)
 
 
 def _vertex_stretch(own: Carrier, points: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -195,26 +185,19 @@ def _placed(own: Carrier, other: Carrier, found: Proposal) -> NDArray[np.float64
     return other.size / own.size * (mesh.vertices - centers[0]) @ turn.T + centers[1]
 
 
-def total_cost(drafts: tuple[Carrier, Carrier], found: list[Proposal], sides: MirroredSides | None = None) -> float:
+def total_cost(drafts: DraftPair, found: list[Proposal], sides: MirroredSides | None = None) -> float:
     """Return the mean cost of both registrations, including their round-trip errors and, with sides, asymmetries."""
     total = 0.0
     for k in (0, 1):
-        home = home_distances(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
-        costs = found[k].costs + np.minimum(home / _TRIP, 1.0)
+        costs = found[k].costs + np.minimum(drafts.home_distances(k, found) / _TRIP, 1.0)
         if sides is not None:
             costs = costs + _LOPSIDED * np.minimum(sides.apart(k, found[k].points) / _TRIP, 1.0)
-        areas = drafts[k].mesh.vertex_areas
+        areas = drafts.both[k].mesh.vertex_areas
         total += float(areas @ costs / areas.sum())
     return total
 
 
-def symmetrized(
-    drafts: tuple[Carrier, Carrier],
-    found: list[Proposal],
-    sides: MirroredSides,
-    both: tuple[NDArray[np.int64], NDArray[np.int64]],
-    control: Control,
-) -> list[Proposal]:
+def symmetrized(drafts: DraftPair, found: list[Proposal], sides: MirroredSides) -> list[Proposal]:
     """Improve registrations of symmetric shapes by taking, of every two mirrored places, what is better at one."""
 
     def improved(k: int) -> Proposal:
@@ -222,18 +205,17 @@ def symmetrized(
         elsewhere = sides.mirrored(k, costs)
         start = np.where((elsewhere < costs)[:, None], sides.mirrored_map(k, points), points)
         trust = np.exp(-np.square(np.minimum(costs, elsewhere)))
-        return proposed(drafts, k, Laid(start, trust), both[k], FROM_MAP, control)
+        return drafts.proposed(k, Laid(start, trust), FROM_MAP)
 
     return list(both_ways(improved))
 
 
 def agree(
-    drafts: tuple[Carrier, Carrier],
+    drafts: DraftPair,
     found: Sequence[Proposal | Registered],
     k: int,
     share: float = _MOST,
     near: float = _NEAR_HOME,
 ) -> bool:
     """Return whether a fraction of the area has a small round-trip error."""
-    home = home_distances(drafts[k], drafts[1 - k], found[k].points, found[1 - k].points)
-    return weighted_quantile(home, drafts[k].mesh.vertex_areas, share) <= near
+    return weighted_quantile(drafts.home_distances(k, found), drafts.both[k].mesh.vertex_areas, share) <= near

@@ -21,9 +21,9 @@ from ...progress import Control
 from ..workers import both_ways
 from .carriers import Carrier, coarser
 from .grown_registration import grown_points
-from .laid_meshes import Laid, Registered, home_distances, registered
+from .laid_meshes import Laid, home_distances, registered
 from .mirrored_sides import MirroredSides
-from .pair_proposals import FROM_MAP, Proposal, agree, all_mended, judged, proposed, symmetrized, total_cost, trusted
+from .pair_proposals import FROM_MAP, DraftPair, Proposal, agree, all_mended, symmetrized, total_cost, trusted
 
 # Number of vertices of the coarse meshes on which several starts are tried.
 _DRAFT_VERTICES = 1500
@@ -112,12 +112,13 @@ def grown_pair(shapes: tuple[Carrier, Carrier], control: Control) -> GrownPair |
     grown = both_ways(lambda k: grown_points(drafts[k], drafts[1 - k], control))
     if any(points is None for points in grown):
         return None
-    found = [judged(drafts[k], drafts[1 - k], grown[k], control) for k in (0, 1)]
+    pair = DraftPair(drafts, _NO_PAIRS, control)
+    found = [pair.judged(k, grown[k]) for k in (0, 1)]
     worse = int(found[1].misfit > found[0].misfit)
     other = found.copy()
-    other[worse] = proposed(drafts, worse, found[1 - worse].inverse, _NO_PAIRS, FROM_MAP, control)
-    best = min(found, other, key=lambda both: total_cost(drafts, both))
-    near = all(agree(drafts, best, k, 0.99, _NO_LIMB) for k in (0, 1))
+    other[worse] = pair.proposed(worse, found[1 - worse].inverse, FROM_MAP)
+    best = min(found, other, key=lambda both: total_cost(pair, both))
+    near = all(agree(pair, best, k, 0.99, _NO_LIMB) for k in (0, 1))
     fits = near and max(own.misfit for own in best) <= _FINE_GROWN
     return GrownPair(drafts, best, fits)
 
@@ -161,15 +162,16 @@ def laid_on_each_other(
     both = pairs, pairs[:, ::-1]
     drafts = both_ways(lambda k: draft_of(shapes[k], control, both[k][:, 0])) if grown is None else grown.drafts
     ends = np.stack([drafts[k].places(pairs[:, k]) for k in (0, 1)], axis=1)
+    coarse = DraftPair(drafts, ends, control)
     if starts is None:
         drafted, is_grown = [trusted(found) for found in grown.found], True
     else:
         rough = [
             Laid(start.points[own.seeds], start.trust[own.seeds]) for start, own in zip(starts, drafts, strict=True)
         ]
-        coarse = None if sides is None else sides.of_coarser((drafts[0].mesh, drafts[1].mesh))
-        drafted, is_grown = _drafted(drafts, rough, ends, grown, coarse, control)
-    drafted = _tightened(drafts, drafted, ends, control)
+        kept = None if sides is None else sides.of_coarser((drafts[0].mesh, drafts[1].mesh))
+        drafted, is_grown = _drafted(coarse, rough, grown, kept)
+    drafted = _tightened(coarse, drafted)
 
     fine = carried(drafts[0], drafted[0]), carried(drafts[1], drafted[1])
     return replace(_finely(shapes, fine, both, control), is_grown=is_grown)
@@ -217,49 +219,36 @@ def _finished(
 
 
 def _drafted(
-    drafts: tuple[Carrier, Carrier],
-    starts: list[Laid],
-    pairs: NDArray[np.int64],
-    grown: GrownPair | None,
-    sides: MirroredSides | None,
-    control: Control,
+    drafts: DraftPair, starts: list[Laid], grown: GrownPair | None, sides: MirroredSides | None
 ) -> tuple[list[Laid], bool]:
     """Register coarse meshes from the best of several starts; also return whether the grown one was chosen."""
-    both = pairs, pairs[:, ::-1]
-    best = list(both_ways(lambda k: proposed(drafts, k, starts[k], both[k], FROM_MAP, control)))
+    best = list(both_ways(lambda k: drafts.proposed(k, starts[k], FROM_MAP)))
     if max(found.misfit for found in best) <= _FINE:
         return [trusted(found) for found in best], False
     is_grown = grown is not None and total_cost(drafts, grown.found) < total_cost(drafts, best)
     best = list(grown.found) if is_grown else best
     tries = [best]
     if not (is_grown and all(agree(drafts, best, k) for k in (0, 1))):
-        tries += all_mended(drafts, best, both, control)
+        tries += all_mended(drafts, best)
     kept = min(tries, key=lambda found: total_cost(drafts, found, sides))
     if sides is not None:
-        same = symmetrized(drafts, kept, sides, both, control)
+        same = symmetrized(drafts, kept, sides)
         kept = min(kept, same, key=lambda found: total_cost(drafts, found, sides))
     return [trusted(found) for found in kept], is_grown
 
 
-def _tightened(
-    drafts: tuple[Carrier, Carrier], starts: list[Laid], pairs: NDArray[np.int64], control: Control
-) -> list[Laid]:
+def _tightened(drafts: DraftPair, starts: list[Laid]) -> list[Laid]:
     """Register coarse meshes so that limbs keep their lengths and strain concentrates in joints.
 
     Maps slide along limbs, which look alike all along. Skin under a raised arm is missing on one of the shapes, so it
     can be found only from the other one. Therefore the inverse of the other one is tried, too.
     """
-    both = pairs, pairs[:, ::-1]
-
-    def tightened(k: int, start: Laid) -> Registered:
-        return registered(drafts[k], drafts[1 - k], start, both[k], _TIGHTENING, control)
-
-    first = both_ways(lambda k: tightened(k, starts[k]))
+    first = both_ways(lambda k: drafts.registered(k, starts[k], _TIGHTENING))
 
     def better(k: int) -> Proposal:
-        inverse = judged(drafts[1 - k], drafts[k], first[1 - k].points, control).inverse
-        other = tightened(k, inverse)
+        inverse = drafts.judged(1 - k, first[1 - k].points).inverse
+        other = drafts.registered(k, inverse, _TIGHTENING)
         best = other if other.laid.energy(_GIVE) < _CLEARLY * first[k].laid.energy(_GIVE) else first[k]
-        return judged(drafts[k], drafts[1 - k], best.points, control)
+        return drafts.judged(k, best.points)
 
     return [trusted(found) for found in both_ways(better)]

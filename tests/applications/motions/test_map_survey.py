@@ -46,7 +46,7 @@ def test_a_pose_that_a_registration_turns_over_is_avoided(monkeypatch, cow):
         cow.posed(cow.rest.vertices @ rotation_matrices(np.array([[angle, 0.0, 0.0]]))[0].T) for angle in (3.0, 1.5)
     )
     costs = {id(back): 0.5, id(side): 1.0}
-    monkeypatch.setattr(map_survey, "total_cost", lambda drafts, *_found: costs[id(drafts[0])])
+    monkeypatch.setattr(map_survey, "total_cost", lambda drafts, *_found: costs[id(drafts.both[0])])
     monkeypatch.setattr(map_survey, "draft_of", lambda shape, *_others: shape)
     assert drained(best_rough_map([side, back], cow, Promise(), UNINTERRUPTED)).pose == 0
 

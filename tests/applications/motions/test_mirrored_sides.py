@@ -11,7 +11,7 @@ from convwass_addon.applications.motions.carriers import carrier_of
 from convwass_addon.applications.motions.guided_motion import guided_motion
 from convwass_addon.applications.motions.guided_settings import GuidedSettings
 from convwass_addon.applications.motions.mirrored_sides import MirroredSides
-from convwass_addon.applications.motions.pair_proposals import judged, symmetrized, total_cost
+from convwass_addon.applications.motions.pair_proposals import DraftPair, symmetrized, total_cost
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.orientation import orient_outward
 from convwass_addon.progress import UNINTERRUPTED, drained
@@ -60,12 +60,12 @@ def test_maps_that_commute_with_the_reflections_keep_the_sides(sides):
 def test_what_a_registration_gets_right_on_one_side_is_taken_for_the_other():
     """One arm is registered to the other one."""
     carrier = carrier_of(FIGURE, "figure", np.empty(0, np.int64), 6000, UNINTERRUPTED)
-    mesh, drafts = carrier.mesh, (carrier, carrier)
+    mesh, drafts = carrier.mesh, DraftPair((carrier, carrier), NO_PAIRS, UNINTERRUPTED)
     sides = MirroredSides.of(mesh, mesh)
     arm = (mesh.vertices[:, 0] > 0.8) & (mesh.vertices[:, 2] > 0.0)
     wrong = np.where(arm[:, None], mesh.vertices * [-1.0, 1.0, 1.0], mesh.vertices)
-    found = [judged(carrier, carrier, points, UNINTERRUPTED) for points in (wrong, mesh.vertices)]
-    better = symmetrized(drafts, found, sides, (NO_PAIRS, NO_PAIRS), UNINTERRUPTED)
+    found = [drafts.judged(k, points) for k, points in enumerate((wrong, mesh.vertices))]
+    better = symmetrized(drafts, found, sides)
     assert total_cost(drafts, better, sides) < 0.5 * total_cost(drafts, found, sides)
     off = [np.linalg.norm(own.points - mesh.vertices, axis=1)[arm].mean() for own in (found[0], better[0])]
     assert off[0] > 2.0 and off[1] < 0.1
