@@ -52,19 +52,19 @@ def orient_outward(mesh: TriangleMesh, use: EdgeUse | None = None) -> TriangleMe
         seams = _Neighbors.of(edge_use(places)).unless_same(places).among(is_open)
         neighbors, pieces = neighbors.and_across(seams), seams.joined(pieces)
     turn, repaired = _disagreeing_faces(neighbors, pieces)
-    outward = mesh
-    if turn.any():
-        faces = mesh.faces.copy()
-        faces[turn] = faces[turn, ::-1]
-        outward = TriangleMesh(mesh.vertices, faces)
+    outward = _with_turned(mesh, turn)
     volumes = np.bincount(pieces, weights=outward.face_volumes)
     inward = repaired & (volumes < 0)
     for piece in np.flatnonzero((volumes < 0) & ~repaired):
         inward[piece] = not _inside_others(outward, pieces, piece)
-    if not inward.any():
-        return outward
-    turn = inward[pieces]
-    faces = outward.faces.copy()
+    return _with_turned(outward, inward[pieces])
+
+
+def _with_turned(mesh: TriangleMesh, turn: NDArray[np.bool_]) -> TriangleMesh:
+    """Return a mesh with some of its triangles, (m,), flipped; the mesh itself if there are none."""
+    if not turn.any():
+        return mesh
+    faces = mesh.faces.copy()
     faces[turn] = faces[turn, ::-1]
     return TriangleMesh(mesh.vertices, faces)
 
