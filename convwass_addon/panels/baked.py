@@ -32,6 +32,16 @@ _MANAGING = (
 )
 
 
+def draw_changes(
+    layout: bpy.types.UILayout, context: bpy.types.Context, bake: bpy.types.Collection | bpy.types.Object
+) -> None:
+    """Draw which inputs of a bake have changed since, if any."""
+    changed = changed_inputs(bake)
+    if changed:
+        text = iface_("Changed since it was baked: {:s}").format(", ".join(changed))
+        draw_wrapped(layout, context, text, "ERROR")
+
+
 class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
     """The morph that the active object belongs to"""
 
@@ -46,10 +56,7 @@ class CONVWASS_PT_baked_morph(Sidebar, bpy.types.Panel):
         layout = self.layout
         morph = active_morph(context)
         layout.label(text=morph.name, icon="OUTLINER_COLLECTION", translate=False)
-        changed = changed_inputs(morph)
-        if changed:
-            text = iface_("Changed since it was baked: {:s}").format(", ".join(changed))
-            draw_wrapped(layout, context, text, "ERROR")
+        draw_changes(layout, context, morph)
         if is_player(context.object):
             column = layout.column(align=True)
             for value, name in ((morph_value(context.object), "Morph"), (playback(context.object), "Playback")):

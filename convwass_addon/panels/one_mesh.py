@@ -8,7 +8,6 @@ import bpy
 from bpy.app.translations import pgettext_iface as iface_
 
 from ..bridge.active import active_object
-from ..bridge.morphs.changes import changed_inputs
 from ..bridge.one_mesh.records import baked_keys, has_key_record, key_records, shared_slider
 from ..errors import ConvwassError
 from ..operators.attached_parts import CONVWASS_OT_attach_parts, CONVWASS_OT_make_key_pad
@@ -21,6 +20,7 @@ from ..operators.morph_manage import (
 from ..operators.texture_bake import CONVWASS_OT_bake_textures
 from ..properties.one_mesh import TextureProperties
 from ..translations import translated
+from .baked import draw_changes
 from .sidebar import Sidebar, draw_wrapped, fill_operator, with_labels_beside
 
 
@@ -82,10 +82,7 @@ class CONVWASS_PT_textures(Sidebar, bpy.types.Panel):
 
 def _draw_bake(layout: bpy.types.UILayout, context: bpy.types.Context, bake: bpy.types.Object) -> None:
     """Draw the buttons that bake an object again or delete it."""
-    changed = changed_inputs(bake)
-    if changed:
-        text = iface_("Changed since it was baked: {:s}").format(", ".join(changed))
-        draw_wrapped(layout, context, text, "ERROR")
+    draw_changes(layout, context, bake)
     column = layout.column(align=True)
     column.operator(CONVWASS_OT_rebake_morph.bl_idname, icon="FILE_REFRESH")
     column.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
