@@ -167,6 +167,14 @@ def used_part(faces: NDArray[np.int64], count: int) -> tuple[NDArray[np.int64], 
     return np.flatnonzero(is_used), (np.cumsum(is_used) - 1)[faces]
 
 
+def faces_between(faces: NDArray[np.int64], vertices: NDArray[np.int64], count: int) -> NDArray[np.int64]:
+    """Return the triangles, (f, 3), that are between some of `count` vertices, (k,), only, as indices in these."""
+    place = np.full(count, -1, np.int64)
+    place[vertices] = np.arange(len(vertices))
+    found = place[faces]
+    return found[(found >= 0).all(axis=1)]
+
+
 def component_areas(mesh: TriangleMesh) -> NDArray[np.float64]:
     """Return the areas of the connected components; loose vertices belong to none."""
     labels = vertex_components(mesh)

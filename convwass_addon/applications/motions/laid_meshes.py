@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from ...errors import InputError
-from ...geometry.edges import vertex_components
+from ...geometry.edges import faces_between, vertex_components
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
 from ...geometry.registration import Registration, Stage
@@ -93,7 +93,7 @@ def registered(
     if not known.any():
         raise InputError("No point of {name} has a counterpart on {other}.", name=source.name, other=target.name)
     own = np.flatnonzero((labels >= 0) & np.isin(labels, labels[known]))
-    part = TriangleMesh(mesh.vertices[own], _renumbered(mesh.faces, own, len(mesh.vertices)))
+    part = TriangleMesh(mesh.vertices[own], faces_between(mesh.faces, own, len(mesh.vertices)))
     shape = source.unit if len(own) == len(mesh.vertices) else UnitShape.of(part)
     other = target.unit
     size = np.sqrt(target.mesh.area)
@@ -103,16 +103,6 @@ def registered(
     laid = Registration(shape, other, ours, (start.points[own] - center) / size, start.trust[own])
     laid.advance(stages, control)
     return Registered(mesh, own, part.faces, target.mesh, size * laid.points + center, laid)
-
-
-def _renumbered(faces: NDArray[np.int64], own: NDArray[np.int64], count: int) -> NDArray[np.int64]:
-    """Return the triangles between some vertices, (f, 3), as indices in these."""
-    if len(own) == count:
-        return faces
-    place = np.full(count, -1, np.int64)
-    place[own] = np.arange(len(own))
-    kept = place[faces]
-    return kept[(kept >= 0).all(axis=1)]
 
 
 def _with_others(rest: NDArray[np.float64], own: NDArray[np.int64], moved: NDArray[np.float64]) -> NDArray[np.float64]:

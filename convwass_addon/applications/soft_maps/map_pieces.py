@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...geometry.components import component_labels
-from ...geometry.edges import vertex_components
+from ...geometry.edges import faces_between, vertex_components
 from ...geometry.label_sums import label_sums
 from ...geometry.mesh import TriangleMesh
 from .map_sides import MapSide
@@ -73,10 +73,7 @@ def part_of(side: MapSide, vertices: NDArray[np.int64]) -> MapSide:
     mesh = side.mesh
     if len(vertices) == len(mesh.vertices):
         return side
-    place = np.full(len(mesh.vertices), -1, np.int64)
-    place[vertices] = np.arange(len(vertices))
-    faces = place[mesh.faces]
-    part = TriangleMesh(mesh.vertices[vertices], faces[(faces >= 0).all(axis=1)])
+    part = TriangleMesh(mesh.vertices[vertices], faces_between(mesh.faces, vertices, len(mesh.vertices)))
     return MapSide(part, side.name, {name: weights[vertices] for name, weights in side.groups.items()})
 
 
