@@ -174,7 +174,7 @@ def extract_surface(
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
-    extracted = _mended(prepared, volume, shapes, settings, constraint, control)
+    extracted = _Repairs(volume, shapes, settings, constraint, control).mended(prepared)
     # Repairs on a coarse grid may raise the level above all of the density that they started from.
     level = min(extracted.surface.level, float(np.nextafter(prepared.density.max(), np.float32(0.0))))
     shown = prepared.density > level
@@ -192,61 +192,55 @@ def extract_coinciding(
 ) -> Extraction:
     """Extract the surface of the mean of solids that coincide everywhere; see :func:`extract_surface`."""
     whole = tuple(slice(0, n) for n in solids.density.shape)
-    return _mended(_Prepared(solids.density, whole, 1.0), volume, shapes, settings, constraint, control)
+    return _Repairs(volume, shapes, settings, constraint, control).mended(_Prepared(solids.density, whole, 1.0))
 
 
-def _mended(
-    prepared: _Prepared,
-    volume: float,
-    shapes: Sequence[Connectivity],
-    settings: MorphSettings,
-    constraint: Constraint,
-    control: Control,
-) -> Extraction:
-    """Return the surface in the box of a density, repaired as the settings demand."""
-    if not settings.mend:
-        surface = surface_enclosing(prepared.density, volume)
-        even = with_face_size(even_surface(surface, prepared.density), prepared.density, settings.face_size, control)
-        return Extraction(even, {"found": asdict(Connectivity.of(surface))})
-    most = reduce(Connectivity.or_more, shapes)
-    if constraint.bounds is None:
-        mending = mended_surface(prepared.density, volume, most, constraint.effort, control)
-        return Extraction(_sized(mending, settings, control), mending.record())
-    # What the limits change is repaired once more, so that little effort is enough before.
-    free = mended_surface(prepared.density, volume, most, control=control)
-    return _limited(prepared, free, volume, most, settings, constraint, control)
+@dataclass(frozen=True)
+class _Repairs:
+    """How the surface of a blend is repaired; see :func:`extract_surface`."""
 
+    volume: float
+    shapes: Sequence[Connectivity]
+    settings: MorphSettings
+    constraint: Constraint
+    control: Control
 
-def _limited(
-    prepared: _Prepared,
-    free: Mending,
-    volume: float,
-    most: Connectivity,
-    settings: MorphSettings,
-    constraint: Constraint,
-    control: Control,
-) -> Extraction:
-    """Return a repaired surface that is limited by a constraint; repairs may extend beyond the limits."""
-    level = free.surface.level
-    for _ in range(_LEVELS):
-        limited = constraint.bounds.limited(free.density, level, prepared.box)
-        held = cells_changed(free.density, limited, level)
-        if not held:
-            return Extraction(_sized(free, settings, control), {**free.record(), "held": 0, "held_share": 0.0})
-        share = float(np.count_nonzero((limited > level) != (free.density > level)) / volume)
-        if np.count_nonzero(limited) <= volume:
-            # A thin part that moves by more than its width is beyond all limits.
-            return Extraction(_sized(free, settings, control), {**free.record(), "held": held, "held_share": share})
-        # What the limits change also changes the level, which moves the limited surface.
-        before, level = level, level_enclosing(limited, volume)
-        if abs(level - before) <= _SAME_LEVEL * before:
-            break
-    mending = mended_surface(limited, volume, most, constraint.effort, control)
-    return Extraction(_sized(mending, settings, control), {**mending.record(), "held": held, "held_share": share})
+    def mended(self, prepared: _Prepared) -> Extraction:
+        """Return the surface in the box of a density, repaired as the settings demand."""
+        density, volume = prepared.density, self.volume
+        if not self.settings.mend:
+            surface = surface_enclosing(density, volume)
+            even = with_face_size(even_surface(surface, density), density, self.settings.face_size, self.control)
+            return Extraction(even, {"found": asdict(Connectivity.of(surface))})
+        most = reduce(Connectivity.or_more, self.shapes)
+        if self.constraint.bounds is None:
+            return self._sized(mended_surface(density, volume, most, self.constraint.effort, self.control))
+        # What the limits change is repaired once more, so that little effort is enough before.
+        return self._limited(prepared, mended_surface(density, volume, most, control=self.control), most)
 
+    def _limited(self, prepared: _Prepared, free: Mending, most: Connectivity) -> Extraction:
+        """Return a repaired surface that is limited by a constraint; repairs may extend beyond the limits."""
+        level = free.surface.level
+        for _ in range(_LEVELS):
+            limited = self.constraint.bounds.limited(free.density, level, prepared.box)
+            held = cells_changed(free.density, limited, level)
+            if not held:
+                return self._sized(free, held=0, held_share=0.0)
+            share = float(np.count_nonzero((limited > level) != (free.density > level)) / self.volume)
+            if np.count_nonzero(limited) <= self.volume:
+                # A thin part that moves by more than its width is beyond all limits.
+                return self._sized(free, held=held, held_share=share)
+            # What the limits change also changes the level, which moves the limited surface.
+            before, level = level, level_enclosing(limited, self.volume)
+            if abs(level - before) <= _SAME_LEVEL * before:
+                break
+        mending = mended_surface(limited, self.volume, most, self.constraint.effort, self.control)
+        return self._sized(mending, held=held, held_share=share)
 
-def _sized(mending: Mending, settings: MorphSettings, control: Control) -> LevelSurface:
-    return with_face_size(mending.surface, mending.density, settings.face_size, control)
+    def _sized(self, mending: Mending, **figures: float) -> Extraction:
+        """Return a repaired surface with triangles of the wanted size, and further figures for its record."""
+        surface = with_face_size(mending.surface, mending.density, self.settings.face_size, self.control)
+        return Extraction(surface, {**mending.record(), **figures})
 
 
 @dataclass(frozen=True)
