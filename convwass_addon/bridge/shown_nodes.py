@@ -32,9 +32,17 @@ def shown_output(tree: bpy.types.NodeTree) -> bpy.types.Node | None:
     return tree.get_output_node("CYCLES" if bpy.context.scene.render.engine == "CYCLES" else "EEVEE")
 
 
-def source_node(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
-    """Return the node linked to an input; None if there is none, or if the node or the link is muted."""
+def linked_output(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
+    """Return the output that is linked to an input, also by reroutes; None if there is none, or if a link is muted."""
     link = next(iter(socket.links), None)
-    if link is None or link.is_muted or link.from_node.mute:
-        return None
-    return link.from_node
+    while link is not None and not link.is_muted:
+        if link.from_node.type != "REROUTE":
+            return link.from_socket
+        link = next(iter(link.from_node.inputs[0].links), None)
+    return None
+
+
+def source_node(socket: bpy.types.NodeSocket) -> bpy.types.Node | None:
+    """Return the node of the output that is linked to an input; None if there is none, or if the node is muted."""
+    output = linked_output(socket)
+    return None if output is None or output.node.mute else output.node

@@ -25,6 +25,7 @@ from convwass_addon.bridge.reflectance.lobe_materials import PrincipledFit, fitt
 from convwass_addon.bridge.reflectance.lobe_nodes import BLEND, DIFFUSE, DIRECTION, GROUP, LIGHT, STRENGTH
 from convwass_addon.errors import InputError
 from tests.lights import glossy, only, principled
+from tests.reroutes import with_reroutes
 
 PIXELS = 48
 
@@ -191,6 +192,12 @@ def test_muted_nodes_are_ignored(what):
         read_glossy(material)
 
 
+def test_reroutes_are_followed():
+    material = principled("Laid", 0.3)
+    with_reroutes(material.node_tree)
+    assert read_glossy(material).lobe.alpha_x == pytest.approx(0.09)
+
+
 @pytest.mark.skipif(bpy.app.version >= (5, 0, 0), reason="from Blender 5 on nodes cannot be switched off")
 def test_a_material_without_its_nodes_is_refused():
     material = principled("Plain", 0.5)
@@ -212,6 +219,8 @@ def test_of_an_image_on_the_roughness_the_mean_counts():
     assert [str(notice) for notice in found.notices] == [
         "Roughness of A is an image; its mean, 0.30, counts everywhere."
     ]
+    with_reroutes(tree)
+    assert read_glossy(material).lobe.roughness == pytest.approx(0.3, rel=1e-5)
     image.colorspace_settings.name = "sRGB"
     with pytest.raises(InputError, match="comes from another node"):
         read_glossy(material)

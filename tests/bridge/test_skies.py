@@ -23,6 +23,7 @@ from convwass_addon.bridge.skies.world_skies import sequence_world, shown_files,
 from convwass_addon.errors import ConvwassError, InputError
 from convwass_addon.progress import payloads
 from tests.lights import sky
+from tests.reroutes import with_reroutes
 
 
 def test_a_sky_survives_a_file(tmp_path):
@@ -66,6 +67,9 @@ def test_a_world_with_a_plain_image_is_read_and_not_rendered(tmp_path, monkeypat
     write_sky(tmp_path / "a.exr", image)
     world = sequence_world("Plain", [tmp_path / "a.exr"], 1)
     next(node for node in world.node_tree.nodes if node.type == "TEX_ENVIRONMENT").image.source = "FILE"
+    np.testing.assert_allclose(world_sky(world, 32), image, rtol=1e-6)
+    with_reroutes(world.node_tree)
+    monkeypatch.setattr(world_skies, "_rendered", None)
     np.testing.assert_allclose(world_sky(world, 32), image, rtol=1e-6)
 
 

@@ -26,6 +26,7 @@ from convwass_addon.bridge.one_mesh.texture_job import TextureJob
 from convwass_addon.bridge.one_mesh.texture_looks import remember_shape
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
+from tests.reroutes import with_reroutes
 from tests.scene import linked
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -278,6 +279,20 @@ def test_mixed_shaders_and_groups_are_read(ball):
     assert not found.inputs["Base Color"].is_linked and not found.inputs["Alpha"].is_linked
     np.testing.assert_allclose(found.inputs["Base Color"].default_value[:3], (0.25, 0.75, 0.0), atol=1e-3)
     assert found.inputs["Alpha"].default_value == pytest.approx(0.625, abs=1e-3)
+
+
+def test_reroutes_are_followed(ball):
+    """The sum of an emission and a red Principled BSDF is red."""
+    tree = ball.data.materials[0].node_tree
+    light, total = tree.nodes.new("ShaderNodeEmission"), tree.nodes.new("ShaderNodeAddShader")
+    matte = tree.nodes.new("ShaderNodeBsdfPrincipled")
+    matte.inputs["Base Color"].default_value = (1.0, 0.0, 0.0, 1.0)
+    tree.links.new(light.outputs[0], total.inputs[0])
+    tree.links.new(matte.outputs[0], total.inputs[1])
+    tree.links.new(total.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    with_reroutes(tree)
+    found = principled(baked(ball, texture_looks="START").material)
+    np.testing.assert_allclose(found.inputs["Base Color"].default_value[:3], (1.0, 0.0, 0.0), atol=1e-3)
 
 
 def test_baking_again_replaces_images_with_those_of_the_original_materials(ball):

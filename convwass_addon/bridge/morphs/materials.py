@@ -8,7 +8,7 @@ import bpy
 
 from ..node_math import new_node
 from ..node_trees import own_tree
-from ..shown_nodes import shown_output, shown_tree
+from ..shown_nodes import linked_output, shown_output, shown_tree
 
 MATERIAL_NAME = "Convwass Morph"
 
@@ -52,7 +52,7 @@ def material_color(material: bpy.types.Material, obj: bpy.types.Object) -> tuple
     color = _shown_color(material)
     if color is None or has_color_of_nodes(material):
         return tuple(material.diffuse_color)
-    source = _linked_output(color)
+    source = linked_output(color)
     if source is None:
         return tuple(color.default_value)
     return tuple(source.default_value if source.node.type == "RGB" else obj.color)
@@ -61,7 +61,7 @@ def material_color(material: bpy.types.Material, obj: bpy.types.Object) -> tuple
 def has_color_of_nodes(material: bpy.types.Material) -> bool:
     """Return whether the color of a material comes from textures or other nodes without a single color."""
     color = _shown_color(material)
-    source = _linked_output(color) if color is not None else None
+    source = linked_output(color) if color is not None else None
     if source is None:
         return False
     return source.node.mute or not (is_object_color(source) or source.node.type == "RGB")
@@ -83,7 +83,7 @@ def material_opacity(material: bpy.types.Material, obj: bpy.types.Object) -> flo
         return float(material.diffuse_color[3])
     if shader.type != "BSDF_PRINCIPLED":
         return 1.0
-    source = _linked_output(shader.inputs["Alpha"])
+    source = linked_output(shader.inputs["Alpha"])
     if source is None:
         return float(shader.inputs["Alpha"].default_value)
     is_of_object = source.node.type == "OBJECT_INFO" and source.name == "Alpha"
@@ -104,18 +104,8 @@ def _shown_shader(material: bpy.types.Material) -> bpy.types.Node | None:
     """Return the node that is linked to the surface of the shown output, or None."""
     tree = shown_tree(material)
     output = shown_output(tree) if tree is not None else None
-    surface = _linked_output(output.inputs["Surface"]) if output is not None else None
+    surface = linked_output(output.inputs["Surface"]) if output is not None else None
     return surface.node if surface is not None else None
-
-
-def _linked_output(socket: bpy.types.NodeSocket) -> bpy.types.NodeSocket | None:
-    """Return the output that is linked to an input, also by reroutes; None if there is none, or if a link is muted."""
-    link = next(iter(socket.links), None)
-    while link is not None and not link.is_muted:
-        if link.from_node.type != "REROUTE":
-            return link.from_socket
-        link = next(iter(link.from_node.inputs[0].links), None)
-    return None
 
 
 def plain_copy(material: bpy.types.Material, color: tuple[float, float, float, float]) -> bpy.types.Material:

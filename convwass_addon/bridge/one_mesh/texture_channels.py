@@ -16,7 +16,7 @@ import bpy
 from ..image_files import image_path
 from ..node_math import Value, new_node, vector_math_node
 from ..node_trees import own_tree
-from ..shown_nodes import nodes_of, shown_tree, source_node
+from ..shown_nodes import linked_output, nodes_of, shown_tree, source_node
 
 _METALS = ("BSDF_GLOSSY", "BSDF_METALLIC")
 
@@ -156,14 +156,12 @@ class _Reader:
         node = source_node(socket)
         if node is None:
             return self.channel.default if self.channel != BASE_COLOR else _BLACK
-        if node.type == "REROUTE":
-            return self.of(tree, node.inputs[0])
         if node.type == "MIX_SHADER":
             return _mixed(tree, node.inputs[0], self.of(tree, node.inputs[1]), self.of(tree, node.inputs[2]))
         if node.type == "ADD_SHADER":
             return self._of_sum(tree, node)
         if node.type == "GROUP" and node.node_tree is not None:
-            return self._of_group(node, socket.links[0].from_socket)
+            return self._of_group(node, linked_output(socket))
         return self._of_shader(tree, node)
 
     def _of_sum(self, tree: bpy.types.NodeTree, node: bpy.types.Node) -> Value:

@@ -13,7 +13,7 @@ from ...applications.reflectance.materials import Ggx
 from ...errors import InputError
 from ...sentence import Sentence
 from ..image_files import pixel_values
-from ..shown_nodes import shown_tree, source_node
+from ..shown_nodes import linked_output, shown_tree, source_node
 
 _QUARTER_TOLERANCE = 1e-3
 # Glossy BSDF allows an aspect of 0, which no table can represent.
@@ -111,7 +111,7 @@ def _value(material: bpy.types.Material, node: bpy.types.Node, name: str, means:
     socket = node.inputs[name]
     if not socket.is_linked:
         return float(socket.default_value)
-    mean = _mean_of(socket.links[0])
+    mean = _mean_of(socket)
     if mean is None:
         raise InputError(
             "{name} of {material} comes from another node; unlink it and give it one value.",
@@ -123,10 +123,10 @@ def _value(material: bpy.types.Material, node: bpy.types.Node, name: str, means:
     return mean
 
 
-def _mean_of(link: bpy.types.NodeLink) -> float | None:
-    """Return the mean of an image that is linked directly as plain numbers; None for anything else."""
-    node = source_node(link.to_socket)
-    is_image = node is not None and node.type == "TEX_IMAGE" and link.from_socket.name == "Color"
+def _mean_of(socket: bpy.types.NodeSocket) -> float | None:
+    """Return the mean of an image that is linked directly to an input as plain numbers; None for anything else."""
+    node, output = source_node(socket), linked_output(socket)
+    is_image = node is not None and node.type == "TEX_IMAGE" and output.name == "Color"
     image = node.image if is_image else None
     # Accessing a pixel loads the file.
     if image is None or not image.colorspace_settings.is_data or not len(image.pixels) or image.channels < 3:
