@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from argparse import Namespace
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -17,12 +18,14 @@ from ..bridge.files import creatable_folder, save_blend
 from ..bridge.frame_range import play_whole
 from ..bridge.morphs.guides_of_files import guides_asked_for
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.one_mesh.key_files import checked_key_target, export_shape_keys
+from ..bridge.one_mesh.key_files import checked_key_target, export_shape_keys, left_out_notices
+from ..bridge.one_mesh.key_notices import key_summary, poor_notices, swap_summary
 from ..bridge.one_mesh.shape_key_job import ShapeKeyJob, refuse_one_mesh
 from ..bridge.one_mesh.swap_job import SwapJob
 from ..bridge.one_mesh.texture_job import BakedTextures, TextureJob
 from ..console import ProgressBar
 from ..errors import InputError
+from ..sentence import Sentence
 from .answer import Answer
 from .from_schema import given_settings
 from .reports import note
@@ -50,14 +53,26 @@ def with_shape_keys(
         return _with_two_meshes(inputs, options, request, settings, target)
     job = ShapeKeyJob(inputs, request, settings, bpy.context.scene.frame_start)
     (obj,) = _finished(job, options.workers)
+    summary, notices = key_summary(obj.name, job.paths), [*job.notices, *poor_notices(job.paths)]
     record = {"object": obj.name, "coherence": settings.coherence, "shapes": [path.record() for path in job.paths]}
     besides = []
     if options.textures:
         baked = _baked_textures(obj, textures)
         record["textures"] = [image.name for image in baked.images]
         besides += baked.files
-    besides += export_shape_keys(obj, exported) if exported else []
-    return Answer.of_files(record, [save_blend(target), *besides])
+        notices += baked.notices
+    if exported:
+        besides += export_shape_keys(obj, exported)
+        notices += left_out_notices(obj, exported)
+    return _answer(record, summary, notices, [save_blend(target), *besides])
+
+
+def _answer(
+    record: dict[str, object], summary: Sentence, notices: Sequence[Sentence], written: Sequence[Path]
+) -> Answer:
+    """Print how well the meshes arrive and all notices, and return the answer with them."""
+    note(summary, *notices)
+    return Answer.of_files({**record, "notices": [str(notice) for notice in notices]}, written)
 
 
 def _texture_settings(options: Namespace, target: Path) -> TextureSettings:
@@ -79,8 +94,9 @@ def _with_two_meshes(
         raise InputError("--two-meshes makes two objects; leave out --{option}.", option=given[0])
     job = SwapJob(inputs, request, settings, bpy.context.scene.frame_start)
     made = _finished(job, options.workers)
+    summary = swap_summary(made[0].name, made[1].name, job.found)
     record = {"objects": [obj.name for obj in made], "coherence": settings.coherence, **job.found.record()}
-    return Answer.of_files(record, [save_blend(target)])
+    return _answer(record, summary, [*job.notices, *poor_notices(job.paths)], [save_blend(target)])
 
 
 def _finished(job: ShapeKeyJob | SwapJob, workers: int | None) -> list[bpy.types.Object]:
@@ -92,7 +108,6 @@ def _finished(job: ShapeKeyJob | SwapJob, workers: int | None) -> list[bpy.types
     except BaseException:
         job.discard()
         raise
-    note(*job.notices)
     play_whole(bpy.context.scene, *job.span)
     return made
 
@@ -103,8 +118,6 @@ def _baked_textures(obj: bpy.types.Object, settings: TextureSettings) -> BakedTe
     try:
         with ProgressBar("Baking textures") as bar:
             bar.result_of(job.steps())
-        baked = job.finish()
+        return job.finish()
     finally:
         job.discard()
-    note(*job.notices)
-    return baked

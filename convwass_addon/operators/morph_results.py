@@ -33,7 +33,6 @@ from .reporting import tell
 
 if TYPE_CHECKING:
     from ..applications.morphs.frame_cache import FrameCache
-    from ..applications.one_mesh.key_paths import KeyPath
     from ..bridge.flat.flat_job import FlatJob
     from ..bridge.flat.picture_job import PictureJob
     from ..bridge.morphs.job import MorphJob
@@ -193,6 +192,7 @@ class ShapeKeyResults:
 
     def finish(self, context: bpy.types.Context, scene: bpy.types.Scene) -> None:
         """Put the objects into the scene, or their meshes into those of the replaced bake, and report."""
+        from ..bridge.one_mesh.key_notices import poor_notices
         from ..bridge.one_mesh.replaced_keys import following_notices, replace_keys
 
         made, replaced = self.job.finish(self.operator.hide_inputs), self.operator.replaced()
@@ -200,16 +200,14 @@ class ShapeKeyResults:
         _fit_range(self.operator, self.job, scene)
         select_only(context, shown)
         _report_hiding(self.operator, shown[0])
-        poor = [_poor_notice(path) for path in self.job.paths if len(path.poor)]
-        tell(self.operator, self._summary(shown), (), [*self.job.notices, *poor, *following_notices(shown)])
+        warnings = [*self.job.notices, *poor_notices(self.job.paths), *following_notices(shown)]
+        tell(self.operator, translated(self._summary(shown)), (), warnings)
 
-    def _summary(self, shown: list[bpy.types.Object]) -> str:
-        """Return how well the mesh arrives, as text."""
-        (obj,) = shown
-        count = sum(len(path.times) for path in self.job.paths)
-        farthest = max(path.distance_95 for path in self.job.paths)
-        text = rpt_("{:s}: {:d} shape keys; 95 % of the mesh ends within {:.2%} of the other shape")
-        return text.format(obj.name, count, farthest)
+    def _summary(self, shown: list[bpy.types.Object]) -> Sentence:
+        """Return how well the mesh arrives."""
+        from ..bridge.one_mesh.key_notices import key_summary
+
+        return key_summary(shown[0].name, self.job.paths)
 
 
 @dataclass(frozen=True)
@@ -224,11 +222,11 @@ class SwapResults(ShapeKeyResults):
 
     job: SwapJob
 
-    def _summary(self, shown: list[bpy.types.Object]) -> str:
-        """Return how well both meshes fit each other, as text."""
-        first, second = shown
-        text = rpt_("{:s} replaces {:s} at {:.2f}; 98 % of both are within {:.2%} of the morph there")
-        return text.format(second.name, first.name, self.job.found.time, self.job.found.gap)
+    def _summary(self, shown: list[bpy.types.Object]) -> Sentence:
+        """Return how well both meshes fit each other."""
+        from ..bridge.one_mesh.key_notices import swap_summary
+
+        return swap_summary(shown[0].name, shown[1].name, self.job.found)
 
 
 def _report_kept(operator: bpy.types.Operator, materials: list[bpy.types.Material]) -> None:
@@ -294,13 +292,6 @@ def bake_following(operator: bpy.types.Operator) -> None:
 def _fit_range(operator: bpy.types.Operator, job: MorphJob | ShapeKeyJob | SwapJob, scene: bpy.types.Scene) -> None:
     if operator.fit_range and job.span is not None:
         play_whole(scene, *job.span)
-
-
-def _poor_notice(path: KeyPath) -> Sentence:
-    return Sentence(
-        "{count} vertices are folded or do not arrive at {name}; an attribute marks them: add guides there",
-        {"count": len(path.poor), "name": path.name},
-    )
 
 
 @contextmanager

@@ -42,7 +42,7 @@ class CONVWASS_OT_bake_textures(BackgroundOperator, TextureProperties, bpy.types
     def _finish(self, context, job):
         made = job.finish()
         text = rpt_("{:s}: {:d} images on the UV map {:s}").format(made.material.name, len(made.images), made.uv_map)
-        tell(self, text, (), job.notices)
+        tell(self, text, (), made.notices)
         return {"FINISHED"}
 
 

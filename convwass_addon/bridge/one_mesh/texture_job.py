@@ -58,12 +58,15 @@ class BakedTextures:
         The images on disk.
     uv_map : str
         The UV map of the images.
+    notices : list of Sentence
+        Messages for the user.
     """
 
     images: list[bpy.types.Image]
     material: bpy.types.Material
     files: list[Path]
     uv_map: str
+    notices: list[Sentence]
 
 
 @dataclass
@@ -259,7 +262,7 @@ class TextureJob:
         _assign_baked_material(obj.data, material, self._uv_map, self._uvs)
         if earlier is not None and not earlier.users:
             _replace(earlier, material)
-        return BakedTextures(images, material, files, self._uv_map)
+        return BakedTextures(images, material, files, self._uv_map, self.notices)
 
     def _images(self, name: str, channel: Channel) -> ChannelImages:
         """Create the images of a channel, or a value if it turns out to be the same everywhere."""

@@ -1,0 +1,43 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Messages about how well meshes with shape keys arrive at their shapes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...applications.one_mesh.key_paths import KeyPath
+from ...applications.one_mesh.swapped_meshes import SwappedMeshes
+from ...sentence import Sentence
+
+
+def key_summary(name: str, paths: Sequence[KeyPath]) -> Sentence:
+    """Return how well the mesh of an object arrives at the other shapes."""
+    return Sentence(
+        "{name}: {count} shape keys; 95 % of the mesh ends within {distance:.2%} of the other shape",
+        {
+            "name": name,
+            "count": sum(len(path.times) for path in paths),
+            "distance": max(path.distance_95 for path in paths),
+        },
+    )
+
+
+def swap_summary(first: str, second: str, found: SwappedMeshes) -> Sentence:
+    """Return how well the meshes of two objects, the second of which replaces the first, fit each other."""
+    return Sentence(
+        "{second} replaces {first} at {time:.2f}; 98 % of both are within {gap:.2%} of the morph there",
+        {"first": first, "second": second, "time": found.time, "gap": found.gap},
+    )
+
+
+def poor_notices(paths: Sequence[KeyPath]) -> list[Sentence]:
+    """Return a notice for every other shape at which vertices do not arrive, or remain folded."""
+    return [
+        Sentence(
+            "{count} vertices are folded or do not arrive at {name}; an attribute marks them: add guides there",
+            {"count": len(path.poor), "name": path.name},
+        )
+        for path in paths
+        if len(path.poor)
+    ]
