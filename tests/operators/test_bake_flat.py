@@ -174,6 +174,7 @@ def test_meshes_and_a_player_are_made_on_request():
     assert bpy.ops.convwass.bake_morph(motion="TRANSPORT", output="PLAYER", **QUICK) == {"FINISHED"}
     frames = frame_objects(baked_morph())
     assert {obj.type for obj in frames} == {"MESH"}
+    assert [obj.name for obj in frames] == [f"Morph {number:04d}" for number in range(1, 5)]
     assert all(len(obj.data.polygons) > 10 for obj in frames)
     player = bpy.context.object
     assert is_player(player)

@@ -189,10 +189,11 @@ def _of_rings(obj: bpy.types.Object, flat: MovedFlat) -> bpy.types.Object:
 
 def _as_mesh_object(obj: bpy.types.Object) -> bpy.types.Object:
     """Replace a curve object that is not in a scene yet by a mesh object."""
-    other = bpy.data.objects.new(obj.name, mesh_of(obj))
-    other.matrix_basis, other.color = obj.matrix_basis.copy(), obj.color
-    curve = obj.data
-    bpy.data.batch_remove([obj, curve])
+    name, mesh, place, color = obj.name, mesh_of(obj), obj.matrix_basis.copy(), tuple(obj.color)
+    # Removed first, so that its name is free.
+    bpy.data.batch_remove([obj, obj.data])
+    other = bpy.data.objects.new(name, mesh)
+    other.matrix_basis, other.color = place, color
     return other
 
 
