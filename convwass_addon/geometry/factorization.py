@@ -111,6 +111,9 @@ class CholmodSimplicial:
         right = np.ascontiguousarray(columns.T)
         solution = np.empty_like(right)
         self._solver.solve(right, solution)
+        # cholespy never frees the workspace of its last solve, which is empty for no columns.
+        nothing = np.empty((len(right), 0))
+        self._solver.solve(nothing, nothing)
         return np.ascontiguousarray(solution.T)
 
 

@@ -2,9 +2,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+import os
 import sys
 from decimal import Decimal, localcontext
 from importlib.util import find_spec
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -165,3 +167,22 @@ def test_only_square_matrices_are_factorized():
 def test_superlu_reports_its_size():
     # A diagonal matrix has no fill-in: L and U have one number per row each.
     assert SuperLU(csc_matrix(np.eye(10))).factor_bytes == 160
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="Memory is read as Linux shows it")
+def test_memory_is_freed(only):
+    def used():
+        """Memory of this process in bytes."""
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    size = 20_000
+    matrix = csc_array(
+        diags_array([np.full(size - 1, -1.0), np.full(size, 3.0), np.full(size - 1, -1.0)], offsets=(-1, 0, 1))
+    )
+    columns = np.ones((8, size))
+    before = []
+    for _ in range(40):
+        factorize(matrix).solve(columns)
+        before.append(used())
+    # What the solutions take is 1.3 MB.
+    assert before[-1] - before[9] < 8 * columns.nbytes
