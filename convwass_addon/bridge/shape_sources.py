@@ -6,14 +6,15 @@ from __future__ import annotations
 
 import itertools
 import re
-from collections.abc import Iterable, Iterator
+from collections import defaultdict
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import bpy
 
 from ..errors import InputError
 from .flat.flat_kinds import is_shape
-from .visibility import is_in
 
 OBJECTS, PARENTS, COLLECTIONS = "OBJECTS", "PARENTS", "COLLECTIONS"
 """Ways to group objects to shapes."""
@@ -58,15 +59,12 @@ def shape_source(obj: bpy.types.Object, grouping: str = OBJECTS) -> ShapeSource:
         viewports, disabled in renders while visible, displayed as wires or bounds, or excluded from the view layer are
         left out, unless there are no others.
     """
-    if grouping == PARENTS:
-        root = _topmost(obj)
-        return ShapeSource(root.name, root, _kept([root, *sorted(root.children_recursive, key=_name)]) or (root,))
-    if grouping == COLLECTIONS and (collection := _collection(obj)) is not None:
-        parts = _kept(sorted(_inside(collection), key=_name))
-        if parts:
-            return ShapeSource(collection.name, _representative(collection, parts), parts)
-    own = _with_surface(obj)
-    return ShapeSource(own.name, own, (own,))
+    return shape_sources([obj], grouping)[0]
+
+
+def shape_sources(objects: Iterable[bpy.types.Object], grouping: str = OBJECTS) -> list[ShapeSource]:
+    """Return the shape of every object, as `shape_source` does, but look through the file only once."""
+    return list(map(_Finder(grouping).source, objects))
 
 
 def require_found(source: ShapeSource) -> None:
@@ -87,13 +85,19 @@ def require_found(source: ShapeSource) -> None:
 
 
 def shape_roots(objects: Iterable[bpy.types.Object], grouping: str = OBJECTS) -> list[bpy.types.Object]:
-    """Return the roots of the shapes of objects, without duplicates and shapes that are parts of others.
+    """Return the roots of the shapes of objects, as `separate_shapes` returns these."""
+    return [source.root for source in separate_shapes(objects, grouping)]
+
+
+def separate_shapes(objects: Iterable[bpy.types.Object], grouping: str = OBJECTS) -> list[ShapeSource]:
+    """Return the shapes of objects, without duplicates and shapes that are parts of others.
 
     Objects without a surface are ignored.
     """
-    sources = [shape_source(obj, grouping) for obj in objects if grouping != OBJECTS or is_part(obj)]
-    parts = {source.root: set(source.parts) for source in sources if any(map(is_part, source.parts))}
-    return [root for root, own in parts.items() if not any(own < other for other in parts.values())]
+    sources = shape_sources((obj for obj in objects if grouping != OBJECTS or is_part(obj)), grouping)
+    shapes = {source.root: source for source in sources if any(map(is_part, source.parts))}
+    # Single objects are not parts of others.
+    return list(shapes.values()) if grouping == OBJECTS else _outermost(list(shapes.values()))
 
 
 def is_plain(source: ShapeSource) -> bool:
@@ -111,26 +115,119 @@ def shows_collection(obj: bpy.types.Object) -> bool:
     return obj.type == "EMPTY" and obj.instance_type == "COLLECTION" and obj.instance_collection is not None
 
 
-def _kept(objects: Iterable[bpy.types.Object]) -> tuple[bpy.types.Object, ...]:
-    parts = [obj for obj in objects if is_part(obj)]
-    shown = [obj for obj in parts if not _is_helper(obj)] or parts
-    layer = bpy.context.view_layer
-    return tuple(obj for obj in shown if is_in(layer, obj)) or tuple(shown)
+class _Finder:
+    """Finds the shapes of objects. What it looks up in the file, and every shape, is found once for all of them."""
+
+    def __init__(self, grouping: str) -> None:
+        self._grouping = grouping
+        self._shapes: dict[bpy.types.ID, ShapeSource | None] = {}
+
+    def source(self, obj: bpy.types.Object) -> ShapeSource:
+        """Return the shape of an object."""
+        if self._grouping == PARENTS:
+            return self._once(self._of_parent, _topmost(obj))
+        collection = self._homes.get(obj) if self._grouping == COLLECTIONS else None
+        shape = None if collection is None else self._once(self._of_collection, collection)
+        return shape or self._alone(obj)
+
+    def _once(self, found: Callable[[bpy.types.ID], ShapeSource | None], group: bpy.types.ID) -> ShapeSource | None:
+        """Return the shape of a parent or a collection, which is found when it is needed first."""
+        if group not in self._shapes:
+            self._shapes[group] = found(group)
+        return self._shapes[group]
+
+    def _of_parent(self, root: bpy.types.Object) -> ShapeSource:
+        parts = self._kept([root, *sorted(self._below(root), key=_name)])
+        return ShapeSource(root.name, root, parts or (root,))
+
+    def _of_collection(self, collection: bpy.types.Collection) -> ShapeSource | None:
+        """Return the shape of a collection; None if nothing in it has a surface."""
+        parts = self._kept(sorted(_inside(collection), key=_name))
+        return ShapeSource(collection.name, self._representative(collection, parts), parts) if parts else None
+
+    def _alone(self, obj: bpy.types.Object) -> ShapeSource:
+        """Return the shape of an object that belongs to no others, except for metaballs joined with it."""
+        own = self._with_surface.get(obj, obj) if obj.type == "META" else obj
+        return ShapeSource(own.name, own, (own,))
+
+    def _kept(self, objects: Iterable[bpy.types.Object]) -> tuple[bpy.types.Object, ...]:
+        parts = [obj for obj in objects if is_part(obj)]
+        shown = [obj for obj in parts if not _is_helper(obj)] or parts
+        return tuple(obj for obj in shown if obj in self._in_layer) or tuple(shown)
+
+    def _below(self, parent: bpy.types.Object) -> Iterator[bpy.types.Object]:
+        """Return all children of an object, and theirs."""
+        waiting = self._children[parent][::-1]
+        while waiting:
+            child = waiting.pop()
+            yield child
+            waiting += reversed(self._children[child])
+
+    def _representative(
+        self, collection: bpy.types.Collection, parts: tuple[bpy.types.Object, ...]
+    ) -> bpy.types.Object:
+        """Return an object whose collection this is, and not a nested one; a part of the shape if possible."""
+        candidates = itertools.chain(parts, sorted(collection.objects, key=_name))
+        return next(obj for obj in candidates if self._homes.get(obj) == collection)
+
+    @cached_property
+    def _in_layer(self) -> set[bpy.types.Object]:
+        """Objects of the view layer."""
+        return set(bpy.context.view_layer.objects)
+
+    @cached_property
+    def _children(self) -> dict[bpy.types.Object, list[bpy.types.Object]]:
+        """Children by parent."""
+        children = defaultdict(list)
+        for obj in bpy.data.objects:
+            if (parent := obj.parent) is not None:
+                children[parent].append(obj)
+        return children
+
+    @cached_property
+    def _homes(self) -> dict[bpy.types.Object, bpy.types.Collection]:
+        """The first collection that every object is in, other than that of a scene."""
+        homes: dict[bpy.types.Object, bpy.types.Collection] = {}
+        for collection in bpy.data.collections:
+            for obj in collection.objects:
+                homes.setdefault(obj, collection)
+        return homes
+
+    @cached_property
+    def _with_surface(self) -> dict[bpy.types.Object, bpy.types.Object]:
+        """For every metaball in a scene, the one that has the surface of all metaballs joined with it."""
+        families = defaultdict(list)
+        for scene in bpy.data.scenes:
+            for obj in scene.objects:
+                if obj.type == "META":
+                    families[scene, _family(obj)].append(obj)
+        found: dict[bpy.types.Object, bpy.types.Object] = {}
+        for family in families.values():
+            # Blender gives it to the one without a number, or else with the lowest one.
+            first = min(family, key=_number)
+            for obj in family:
+                found[obj] = min(found.get(obj, first), first, key=_number)
+        return found
+
+
+def _outermost(shapes: Sequence[ShapeSource]) -> list[ShapeSource]:
+    """Return the shapes that are not parts of others."""
+    parts = [set(shape.parts) for shape in shapes]
+    containing = defaultdict(list)
+    for own in parts:
+        for part in own:
+            containing[part].append(own)
+    # What contains a whole shape contains its first part.
+    return [
+        shape
+        for shape, own in zip(shapes, parts, strict=True)
+        if not any(own < other for other in containing[shape.parts[0]])
+    ]
 
 
 def _is_helper(obj: bpy.types.Object) -> bool:
     # Inputs hidden by a bake are hidden in the viewport and disabled in renders, so they still count.
     return obj.hide_viewport or obj.display_type in _HELPERS or (obj.hide_render and obj.visible_get())
-
-
-def _with_surface(obj: bpy.types.Object) -> bpy.types.Object:
-    """Return an object, or of a metaball the one that has the surface of all metaballs joined with it."""
-    if obj.type != "META":
-        return obj
-    there = {other for scene in obj.users_scene for other in scene.objects if other.type == "META"}
-    family = [other for other in there if _family(other) == _family(obj)]
-    # Blender gives it to the one without a number, or else with the lowest one.
-    return min(family, key=_number, default=obj)
 
 
 def _family(metaball: bpy.types.Object) -> str:
@@ -148,18 +245,6 @@ def _topmost(obj: bpy.types.Object) -> bpy.types.Object:
     while obj.parent is not None:
         obj = obj.parent
     return obj
-
-
-def _collection(obj: bpy.types.Object) -> bpy.types.Collection | None:
-    """Return the collection of an object, other than that of a scene."""
-    return next((own for own in obj.users_collection if own in set(bpy.data.collections)), None)
-
-
-def _representative(collection: bpy.types.Collection, parts: tuple[bpy.types.Object, ...]) -> bpy.types.Object:
-    """Return an object whose collection this is, and not a nested one; a part of the shape if possible."""
-    # Panels ask this for every selected object. The first part is mostly the answer.
-    candidates = itertools.chain(parts, sorted(collection.objects, key=_name))
-    return next(obj for obj in candidates if _collection(obj) == collection)
 
 
 def _inside(collection: bpy.types.Collection) -> Iterator[bpy.types.Object]:

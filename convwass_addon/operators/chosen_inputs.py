@@ -11,7 +11,7 @@ import bpy
 
 from ..bridge.active import selected_objects
 from ..bridge.morphs.stored import stored_inputs, stored_settings
-from ..bridge.shape_sources import OBJECTS, require_found, shape_roots, shape_source
+from ..bridge.shape_sources import OBJECTS, require_found, shape_roots, shape_sources
 from ..errors import InputError
 from ..properties.morphs import MorphProperties
 
@@ -98,8 +98,8 @@ def baked_inputs(morph: bpy.types.Collection | bpy.types.Object, weights: str = 
 
 
 def _require_found(objects: Sequence[bpy.types.Object], grouping: str) -> None:
-    for obj in objects:
-        require_found(shape_source(obj, grouping))
+    for source in shape_sources(objects, grouping):
+        require_found(source)
 
 
 def _require_shape(obj: bpy.types.Object | None, number: int, scene: bpy.types.Scene) -> None:

@@ -11,7 +11,7 @@ from bpy.app.translations import pgettext_rpt as rpt_
 
 from ..bridge.live.running import running_live
 from ..bridge.morphs.morph_guides import guides_among
-from ..bridge.shape_sources import is_plain, shape_source
+from ..bridge.shape_sources import is_plain, shape_sources
 from ..errors import InputError
 from ..properties.live import LiveProperties
 from ..properties.morphs import MorphProperties
@@ -119,7 +119,7 @@ def begun_session(context: bpy.types.Context, own: CONVWASS_OT_live_morph) -> Li
     objects = chosen_inputs(context, own).objects
     if not 2 <= len(objects) <= 4:
         raise InputError("A live morph requires two, three or four shapes, not {count}.", count=len(objects))
-    are_plain = all(is_plain(shape_source(obj, own.grouping)) for obj in objects)
+    are_plain = all(map(is_plain, shape_sources(objects, own.grouping)))
     if are_plain and asks_for_flat(objects, context.evaluated_depsgraph_get(), own.thickness):
         raise InputError("Flat shapes cannot be morphed live; bake them, or give them thickness.")
     guides = guides_among(context.scene.convwass_guides.named, objects)

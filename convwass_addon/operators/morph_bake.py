@@ -16,7 +16,7 @@ from bpy.props import StringProperty
 from ..bridge.files import creatable_folder
 from ..bridge.handles import Handle
 from ..bridge.morphs.morph_guides import NamedGuide, check_guide_names, guides_among, guides_now, parsed_guides
-from ..bridge.shape_sources import is_plain, shape_source
+from ..bridge.shape_sources import is_plain, shape_sources
 from ..errors import InputError
 from ..preferences import preferences
 from ..progress import Control, Work
@@ -103,7 +103,7 @@ class CONVWASS_OT_bake_morph(BackgroundOperator, MorphProperties, bpy.types.Oper
         request = self.request(chosen.weights if self.layout == "BLEND" else None)
         request.check_output()
         blends = request.blends(len(chosen.objects))
-        are_plain = all(is_plain(shape_source(obj, self.grouping)) for obj in chosen.objects)
+        are_plain = all(map(is_plain, shape_sources(chosen.objects, self.grouping)))
         are_flat = are_plain and asks_for_flat(chosen.objects, context.evaluated_depsgraph_get(), self.thickness)
         refuse_volumes(are_flat and self.output == "VOLUME")
         refuse_following(are_flat and self.follow == "FOLLOW")

@@ -14,7 +14,7 @@ from ..applications.morphs.morph_settings import MorphSettings
 from ..bridge.flat.flat_kinds import looks_flat
 from ..bridge.live.running import running_live
 from ..bridge.morphs.morph_request import MorphRequest
-from ..bridge.shape_sources import is_part, is_plain, shape_roots, shape_source
+from ..bridge.shape_sources import is_part, is_plain, separate_shapes, shape_sources
 from ..operators.morph_bake import CONVWASS_OT_bake_morph
 from ..operators.morph_inputs import (
     CONVWASS_OT_add_morph_inputs,
@@ -79,11 +79,11 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         if settings.inputs:
             _draw_list(layout, settings)
             layout.prop(settings, "grouping")
-            shapes = [item.object for item in settings.enabled_inputs]
+            listed = [item.object for item in settings.enabled_inputs]
         else:
-            shapes = _draw_selection(layout, context, settings)
-        count = len(shapes)
-        flat = bool(shapes) and all(obj is not None and _is_flat(obj, settings.grouping) for obj in shapes)
+            listed = _draw_selection(layout, context, settings)
+        count, shapes = len(listed), [obj for obj in listed if obj is not None]
+        flat = 0 < count == len(shapes) and _are_flat(shapes, settings.grouping)
 
         column = layout.column()
         if settings.output != "SHAPE_KEYS":
@@ -97,7 +97,7 @@ class CONVWASS_PT_morph(Sidebar, bpy.types.Panel):
         if flat:
             column.prop(settings, "words")
         if not flat:
-            _draw_memory(column, context, [obj for obj in shapes if obj is not None], settings.resolution)
+            _draw_memory(column, context, shapes, settings.resolution)
         draw_settings(column, settings, MorphSettings, "motion")
 
         needed, problem = _NEEDED.get(settings.used_layout), settings.request().output_problem
@@ -133,7 +133,8 @@ def _draw_selection(
     layout: bpy.types.UILayout, context: bpy.types.Context, settings: CONVWASS_PG_morph
 ) -> list[bpy.types.Object]:
     """Draw the selected shapes, which are morphed if there is no list, and return them."""
-    shapes = settings.sorted_shapes(shape_roots(context.selected_objects, settings.grouping))
+    names = {own.root: own.name for own in separate_shapes(context.selected_objects, settings.grouping)}
+    shapes = settings.sorted_shapes(list(names))
     box = layout.box().column(align=True)
     objects = sum(map(is_part, context.selected_objects))
     if objects > 2 or (shapes and objects != len(shapes)):
@@ -146,7 +147,7 @@ def _draw_selection(
             box.operator(CONVWASS_OT_select_morph_inputs.bl_idname, icon="RESTRICT_SELECT_OFF")
     for index, obj in enumerate(shapes[:_NAMED]):
         box.label(
-            text=shape_source(obj, settings.grouping).name,
+            text=names[obj],
             icon=_icon(obj) if index == 0 else "FORWARD",
             translate=False,
         )
@@ -161,8 +162,9 @@ def _draw_selection(
     return shapes
 
 
-def _is_flat(obj: bpy.types.Object, grouping: str) -> bool:
-    return is_plain(shape_source(obj, grouping)) and looks_flat(obj)
+def _are_flat(shapes: list[bpy.types.Object], grouping: str) -> bool:
+    # Whether they look flat comes first, since it mostly is the answer and needs no other objects.
+    return all(map(looks_flat, shapes)) and all(map(is_plain, shape_sources(shapes, grouping)))
 
 
 def _draw_memory(

@@ -13,6 +13,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge import shape_sources
 from convwass_addon.bridge.flat.choosing import asks_for_flat
 from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_objects import is_flat
@@ -24,6 +25,7 @@ from convwass_addon.bridge.objects import MESHED, triangle_mesh
 from convwass_addon.bridge.shape_sources import shape_roots, shape_source
 from convwass_addon.errors import InputError
 from tests.scene import linked
+from tests.searches import counted_searches
 from tests.shapes import box
 
 OCTAHEDRON = 4 / 3
@@ -133,6 +135,29 @@ def test_nested_collections_belong_to_the_outer_one(bare_scene, add):
         source = shape_source(root, "COLLECTIONS")
         assert (source.name, set(source.parts)) == ("Hero", {hat, body})
     assert shape_source(hat, "COLLECTIONS").parts == (hat,)
+
+
+@pytest.mark.parametrize("grouping", ["PARENTS", "COLLECTIONS"])
+def test_the_file_is_searched_once_for_all_shapes(bare_scene, add, monkeypatch, grouping):
+    heroes = [new_collection(name, bare_scene.collection) for name in ("Hero", "Villain", "Horse")]
+    bodies = [add(f"Body of {hero.name}", collection=hero) for hero in heroes]
+    hats = [add(f"Hat of {body.name}", parent=body, collection=body.users_collection[0]) for body in bodies]
+    bpy.context.view_layer.update()
+    searches = counted_searches(monkeypatch, shape_sources)
+    assert shape_roots([*bodies, *hats], grouping) == bodies
+    assert list(searches.values()) == [1]
+
+
+def test_parts_of_nested_shapes_are_those_of_the_outermost(bare_scene, add):
+    """Three levels, of which the innermost shares an object with another shape."""
+    outer = new_collection("Outer", bare_scene.collection)
+    middle = new_collection("Middle", outer)
+    inner = new_collection("Inner", middle)
+    parts = [add(own.name, collection=own) for own in (inner, middle, outer)]
+    other = add("Other", collection=new_collection("Others", bare_scene.collection))
+    bpy.data.collections["Others"].objects.link(parts[0])
+    assert shape_roots([*parts, other], "COLLECTIONS") == [parts[2], other]
+    assert shape_roots([*parts[:2], other], "COLLECTIONS") == [parts[1], other]
 
 
 def test_metaballs_are_numbered_and_not_only_named(bare_scene):

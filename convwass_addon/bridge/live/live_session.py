@@ -28,7 +28,7 @@ from ..morphs.frame_attributes import COLOR
 from ..morphs.materials import attribute_material
 from ..morphs.shape_reading import ReadShapes, read_shapes
 from ..objects import write_mesh
-from ..shape_sources import OBJECTS, ShapeSource, shape_source
+from ..shape_sources import OBJECTS, ShapeSource, shape_sources
 from .input_watch import InputWatch
 from .leftovers import watch_undo
 from .live_colors import KEPT_MATERIAL, are_alike, read_colors, write_colors
@@ -112,7 +112,7 @@ class LiveSession:
         set_running(self)
 
     def _sources_of(self, inputs: Sequence[bpy.types.Object]) -> list[ShapeSource]:
-        return [shape_source(obj, self._request.options.get("grouping", OBJECTS)) for obj in inputs]
+        return shape_sources(inputs, self._request.options.get("grouping", OBJECTS))
 
     def _looks_of(self, sources: Sequence[ShapeSource], read: ReadShapes) -> tuple[Appearance, ...]:
         return read_colors(sources, read.moves) if self._request.settings.carry else ()

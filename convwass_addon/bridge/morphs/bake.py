@@ -24,7 +24,7 @@ from ..keyframes import FrameRange, key_visibility
 from ..object_names import library_of
 from ..objects import write_mesh
 from ..render_settings import take_render_settings
-from ..shape_sources import OBJECTS, shape_source
+from ..shape_sources import OBJECTS, shape_sources
 from ..unused_data import remove_if_unused
 from ..visibility import is_in, layers_with
 from .changes import signature, store_signatures
@@ -101,8 +101,7 @@ class MorphBake:
         """
         check_frames(first_frame, blends)
         grouping = settings.get("grouping", OBJECTS)
-        sources = [shape_source(obj, grouping) for obj in inputs]
-        shapes = frozen_inputs(sources, moves or [None] * len(inputs))
+        shapes = frozen_inputs(shape_sources(inputs, grouping), moves or [None] * len(inputs))
         return cls._opened(inputs, shapes, blends, settings, first_frame)
 
     @classmethod
@@ -125,7 +124,7 @@ class MorphBake:
         # Inputs that are followed are others in every frame.
         followed = settings.get("follow") == "FOLLOW"
         grouping = settings.get("grouping", OBJECTS)
-        store_signatures(collection, [] if followed else [signature(shape_source(obj, grouping)) for obj in inputs])
+        store_signatures(collection, [] if followed else list(map(signature, shape_sources(inputs, grouping))))
         return bake
 
     def show_copies(self, meshes: Sequence[bpy.types.Mesh]) -> None:

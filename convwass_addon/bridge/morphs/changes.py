@@ -10,7 +10,7 @@ import math
 import bpy
 
 from ...errors import ConvwassError
-from ..shape_sources import OBJECTS, ShapeSource, shape_source
+from ..shape_sources import OBJECTS, ShapeSource, shape_sources
 from ..visibility import is_enabled
 from .stored import stored_morph
 
@@ -69,13 +69,14 @@ def changed_inputs(block: bpy.types.Collection | bpy.types.Object) -> list[str]:
         return []
     if not isinstance(known, list) or len(known) != len(stored.inputs):
         return []
+    there = [obj for obj in stored.objects if obj is not None]
+    sources = dict(zip(there, shape_sources(there, grouping), strict=True))
     compared = zip(stored.inputs, stored.objects, known, strict=True)
-    changed = (name for name, obj, before in compared if obj is None or not _is_as_before(obj, grouping, before))
+    changed = (name for name, obj, before in compared if obj is None or not _is_as_before(sources[obj], before))
     return list(dict.fromkeys(changed))
 
 
-def _is_as_before(obj: bpy.types.Object, grouping: str, before: object) -> bool:
-    source = shape_source(obj, grouping)
+def _is_as_before(source: ShapeSource, before: object) -> bool:
     now = signature(source)
     if not (isinstance(before, list) and len(before) == len(now)):
         return True

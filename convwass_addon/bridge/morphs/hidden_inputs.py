@@ -15,7 +15,7 @@ import bpy
 from ...errors import ConvwassError
 from ..keyframes import is_animated_property
 from ..object_names import ObjectName, objects_named
-from ..shape_sources import OBJECTS, shape_source, shows_collection
+from ..shape_sources import OBJECTS, shape_sources, shows_collection
 from ..visibility import layers_with
 from .stored import MORPH_KEY, copied_inputs, stored_morph
 
@@ -257,8 +257,9 @@ def _parts(morph: bpy.types.ID) -> list[bpy.types.Object]:
         stored = stored_morph(morph)
     except ConvwassError:
         return []
-    grouping = stored.settings.get("grouping", OBJECTS)
-    return [part for root in stored.objects if root is not None for part in shape_source(root, grouping).parts]
+    roots = [root for root in stored.objects if root is not None]
+    sources = shape_sources(roots, stored.settings.get("grouping", OBJECTS))
+    return [part for source in sources for part in source.parts]
 
 
 def _read(entry: dict[str, object]) -> HiddenObject:

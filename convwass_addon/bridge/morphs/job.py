@@ -20,7 +20,7 @@ from ...applications.morphs.part_labels import part_notices
 from ...errors import InputError
 from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
-from ..shape_sources import OBJECTS, shape_source
+from ..shape_sources import OBJECTS, shape_sources
 from .animated_inputs import animation_notices
 from .bake import MorphBake
 from .carrying import Carrying
@@ -64,7 +64,7 @@ class MorphJob:
         if len(inputs) < 2:
             raise InputError("A morph needs at least two shapes; select or name another one.")
         self._records: dict[Blend, dict[str, object]] = {}
-        sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
+        sources = shape_sources(inputs, options.get("grouping", OBJECTS))
         self._follows = options.get("follow") == FOLLOW
         self._animated = []
         if not self._follows:

@@ -18,7 +18,7 @@ from ...applications.morphs.diagnostics import Diagnostic, diagnostic_figures
 from ...errors import InputError
 from ..keyframes import keyed_frames, shown_from
 from ..object_names import ObjectName, objects_named, scene_copies
-from ..shape_sources import OBJECTS, shape_source
+from ..shape_sources import OBJECTS, shape_sources
 
 SCHEMA = 1
 
@@ -222,7 +222,7 @@ def stored_parts(block: bpy.types.Collection | bpy.types.Object) -> list[bpy.typ
         As `stored_inputs`.
     """
     grouping = stored_settings(block).get("grouping", OBJECTS)
-    return [part for root in stored_inputs(block) for part in shape_source(root, grouping).parts]
+    return [part for source in shape_sources(stored_inputs(block), grouping) for part in source.parts]
 
 
 def frame_objects(collection: bpy.types.Collection) -> list[bpy.types.Object]:

@@ -20,7 +20,7 @@ from ..morphs.hidden_inputs import hide_shapes
 from ..morphs.morph_request import MorphRequest
 from ..morphs.stored import store
 from ..object_copies import has_copies
-from ..shape_sources import shape_source
+from ..shape_sources import shape_sources
 from .key_basis import KeyBasis
 from .records import described_bake
 from .rest_mesh import pose_notices
@@ -47,7 +47,7 @@ class KeyJob:
     ) -> None:
         self._names = [obj.name for obj in inputs]
         self._stored = described_bake(inputs, request, settings, first_frame)
-        self._signatures = [signature(shape_source(obj)) for obj in inputs]
+        self._signatures = list(map(signature, shape_sources(inputs)))
         self._frames, self._first = request.frames, first_frame
         self._scene = Handle.of("scenes", bpy.context.scene)
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
