@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -34,6 +35,17 @@ class Handle:
         return next((block for block in getattr(bpy.data, self.kind) if block.session_uid == self.uid), None)
 
 
-def found(handles: list[Handle]) -> list[bpy.types.ID]:
+def found(handles: Sequence[Handle]) -> list[bpy.types.ID]:
     """Return the data-blocks that still exist."""
-    return [block for block in (handle.find() for handle in handles) if block is not None]
+    return [block for block in found_or_none(handles) if block is not None]
+
+
+def found_or_none(handles: Sequence[Handle]) -> list[bpy.types.ID | None]:
+    """Return the data-block of every handle, or None if it was deleted; each list of the file is searched once."""
+    there = {kind: _by_uid(kind, {own.uid for own in handles}) for kind in {own.kind for own in handles}}
+    return [there[handle.kind].get(handle.uid) for handle in handles]
+
+
+def _by_uid(kind: str, uids: set[int]) -> dict[int, bpy.types.ID]:
+    """Return the data-blocks in ``bpy.data.<kind>`` that have one of these session ids."""
+    return {uid: block for block in getattr(bpy.data, kind) if (uid := block.session_uid) in uids}

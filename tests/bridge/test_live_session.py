@@ -12,12 +12,17 @@ import pytest
 
 from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
+from convwass_addon.bridge import handles
+from convwass_addon.bridge.live import input_watch
+from convwass_addon.bridge.live.input_watch import InputWatch
 from convwass_addon.bridge.live.leftovers import ignore_undo, remove_leftovers
 from convwass_addon.bridge.live.live_scene import write_triangles
 from convwass_addon.bridge.live.live_session import LiveRequest, LiveSession
 from convwass_addon.bridge.live.running import running_live
+from convwass_addon.bridge.shape_sources import ShapeSource
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_object
+from tests.searches import counted_searches
 from tests.shapes import ball
 
 SIZES = (0.6, 1.0, 0.8, 0.9)
@@ -174,6 +179,42 @@ def test_a_deleted_input_freezes_it(begin):
     assert len(kept.data.polygons) > 100
     session.end()
     assert {obj.name for obj in bpy.data.objects} == {"Ball 0", kept.name}
+
+
+def test_the_inputs_are_looked_after_in_one_search(make_object, monkeypatch):
+    """Also while something else is edited, and however many there are."""
+    parts = tuple(make_object(name) for name in ("Body", "Hat", "Tail", "Sword"))
+    watch = InputWatch([ShapeSource("Hero", parts[0], parts)])
+    kept, removed = [obj.name for obj in parts[:2]], [obj.name for obj in parts[2:]]
+    bpy.data.objects.remove(parts[3])
+    bpy.context.scene.collection.objects.unlink(parts[2])
+    parts[2].use_fake_user = True
+    searches = counted_searches(monkeypatch, input_watch, handles)
+    assert watch.lost == removed
+    assert searches == {"objects": 1, "scenes": 1}
+    searches.clear()
+    assert [obj.name for obj in watch.roots] == kept[:1]
+    assert watch.may_have_changed
+    assert searches == {"objects": 2}
+
+
+def test_edits_of_inputs_are_heard_of_and_no_others(make_object):
+    body, hat, other = (make_object(name) for name in ("Body", "Hat", "Other"))
+    watch = InputWatch([ShapeSource("Hero", body, (body, hat))])
+    bpy.context.view_layer.update()
+    watch.register()
+    try:
+        other.data.vertices[0].co.x += 1.0
+        other.data.update()
+        bpy.context.view_layer.update()
+        assert not watch.may_have_changed
+        hat.data.update()
+        bpy.context.view_layer.update()
+        assert watch.may_have_changed
+        watch.note()
+        assert not watch.may_have_changed
+    finally:
+        watch.unregister()
 
 
 def test_undone_objects_end_it(begin):

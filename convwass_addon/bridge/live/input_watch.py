@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import bpy
 
 from ..element_values import element_values
-from ..handles import Handle, found
+from ..handles import Handle, found, found_or_none
 from ..morphs.changes import signature
 from ..shape_sources import ShapeSource
 
@@ -50,8 +50,10 @@ class InputWatch:
     @property
     def lost(self) -> list[str]:
         """Names of deleted objects."""
-        there = [handle.find() for handle in self._objects]
-        return [name for name, obj in zip(self._names, there, strict=True) if obj is None or not obj.users_scene]
+        in_scenes = {obj for scene in bpy.data.scenes for obj in scene.objects}
+        # None is in no scene, either.
+        there = zip(self._names, found_or_none(self._objects), strict=True)
+        return [name for name, obj in there if obj not in in_scenes]
 
     def note(self) -> None:
         """Store the current state of the objects."""
@@ -63,10 +65,13 @@ class InputWatch:
         return self._updated or [_state(obj) for obj in found(self._objects)] != self._known
 
     def _listen(self, _scene: bpy.types.Scene, depsgraph: bpy.types.Depsgraph) -> None:
+        if self._updated:
+            return
         changed = {update.id.original.session_uid for update in depsgraph.updates if update.is_updated_geometry}
-        for obj in found(self._objects):
-            if obj.session_uid in changed or (obj.data is not None and obj.data.session_uid in changed):
-                self._updated = True
+        self._updated = bool(changed) and any(
+            obj.session_uid in changed or (obj.data is not None and obj.data.session_uid in changed)
+            for obj in found(self._objects)
+        )
 
 
 def _state(obj: bpy.types.Object) -> tuple[object, ...]:
