@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import bpy
 from bpy.props import (
@@ -32,8 +34,31 @@ VERDICTS = (
 """Results of a check of an input, as items of an enum; from the third on they are shown as a warning."""
 
 
+# Seconds for which the objects with children are taken to stay the same. When a list of objects opens, Blender asks for
+# every object of the file, which takes less than that; asking each for its children would search the file each time.
+_KEPT = 0.1
+
+
+@dataclass
+class _Parents:
+    """The session ids of all objects with children."""
+
+    uids: set[int] = field(default_factory=set)
+    until: float = 0.0
+
+    def __contains__(self, obj: bpy.types.Object) -> bool:
+        if time.monotonic() >= self.until:
+            parents = (child.parent for child in bpy.data.objects)
+            self.uids = {parent.session_uid for parent in parents if parent is not None}
+            self.until = time.monotonic() + _KEPT
+        return obj.session_uid in self.uids
+
+
+_PARENTS = _Parents()
+
+
 def _is_shape(_item: CONVWASS_PG_input, obj: bpy.types.Object) -> bool:
-    return is_part(obj) or bool(obj.children)
+    return is_part(obj) or obj in _PARENTS
 
 
 class CONVWASS_PG_input(bpy.types.PropertyGroup):

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import sys
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -13,8 +14,10 @@ import pytest
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
 from convwass_addon.operators.chosen_inputs import split_names
+from convwass_addon.properties import morph_inputs
 from tests.operators.morphs import add, baked_morph
-from tests.scene import select_only
+from tests.scene import linked, select_only
+from tests.searches import counted_searches
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -451,3 +454,24 @@ def test_metaballs_that_are_joined_are_one_shape(empty_scene):
     assert bpy.ops.convwass.bake_morph(inputs="Cube, Mball.001", motion="TRANSPORT", frames=2, resolution=16) == {
         "FINISHED"
     }
+
+
+def test_the_file_is_searched_once_for_a_list_of_objects(shapes, monkeypatch):
+    """Shapes and what has children can be chosen, also soon after that has changed."""
+    clock = [1.0]
+    monkeypatch.setattr(morph_inputs, "time", SimpleNamespace(monotonic=lambda: clock[0]))
+    monkeypatch.setattr(morph_inputs, "_PARENTS", morph_inputs._Parents())
+    rig, empty, other = (linked(name, None) for name in ("Rig", "Empty", "Other"))
+    other.parent = rig
+    searches = counted_searches(monkeypatch, morph_inputs)
+
+    def chosen_among():
+        searches.clear()
+        return [obj for obj in (*shapes, rig, empty, other) if morph_inputs._is_shape(None, obj)]
+
+    assert chosen_among() == [*shapes, rig]
+    assert searches == {"objects": 1}
+    other.parent = empty
+    clock[0] += 0.2
+    assert chosen_among() == [*shapes, empty]
+    assert searches == {"objects": 1}
