@@ -19,6 +19,7 @@ from convwass_addon.bridge.morphs.hidden_inputs import (
 )
 from convwass_addon.bridge.morphs.stored import MORPH_KEY
 from convwass_addon.bridge.visibility import is_in
+from tests.searches import counted_searches
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
 
@@ -148,6 +149,24 @@ def test_instances_that_lack_hidden_parts_are_named(parts):
     assert instances_without(morph) == (["Member", "Near", "Rows"], [parts[0].name])
     hide_shapes(morph, [], bpy.context.scene)
     assert instances_without(morph) == ([], [])
+
+
+def test_instances_of_a_collection_are_looked_at_together(parts, monkeypatch):
+    figure = bpy.data.collections.new("Figure")
+    figure.objects.link(parts[0])
+    names = sorted(instance(f"Near {place}", figure).name for place in range(4))
+    bpy.data.objects.remove(instance("Deleted", figure))
+    bpy.context.scene.collection.objects.unlink(instance("Unlinked", figure))
+    bpy.data.objects["Unlinked"].use_fake_user = True
+    morph = new_morph()
+    hide_shapes(morph, parts[:1], bpy.context.scene)
+    monkeypatch.setattr(hidden_inputs, "_lost_in_renders", lambda _: parts[:1])
+    shown, looked_at = hidden_inputs._instanced, []
+    monkeypatch.setattr(hidden_inputs, "_instanced", lambda own: looked_at.append(own) or shown(own))
+    searches = counted_searches(monkeypatch, hidden_inputs)
+    assert instances_without(morph) == (names, [parts[0].name])
+    assert looked_at == [figure]
+    assert searches == {"objects": 1, "scenes": 1}
 
 
 def test_an_instance_that_is_a_shape_itself_is_not_named(parts):

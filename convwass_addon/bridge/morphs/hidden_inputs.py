@@ -110,10 +110,14 @@ def instances_without(morph: bpy.types.ID) -> tuple[list[str], list[str]]:
         Names of the objects that they lack.
     """
     hidden = set(_lost_in_renders(morph))
-    empties = [obj for obj in bpy.data.objects if shows_collection(obj) and obj.users_scene and not obj.hide_render]
-    lacking = {obj.name: hidden & _instanced(obj.instance_collection) for obj in empties} if hidden else {}
+    if not hidden:
+        return [], []
+    empties = [obj for obj in bpy.data.objects if shows_collection(obj) and not obj.hide_render]
+    in_scenes = {obj for scene in bpy.data.scenes for obj in scene.objects} if empties else set()
+    shown = {obj.name: obj.instance_collection for obj in empties if obj in in_scenes}
+    lacking = {collection: hidden & _instanced(collection) for collection in set(shown.values())}
     lost = {obj.name for objects in lacking.values() for obj in objects}
-    return [name for name, objects in lacking.items() if objects], sorted(lost)
+    return [name for name, collection in shown.items() if lacking[collection]], sorted(lost)
 
 
 def take_hidden(old: bpy.types.ID, new: bpy.types.ID) -> None:
