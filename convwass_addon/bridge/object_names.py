@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import bpy
@@ -69,9 +69,11 @@ def objects_named(names: Sequence[ObjectName]) -> list[bpy.types.Object | None]:
     If a library was moved or an object was made local, the only other object of the name is taken.
     """
     there: dict[str, list[bpy.types.Object]] = {name.name: [] for name in names}
-    for obj in bpy.data.objects:
-        # Deleted objects may still exist if something refers to them.
-        if obj.name in there and obj.users_scene:
+    named = [obj for obj in bpy.data.objects if obj.name in there]
+    # Deleted objects may still exist if something refers to them.
+    in_scenes = {obj for scene in bpy.data.scenes for obj in scene.objects} if named else set()
+    for obj in named:
+        if obj in in_scenes:
             there[obj.name].append(obj)
     found = {name: next(filter(name.is_of, there[name.name]), None) for name in names}
     taken = set(found.values())
@@ -103,20 +105,36 @@ def scene_copies(names: Sequence[ObjectName], scenes: Sequence[bpy.types.Scene])
     originals = {name: obj for name, obj in zip(names, objects_named(names), strict=True) if obj is not None}
     if any(scene in obj.users_scene for obj in originals.values() for scene in scenes):
         return {}
-    found = {name: _copy_of(obj, scenes[0]) for name, obj in originals.items()}
+    alike = {scene: _alike(originals.values(), scene) for scene in bpy.data.scenes}
+    found = {name: _copy_of(obj, alike[obj.users_scene[0]], alike[scenes[0]]) for name, obj in originals.items()}
     return {} if None in found.values() else found
 
 
-def _copy_of(obj: bpy.types.Object, scene: bpy.types.Scene) -> bpy.types.Object | None:
+def _copy_of(
+    obj: bpy.types.Object,
+    originals: Mapping[tuple[str, str], list[bpy.types.Object]],
+    copies: Mapping[tuple[str, str], list[bpy.types.Object]],
+) -> bpy.types.Object | None:
     """Return the object of a scene that has the place of an object of another scene among those of its name."""
-    originals, copies = _alike(obj, obj.users_scene[0]), _alike(obj, scene)
-    return copies[originals.index(obj)] if len(originals) == len(copies) else None
+    own, others = originals[_stem(obj)], copies[_stem(obj)]
+    return others[own.index(obj)] if len(own) == len(others) else None
 
 
-def _alike(obj: bpy.types.Object, scene: bpy.types.Scene) -> list[bpy.types.Object]:
-    """Return the objects of a scene that have the name and type of an object, apart from the number in the name."""
-    stem = without_number(obj.name)
-    return [own for own in scene.objects if own.type == obj.type and without_number(own.name) == stem]
+def _alike(
+    objects: Iterable[bpy.types.Object], scene: bpy.types.Scene
+) -> dict[tuple[str, str], list[bpy.types.Object]]:
+    """Return the objects of a scene that have the type and name of any of some objects, by these."""
+    alike: dict[tuple[str, str], list[bpy.types.Object]] = {_stem(obj): [] for obj in objects}
+    types = {kind for kind, _ in alike}
+    for own in scene.objects:
+        if own.type in types and (stem := _stem(own)) in alike:
+            alike[stem].append(own)
+    return alike
+
+
+def _stem(obj: bpy.types.Object) -> tuple[str, str]:
+    """Return the type and the name of an object, apart from the number in the name."""
+    return obj.type, without_number(obj.name)
 
 
 def _whole(library: str) -> str:

@@ -9,6 +9,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
+from convwass_addon.bridge import object_names
 from convwass_addon.bridge.morphs import hidden_inputs
 from convwass_addon.bridge.morphs.hidden_inputs import (
     copy_hidden,
@@ -166,6 +167,15 @@ def test_instances_of_a_collection_are_looked_at_together(parts, monkeypatch):
     searches = counted_searches(monkeypatch, hidden_inputs)
     assert instances_without(morph) == (names, [parts[0].name])
     assert looked_at == [figure]
+    assert searches == {"objects": 1, "scenes": 1}
+
+
+def test_objects_of_several_names_are_found_in_one_search(parts, monkeypatch):
+    names = [object_names.ObjectName.of(part) for part in parts]
+    parts[1].use_fake_user = True
+    bpy.context.scene.collection.objects.unlink(parts[1])
+    searches = counted_searches(monkeypatch, object_names)
+    assert object_names.objects_named(names) == [parts[0], None, *parts[2:]]
     assert searches == {"objects": 1, "scenes": 1}
 
 

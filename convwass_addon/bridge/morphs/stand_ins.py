@@ -45,7 +45,8 @@ def shown_morph(obj: bpy.types.Object | None) -> bpy.types.Collection | None:
 
 def stand_ins(collection: bpy.types.Collection) -> list[bpy.types.Object]:
     """Return the objects that show a morph, but not meshes to which its user has converted them."""
-    return [obj for obj in bpy.data.objects if shown_morph(obj) == collection]
+    # Panels ask this, and of many objects few show a morph.
+    return [obj for obj in bpy.data.objects if SHOWS_KEY in obj and shown_morph(obj) == collection]
 
 
 def frames_modifier(obj: bpy.types.Object) -> bpy.types.NodesModifier | None:
