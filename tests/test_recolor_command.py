@@ -51,6 +51,34 @@ def test_an_image_and_a_table_are_written(tmp_path, red, blue, capfd):
     assert np.abs(pixels_in(by_table) - pixels_in(out)).mean() * 255 < 1.0
 
 
+def test_tables_are_applied_at_a_strength(tmp_path, red, blue):
+    """As the map that the table was made from is."""
+    cube = tmp_path / "grade.cube"
+    assert run(red, "--palette", blue, "--cube", cube) == 0
+    for strength in (0.0, 0.4):
+        by_map, by_table = tmp_path / "map.png", tmp_path / "table.png"
+        assert run(red, "--palette", blue, "--strength", strength, "--out", by_map) == 0
+        assert run(red, "--lut", cube, "--strength", strength, "--out", by_table) == 0
+        assert np.abs(pixels_in(by_table) - pixels_in(by_map)).mean() * 255 < (1.0 if strength else 1e-6)
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--smoothing", "2", "--keep-lightness"], "leave out --keep-lightness, --smoothing."),
+        (["--gamut", "chroma"], "leave out --gamut."),
+        (["--slope-limit", "2"], "leave out --slope-limit."),
+        (["--edge-radius", "3"], "leave out --edge-radius."),
+        (["--cube-size", "17"], "leave out --cube-size."),
+        (["--cube", "a.cube", "--steps", "3"], "leave out --cube, --steps."),
+        (["--weights", ".5,.5"], "--lut has none; leave out --weights."),
+    ],
+)
+def test_options_of_maps_are_refused_with_a_table(tmp_path, red, capfd, words, message):
+    assert run(red, "--lut", tmp_path / "grade.cube", *words, "--out", tmp_path / "a.png") == 3
+    assert message in capfd.readouterr().err
+
+
 def test_frames_of_a_clip_are_graded_alike(tmp_path, red, blue):
     """A dark frame and a bright one: together they have the palette, and the dark one stays darker."""
     pixels = pixels_in(red)

@@ -29,7 +29,7 @@ from ..drafts import DraftFiles
 from ..errors import InputError
 from ..progress import drained
 from .answer import Answer
-from .from_schema import given_settings
+from .from_schema import given_options, given_settings
 from .overwriting import refuse_overwriting
 from .recolor_frames import Frames, opened_frames, read_file
 from .reports import note_leftovers
@@ -50,7 +50,7 @@ def run_recolor(options: Namespace) -> Answer:
     with opened_frames(options.images, options.mask) as frames:
         targets = _targets(options, frames.names)
         refuse_overwriting(_sources(options), [*targets, cube])
-        change = read_cube(options.lut) if options.lut is not None else _solved(options, frames, settings)
+        change = _solved(options, frames, settings) if options.lut is None else _read_table(options.lut, settings)
         record: dict[str, object] = {"images": [str(path) for path in options.images]}
         if isinstance(change, Recoloring):
             record |= {"palettes": [str(path) for path in options.palette], **change.record}
@@ -74,8 +74,8 @@ def _check_options(options: Namespace) -> None:
         raise InputError("--palette and --lut cannot be combined; choose one.")
     if options.out is None and options.cube is None:
         raise InputError("Nothing would be written; name an image with --out, or a lookup table with --cube.")
-    if options.lut is not None and (options.cube is not None or options.steps is not None):
-        raise InputError("--lut applies an existing table; it cannot be combined with --cube or --steps.")
+    if options.lut is not None:
+        _refuse_options_of_maps(options)
     if options.weights is not None and len(options.weights) != len(options.palette):
         raise InputError("Give one weight for each of the {count} palettes.", count=len(options.palette))
     if options.palette_mask is not None and len(options.palette) != 1:
@@ -83,6 +83,17 @@ def _check_options(options: Namespace) -> None:
     is_image = len(options.images) == 1 and options.images[0].suffix.lower() not in bpy.path.extensions_movie
     if options.steps is not None and not (options.steps >= 2 and is_image):
         raise InputError("--steps must be 2 or more and requires exactly one image.")
+
+
+def _refuse_options_of_maps(options: Namespace) -> None:
+    """Raise InputError if there are options that only apply to maps between palettes, not to existing tables."""
+    if options.weights is not None:
+        raise InputError("--weights weights palettes, and --lut has none; leave out --weights.")
+    given = [f"--{name}" for name in ("cube", "steps") if getattr(options, name) is not None]
+    given += given_options(options, TableSettings)
+    given += [option for option in given_options(options, RecolorSettings) if option != "--strength"]
+    if given:
+        raise InputError("--lut applies an existing table; leave out {options}.", options=", ".join(given))
 
 
 def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
@@ -112,6 +123,11 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
 def _sources(options: Namespace) -> list[Path | None]:
     """Return all files that are read."""
     return [*options.images, *options.palette, options.mask, options.palette_mask, options.lut]
+
+
+def _read_table(path: Path, settings: RecolorSettings) -> LookupTable:
+    """Read the table of ``--lut``, to be applied at the strength of the settings."""
+    return replace(read_cube(path), strength=settings.strength)
 
 
 def _solved(options: Namespace, frames: Frames, settings: RecolorSettings) -> Recoloring:

@@ -48,7 +48,9 @@ def add_recolor_options(parser: ArgumentParser) -> None:
     parser.add_argument(
         "--weights", type=numbers, metavar="W,W,...", help="weights of several palettes (default: equal)"
     )
-    parser.add_argument("--lut", type=Path, metavar="FILE", help="apply this .cube instead of a palette")
+    parser.add_argument(
+        "--lut", type=Path, metavar="FILE", help="apply this .cube instead of a palette, with --strength"
+    )
     _add_map_options(parser)
     group = parser.add_argument_group("output")
     group.add_argument("--out", type=Path, metavar="FILE", help="the image to write, or a folder for several")

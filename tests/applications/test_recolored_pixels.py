@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import tracemalloc
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -283,6 +284,24 @@ def test_tables_keep_values_above_white(source, target):
     found = recolored(scene, inverse, straight)
     rest = srgb_of_linear(np.array([7.0, 300.0])) - 1.0
     np.testing.assert_allclose(found[0, 0, 1:3], linear_of_srgb(rest), rtol=1e-4)
+
+
+@pytest.mark.parametrize("pixel_format", [SRGB, SCENE])
+def test_tables_are_applied_at_a_strength(pixel_format):
+    """Straight in Lab, also where a mask sets the strength; colors outside the domain go as far."""
+    pixels = np.random.default_rng(0).random((4, 50, 4)).astype(np.float32)
+    pixels[..., 3] = 1.0
+    colors = np.random.default_rng(1).random((3, 3, 3, 3)).astype(np.float32) * 0.4 + 0.3
+    table = LookupTable(colors, np.full(3, 0.2), np.full(3, 0.9))
+    half = replace(table, strength=0.5)
+    middle, whole = recolored(pixels, half, pixel_format), recolored(pixels, table, pixel_format)
+    first, last, own = (lab_of_linear(pixel_format.linear(each)) for each in (pixels, whole, middle))
+    inside = ((pixel_format.linear(middle) > 1e-3) & (pixel_format.linear(middle) < 0.999)).all(axis=0)
+    assert inside.mean() > 0.8
+    np.testing.assert_allclose(own[:, inside], ((first + last) / 2.0)[:, inside], atol=2e-2)
+    np.testing.assert_array_equal(recolored(pixels, replace(table, strength=0.0), pixel_format), pixels)
+    mask = np.full(pixels.shape[:2], 0.5, np.float32)
+    np.testing.assert_array_equal(recolored(pixels, table, pixel_format, mask), middle)
 
 
 def test_a_single_pixel_is_not_changed_in_place(source, target):

@@ -36,11 +36,14 @@ class LookupTable:
         sRGB-encoded.
     lowest, highest : (3,) float64
         Lower and upper corner of the domain.
+    strength : float
+        How far the colors of an image go when it is recolored: 0 leaves them as they are, 1 gives those of the table.
     """
 
     colors: NDArray[np.float32]
     lowest: NDArray[np.float64]
     highest: NDArray[np.float64]
+    strength: float = 1.0
 
     def applied(self, encoded: NDArray[np.floating]) -> NDArray[np.floating]:
         """Look up colors, (3, ...), with trilinear interpolation; colors outside the domain are clamped."""

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import uniform_filter
 
-from .lab_colors import lab_of_linear
+from .lab_colors import lab_of_linear, linear_of_lab, linear_of_srgb, srgb_of_linear
 from .lookup_table import LookupTable
 from .pixels import PixelFormat
 from .recoloring import Recoloring
@@ -72,7 +72,24 @@ def _apply_table(
     found = table.applied(displayed)
     if np.isinf(pixel_format.highest):
         found += table.beyond(displayed)
-    return found if mask is None else displayed + mask * (found - displayed)
+    if mask is None and table.strength == 1.0:
+        return found
+    share = np.float32(table.strength) if mask is None else table.strength * mask
+    return _mixed(displayed, found, share, pixel_format.highest)
+
+
+def _mixed(
+    displayed: NDArray[np.float32],
+    found: NDArray[np.float32],
+    share: NDArray[np.float32] | np.float32,
+    highest: float,
+) -> NDArray[np.float32]:
+    """Go only a share of the way to the colors found: straight in Lab, as maps between palettes do."""
+    linear = linear_of_srgb(displayed)
+    lab = lab_of_linear(linear)
+    shifts = share * (lab_of_linear(linear_of_srgb(found)) - lab)
+    mixed = np.clip(linear_of_lab(lab + shifts), np.minimum(linear, 0.0), highest)
+    return np.where((shifts == 0.0).all(axis=0), displayed, srgb_of_linear(mixed))
 
 
 def _mapped(
