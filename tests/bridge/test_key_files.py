@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import struct
+import zipfile
 
 import bpy
 import numpy as np
@@ -178,14 +179,14 @@ def test_fbx_has_the_size_that_the_scene_gives_it(keyed, tmp_path):
 
 
 @pytest.mark.parametrize(("moved", "first"), [(0, 3), (-5, 0)])
-@pytest.mark.parametrize("suffix", [".usdc", ".abc"])
+@pytest.mark.parametrize("suffix", [".usdc", ".usdz", ".abc"])
 def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, suffix, octahedron, moved, first):
     """Those of an animation that begins before frame 0 begin there."""
     for point in (point for curve in curves_of(keyed) for point in curve.keyframe_points):
         point.co_ui.x += moved
     (file,) = export_shape_keys(keyed, tmp_path / f"keys{suffix}")
     bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    read = bpy.ops.wm.usd_import if suffix == ".usdc" else bpy.ops.wm.alembic_import
+    read = bpy.ops.wm.usd_import if suffix != ".abc" else bpy.ops.wm.alembic_import
     read(filepath=str(file))
     (obj,) = [one for one in bpy.data.objects if one.type == "MESH"]
     depsgraph, fps = bpy.context.evaluated_depsgraph_get(), bpy.context.scene.render.fps
@@ -198,6 +199,13 @@ def test_caches_have_the_points_of_every_frame_and_velocities(keyed, tmp_path, s
             velocity = np.array(evaluated.matrix_world.to_3x3() @ evaluated.data.attributes["velocity"].data[0].vector)
             way = ASIDE if number == 0 else UP - ASIDE
             np.testing.assert_allclose(velocity, way / 2 * fps, atol=0.1)
+
+
+def test_an_archive_contains_a_file_of_its_name(keyed, tmp_path, inventory):
+    before = inventory()
+    (file,) = export_shape_keys(keyed, tmp_path / "keys.usdz")
+    assert zipfile.ZipFile(file).namelist() == ["keys.usdc"]
+    assert inventory() == before and list(tmp_path.iterdir()) == [file]
 
 
 def pixels(file):

@@ -9,14 +9,16 @@ frame, and vertex animation textures positions and normals.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
 
 import bpy
 import numpy as np
 
-from ...drafts import written_whole
+from ...drafts import new_draft, written_whole
 from ...errors import InputError
 from ...sentence import Sentence
 from ..borrowed_names import borrowed_names
@@ -131,7 +133,7 @@ def _write_points(write: Callable[[str], set[str]]) -> _Writer:
         try:
             for obj in objects:
                 shown[obj.name] = [(one,) for one in _frame_objects(obj, frames)]
-            with mesh_sequences(shown, frames[0]) as made, written_whole(target) as draft:
+            with mesh_sequences(shown, frames[0]) as made, _named_draft(target) as draft:
                 pairs = list(zip(made, objects, strict=True))
                 with borrowed_names([*pairs, *((own.data, obj.data) for own, obj in pairs)]):
                     require_written(write(str(draft)), draft, target)
@@ -141,6 +143,25 @@ def _write_points(write: Callable[[str], set[str]]) -> _Writer:
         return [target]
 
     return written
+
+
+@contextmanager
+def _named_draft(target: Path) -> Iterator[Path]:
+    """Provide a path in a folder of its own, whose file becomes the target: a .usdz contains a file of the same name.
+
+    Raises
+    ------
+    ConvwassError
+        The file could not be written.
+    """
+    with written_whole(target) as draft:
+        folder = new_draft(target, "")
+        try:
+            folder.mkdir()
+            yield folder / target.name
+            (folder / target.name).replace(draft)
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
 
 
 def _frame_objects(obj: bpy.types.Object, frames: range) -> list[bpy.types.Object]:
@@ -209,6 +230,7 @@ KEY_FORMATS: dict[str, _Writer] = {
     ".usdc": _write_points(write_usd),
     ".usd": _write_points(write_usd),
     ".usda": _write_points(write_usd),
+    ".usdz": _write_points(write_usd),
     ".abc": _write_points(partial(write_alembic, colors=False)),
     ".json": _write_textures,
 }
