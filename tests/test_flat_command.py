@@ -55,7 +55,7 @@ def test_words_drawings_and_pictures_become_a_blend(files, capfd):
 def test_meshes_are_exported(files, capsys):
     target = files / "shapes.obj"
     options = ["--weights", "1,1", "--resolution", "128", "--motion", "transport"]
-    options += ["--out", str(files / "morph.blend"), "--export", str(target)]
+    options += ["--out", str(files / "morph.blend"), "--export", str(target), "--flat-output", "mesh"]
     assert main(["morph", "text:I", "text:O", *options]) == 0
     capsys.readouterr()
     assert [path.name for path in files.glob("*.obj")] == ["shapes_0001.obj"]
@@ -94,6 +94,12 @@ def test_unreadable_objects_are_reported(files, capsys, shape, message):
     [
         (["--output", "volume"], "Flat shapes have no volume"),
         (["--cache", "{files}/cache"], "cannot be cached or computed on other machines"),
+        (
+            ["--flat-output", "drawing", "--export", "{files}/a.obj"],
+            "--export requires meshes; leave out --flat-output",
+        ),
+        (["--flat-output", "picture", "--output", "player"], "--output player requires meshes"),
+        (["--flat-output", "curve", "--render"], "--render requires meshes"),
         (["--resolution", "12"], "Resolution 12 is too coarse for a blur of 1 cells; use at least 16, or less blur"),
         (["--resolution", "8", "--blur", "0.5"], "too coarse for a blur of 0.5 cells; use at least 12"),
     ],

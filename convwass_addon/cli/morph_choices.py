@@ -75,7 +75,7 @@ def request_of(options: Namespace, target: Path) -> MorphRequest:
     Settings that do not apply to the shapes are stored too, as the operator does.
     """
     given = given_settings(options, MorphRequest)
-    flat_output = given.get("flat_output", "CURVE") if _is_plain(options) else "MESH"
+    flat_output = "MESH" if _requiring_meshes(options) else given.get("flat_output", "CURVE")
     folder = folder_beside(target)
     if flat_output == "PICTURE":
         # Pictures are written before the .blend exists.
@@ -95,9 +95,10 @@ def request_of(options: Namespace, target: Path) -> MorphRequest:
     return MorphRequest(**given | own)
 
 
-def _is_plain(options: Namespace) -> bool:
-    """Return whether the frames are plain objects; frames that are not meshes must be."""
-    return options.output == "objects" and not (options.render or options.export)
+def _requiring_meshes(options: Namespace) -> list[str]:
+    """Return the options that require frames to be meshes."""
+    output = [] if options.output == "objects" else [f"--output {options.output}"]
+    return output + [f"--{name}" for name in ("render", "export") if getattr(options, name)]
 
 
 def refuse_unsuitable_output(options: Namespace, request: MorphRequest, blends: list[Blend]) -> None:
@@ -120,6 +121,7 @@ def refuse_idle_options(options: Namespace) -> None:
         _refuse_options_of_frames(options)
     else:
         _refuse_options_of_shape_keys(options)
+        _refuse_other_frames(options)
     layout = given_settings(options, MorphRequest, ("layout",)).get("layout", "BLEND")
     if options.weights is not None and layout != "BLEND":
         raise InputError("--weights makes a single blend; leave out --layout.")
@@ -143,6 +145,16 @@ def _refuse_options_of_shape_keys(options: Namespace) -> None:
     given = given_options(options, MorphRequest, _SETTINGS_OF_SHAPE_KEYS)
     if given:
         raise InputError("{option} requires --output shape-keys; leave it out, or choose that output.", option=given[0])
+
+
+def _refuse_other_frames(options: Namespace) -> None:
+    """Raise InputError if frames of flat shapes are to be other objects than the meshes that an option requires."""
+    chosen = given_settings(options, MorphRequest, ("flat_output",)).get("flat_output", "MESH")
+    required = _requiring_meshes(options)
+    if chosen != "MESH" and required:
+        raise InputError(
+            "{option} requires meshes; leave out --flat-output, or choose --flat-output mesh.", option=required[0]
+        )
 
 
 def between_of(options: Namespace, request: MorphRequest, path: list[Blend]) -> Between:
