@@ -147,6 +147,12 @@ def test_missing_skies_and_single_steps_are_refused(tmp_path, capfd):
     assert "at least two images" in capfd.readouterr().err
 
 
+def test_skies_have_no_negative_numbers(tmp_path, gray_skies, capfd):
+    assert cli.main(["sky", *gray_skies, "--steps", "3", "--first", "-1", "--out", str(tmp_path / "out")]) == 3
+    assert "--first must be 0 or more" in capfd.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
 def test_black_skies_are_named(tmp_path, gray_skies, capfd):
     write_sky(tmp_path / "night.exr", np.zeros((32, 64, 3), np.float32))
     assert cli.main(["sky", gray_skies[0], str(tmp_path / "night.exr"), "--out", str(tmp_path / "out")]) == 3

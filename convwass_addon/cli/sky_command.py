@@ -32,6 +32,8 @@ def run_sky(options: Namespace) -> Answer:
         raise InputError("Name at least two images.")
     if options.steps < 2:
         raise InputError("--steps must be 2 or more.")
+    if options.first < 0:
+        raise InputError("--first must be 0 or more; names of files have no negative numbers.")
     if options.width is not None and not 64 <= options.width <= 16384:
         raise InputError("--width must be 64 to 16384.")
     settings = SkySettings(**given_settings(options, SkySettings))
