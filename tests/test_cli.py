@@ -656,7 +656,10 @@ def test_guides_of_a_file_are_used_and_stored(shapes, tmp_path, monkeypatch):
         ('[{"points": {"Cube": 0, "Ball": 900}}]', "Guide 1 refers to vertex 900 of Ball, which has 42 vertices"),
         ('[{"points": {"Cube": 0}}]', "A guide connects points of at least two shapes"),
         ("[]", "contains no guides"),
-        ("{", "cannot be read"),
+        ("{", "guides.json: The guides cannot be read (Expecting"),
+        ('{"name": "nose"}', "guides.json: The guides cannot be read (they are not a list)"),
+        ('["nose"]', "guides.json: The guides cannot be read (an entry is not a guide with points)"),
+        ('[{"points": {"Cube": "x"}}]', "cannot be read (Cube: x is no vertex number)"),
         (None, "guides.json: there is no such file; name groups, empties, bones or a JSON file"),
     ],
 )
@@ -668,6 +671,15 @@ def test_guides_that_cannot_be_used_are_refused(shapes, tmp_path, capfd, text, m
     assert cli.main(["morph", *words, "--guides", str(file)]) == 3
     assert message in capfd.readouterr().err
     assert not out.exists()
+
+
+@pytest.mark.parametrize("options", [["--motion", "transport"], ["--coherence", "0"]])
+def test_guides_without_effect_are_reported(shapes, tmp_path, capfd, options):
+    file = tmp_path / "guides.json"
+    file.write_text('[{"points": {"Cube": 0, "Ball": 3}}]')
+    words = [*cube_and_ball_of_blend(shapes), *QUICK, *options, "--out", str(tmp_path / "morph.blend")]
+    assert cli.main(["morph", *words, "--guides", str(file)]) == 0
+    assert "--guides has no effect" in capfd.readouterr().err
 
 
 def test_flat_shapes_are_morphed_without_guides(tmp_path, capfd):

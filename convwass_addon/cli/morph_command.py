@@ -84,6 +84,8 @@ def run_morph(options: Namespace) -> Answer:
     if not asks_for_flat(inputs, depsgraph, settings.thickness):
         guides = guides_asked_for(options.guides, options.shapes, inputs, depsgraph)
         request = replace(request, guides=[guide.as_dict() for guide in guides])
+        if guides and not settings.heeds_guides:
+            note("--guides has no effect: it needs --motion automatic or guided, and a --coherence above 0")
         if not settings.thickness:
             _note_holes(inputs, depsgraph)
     else:

@@ -137,9 +137,13 @@ def _read_guides(path: str) -> list[NamedGuide]:
             "--guides {word}: there is no such file; name groups, empties, bones or a JSON file.", word=path
         )
     try:
-        found = parsed_guides(file.read_text(encoding="utf-8"))
+        text = file.read_text(encoding="utf-8")
     except (OSError, UnicodeDecodeError) as error:
         raise InputError("The guides in {path} cannot be read ({reason}).", path=path, reason=str(error)) from error
+    try:
+        found = parsed_guides(text)
+    except InputError as error:
+        raise InputError("--guides {path}: {problem}", path=path, problem=error.sentence) from error
     if not found:
         raise InputError("{path} contains no guides.", path=path)
     return found

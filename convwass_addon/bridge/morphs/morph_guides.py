@@ -13,6 +13,7 @@ import bpy
 
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
+from ...sentence import Sentence
 from ..object_names import object_of, unique_name
 from ..surface_marks import bone_marks, empty_marks, group_marks, nearest_vertex
 from ..surfaces import surface_mesh
@@ -78,7 +79,7 @@ def _parsed(text: str) -> object:
     try:
         return json.loads(text)
     except ValueError as error:
-        raise _unreadable(error) from error
+        raise _unreadable(str(error)) from error
 
 
 def guides_of_entries(entries: object) -> list[NamedGuide]:
@@ -89,10 +90,14 @@ def guides_of_entries(entries: object) -> list[NamedGuide]:
     InputError
         An entry is invalid.
     """
+    if not isinstance(entries, list | tuple):
+        raise _unreadable(Sentence("they are not a list"))
     try:
         return [_of_entry(entry) for entry in entries]
-    except (OverflowError, ValueError, TypeError, KeyError, AttributeError) as error:
-        raise _unreadable(error) from error
+    except (OverflowError, ValueError) as error:
+        raise _unreadable(str(error)) from error
+    except (TypeError, KeyError, AttributeError) as error:
+        raise _unreadable(Sentence("an entry is not a guide with points")) from error
 
 
 def guides_among(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.Object]) -> list[NamedGuide]:
@@ -141,10 +146,10 @@ def check_guide_names(guides: Sequence[NamedGuide], objects: Sequence[bpy.types.
                 )
 
 
-def _unreadable(error: Exception) -> InputError:
+def _unreadable(reason: str | Sentence) -> InputError:
     return InputError(
         "The guides cannot be read ({reason}). Expected format: {example}.",
-        reason=str(error),
+        reason=reason,
         example='[{"name": "nose", "points": {"Man": 12, "Woman": 345}}]',
     )
 
