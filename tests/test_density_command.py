@@ -246,6 +246,8 @@ def test_distances_from_a_vertex(files, tmp_path, capfd):
             "Ball already has a vertex group North that is no result",
         ),
         (["{in}/scene.blend:Ball", "--blend", "East=1"], 3, "at least two groups"),
+        (["{in}/scene.blend:Ball", "--blend", "East=-1"], 3, "Weights must be zero or positive numbers"),
+        (["{in}/scene.blend:Ball", "--blend", "East=0"], 3, "All weights are zero"),
         (["{in}/scene.blend:Ball", "--through", "East"], 3, "at least two groups"),
         (["{in}/scene.blend:Ball", "--matrix", "--blur", "0.001"], 3, "finer than the mesh"),
         (["{in}/scene.blend:Ball", "--matrix", "--substeps", "0"], 3, "Substeps"),
@@ -270,6 +272,13 @@ def test_errors_have_codes_and_instructions(files, capfd, words, code, message):
     assert message in said
     assert not printed
     assert sorted(files.parent.rglob("*")) == before
+
+
+def test_frames_that_are_not_exact_are_counted(files, tmp_path, capfd):
+    words = [f"{files / 'scene.blend'}:Ball", "--from", "East", "--to", "North", "--steps", "4"]
+    code, _, said = run(capfd, *words, "--max-iterations", "1", "--out", tmp_path / "flow.blend")
+    assert code == 0
+    assert "3 of 5 frames are less exact than requested; try a larger --max-iterations" in said
 
 
 def test_a_taken_name_is_refused_before_the_work(files, capfd):

@@ -156,7 +156,7 @@ def _measured(options: Namespace, scene: DensityScene, settings: DensitySettings
         )
     )
     if not found.converged:
-        note("the distance is less exact than requested; try a larger --blur")
+        note("the distance is less exact than requested; try a larger --blur or --max-iterations")
     record = {"object": scene.object.name, "groups": [first, second], **vars(found), "blur": scene.blur}
     return Answer({**record, "written": []}, (f"{found.squared if options.biased else found.length:.{_DIGITS}g}",))
 
@@ -206,7 +206,10 @@ def _frames(work: Work[DensityFrames]) -> DensityFrames:
         frames = bar.result_of(work)
     slack = sum(not record["converged"] for record in frames.records)
     if slack:
-        note(f"frames less exact than requested: {slack}; try a larger --blur, or a larger --entropy-limit")
+        note(
+            f"{slack} of {len(frames.records)} frames are less exact than requested; try a larger --max-iterations, "
+            "--blur or --entropy-limit"
+        )
     return frames
 
 

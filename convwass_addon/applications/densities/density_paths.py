@@ -132,8 +132,8 @@ def blend_steps(
     InputError, ResourceError
         Before the work starts: invalid densities, shares or settings.
     """
-    densities = comparable(weights, names, surface, settings)
     alphas = _shares(shares, names)
+    densities = comparable(weights, names, surface, settings)
     check_frames_memory(surface, 1, edges=len(densities))
     yield from preparing_levels(surface)
     message = Sentence("Blending {names}", {"names": ", ".join(names)})
