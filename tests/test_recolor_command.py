@@ -184,6 +184,25 @@ def test_invalid_input_is_refused(tmp_path, red, blue, arguments, monkeypatch, c
 
 
 @pytest.mark.parametrize(
+    ("out", "words", "message"),
+    [
+        ("a.exr", ["--depth", "8"], "OpenEXR files have 16, 32 bits a channel, not 8."),
+        ("a.jpg", ["--depth", "16"], "JPEG files have 8 bits a channel, not 16."),
+        ("a.png", ["--workers", "0"], "There must be at least one worker."),
+    ],
+)
+def test_options_are_checked_before_palettes_are_solved(tmp_path, red, blue, monkeypatch, capfd, out, words, message):
+    monkeypatch.setattr(recolor_command, "solved_map", None)
+    assert run(red, "--palette", blue, *words, "--out", tmp_path / out) == 3
+    assert message in capfd.readouterr().err
+    (tmp_path / "folder").mkdir()
+    source = tmp_path / out
+    red.rename(source)
+    assert run(source, "--palette", blue, *words, "--out", tmp_path / "folder") == 3
+    assert message in capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
     ("words", "message"),
     [
         ([], "Name a palette with --palette, or a lookup table with --lut."),

@@ -21,9 +21,10 @@ from ..applications.palettes.pixel_blocks import recolored_blocks
 from ..applications.palettes.recolor_job import Picture, solved_map
 from ..applications.palettes.recoloring import Recoloring
 from ..applications.whole_paths import path_with_suffix, whole_path
+from ..applications.workers import thread_count
 from ..bridge.files import checked_target
 from ..bridge.numbered_files import numbered_paths
-from ..bridge.palettes.image_files import require_format, save_pixels
+from ..bridge.palettes.image_files import require_depth, save_pixels
 from ..console import ProgressBar
 from ..drafts import DraftFiles
 from ..errors import InputError
@@ -68,6 +69,7 @@ def run_recolor(options: Namespace) -> Answer:
 
 
 def _check_options(options: Namespace) -> None:
+    thread_count(options.workers)
     if not options.palette and options.lut is None:
         raise InputError("Name a palette with --palette, or a lookup table with --lut.")
     if options.palette and options.lut is not None:
@@ -103,7 +105,7 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
     count = options.steps or len(names)
     if count == 1 and not os.path.isdir(options.out):
         target = checked_target(options.out)
-        require_format(target)
+        require_depth(target, options.depth)
         return [target]
     folder = whole_path(options.out)
     if not folder.is_dir():
@@ -116,7 +118,7 @@ def _targets(options: Namespace, names: Sequence[str]) -> list[Path]:
     if len(set(targets)) < len(targets):
         raise InputError("The results would overwrite each other; give the images different names.")
     for target in targets:
-        require_format(checked_target(target) if folder.is_dir() else target)
+        require_depth(checked_target(target) if folder.is_dir() else target, options.depth)
     return targets
 
 

@@ -16,6 +16,9 @@ from ..image_files import ImageFormat, drawn_image, write_image
 FORMATS = {".png": "PNG", ".jpg": "JPEG", ".jpeg": "JPEG", ".tif": "TIFF", ".tiff": "TIFF", ".exr": "OPEN_EXR"}
 """File formats by extension."""
 
+# Bits per channel by format.
+_DEPTHS = {"PNG": ("8", "16"), "TIFF": ("8", "16"), "JPEG": ("8",), "OPEN_EXR": ("16", "32")}
+
 
 def require_format(path: Path) -> str:
     """Return the format of a file to be written; raises InputError if its extension is unknown."""
@@ -25,6 +28,19 @@ def require_format(path: Path) -> str:
             "{name} does not end like an image; name it {stem}.png or {stem}.exr.", name=path.name, stem=path.stem
         )
     return found
+
+
+def require_depth(path: Path, depth: str) -> None:
+    """Raise InputError if a file to be written cannot have this many bits per channel, as for :func:`save_pixels`."""
+    kind = require_format(path)
+    allowed = _DEPTHS[kind]
+    if depth != "automatic" and depth not in allowed:
+        raise InputError(
+            "{kind} files have {allowed} bits a channel, not {depth}.",
+            kind="OpenEXR" if kind == "OPEN_EXR" else kind,
+            allowed=", ".join(allowed),
+            depth=depth,
+        )
 
 
 def save_pixels(pixels: NDArray[np.float32], like: bpy.types.Image, path: Path, depth: str = "automatic") -> None:
@@ -43,9 +59,12 @@ def save_pixels(pixels: NDArray[np.float32], like: bpy.types.Image, path: Path, 
 
     Raises
     ------
+    InputError
+        The format does not have these bits per channel.
     ConvwassError
         Blender or the system could not write the file.
     """
+    require_depth(path, depth)
     kind = require_format(path)
     mode = "RGBA" if kind != "JPEG" and (pixels[..., 3] < 1.0).any() else "RGB"
     colorspace = None if like.is_float else like.colorspace_settings.name
@@ -54,14 +73,6 @@ def save_pixels(pixels: NDArray[np.float32], like: bpy.types.Image, path: Path, 
 
 
 def _depth(kind: str, depth: str, is_float: bool) -> str:
-    allowed = {"PNG": ("8", "16"), "TIFF": ("8", "16"), "JPEG": ("8",), "OPEN_EXR": ("32", "16")}[kind]
-    if depth == "automatic":
-        return "32" if kind == "OPEN_EXR" else "16" if is_float and "16" in allowed else "8"
-    if depth not in allowed:
-        raise InputError(
-            "{kind} files have {allowed} bits a channel, not {depth}.",
-            kind=kind,
-            allowed=", ".join(allowed),
-            depth=depth,
-        )
-    return depth
+    if depth != "automatic":
+        return depth
+    return "32" if kind == "OPEN_EXR" else "16" if is_float and "16" in _DEPTHS[kind] else "8"
