@@ -18,7 +18,7 @@ from .object_copies import copied, copies_of, has_copies
 from .objects import MESHED, checked_vertices, frozen_copy
 from .sequence import MODIFIER, frame_group, mirrors, object_info
 from .shape_sources import ShapeSource, shows_collection
-from .visibility import evaluated_object
+from .visibility import current_objects, evaluated_object
 
 VOLUME_THRESHOLD = 0.1
 """Density of volumes at their surface, as in Blender's Volume to Mesh."""
@@ -68,6 +68,16 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
         bpy.data.batch_remove([obj, mesh])
 
 
+@contextmanager
+def current_shapes(sources: Sequence[ShapeSource], depsgraph: bpy.types.Depsgraph) -> Iterator[None]:
+    """Keep shapes evaluated in their current state during a block of code that reads them with `joined_shape`.
+
+    Blender rebuilds its graph to show hidden parts, here once for all.
+    """
+    with current_objects(_independent_parts(sources), depsgraph):
+        yield
+
+
 def shown_live(tree: bpy.types.NodeTree, parts: Sequence[bpy.types.Object]) -> bpy.types.NodeSocket | None:
     """Return the geometry of a shape in every frame, in world space, for a node group on an object there.
 
@@ -110,6 +120,21 @@ def _is_made_of_others(obj: bpy.types.Object, depsgraph: bpy.types.Depsgraph) ->
     made = nodes_output(obj, depsgraph)
     # A mesh without faces is refused as such.
     return not made.is_mesh and (obj.type != "MESH" or made != NodesOutput())
+
+
+def _independent_parts(sources: Sequence[ShapeSource]) -> list[bpy.types.Object]:
+    """Return the parts of shapes that change no other shape while they are shown.
+
+    Metaballs merge with others, and hidden objects are not copied at particles, or vertices of their parent.
+    """
+    groups = [own.instance_collection for own in bpy.data.particles if own.instance_collection is not None]
+    copied = {obj for group in groups for obj in group.all_objects}
+    parts = [part for source in sources for part in source.parts]
+    return [part for part in parts if part.type != "META" and part not in copied and not _has_copying_parent(part)]
+
+
+def _has_copying_parent(obj: bpy.types.Object) -> bool:
+    return obj.parent is not None and has_copies(obj.parent)
 
 
 def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Mesh:

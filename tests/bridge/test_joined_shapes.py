@@ -13,13 +13,14 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge import shape_sources
+from convwass_addon.bridge import shape_sources, visibility
 from convwass_addon.bridge.flat.choosing import asks_for_flat
 from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_objects import is_flat
 from convwass_addon.bridge.joined_shapes import joined_shape
 from convwass_addon.bridge.morphs.changes import changed_inputs
 from convwass_addon.bridge.morphs.job import MorphJob
+from convwass_addon.bridge.morphs.shape_reading import read_shapes
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_parts
 from convwass_addon.bridge.objects import MESHED, triangle_mesh
 from convwass_addon.bridge.shape_sources import shape_roots, shape_source
@@ -483,6 +484,56 @@ def test_flat_groups_are_told_to_be_joined(bare_scene, inventory, grouping):
         MorphJob(words, path_blends(2, 3), MorphSettings(resolution=32), options, 1)
     assert inventory() == before
     MorphJob(words, path_blends(2, 3), MorphSettings(resolution=32, thickness=0.1), options, 1).discard()
+
+
+def read_all(inputs, grouping, parts="none"):
+    bpy.context.view_layer.update()
+    settings, options = MorphSettings(32, motion="transport", parts=parts), {"grouping": grouping}
+    return read_shapes(inputs, bpy.context.evaluated_depsgraph_get(), settings, options)
+
+
+@pytest.mark.parametrize("parts", ["none", "materials"])
+def test_all_hidden_shapes_are_shown_once_to_be_read(bare_scene, add, monkeypatch, parts):
+    """Blender rebuilds its graph whenever objects are shown."""
+    shapes = [add(f"{name} Body", (4 * number, 0, 0)) for number, name in enumerate("ABC")]
+    for obj in shapes:
+        obj.hide_viewport = True
+    shown, show = [], visibility.shown_objects
+    monkeypatch.setattr(
+        visibility, "shown_objects", lambda objects, scene: shown.append(objects) or show(objects, scene)
+    )
+    found = read_all(shapes, "OBJECTS", parts)
+    assert [mesh.bounds.mean(axis=0)[0] for mesh in found.meshes] == pytest.approx([0.0, 4.0, 8.0])
+    assert shown == [shapes]
+    assert all(obj.hide_viewport for obj in shapes)
+
+
+def hidden_at_vertices(add):
+    copies = copies_at_vertices(add)
+    return copies, add("Hidden", (0, 0, 3), parent=copies)
+
+
+def hidden_at_particles(add):
+    group = new_collection("Group", bpy.context.scene.collection)
+    add("Shown", collection=group)
+    copies = emitter(add, render_type="COLLECTION", instance_collection=group, use_whole_collection=True)
+    return copies, add("Copied", (0, 0, 4), collection=group)
+
+
+def hidden_in_an_instance(add):
+    group = new_collection("Group", bpy.context.scene.collection)
+    add("Shown", collection=group)
+    return instance("Copies", group, (0, 9, 0)), add("Copied", (0, 0, 4), collection=group)
+
+
+@pytest.mark.parametrize("make", [hidden_at_vertices, hidden_at_particles, hidden_in_an_instance])
+def test_shapes_are_the_same_beside_a_hidden_one(add, make):
+    """Some copies leave hidden objects out."""
+    shape, hidden = make(add)
+    plain = add("Plain", (20, 0, 0))
+    plain.hide_viewport = hidden.hide_viewport = True
+    apart = [read(obj).volume for obj in (plain, hidden, shape)]
+    assert [mesh.volume for mesh in read_all([plain, hidden, shape], "OBJECTS").meshes] == pytest.approx(apart)
 
 
 def test_collections_are_morphed_and_restored(bare_scene, add, inventory):

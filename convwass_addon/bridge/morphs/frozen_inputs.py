@@ -15,7 +15,7 @@ from ...errors import InputError
 from ...geometry.alignment import RigidMove
 from ..element_values import element_values
 from ..handles import Handle
-from ..joined_shapes import joined_shape
+from ..joined_shapes import current_shapes, joined_shape
 from ..object_values import ObjectValues
 from ..objects import MESHED, frozen_copy
 from ..shape_sources import ShapeSource
@@ -56,15 +56,15 @@ def frozen_inputs(sources: Sequence[ShapeSource], moves: Sequence[RigidMove | No
     depsgraph = bpy.context.evaluated_depsgraph_get()
     shapes, meshes = [], []
     try:
-        for source, move in zip(sources, moves, strict=True):
-            with joined_shape(source, depsgraph) as obj:
-                meshes.append(frozen_copy(obj, depsgraph, MESHED))
-                if move is not None:
-                    meshes[-1].transform(Matrix(move.matrix))
-                placed = (
-                    np.array(obj.matrix_world) if move is None else np.array(move.matrix) @ np.array(obj.matrix_world)
-                )
-                shapes.append(replace(_described(source, obj, meshes[-1]), own_space=np.linalg.pinv(placed)))
+        with current_shapes(sources, depsgraph):
+            for source, move in zip(sources, moves, strict=True):
+                with joined_shape(source, depsgraph) as obj:
+                    meshes.append(frozen_copy(obj, depsgraph, MESHED))
+                    place = np.array(obj.matrix_world)
+                    if move is not None:
+                        meshes[-1].transform(Matrix(move.matrix))
+                        place = np.array(move.matrix) @ place
+                    shapes.append(replace(_described(source, obj, meshes[-1]), own_space=np.linalg.pinv(place)))
     except InputError:
         bpy.data.batch_remove(meshes)
         raise

@@ -17,7 +17,7 @@ from ...errors import InputError
 from ...geometry.alignment import RigidMove, aligned_meshes
 from ...geometry.mesh import TriangleMesh
 from ..flat.planes import plane_of
-from ..joined_shapes import joined_shape
+from ..joined_shapes import current_shapes, joined_shape
 from ..objects import MESHED, labeled_mesh, triangle_mesh
 from ..shape_sources import OBJECTS, ShapeSource, is_plain, shape_source
 from .morph_guides import guides_of_entries, guides_of_shapes
@@ -78,27 +78,35 @@ def read_shapes(
         requested parts have no match.
     """
     sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
-    names, labels, meshes = [source.name for source in sources], None, []
-    if settings.parts == "none":
-        for source in sources:
-            with joined_shape(source, depsgraph) as obj:
-                meshes.append(triangle_mesh(obj, depsgraph, MESHED))
-    else:
-        labels = []
-        for source in sources:
-            with joined_shape(source, depsgraph) as obj:
-                read = labeled_mesh(obj, depsgraph, settings.parts)
-            meshes.append(read.mesh)
-            labels.append(read.labels)
-        # Checked before anything is created.
-        matched(labels, names)
-    if settings.thickness <= 0:
-        _refuse_flat_groups(sources, meshes)
-    entries = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
-    guides = guides_of_shapes(entries, inputs, meshes, depsgraph)
+    names = [source.name for source in sources]
+    with current_shapes(sources, depsgraph):
+        meshes, labels = _read_meshes(sources, depsgraph, settings.parts)
+        if labels is not None:
+            # Checked before anything is created.
+            matched(labels, names)
+        if settings.thickness <= 0:
+            _refuse_flat_groups(sources, meshes)
+        entries = guides_of_entries(options.get("guides", ())) if settings.heeds_guides else []
+        guides = guides_of_shapes(entries, inputs, meshes, depsgraph)
     alignment, scaling = (options.get(name, "PLACED") for name in ("alignment", "scaling"))
     laid = aligned_meshes(meshes, alignment, scaling, names)
     return ReadShapes(names, laid.meshes, labels, guides, laid.moves)
+
+
+def _read_meshes(
+    sources: Sequence[ShapeSource], depsgraph: bpy.types.Depsgraph, parts: str
+) -> tuple[list[TriangleMesh], list[FaceLabels] | None]:
+    """Return the meshes of shapes in world space, and their parts of a kind; None if that is "none"."""
+    meshes, labels = [], []
+    for source in sources:
+        with joined_shape(source, depsgraph) as obj:
+            if parts == "none":
+                meshes.append(triangle_mesh(obj, depsgraph, MESHED))
+            else:
+                read = labeled_mesh(obj, depsgraph, parts)
+                meshes.append(read.mesh)
+                labels.append(read.labels)
+    return meshes, None if parts == "none" else labels
 
 
 def _refuse_flat_groups(sources: Sequence[ShapeSource], meshes: Sequence[TriangleMesh]) -> None:
