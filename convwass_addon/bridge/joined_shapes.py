@@ -4,13 +4,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from functools import partial
 
 import bpy
+import numpy as np
 
 from ..errors import InputError
-from .element_values import element_values, write_attribute
+from ..geometry.affine import transformed_points
+from .element_values import vectors_of, write_attribute
 from .mesh_checks import not_a_mesh
 from .node_math import joined, named_attribute, new_node, stored_attribute, without_attribute
 from .nodes_output import NodesOutput, has_nodes, nodes_output
@@ -19,6 +22,9 @@ from .objects import MESHED, checked_vertices, frozen_copy
 from .sequence import MODIFIER, frame_group, mirrors, object_info
 from .shape_sources import ShapeSource, shows_collection
 from .visibility import current_objects, evaluated_object
+
+Builder = Callable[[bpy.types.NodeTree], bpy.types.NodeSocket | None]
+"""Adds the nodes of a part to a tree, and returns its mesh in world space; None if it is empty."""
 
 VOLUME_THRESHOLD = 0.1
 """Density of volumes at their surface, as in Blender's Volume to Mesh."""
@@ -56,8 +62,11 @@ def joined_shape(source: ShapeSource, depsgraph: bpy.types.Depsgraph) -> Iterato
     if len(source.parts) == 1 and not needs_joining(source.parts[0], depsgraph):
         yield source.parts[0]
         return
-    with ExitStack() as stack:
-        mesh = _joined(source, depsgraph, stack)
+    temporary: list[bpy.types.ID] = []
+    try:
+        mesh = _joined(source, depsgraph, temporary)
+    finally:
+        bpy.data.batch_remove(temporary)
     obj = bpy.data.objects.new(source.name, mesh)
     obj.color = source.parts[0].color
     # Linked, so that it is evaluated only once.
@@ -137,14 +146,16 @@ def _has_copying_parent(obj: bpy.types.Object) -> bool:
     return obj.parent is not None and has_copies(obj.parent)
 
 
-def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Mesh:
-    """Return a new mesh of all parts; the stack removes temporary data."""
+def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]) -> bpy.types.Mesh:
+    """Return a new mesh of all parts, and add temporary data to a list."""
+    # All parts are read before anything is built, for Blender would rebuild its graph after each.
+    pieces = [_piece(part, depsgraph, temporary) for part in source.parts]
     tree = frame_group(source.name)
-    stack.callback(bpy.data.node_groups.remove, tree)
-    pieces = [_piece(tree, part, depsgraph, stack) for part in source.parts]
-    whole = joined(tree, [piece for piece in pieces if piece is not None])
+    temporary.append(tree)
+    built = [piece(tree) for piece in pieces]
+    whole = joined(tree, [piece for piece in built if piece is not None])
     new_node(tree, "NodeGroupOutput", {"Geometry": whole})
-    probe = _linked(bpy.data.meshes.new(source.name), depsgraph, stack)
+    probe = _linked(_kept_for_now(bpy.data.meshes.new(source.name), temporary), depsgraph, temporary)
     probe.modifiers.new(MODIFIER, "NODES").node_group = tree
     depsgraph.update()
     evaluated = probe.evaluated_get(depsgraph)
@@ -161,64 +172,73 @@ def _joined(source: ShapeSource, depsgraph: bpy.types.Depsgraph, stack: ExitStac
     return mesh
 
 
-def _piece(
-    tree: bpy.types.NodeTree, part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, stack: ExitStack
-) -> bpy.types.NodeSocket | None:
-    """Return the mesh of one part in world space; None if it is empty."""
+def _piece(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]) -> Builder:
+    """Read a part, and return what builds its mesh in world space."""
     if shows_collection(part):
-        return _realized(tree, _as_instance(tree, part))
+        return lambda tree: _realized(tree, _as_instance(tree, part))
     if part.type in _WITH_RADIUS or (part.type in MESHED and _is_made_of_others(part, depsgraph)):
-        return _solids(tree, part, nodes_output(part, depsgraph))
+        return partial(_solids, part=part, made=_checked_output(part, depsgraph))
     if part.type == "VOLUME":
-        return _surface_of_volume(tree, part)
+        return partial(_surface_of_volume, part=part)
     if part.type not in _MESHED:
         raise not_a_mesh(part)
-    mesh = _own_mesh(part, depsgraph)
-    own = None if mesh is None else _geometry_of(tree, _linked(mesh, depsgraph, stack))
-    return _with_copies(tree, part, own, depsgraph, stack) if has_copies(part) else own
+    own = _own_piece(part, depsgraph, temporary)
+    return _with_copies(part, own, depsgraph, temporary) if has_copies(part) else own
+
+
+def _own_piece(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]) -> Builder:
+    """Return what builds the mesh of a part alone."""
+    mesh = _own_mesh(part, depsgraph, temporary)
+    return lambda tree: None if mesh is None else _geometry_of(tree, _linked(mesh, depsgraph, temporary))
 
 
 def _with_copies(
-    tree: bpy.types.NodeTree,
-    part: bpy.types.Object,
-    own: bpy.types.NodeSocket | None,
-    depsgraph: bpy.types.Depsgraph,
-    stack: ExitStack,
-) -> bpy.types.NodeSocket | None:
-    """Return the mesh of a part joined with its copies; see :func:`.object_copies.copies_of`."""
-    found = []
-    for copies in copies_of(part, depsgraph):
-        mesh = _own_mesh(copies.original, depsgraph)
-        if mesh is None:
-            continue
-        source, places = _linked(mesh, depsgraph, stack), _linked(copies.as_points(), depsgraph, stack)
-        instances = copied(tree, _geometry_of(tree, places), _geometry_of(tree, source))
-        found.insert(0, _realized(tree, instances))
-    if own is not None and part.show_instancer_for_render:
-        found.insert(0, own)
-    return joined(tree, found)
+    part: bpy.types.Object, own: Builder, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]
+) -> Builder:
+    """Return what builds the mesh of a part joined with its copies; see :func:`.object_copies.copies_of`."""
+    read = [
+        (_own_piece(copies.original, depsgraph, temporary), _kept_for_now(copies.as_points(), temporary))
+        for copies in copies_of(part, depsgraph)
+    ]
+
+    def built(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:
+        found = []
+        for piece, points in reversed(read):
+            source = piece(tree)
+            if source is not None:
+                places = _geometry_of(tree, _linked(points, depsgraph, temporary))
+                found.append(_realized(tree, copied(tree, places, source)))
+        alone = own(tree) if part.show_instancer_for_render else None
+        return joined(tree, found if alone is None else [alone, *found])
+
+    return built
 
 
-def _own_mesh(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> bpy.types.Mesh | None:
+def _own_mesh(
+    part: bpy.types.Object, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]
+) -> bpy.types.Mesh | None:
     """Return a new mesh of a part; None if it has no faces, such as metaballs joined to others, and paths."""
     with evaluated_object(part, depsgraph) as evaluated:
         is_empty = not len(evaluated.to_mesh().polygons)
         evaluated.to_mesh_clear()
     if is_empty:
         return None
-    mesh = frozen_copy(part, depsgraph, _MESHED)
-    own = mesh.copy()
-    own.transform(part.matrix_world.inverted_safe())
-    positions = element_values(own.vertices, "co", 3)
-    bpy.data.meshes.remove(own)
-    write_attribute(mesh, OWN_POSITION, "FLOAT_VECTOR", positions)
+    mesh = _kept_for_now(frozen_copy(part, depsgraph, _MESHED), temporary)
+    own = transformed_points(vectors_of(mesh.vertices), np.array(part.matrix_world.inverted_safe()))
+    write_attribute(mesh, OWN_POSITION, "FLOAT_VECTOR", own)
     return mesh
 
 
-def _linked(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph, stack: ExitStack) -> bpy.types.Object:
-    """Link a mesh to the scene until the stack is closed."""
+def _kept_for_now(mesh: bpy.types.Mesh, temporary: list[bpy.types.ID]) -> bpy.types.Mesh:
+    """Add a new mesh to the temporary data."""
+    temporary.append(mesh)
+    return mesh
+
+
+def _linked(mesh: bpy.types.Mesh, depsgraph: bpy.types.Depsgraph, temporary: list[bpy.types.ID]) -> bpy.types.Object:
+    """Link a mesh to the scene until the temporary data is removed."""
     obj = bpy.data.objects.new(mesh.name, mesh)
-    stack.callback(bpy.data.batch_remove, [obj, mesh])
+    temporary.append(obj)
     depsgraph.scene.collection.objects.link(obj)
     return obj
 
@@ -255,14 +275,20 @@ def _surface_of_volume(tree: bpy.types.NodeTree, part: bpy.types.Object) -> bpy.
     return new_node(tree, "GeometryNodeVolumeToMesh", inputs).outputs["Mesh"]
 
 
-def _solids(tree: bpy.types.NodeTree, part: bpy.types.Object, made: NodesOutput) -> bpy.types.NodeSocket:
-    """Return all surfaces of a part that is not only a mesh; raises InputError if strands or points lack a radius."""
+def _checked_output(part: bpy.types.Object, depsgraph: bpy.types.Depsgraph) -> NodesOutput:
+    """Return what a part consists of; raises InputError if that is only strands or points without a radius."""
+    made = nodes_output(part, depsgraph)
     if made == NodesOutput(lacks_radius=True):
         raise InputError(
             "{name} has strands or points without a radius, so there is nothing solid: give them one with Geometry "
             "Nodes (Set Curve Radius, Set Point Radius).",
             name=part.name,
         )
+    return made
+
+
+def _solids(tree: bpy.types.NodeTree, part: bpy.types.Object, made: NodesOutput) -> bpy.types.NodeSocket:
+    """Return all surfaces of a part that is not only a mesh."""
     realized = _realized(tree, _as_instance(tree, part))
     kinds = new_node(tree, "GeometryNodeSeparateComponents", {"Geometry": realized}).outputs
     found = [kinds["Mesh"]]

@@ -13,7 +13,7 @@ import pytest
 from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge import shape_sources, visibility
+from convwass_addon.bridge import joined_shapes, shape_sources, visibility
 from convwass_addon.bridge.flat.choosing import asks_for_flat
 from convwass_addon.bridge.flat.flat_kinds import looks_flat
 from convwass_addon.bridge.flat.flat_objects import is_flat
@@ -534,6 +534,22 @@ def test_shapes_are_the_same_beside_a_hidden_one(add, make):
     plain.hide_viewport = hidden.hide_viewport = True
     apart = [read(obj).volume for obj in (plain, hidden, shape)]
     assert [mesh.volume for mesh in read_all([plain, hidden, shape], "OBJECTS").meshes] == pytest.approx(apart)
+
+
+def test_all_parts_are_read_before_anything_is_built(bare_scene, add, monkeypatch, inventory):
+    """Blender would rebuild its graph after each part."""
+    group = new_collection("Group", bare_scene.collection)
+    parts = [add(f"{name} Body", (4 * number, 0, 0), collection=group) for number, name in enumerate("ABC")]
+    before, built, copy = inventory(), [], joined_shapes.frozen_copy
+
+    def counted(*settings):
+        built.append((len(bpy.data.objects), len(bpy.data.node_groups)))
+        return copy(*settings)
+
+    monkeypatch.setattr(joined_shapes, "frozen_copy", counted)
+    assert read(parts[0], "COLLECTIONS").volume == pytest.approx(3 * OCTAHEDRON)
+    assert built == [(len(bpy.data.objects), len(bpy.data.node_groups))] * 3
+    assert inventory() == before
 
 
 def test_collections_are_morphed_and_restored(bare_scene, add, inventory):
