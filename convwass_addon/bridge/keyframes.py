@@ -70,8 +70,15 @@ def key_scale(obj: bpy.types.Object, action: bpy.types.Action, axis: int, keys: 
 
 def is_shown(obj: bpy.types.Object, frame: float) -> bool:
     """Return whether an object is rendered at a scene frame, by its keys or else by its current setting."""
+    return shown_during(obj, [frame])[0]
+
+
+def shown_during(obj: bpy.types.Object, frames: Iterable[float]) -> list[bool]:
+    """Return for several scene frames what `is_shown` returns; the keys of the object are looked up once."""
     curve = _render_curve(obj)
-    return curve.evaluate(frame) < 0.5 if curve and not curve.mute else not obj.hide_render
+    if curve and not curve.mute:
+        return [curve.evaluate(frame) < 0.5 for frame in frames]
+    return [not obj.hide_render for _ in frames]
 
 
 def shown_from(obj: bpy.types.Object) -> float | None:

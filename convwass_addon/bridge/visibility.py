@@ -6,11 +6,12 @@ from __future__ import annotations
 
 from collections.abc import Container, Iterable, Iterator, Sequence
 from contextlib import contextmanager
+from itertools import compress
 
 import bpy
 
 from .animation_time import returning, show_time
-from .keyframes import curves_of, drivers_of, is_shown
+from .keyframes import curves_of, drivers_of, shown_during
 
 
 def shown_at(objects: Sequence[bpy.types.Object], times: Iterable[float]) -> list[tuple[bpy.types.Object, ...]]:
@@ -21,7 +22,8 @@ def shown_at(objects: Sequence[bpy.types.Object], times: Iterable[float]) -> lis
     """
     times = list(times)
     if all(_has_only_keys(obj) for obj in objects):
-        return [tuple(obj for obj in objects if is_shown(obj, time)) for time in times]
+        found = [shown_during(obj, times) for obj in objects]
+        return [tuple(compress(objects, shown)) for shown in zip(*found, strict=True)] if objects else [()] * len(times)
     scene, found = bpy.context.scene, []
     with shown_objects(objects, scene), returning(scene):
         for time in times:

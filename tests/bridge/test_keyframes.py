@@ -7,7 +7,9 @@ from __future__ import annotations
 import bpy
 import pytest
 
+from convwass_addon.bridge import keyframes
 from convwass_addon.bridge.keyframes import FrameRange, curves_of, is_tweaked, key_visibility, take_animation
+from convwass_addon.bridge.visibility import shown_at
 
 
 def visible_frames(obj, frames):
@@ -63,6 +65,19 @@ def test_one_action_serves_many_objects(make_object):
         key_visibility(obj, action, [FrameRange(number, number)])
     assert [visible_frames(obj, range(4)) for obj in objects] == [[0], [1], [2]]
     assert len(action.slots) == 3
+
+
+def test_the_keys_of_an_object_are_looked_up_once_for_all_times(make_object, monkeypatch):
+    objects, action = [make_object(name) for name in "ABC"], bpy.data.actions.new("Visibility")
+    for number, obj in enumerate(objects[:2]):
+        key_visibility(obj, action, [FrameRange(number, number + 1)])
+    objects[2].hide_render = True
+    looked_up = []
+    monkeypatch.setattr(keyframes, "curves_of", lambda obj, path=None: looked_up.append(obj) or curves_of(obj, path))
+    first, second, _ = objects
+    assert shown_at(objects, range(4)) == [(first,), (first, second), (second,), ()]
+    assert looked_up == objects
+    assert shown_at([], range(2)) == [(), ()]
 
 
 def test_some_animation_is_taken_without_the_rest(make_object, bare_scene):
