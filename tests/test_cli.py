@@ -673,6 +673,14 @@ def test_guides_that_cannot_be_used_are_refused(shapes, tmp_path, capfd, text, m
     assert not out.exists()
 
 
+def test_an_entropy_limit_that_no_blend_meets_is_refused(shapes, tmp_path, capfd):
+    out = tmp_path / "morph.blend"
+    words = [*cube_and_ball(shapes), *QUICK, "--motion", "transport", "--entropy-limit", "-20", "--out", str(out)]
+    assert cli.main(["morph", *words]) == 3
+    assert "No blend on this grid has an entropy as low as -20" in capfd.readouterr().err
+    assert not out.exists()
+
+
 @pytest.mark.parametrize("options", [["--motion", "transport"], ["--coherence", "0"]])
 def test_guides_without_effect_are_reported(shapes, tmp_path, capfd, options):
     file = tmp_path / "guides.json"

@@ -247,6 +247,7 @@ def test_distances_from_a_vertex(files, tmp_path, capfd):
         ),
         (["{in}/scene.blend:Ball", "--blend", "East=1"], 3, "at least two groups"),
         (["{in}/scene.blend:Ball", "--blend", "East=-1"], 3, "Weights must be zero or positive numbers"),
+        (["{in}/scene.blend:Ball", "--from", "East", "--to", "North", "--entropy-limit", "-20"], 3, "as low as -20"),
         (["{in}/scene.blend:Ball", "--blend", "East=0"], 3, "All weights are zero"),
         (["{in}/scene.blend:Ball", "--through", "East"], 3, "at least two groups"),
         (["{in}/scene.blend:Ball", "--matrix", "--blur", "0.001"], 3, "finer than the mesh"),

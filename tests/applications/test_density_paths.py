@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from hypothesis import given, settings, strategies as st
 
 from convwass_addon.applications import memory
 from convwass_addon.applications.background import BackgroundJob
+from convwass_addon.applications.densities.density_graphs import propagation_steps
 from convwass_addon.applications.densities.density_paths import blend_steps, interpolation_steps, path_steps
 from convwass_addon.applications.densities.density_settings import DensitySettings
 from convwass_addon.applications.densities.surface_densities import density_surface
@@ -91,6 +93,21 @@ def test_an_entropy_bound_in_nats_holds():
     ends = cap(SPHERE, 0.0), cap(SPHERE, FAR)
     frames = drained(interpolation_steps(*ends, SPHERE, DensitySettings(steps=4, entropy_limit=-2.5)))
     assert max(figures["entropy"] for figures in frames.records) < -2.5 + 1e-3
+
+
+def test_an_entropy_bound_that_no_density_meets_is_refused():
+    """The least entropy is that of a unit mass at the vertex with the smallest area."""
+    least = np.log(SPHERE.weights.min())
+    ends, shown = [cap(SPHERE, 0.0), cap(SPHERE, FAR)], f"a single vertex has {least:.2f}"
+    settings = DensitySettings(steps=4, entropy_limit=float(least) - 0.01)
+    for work in (
+        path_steps(ends, "AB", SPHERE, settings),
+        blend_steps(ends, "AB", [1, 1], SPHERE, settings),
+        propagation_steps([(0, 1)], {0: ends[0]}, SPHERE, settings, "AB"),
+    ):
+        with pytest.raises(InputError, match=shown):
+            next(work)
+    next(path_steps(ends, "AB", SPHERE, replace(settings, entropy_limit=float(least) + 0.01)))
 
 
 def test_a_path_reaches_its_keys_at_their_times():

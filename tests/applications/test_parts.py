@@ -2,6 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 from __future__ import annotations
 
+from dataclasses import replace
+
 import hypothesis.strategies as st
 import numpy as np
 import pytest
@@ -253,6 +255,14 @@ def test_a_bound_of_the_entropy_is_shared_out():
     entropies = [-(d[d > 0] * np.log(d[d > 0])).mean() * (d > 0).mean() for d in densities]
     assert entropies[0] == pytest.approx(-2.5, abs=0.02)
     assert entropies[1] == pytest.approx(-2.5, abs=0.02)
+
+
+@pytest.mark.parametrize("labels", [None, [of_pair("x", "y")] * 2])
+def test_a_bound_below_the_entropy_of_a_cell_is_refused(labels):
+    shapes = [pair(0.5, 0.5)] * 2
+    least = -np.log(np.prod(Lattice.around(shapes, QUICK.resolution, QUICK.sigma).shape))
+    with pytest.raises(InputError, match=f"a single cell has {least:.2f}"):
+        blended(shapes, labels, [0.5, 0.5], replace(QUICK, entropy_limit=float(least) - 0.01))
 
 
 def test_threads_and_parts_count_as_memory(monkeypatch):

@@ -91,6 +91,21 @@ def record(
     }
 
 
+def require_reachable_limit(surface: Surface, settings: DensitySettings) -> None:
+    """Refuse an entropy limit that no density on a surface meets; raises InputError.
+
+    The density of the least entropy is a unit mass at the vertex with the smallest area.
+    """
+    limit, least = settings.entropy_limit, float(np.log(surface.weights.min()))
+    if limit is not None and not isinstance(limit, str) and limit < least:
+        raise InputError(
+            "No density on this mesh has an entropy as low as {limit:g}: a single vertex has {least:.2f}. Raise the "
+            "entropy limit.",
+            limit=limit,
+            least=least,
+        )
+
+
 def comparable(
     weights: Sequence[ArrayLike], names: Sequence[str], surface: Surface, settings: DensitySettings
 ) -> NDArray[np.float64]:
@@ -99,8 +114,10 @@ def comparable(
     Raises
     ------
     InputError
-        Fewer than two densities, the wrong number of names, invalid weights, or different components.
+        Fewer than two densities, the wrong number of names, invalid weights, different components, or an entropy limit
+        that no density meets.
     """
+    require_reachable_limit(surface, settings)
     if len(weights) != len(names):
         raise InputError("There are {groups} groups and {names} names.", groups=len(weights), names=len(names))
     if len(weights) < 2:

@@ -18,7 +18,7 @@ from ...progress import UNINTERRUPTED, Control, Progress, Work, within
 from ...sentence import Sentence, first_names
 from ...transport import Surface
 from ...transport.propagation import propagation
-from .density_frames import DensityFrames, record
+from .density_frames import DensityFrames, record, require_reachable_limit
 from .density_memory import check_frames_memory
 from .density_pieces import on_same_pieces
 from .density_preparing import preparing_levels
@@ -79,6 +79,7 @@ def propagation_steps(
     shares = _edge_weights(edge_weights, len(pairs))
     places = sorted(fixed)
     given_names = [known[place] for place in places]
+    require_reachable_limit(surface, settings)
     given = np.stack([distribution(fixed[place], surface, known[place]) for place in places])
     given = on_same_pieces(given, given_names, surface, settings.pieces == "match")
     check_frames_memory(surface, size, len(pairs))

@@ -63,7 +63,9 @@ def sketchable_problem(
             volumes.append(own)
             message = Sentence("Voxelized {name}", {"name": names[index]})
             yield Progress(VOXEL_SHARE * (index + 1) / len(shapes), message)
-    return MorphProblem.for_sketches(joined(matching, volumes), lattice, settings, shapes)
+    problem = MorphProblem.for_sketches(joined(matching, volumes), lattice, settings, shapes)
+    problem.transport.require_reachable_limit()
+    return problem
 
 
 def with_connectivity(problem: MorphProblem, threads: int, control: Control = UNINTERRUPTED) -> MorphProblem:

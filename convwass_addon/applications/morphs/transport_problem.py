@@ -10,6 +10,7 @@ from typing import Literal, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
+from ...errors import InputError
 from ...transport import Grid, Inputs
 from .interpolated_volumes import interpolated_volumes
 from .layouts import Blend
@@ -139,6 +140,23 @@ class TransportProblem:
     def blend_volumes(self, blend: Blend) -> NDArray[np.float64]:
         """Volumes of the parts of a blend in cells, (p,)."""
         return interpolated_volumes(blend.weights, [part.volumes for part in self.parts], self.settings.growth)
+
+    def require_reachable_limit(self) -> None:
+        """Refuse an entropy limit that no density on the grid meets: less than that of one full cell.
+
+        Raises
+        ------
+        InputError
+            The message names the least limit that is possible.
+        """
+        limit, least = self.settings.entropy_limit, -float(np.log(np.prod(self.lattice.shape)))
+        if limit is not None and not isinstance(limit, str) and limit < least:
+            raise InputError(
+                "No blend on this grid has an entropy as low as {limit:g}: a single cell has {least:.2f}. Raise the "
+                "entropy limit, or set it to As the Inputs.",
+                limit=limit,
+                least=least,
+            )
 
     def entropy_limits(self, volumes: NDArray[np.float64]) -> list[Literal["max"] | float | None]:
         """Return entropy bounds for the parts of a blend with these volumes, (p,).
