@@ -19,7 +19,7 @@ from ...geometry.mesh import TriangleMesh
 from ..flat.planes import plane_of
 from ..joined_shapes import current_shapes, joined_shape
 from ..objects import MESHED, labeled_mesh, triangle_mesh
-from ..shape_sources import OBJECTS, ShapeSource, is_plain, shape_source
+from ..shape_sources import OBJECTS, ShapeSource, is_plain, shape_sources
 from .morph_guides import guides_of_entries, guides_of_shapes
 
 if TYPE_CHECKING:
@@ -77,7 +77,7 @@ def read_shapes(
         An input has no faces, no size, or is not a mesh; or several objects or instances form a flat shape; or the
         requested parts have no match.
     """
-    sources = [shape_source(obj, options.get("grouping", OBJECTS)) for obj in inputs]
+    sources = shape_sources(inputs, options.get("grouping", OBJECTS))
     names = [source.name for source in sources]
     with current_shapes(sources, depsgraph):
         meshes, labels = _read_meshes(sources, depsgraph, settings.parts)
