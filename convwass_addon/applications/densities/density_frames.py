@@ -96,8 +96,12 @@ def require_reachable_limit(surface: Surface, settings: DensitySettings) -> None
 
     The density of the least entropy is a unit mass at the vertex with the smallest area.
     """
-    limit, least = settings.entropy_limit, float(np.log(surface.weights.min()))
-    if limit is not None and not isinstance(limit, str) and limit < least:
+    limit = settings.entropy_limit
+    if limit is None or isinstance(limit, str):
+        return
+    # Loose vertices have no area, and no mass.
+    least = float(np.log(surface.weights[surface.weights > 0.0].min()))
+    if limit < least:
         raise InputError(
             "No density on this mesh has an entropy as low as {limit:g}: a single vertex has {least:.2f}. Raise the "
             "entropy limit.",

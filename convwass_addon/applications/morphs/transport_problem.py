@@ -149,8 +149,11 @@ class TransportProblem:
         InputError
             The message names the least limit that is possible.
         """
-        limit, least = self.settings.entropy_limit, -float(np.log(np.prod(self.lattice.shape)))
-        if limit is not None and not isinstance(limit, str) and limit < least:
+        limit = self.settings.entropy_limit
+        if limit is None or isinstance(limit, str):
+            return
+        least = -float(np.log(self.lattice.shape).sum())
+        if limit < least:
             raise InputError(
                 "No blend on this grid has an entropy as low as {limit:g}: a single cell has {least:.2f}. Raise the "
                 "entropy limit, or set it to As the Inputs.",
