@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import bpy
 
+from .visibility import objects_in_scenes
+
 _NUMBER = re.compile(r"\.[0-9]{3,}$")
 
 
@@ -71,7 +73,7 @@ def objects_named(names: Sequence[ObjectName]) -> list[bpy.types.Object | None]:
     there: dict[str, list[bpy.types.Object]] = {name.name: [] for name in names}
     named = [obj for obj in bpy.data.objects if obj.name in there]
     # Deleted objects may still exist if something refers to them.
-    in_scenes = {obj for scene in bpy.data.scenes for obj in scene.objects} if named else set()
+    in_scenes = objects_in_scenes() if named else set()
     for obj in named:
         if obj in in_scenes:
             there[obj.name].append(obj)

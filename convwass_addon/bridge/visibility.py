@@ -135,6 +135,11 @@ def layers_with(obj: bpy.types.Object, scenes: Iterable[bpy.types.Scene]) -> lis
     return [layer for scene in scenes for layer in scene.view_layers if is_in(layer, obj)]
 
 
+def objects_in_scenes() -> set[bpy.types.Object]:
+    """Return the objects of all scenes; `users_scene` of an object searches the file for that object alone."""
+    return {obj for scene in bpy.data.scenes for obj in scene.objects}
+
+
 def is_in(layer: bpy.types.ViewLayer, obj: bpy.types.Object) -> bool:
     """Return whether a view layer has an object; a linked object may share its name with another one."""
     found = layer.objects.get(obj.name)

@@ -9,7 +9,7 @@ from types import SimpleNamespace
 import bpy
 import pytest
 
-from convwass_addon.bridge import object_names
+from convwass_addon.bridge import object_names, visibility
 from convwass_addon.bridge.morphs import hidden_inputs
 from convwass_addon.bridge.morphs.hidden_inputs import (
     copy_hidden,
@@ -164,7 +164,7 @@ def test_instances_of_a_collection_are_looked_at_together(parts, monkeypatch):
     monkeypatch.setattr(hidden_inputs, "_lost_in_renders", lambda _: parts[:1])
     shown, looked_at = hidden_inputs._instanced, []
     monkeypatch.setattr(hidden_inputs, "_instanced", lambda own: looked_at.append(own) or shown(own))
-    searches = counted_searches(monkeypatch, hidden_inputs)
+    searches = counted_searches(monkeypatch, hidden_inputs, visibility)
     assert instances_without(morph) == (names, [parts[0].name])
     assert looked_at == [figure]
     assert searches == {"objects": 1, "scenes": 1}
@@ -174,7 +174,7 @@ def test_objects_of_several_names_are_found_in_one_search(parts, monkeypatch):
     names = [object_names.ObjectName.of(part) for part in parts]
     parts[1].use_fake_user = True
     bpy.context.scene.collection.objects.unlink(parts[1])
-    searches = counted_searches(monkeypatch, object_names)
+    searches = counted_searches(monkeypatch, object_names, visibility)
     assert object_names.objects_named(names) == [parts[0], None, *parts[2:]]
     assert searches == {"objects": 1, "scenes": 1}
 

@@ -12,7 +12,7 @@ import pytest
 
 from convwass_addon.applications.live.live_settings import LiveSettings
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
-from convwass_addon.bridge import handles
+from convwass_addon.bridge import handles, visibility
 from convwass_addon.bridge.live import input_watch
 from convwass_addon.bridge.live.input_watch import InputWatch
 from convwass_addon.bridge.live.leftovers import ignore_undo, remove_leftovers
@@ -189,7 +189,7 @@ def test_the_inputs_are_looked_after_in_one_search(make_object, monkeypatch):
     bpy.data.objects.remove(parts[3])
     bpy.context.scene.collection.objects.unlink(parts[2])
     parts[2].use_fake_user = True
-    searches = counted_searches(monkeypatch, input_watch, handles)
+    searches = counted_searches(monkeypatch, input_watch, handles, visibility)
     assert watch.lost == removed
     assert searches == {"objects": 1, "scenes": 1}
     searches.clear()

@@ -13,6 +13,7 @@ from ..element_values import element_values
 from ..handles import Handle, found, found_or_none
 from ..morphs.changes import signature
 from ..shape_sources import ShapeSource
+from ..visibility import objects_in_scenes
 
 
 class InputWatch:
@@ -50,7 +51,7 @@ class InputWatch:
     @property
     def lost(self) -> list[str]:
         """Names of deleted objects."""
-        in_scenes = {obj for scene in bpy.data.scenes for obj in scene.objects}
+        in_scenes = objects_in_scenes()
         # None is in no scene, either.
         there = zip(self._names, found_or_none(self._objects), strict=True)
         return [name for name, obj in there if obj not in in_scenes]

@@ -16,7 +16,7 @@ from ...errors import ConvwassError
 from ..keyframes import is_animated_property
 from ..object_names import ObjectName, objects_named
 from ..shape_sources import OBJECTS, shape_sources, shows_collection
-from ..visibility import layers_with
+from ..visibility import layers_with, objects_in_scenes
 from .stored import MORPH_KEY, copied_inputs, stored_morph
 
 HIDDEN_KEY = "convwass_hidden"
@@ -113,7 +113,7 @@ def instances_without(morph: bpy.types.ID) -> tuple[list[str], list[str]]:
     if not hidden:
         return [], []
     empties = [obj for obj in bpy.data.objects if shows_collection(obj) and not obj.hide_render]
-    in_scenes = {obj for scene in bpy.data.scenes for obj in scene.objects} if empties else set()
+    in_scenes = objects_in_scenes() if empties else set()
     shown = {obj.name: obj.instance_collection for obj in empties if obj in in_scenes}
     lacking = {collection: hidden & _instanced(collection) for collection in set(shown.values())}
     lost = {obj.name for objects in lacking.values() for obj in objects}
