@@ -118,6 +118,31 @@ def switch(
     return new_node(tree, "GeometryNodeSwitch", inputs, input_type=kind).outputs["Output"]
 
 
+def pick(
+    tree: bpy.types.NodeTree, kind: str, index: bpy.types.NodeSocket, items: Sequence[object]
+) -> bpy.types.NodeSocket:
+    """Return the item at `index`.
+
+    Parameters
+    ----------
+    tree : bpy.types.NodeTree
+        Node group of the switch.
+    kind : str
+        Type of the items, such as "GEOMETRY" or "VECTOR".
+    index : bpy.types.NodeSocket
+        An integer.
+    items : sequence
+        Sockets, or constant values.
+    """
+    node = tree.nodes.new("GeometryNodeIndexSwitch")
+    node.data_type = kind
+    node.index_switch_items.clear()
+    for _ in items:
+        node.index_switch_items.new()
+    feed(tree, node.inputs, [index, *items])
+    return node.outputs["Output"]
+
+
 def joined(tree: bpy.types.NodeTree, geometries: Sequence[bpy.types.NodeSocket]) -> bpy.types.NodeSocket:
     """Return geometries as one, in their order."""
     node = tree.nodes.new("GeometryNodeJoinGeometry")

@@ -4,63 +4,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 
 import bpy
 import numpy as np
 
 from .morphs.frame_attributes import VELOCITY
 from .node_math import feed, joined, new_node, stored_attribute, switch
-from .scratch_scene import scratch_animation
 
 MODIFIER = "Frames"
 """Name of the modifier that selects the mesh."""
-
-
-@contextmanager
-def mesh_sequences(
-    shown: Mapping[str, Sequence[tuple[bpy.types.Object, ...]]], first_frame: int
-) -> Iterator[list[bpy.types.Object]]:
-    """Run a block of code in a temporary scene of objects that show the meshes of others, frame by frame.
-
-    All versions of Blender export each as a single mesh of changing topology, whereas exporters treat objects that are
-    shown in turn differently.
-
-    Parameters
-    ----------
-    shown : mapping of str to sequence of tuple of bpy.types.Object
-        Objects at the origin, shown at `first_frame`, the frame after it, and so on, by the name of the object that
-        shows them, its mesh and its node group. All sequences have the same length.
-    first_frame : int
-        The first frame of the scene, and its current one; 0 instead if it is before, where no scene begins.
-
-    Yields
-    ------
-    list of bpy.types.Object
-        The objects that show the sequences.
-    """
-    first_frame = max(first_frame, 0)
-    made = [_sequence(name, groups, first_frame) for name, groups in shown.items()]
-    try:
-        with scratch_animation(first_frame, first_frame + max(map(len, shown.values())) - 1) as scene:
-            for obj in made:
-                scene.collection.objects.link(obj)
-            scene.frame_set(first_frame)
-            yield made
-    finally:
-        trees = [obj.modifiers[MODIFIER].node_group for obj in made]
-        bpy.data.batch_remove([*made, *(obj.data for obj in made), *trees])
-
-
-def _sequence(name: str, shown: Sequence[tuple[bpy.types.Object, ...]], first_frame: int) -> bpy.types.Object:
-    """Create an object that shows the meshes of others from a frame on."""
-    tree = frame_group(name)
-    time = tree.nodes.new("GeometryNodeInputSceneTime").outputs["Frame"]
-    index = nearest(tree, own_geometry(tree), along_x(tree, time))
-    joints = {objects: _joint(tree, objects) for objects in set(shown)}
-    output(tree, pick(tree, "GEOMETRY", index, [joints[objects] for objects in shown]), len(shown))
-    return table_object(name, [(first_frame + place, 0.0, 0.0) for place in range(len(shown))], tree)
 
 
 def frame_group(name: str) -> bpy.types.NodeTree:
@@ -130,31 +83,6 @@ def nearest(tree: bpy.types.NodeTree, table: bpy.types.NodeSocket, place: bpy.ty
     """Return the row of a table that is nearest to a point."""
     inputs = {"Geometry": table, "Sample Position": place}
     return new_node(tree, "GeometryNodeSampleNearest", inputs, domain="POINT").outputs["Index"]
-
-
-def pick(
-    tree: bpy.types.NodeTree, kind: str, index: bpy.types.NodeSocket, items: Sequence[object]
-) -> bpy.types.NodeSocket:
-    """Return the item at `index`.
-
-    Parameters
-    ----------
-    tree : bpy.types.NodeTree
-        Node group of the switch.
-    kind : str
-        Type of the items, such as "GEOMETRY" or "VECTOR".
-    index : bpy.types.NodeSocket
-        An integer.
-    items : sequence
-        Sockets, or constant values.
-    """
-    node = tree.nodes.new("GeometryNodeIndexSwitch")
-    node.data_type = kind
-    node.index_switch_items.clear()
-    for _ in items:
-        node.index_switch_items.new()
-    feed(tree, node.inputs, [index, *items])
-    return node.outputs["Output"]
 
 
 def object_info(tree: bpy.types.NodeTree, obj: bpy.types.Object, *, space: str = "ORIGINAL") -> bpy.types.Node:
@@ -228,8 +156,3 @@ def output(tree: bpy.types.NodeTree, geometry: bpy.types.NodeSocket, rows: int) 
     inputs = {"Geometry": both, "Selection": is_table}
     shown = new_node(tree, "GeometryNodeDeleteGeometry", inputs).outputs["Geometry"]
     new_node(tree, "NodeGroupOutput", {"Geometry": shown})
-
-
-def _joint(tree: bpy.types.NodeTree, objects: tuple[bpy.types.Object, ...]) -> bpy.types.NodeSocket:
-    """Return the geometry of all objects."""
-    return joined(tree, [object_info(tree, obj).outputs["Geometry"] for obj in reversed(objects)])

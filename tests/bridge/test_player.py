@@ -311,6 +311,16 @@ def test_the_way_back(collection, inventory, taken):
     assert heights(frames) == shown
 
 
+def test_the_way_back_with_nested_node_groups(make_object, octahedron, inventory):
+    shapes = [make_object(name) for name in "AB"]
+    path = bake(shapes, path_blends(2, 40), octahedron)
+    before = inventory()
+    make_player(path, between="INTERPOLATED")
+    assert max(len(tree.nodes) for tree in bpy.data.node_groups if "Frames" in tree.name) < 40
+    remove_stand_ins(path)
+    assert inventory() == before
+
+
 def test_the_way_back_after_the_player_was_deleted(collection):
     shown = heights([FIRST + 1])
     bpy.data.objects.remove(make_player(collection))

@@ -9,8 +9,8 @@ from collections.abc import Sequence
 import bpy
 
 from ..heat_map import fill_ramp
-from ..node_math import feed, math_node, named_attribute, new_node, stored_attribute, sum_over, switch
-from ..sequence import frame_group, own_geometry, pick
+from ..node_math import feed, math_node, named_attribute, new_node, pick, stored_attribute, sum_over, switch
+from ..sequence import frame_group, own_geometry
 
 VALUE = "Density"
 """The animatable input of the modifier: 0 is the first frame, 1 the last."""

@@ -18,11 +18,13 @@ from ...applications.morphs.layouts import Blend, grid_blends, triangle_blends
 from ...errors import InputError
 from ...progress import Work, drained
 from ..element_values import vectors_of
-from ..node_math import joined, math_node, new_node, switch
+from ..node_math import joined, math_node, new_node, pick, switch
+from ..node_trees import node_trees
 from ..pad_handles import pad_handle, pad_labels, pad_lines
 from ..render_settings import take_render_settings
-from ..sequence import MODIFIER, frame_group, nearest, object_info, output, pick, table_object
-from .frame_colors import color_of, colored, colored_materials, seen_materials
+from ..sequence import MODIFIER, frame_group, nearest, object_info, output, table_object
+from .frame_colors import colored, colored_materials, seen_materials
+from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, INTERPOLATE
 from .pad_velocity import HANDLE_VELOCITY
 from .sheet_mixture import SheetLattice, mixed_sheet, sheet_columns
@@ -152,9 +154,9 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str) -> Work[B
     result = _linked(parts, _result(sheet, pad, handle, fields))
     result.location = sheet.feet[0]
     result[PLACE_KEY] = result.location
-    trees = [obj.modifiers[MODIFIER].node_group for obj in parts.objects if MODIFIER in obj.modifiers]
-    made = [material for tree in trees for material in colored_materials(tree)]
-    adopt(collection, [parts, *parts.objects, *trees, *made])
+    shown = [obj.modifiers[MODIFIER].node_group for obj in parts.objects if MODIFIER in obj.modifiers]
+    trees = [tree for own in shown for tree in node_trees(own)]
+    adopt(collection, [parts, *parts.objects, *trees, *colored_materials(trees)])
     set_shown(collection, False)
     return BlendPad(pad, handle, result)
 
@@ -243,18 +245,16 @@ def _copies(sheet: _Sheet, pad: bpy.types.Object) -> bpy.types.Object:
     shown = []
     scale = COPY * sheet.side / sheet.size
     corners = [sheet.frames[corner] for corner in sheet.corners]
-    for place, (corner, foot) in enumerate(zip(sheet.corners, sheet.feet, strict=True)):
+    for frame, corner, foot in zip(corners, sheet.corners, sheet.feet, strict=True):
         shift = -(2.6 * TEXT + COPY) if sheet.points[corner, 2] < 0.0 else 2.4 * TEXT
-        number = new_node(tree, "FunctionNodeInputInt", integer=place)
         lifted = sheet.points[corner] + np.array([0.0, 0.0, shift * sheet.side])
         inputs = {
             "Scale": (scale, scale, scale),
             "Translation": lifted - scale * foot,
-            "Geometry": object_info(tree, corners[place]).outputs["Geometry"],
+            "Geometry": object_info(tree, frame).outputs["Geometry"],
         }
         small = new_node(tree, "GeometryNodeTransform", inputs)
-        color = color_of(tree, number.outputs["Integer"], corners)
-        shown.append(colored(tree, small.outputs["Geometry"], color, corners))
+        shown.append(colored(tree, small.outputs["Geometry"], tuple(frame.color), corners))
     output(tree, joined(tree, shown), 1)
     copies = table_object(tree.name, [(0.0, 0.0, 0.0)], tree, seen_materials(tree, corners))
     copies.parent = pad
@@ -281,11 +281,12 @@ def _result(
     drawn = object_info(tree, pad)
     place = _place_on(tree, drawn, handle)
     index = nearest(tree, drawn.outputs["Geometry"], place)
-    meshes = [object_info(tree, obj).outputs["Geometry"] for obj in sheet.frames]
+    blends = FrameSwitch.of("Blend", sheet.frames)
+    blend = blends.at(tree, index)
     shifts = [tuple(-foot) for foot in sheet.weights @ sheet.feet]
-    inputs = {"Geometry": pick(tree, "GEOMETRY", index, meshes), "Translation": pick(tree, "VECTOR", index, shifts)}
+    inputs = {"Geometry": blend["Geometry"], "Translation": pick(tree, "VECTOR", index, shifts)}
     moved = new_node(tree, "GeometryNodeTransform", inputs)
-    shown, color = moved.outputs["Geometry"], color_of(tree, index, sheet.frames)
+    shown, color = moved.outputs["Geometry"], blend["Color"]
     if fields is not None:
         for name in (INTERPOLATE, DETAIL):
             tree.interface.new_socket(name, in_out="INPUT", socket_type="NodeSocketBool").default_value = True
@@ -293,7 +294,7 @@ def _result(
         velocity.description = "Velocity of the handle in local space of the pad, for motion blur"
         inputs = tree.nodes.new("NodeGroupInput").outputs
         handle_velocity = inputs[HANDLE_VELOCITY]
-        mixed = mixed_sheet(tree, fields, sheet.frames, sheet.lattice, place, inputs[DETAIL], handle_velocity)
+        mixed = mixed_sheet(tree, fields, blends, sheet.lattice, place, inputs[DETAIL], handle_velocity)
         interpolates = math_node(tree, "GREATER_THAN", inputs[INTERPOLATE], mixed.is_shape)
         shown = switch(tree, "GEOMETRY", interpolates, shown, mixed.geometry)
         color = switch(tree, "RGBA", interpolates, color, mixed.color)

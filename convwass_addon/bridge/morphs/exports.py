@@ -20,6 +20,7 @@ from ...drafts import new_draft
 from ...errors import ConvwassError, InputError
 from ..element_values import element_values
 from ..files import checked_target, file_stem
+from ..mesh_sequences import mesh_sequences
 from ..numbered_files import numbered_paths
 from ..objects import world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
@@ -27,7 +28,6 @@ from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
 from ..scene_writing import require_written, write_alembic, write_still_gltf, write_usd
 from ..scratch_scene import scratch_animation, scratch_scene
-from ..sequence import mesh_sequences
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
 from .materials import plain_copy, shows_color_attribute, shows_object_color

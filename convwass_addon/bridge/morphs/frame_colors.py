@@ -4,12 +4,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import bpy
 
-from ..node_math import new_node, stored_attribute
-from ..sequence import pick
+from ..node_math import Value, new_node, stored_attribute
 from .materials import shows_object_color
 
 COLOR = "morph_color"
@@ -22,7 +21,7 @@ ORIGINAL_KEY = "convwass_original"
 def colored(
     tree: bpy.types.NodeTree,
     geometry: bpy.types.NodeSocket,
-    color: bpy.types.NodeSocket,
+    color: Value,
     frames: Sequence[bpy.types.Object],
 ) -> bpy.types.NodeSocket:
     """Make materials that read the object's color read that of the frame object instead.
@@ -33,8 +32,8 @@ def colored(
         The node group to extend.
     geometry : bpy.types.NodeSocket
         Geometry with the materials of the frame objects.
-    color : bpy.types.NodeSocket
-        The color to store: that of the visible frame object, see :func:`color_of`, or a mixture.
+    color : bpy.types.NodeSocket or tuple of float
+        The color to store: that of the visible frame object, or a mixture.
     frames : sequence of bpy.types.Object
         All frame objects.
 
@@ -55,16 +54,9 @@ def colored(
     return result
 
 
-def color_of(
-    tree: bpy.types.NodeTree, index: bpy.types.NodeSocket, frames: Sequence[bpy.types.Object]
-) -> bpy.types.NodeSocket:
-    """Return the color of the frame object with an index."""
-    return pick(tree, "RGBA", index, [tuple(obj.color) for obj in frames])
-
-
-def colored_materials(tree: bpy.types.NodeTree) -> list[bpy.types.Material]:
-    """Return the materials that `colored` has created for a node group."""
-    nodes = (node for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
+def colored_materials(trees: Iterable[bpy.types.NodeTree]) -> list[bpy.types.Material]:
+    """Return the materials that `colored` has created for node groups."""
+    nodes = (node for tree in trees for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
     return [node.inputs["New"].default_value for node in nodes if node.inputs["New"].default_value]
 
 

@@ -25,11 +25,11 @@ from ..node_math import (
     weighted_sum,
     weighted_vectors,
 )
-from ..sequence import pick
 from .enclosed_volume import with_volume
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
 from .frame_attributes import CUSTOM_NORMAL, LOOKS, SOURCE_WEIGHT, VELOCITY
+from .frame_switch import FrameSwitch
 from .laid_mixture import LaidMixture
 from .moved_frames import HAS
 from .stored import WEIGHTS_KEY, frame_weights
@@ -127,17 +127,14 @@ class MixedFrames:
     ----------
     mixture : FieldMixture
         Terms of the mixture, of fields with the columns of `columns_of`.
-    frames : sequence of bpy.types.Object
+    blends : FrameSwitch
         The blends.
-    meshes : sequence of bpy.types.NodeSocket
-        Meshes of the blends in local space.
     targets : sequence of bpy.types.NodeSocket or None
         What the surface is projected onto, one mesh per term about the center of its blend; None for the baked meshes.
     """
 
     mixture: FieldMixture
-    frames: Sequence[bpy.types.Object]
-    meshes: Sequence[bpy.types.NodeSocket]
+    blends: FrameSwitch
     targets: Sequence[bpy.types.NodeSocket] | None = None
 
     @property
@@ -165,17 +162,17 @@ class MixedFrames:
         laid = self._laid(self.mixture.terms, self.targets)
         surface = self.mixture.surface()
         on_meshes = self._smooth(set_position(self.tree, surface, offset=laid.correction()))
-        if any(CUSTOM_NORMAL in obj.data.attributes for obj in self.frames):
+        if any(CUSTOM_NORMAL in obj.data.attributes for obj in self.blends.frames):
             on_meshes = self._shaded(on_meshes, laid.normal())
         shown = switch(self.tree, "GEOMETRY", detail, self._smooth(surface), on_meshes)
         volume = weighted_sum(self.tree, self.mixture.of_steps("FLOAT", ENCLOSED), self.mixture.weights)
         shown = with_volume(self.tree, shown, volume, _MOST_INFLATED * self.mixture.spacing)
-        for number in range(1, len(self.frames[0][WEIGHTS_KEY]) + 1):
+        for number in range(1, len(self.blends.frames[0][WEIGHTS_KEY]) + 1):
             name = SOURCE_WEIGHT.format(number)
             weight = weighted_sum(self.tree, self.mixture.of_steps("FLOAT", name), self.mixture.weights)
             shown = stored_attribute(self.tree, shown, name, weight)
         shown = switch(self.tree, "GEOMETRY", detail, shown, self._with_uv_maps(shown))
-        names = carried_attributes(self.frames)
+        names = carried_attributes(self.blends.frames)
         if names:
             shown, points = laid.with_nearest(shown, "POINT")
         for name, kind in names.items():
@@ -195,8 +192,8 @@ class MixedFrames:
 
     def _with_uv_maps(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return a mesh with the UV maps of the largest blend, and the mark of meshes that have them."""
-        names = carried_uv_maps(self.frames)
-        if not any(LOOKS in obj.data.attributes for obj in self.frames):
+        names = carried_uv_maps(self.blends.frames)
+        if not any(LOOKS in obj.data.attributes for obj in self.blends.frames):
             return geometry
         laid = self._laid([self._largest_blend()])
         for name in names:
@@ -225,7 +222,7 @@ class MixedFrames:
 
     def with_materials(self, geometry: bpy.types.NodeSocket) -> bpy.types.NodeSocket:
         """Return a mesh with the material of the blends; if there are several, with that of the nearest face."""
-        blends = [obj for obj in self.frames if not is_shape(obj)] or self.frames
+        blends = [obj for obj in self.blends.frames if not is_shape(obj)] or self.blends.frames
         used = dict.fromkeys(slot.material for obj in blends for slot in obj.material_slots if slot.material)
         if len(used) < 2:
             return self._with_material(geometry, next(iter(used), None))
@@ -238,7 +235,7 @@ class MixedFrames:
     def _laid(self, terms: Sequence[Term], targets: Sequence[bpy.types.NodeSocket] | None = None) -> LaidMixture:
         """Return the closest points on the meshes of some terms, by default the baked ones."""
         if targets is None:
-            targets = [pick(self.tree, "GEOMETRY", term.index, self.meshes) for term in terms]
+            targets = [self.blends.at(self.tree, term.index)["Geometry"] for term in terms]
         return LaidMixture(self.mixture, terms, targets)
 
     def _largest_blend(self) -> Term:

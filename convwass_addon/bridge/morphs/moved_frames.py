@@ -13,10 +13,10 @@ from collections.abc import Sequence
 import bpy
 
 from ..node_math import math_node, named_attribute, stored_attribute, switch, vector_math_node, weighted_vectors
-from ..sequence import pick
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
 from .frame_attributes import VELOCITY
+from .frame_switch import FrameSwitch
 from .stored_fields import OFFSET
 
 HAS = "has {}"
@@ -24,7 +24,7 @@ HAS = "has {}"
 
 
 def moved_about_centers(
-    mixture: FieldMixture, meshes: Sequence[bpy.types.NodeSocket], seconds: Sequence[bpy.types.NodeSocket]
+    mixture: FieldMixture, blends: FrameSwitch, seconds: Sequence[bpy.types.NodeSocket]
 ) -> list[bpy.types.NodeSocket]:
     """Return the mesh of every term of a mixture, deformed to the moment, but with its center left in place.
 
@@ -32,8 +32,8 @@ def moved_about_centers(
     ----------
     mixture : FieldMixture
         Terms of the mixture.
-    meshes : sequence of bpy.types.NodeSocket
-        Meshes of all blends in local space. They do not move unless all terms have velocities.
+    blends : FrameSwitch
+        All blends. Their meshes do not move unless all terms have velocities.
     seconds : sequence of bpy.types.NodeSocket
         Time from the blend of every term to the moment.
     """
@@ -48,13 +48,13 @@ def moved_about_centers(
         way = vector_math_node(tree, "SCALE", velocity_of_points(tree), since)
         way = vector_math_node(tree, "SUBTRACT", way, vector_math_node(tree, "SUBTRACT", center, own))
         way = vector_math_node(tree, "SCALE", way, moving)
-        moved.append(set_position(tree, pick(tree, "GEOMETRY", term.index, meshes), offset=way))
+        moved.append(set_position(tree, blends.at(tree, term.index)["Geometry"], offset=way))
     return moved
 
 
 def moved_frame(
     mixture: FieldMixture,
-    meshes: Sequence[bpy.types.NodeSocket],
+    blends: FrameSwitch,
     seconds: Sequence[bpy.types.NodeSocket],
     speed: bpy.types.NodeSocket,
 ) -> bpy.types.NodeSocket:
@@ -70,7 +70,7 @@ def moved_frame(
     index = switch(tree, "FLOAT", later, before.index, after.index)
     since = switch(tree, "FLOAT", later, *seconds)
     velocity = velocity_of_points(tree)
-    mesh = pick(tree, "GEOMETRY", index, meshes)
+    mesh = blends.at(tree, index)["Geometry"]
     moved = set_position(tree, mesh, offset=vector_math_node(tree, "SCALE", velocity, since))
     faster = vector_math_node(tree, "SCALE", velocity, speed)
     return stored_attribute(tree, moved, VELOCITY, faster, "FLOAT_VECTOR")

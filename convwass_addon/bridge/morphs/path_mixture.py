@@ -10,12 +10,13 @@ import bpy
 import numpy as np
 
 from ..node_math import clamped, math_node, new_node, sum_over, switch
-from ..sequence import object_info, pick, transformed
+from ..sequence import object_info, transformed
 from .field_nodes import FieldMixture, Term
 from .field_sampler import position_node, sample_index, set_position
 from .field_velocity import field_velocity
 from .frame_attributes import VELOCITY
 from .frame_colors import colored
+from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, DETAIL_TIP, MixedFrames, carried_attributes, columns_of
 from .moved_frames import has_velocity, moved_about_centers, moved_frame
 from .stored import frame_number
@@ -45,7 +46,7 @@ def path_columns(frames: Sequence[bpy.types.Object], per_second: float) -> list[
     return [*columns_of(frames), Column(PACE, "FLOAT", per_second / steps)]
 
 
-def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Object]) -> bpy.types.NodeTree:
+def moment_group(name: str, fields: StoredFields, blends: FrameSwitch) -> bpy.types.NodeTree:
     """Create a node group that shows a path at any value; it can be used without a modifier, and is marked as an asset.
 
     Its inputs are those of `MOMENT`, its output is a mesh at the position of the frame objects. Unchanged shapes are
@@ -57,7 +58,7 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
         Name of the group.
     fields : StoredFields
         Table of the blends, with `path_columns` and its vertices at the values on the X axis.
-    frames : sequence of bpy.types.Object
+    blends : FrameSwitch
         The blends.
     """
     tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
@@ -67,13 +68,11 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
         socket.default_value, socket.description = start, description
     tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     inputs = tree.nodes.new("NodeGroupInput").outputs
-    infos = [object_info(tree, obj) for obj in frames]
-    meshes = [info.outputs["Geometry"] for info in infos]
-    terms = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], inputs[VALUE], len(frames))
+    terms = _neighbors(tree, object_info(tree, fields.steps).outputs["Geometry"], inputs[VALUE], len(blends.frames))
     mixture = FieldMixture(tree, fields, terms)
-    is_moving, seconds = VELOCITY in carried_attributes(frames), _seconds(mixture)
-    targets = moved_about_centers(mixture, meshes, seconds) if is_moving else None
-    mixed = MixedFrames(mixture, frames, meshes, targets)
+    is_moving, seconds = VELOCITY in carried_attributes(blends.frames), _seconds(mixture)
+    targets = moved_about_centers(mixture, blends, seconds) if is_moving else None
+    mixed = MixedFrames(mixture, blends, targets)
     pace = mixture.of_step("FLOAT", PACE, terms[0])
     rates = (math_node(tree, "MULTIPLY", pace, -1.0), pace)
     velocity = field_velocity(mixture, rates, [OFFSET])
@@ -82,13 +81,14 @@ def moment_group(name: str, fields: StoredFields, frames: Sequence[bpy.types.Obj
     if is_moving:
         known = math_node(tree, "MAXIMUM", *(has_velocity(mixture, term) for term in terms))
         moves = math_node(tree, "MULTIPLY", mixture.of_step("FLOAT", LOSES_PARTS, terms[0]), known)
-        moved = moved_frame(mixture, meshes, seconds, inputs[SPEED])
+        moved = moved_frame(mixture, blends, seconds, inputs[SPEED])
         shown = switch(tree, "GEOMETRY", moves, shown, moved)
     is_later = math_node(tree, "GREATER_THAN", terms[1].weight, 0.5)
     nearer = switch(tree, "FLOAT", is_later, terms[0].index, terms[1].index)
-    shown = switch(tree, "GEOMETRY", mixed.is_shape, shown, pick(tree, "GEOMETRY", nearer, meshes))
-    shown = transformed(tree, shown, pick(tree, "MATRIX", nearer, [info.outputs["Transform"] for info in infos]))
-    shown = colored(tree, shown, mixed.color, frames)
+    blend = blends.at(tree, nearer)
+    shown = switch(tree, "GEOMETRY", mixed.is_shape, shown, blend["Geometry"])
+    shown = transformed(tree, shown, blend["Transform"])
+    shown = colored(tree, shown, mixed.color, blends.frames)
     new_node(tree, "NodeGroupOutput", {"Geometry": shown})
     tree.asset_mark()
     return tree

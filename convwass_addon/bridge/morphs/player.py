@@ -18,20 +18,20 @@ from ..animation_time import times_per_second
 from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
+from ..node_trees import node_trees
 from ..render_settings import take_render_settings
 from ..sequence import (
     along_x,
     frame_group,
     nearest,
-    object_info,
     output,
     own_geometry,
-    pick,
     table_object,
     transformed,
     write_table,
 )
-from .frame_colors import color_of, colored, colored_materials, seen_materials
+from .frame_colors import colored, colored_materials, seen_materials
+from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
 from .player_inputs import MATERIAL, OVERRIDE, PLAYBACK, PLAYBACKS, interpolation, is_player, morph_value
@@ -48,7 +48,7 @@ from .stand_ins import (
     stand_ins,
 )
 from .stored import WEIGHTS_KEY, frame_number, frame_weights, is_solid, some_frame_objects, starting_frame, stored_morph
-from .stored_fields import field_cells
+from .stored_fields import StoredFields, field_cells
 
 
 def make_player(
@@ -97,16 +97,15 @@ def build_player(
     """
     require_path(collection)
     frames = _path_objects(collection)
-    shapes = len(frames[0][WEIGHTS_KEY])
     name = f"{collection.name} Player"
     interpolated = between == "INTERPOLATED" and is_solid(collection)
-    moment = (yield from _moment(collection, frames)) if interpolated else None
+    fields = (yield from _stored(collection, frames)) if interpolated else None
     tree = frame_group(name)
     _add_inputs(tree, interpolated)
-    _fill(tree, frames, shapes, moment)
+    _fill(tree, collection, frames, fields)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
     take_render_settings(player, frames)
-    adopt(collection, [player, tree, *colored_materials(tree)])
+    adopt(collection, [player, *_made(tree)])
     node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
     for parent in collections_for_stand_ins(collection):
         parent.objects.link(player)
@@ -141,10 +140,10 @@ def refresh_player(collection: bpy.types.Collection) -> None:
     for player in [obj for obj in stand_ins(collection) if is_player(obj)]:
         frames = _path_objects(collection)
         tree = frames_modifier(player).node_group
-        moment = drained(_moment(collection, frames)) if interpolation(player) is not None else None
+        fields = drained(_stored(collection, frames)) if interpolation(player) is not None else None
         tree.nodes.clear()
-        _fill(tree, frames, len(frames[0][WEIGHTS_KEY]), moment)
-        adopt(collection, colored_materials(tree))
+        _fill(tree, collection, frames, fields)
+        adopt(collection, _made(tree))
         write_table(player.data, _table(frames), seen_materials(tree, frames))
     remove_unused(collection)
     drop_numbers(set(adopted(collection)) - before)
@@ -208,38 +207,45 @@ def _add_inputs(tree: bpy.types.NodeTree, interpolates: bool) -> None:
 
 def _fill(
     tree: bpy.types.NodeTree,
+    collection: bpy.types.Collection,
     frames: Sequence[bpy.types.Object],
-    shapes: int,
-    moment: bpy.types.NodeTree | None,
+    fields: StoredFields | None,
 ) -> None:
     """Create the nodes: value, index of the nearest blend, its mesh at its object's position, its material.
 
-    If there is a group that interpolates, it is shown while interpolation is enabled.
+    With fields of the blends, mixtures of two are shown while interpolation is enabled.
     """
+    blends = FrameSwitch.of(collection.name, frames)
+    shapes = len(frames[0][WEIGHTS_KEY])
     inputs = tree.nodes.new("NodeGroupInput").outputs
     value = _played(tree, inputs[VALUE], inputs[PLAYBACK], shapes - 1.0)
     index = nearest(tree, own_geometry(tree), along_x(tree, value))
-    infos = [object_info(tree, obj) for obj in frames]
-    shown = pick(tree, "GEOMETRY", index, [info.outputs["Geometry"] for info in infos])
-    shown = transformed(tree, shown, pick(tree, "MATRIX", index, [info.outputs["Transform"] for info in infos]))
-    shown = colored(tree, shown, color_of(tree, index, frames), frames)
-    if moment is not None:
+    blend = blends.at(tree, index)
+    shown = transformed(tree, blend["Geometry"], blend["Transform"])
+    shown = colored(tree, shown, blend["Color"], frames)
+    if fields is not None:
+        moment = moment_group(f"{collection.name} Moment", fields, blends)
         fed = {VALUE: value, DETAIL: inputs[DETAIL], SPEED: inputs[SPEED]}
         node = new_node(tree, "GeometryNodeGroup", fed, node_tree=moment)
         shown = switch(tree, "GEOMETRY", inputs[INTERPOLATE], shown, node.outputs["Geometry"])
     output(tree, _with_override(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
 
 
-def _moment(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> Work[bpy.types.NodeTree]:
-    """Store the fields of the blends of a path, and create the group that shows it at any value."""
+def _made(tree: bpy.types.NodeTree) -> list[bpy.types.ID]:
+    """Return the node group of a player, the groups in it, and the materials made for them."""
+    trees = node_trees(tree)
+    return [*trees, *colored_materials(trees)]
+
+
+def _stored(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> Work[StoredFields]:
+    """Store the fields of the blends of a path."""
     from .field_sampling import store_fields
 
     columns = path_columns(frames, times_per_second(bpy.context.scene))
     cells = field_cells(stored_morph(collection).settings)
     fields = yield from store_fields(collection.name, frames, cells, _table(frames), columns)
-    moment = moment_group(f"{collection.name} Moment", fields, frames)
-    adopt(collection, [*fields.blocks, moment, *colored_materials(moment)])
-    return moment
+    adopt(collection, fields.blocks)
+    return fields
 
 
 def _with_override(

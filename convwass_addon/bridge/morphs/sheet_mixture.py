@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..node_math import clamped, math_node, new_node, stored_attribute, switch, vector_math_node
-from ..sequence import object_info
 from .field_nodes import FieldMixture, Term
 from .field_sampler import set_position
 from .field_velocity import field_velocity
 from .frame_attributes import VELOCITY
+from .frame_switch import FrameSwitch
 from .mixed_frames import MixedFrames, SeenMixture, columns_of
 from .stored_fields import OFFSET, Column, StoredFields
 
@@ -57,7 +57,7 @@ def sheet_columns(frames: Sequence[bpy.types.Object], feet: NDArray[np.float64])
 def mixed_sheet(
     tree: bpy.types.NodeTree,
     fields: StoredFields,
-    frames: Sequence[bpy.types.Object],
+    blends: FrameSwitch,
     lattice: SheetLattice,
     place: bpy.types.NodeSocket,
     detail: bpy.types.NodeSocket,
@@ -71,7 +71,7 @@ def mixed_sheet(
         Node group of the new nodes.
     fields : StoredFields
         Table of the blends, with `sheet_columns`.
-    frames : sequence of bpy.types.Object
+    blends : FrameSwitch
         The blends.
     lattice : SheetLattice
         Positions of the blends.
@@ -82,10 +82,9 @@ def mixed_sheet(
     handle_velocity : bpy.types.NodeSocket
         Change of the position per second, for motion blur.
     """
-    meshes = [object_info(tree, obj).outputs["Geometry"] for obj in frames]
     cell = _Cell.of(tree, lattice, _place_on_sheet(tree, lattice, place))
     mixture = FieldMixture(tree, fields, cell.terms(tree, lattice))
-    mixed = MixedFrames(mixture, frames, meshes)
+    mixed = MixedFrames(mixture, blends)
     change = _along_sheet(tree, lattice, handle_velocity)
     rates = cell.rates(tree, change.row, change.column)
     velocity = field_velocity(mixture, rates, [OFFSET, _SHOWN])

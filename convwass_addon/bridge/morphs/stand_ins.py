@@ -113,9 +113,10 @@ def remove_stand_ins(collection: bpy.types.Collection) -> None:
 
 def remove_unused(collection: bpy.types.Collection) -> None:
     """Remove unused node groups and materials that were created to show a morph, and objects that only they use."""
-    # Groups use other groups, objects and materials, so nested groups need several passes.
-    for _ in range(3):
-        groups = [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]
+    # Groups use other groups, so nested ones need several passes.
+    count = None
+    while count != len(groups := [block for block in bpy.data.node_groups if block.get(SHOWS_KEY) == collection]):
+        count = len(groups)
         _remove_unused_assets(groups)
     remove_with_data([obj for obj in bpy.data.objects if obj.get(SHOWS_KEY) == collection and not obj.users])
     _remove_unused_assets([block for block in bpy.data.materials if block.get(SHOWS_KEY) == collection])

@@ -24,11 +24,11 @@ from ...sentence import Sentence
 from ..borrowed_names import borrowed_names
 from ..files import checked_target
 from ..mesh_checks import require_not_edited
+from ..mesh_sequences import mesh_sequences
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..objects import take_own_materials
 from ..scene_writing import require_written, write_alembic, write_usd
-from ..sequence import mesh_sequences
 from ..visibility import is_in, shown_objects
 from .attached_parts import attached_parts
 from .keyed_copies import assign_plain_material, keyed_copies
