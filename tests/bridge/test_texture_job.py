@@ -15,7 +15,8 @@ from mathutils import Euler, Matrix
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.applications.one_mesh.texture_settings import TextureSettings
 from convwass_addon.applications.palettes.lab_colors import linear_of_srgb
-from convwass_addon.bridge.image_files import pixel_values
+from convwass_addon.bridge.image_files import ImageFormat, drawn_image, pixel_values, write_image
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.node_math import new_node
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.object_values import ObjectValues
@@ -189,6 +190,59 @@ def test_longer_names_than_properties_can_have_are_left_out(make_object):
         new_node(material.node_tree, "ShaderNodeAttribute", attribute_type="OBJECT", attribute_name=name)
     ObjectValues.of(obj, [material]).write_to(copy)
     assert list(copy.keys()) == ["x" * 63]
+
+
+def keyed(tree, tmp_path):
+    """Return a value that is keyed to be a hundredth of the frame."""
+    value = tree.nodes.new("ShaderNodeValue").outputs[0]
+    for frame in (1, 101):
+        value.default_value = frame / 100
+        value.keyframe_insert("default_value", frame=frame)
+    for key in curves_of(tree)[0].keyframe_points:
+        key.interpolation = "LINEAR"
+    return value
+
+
+def keyed_in_group(tree, tmp_path):
+    group = bpy.data.node_groups.new("Keyed", "ShaderNodeTree")
+    group.interface.new_socket("Value", in_out="OUTPUT", socket_type="NodeSocketFloat")
+    group.links.new(keyed(group, tmp_path), group.nodes.new("NodeGroupOutput").inputs[0])
+    return new_node(tree, "ShaderNodeGroup", node_tree=group).outputs[0]
+
+
+def driven(tree, tmp_path):
+    value = tree.nodes.new("ShaderNodeValue").outputs[0]
+    value.driver_add("default_value").driver.expression = "frame / 100"
+    return value
+
+
+def sequence(tree, tmp_path):
+    """Return an image sequence; the image of frame 42 has the value 0.425, and that of others 0."""
+    for frame in range(40, 45):
+        value = 0.425 if frame == 42 else 0.0
+        with drawn_image(np.full((4, 4, 4), value, np.float32), "Non-Color") as image:
+            write_image(image, tmp_path / f"{frame:03d}.exr", ImageFormat("OPEN_EXR", "RGB", "32"))
+    image = bpy.data.images.load(str(tmp_path / "040.exr"))
+    image.source = "SEQUENCE"
+    node = new_node(tree, "ShaderNodeTexImage", image=image)
+    node.image_user.frame_duration, node.image_user.frame_offset = 50, 0
+    return node.outputs["Color"]
+
+
+@pytest.mark.parametrize("make", [keyed, keyed_in_group, driven, sequence])
+def test_images_show_materials_at_the_time_when_the_baking_began(ball, tmp_path, make):
+    tree = bpy.data.objects["Large"].data.materials[0].node_tree
+    tree.links.new(make(tree, tmp_path), tree.nodes["Principled BSDF"].inputs["Roughness"])
+    scene = bpy.context.scene
+    scene.frame_set(42, subframe=0.5)
+    made = job(ball, texture_looks="END")
+    work = made.steps()
+    next(work)
+    scene.frame_set(7)
+    drained(work)
+    found = principled(made.finish().material).inputs["Roughness"]
+    assert not found.is_linked and found.default_value == pytest.approx(0.425, abs=0.005)
+    assert scene.frame_current == 7
 
 
 def rendered_center(scene):

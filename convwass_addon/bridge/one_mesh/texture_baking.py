@@ -17,6 +17,7 @@ from ..image_files import pixel_values
 from ..node_trees import own_tree
 from ..operator_errors import reason
 from ..scratch_scene import scratch_scene
+from ..shown_nodes import nodes_of
 from .texture_channels import NORMAL, Channel, ShownChannel, shown_channel
 from .texture_looks import Look
 
@@ -73,6 +74,8 @@ def baked_pixels(look: Look, channel: Channel, size: TextureSize, reach: float) 
             receiving = materials if look.shape is None else [_receiver(objects[0])]
             for material in receiving:
                 _receive(material, image)
+            look.scene.write_to(scene)
+            _tag_keyframes(materials)
             try:
                 _bake(scene, objects, channel, size, reach)
             finally:
@@ -133,6 +136,15 @@ def _receive(material: bpy.types.Material, image: bpy.types.Image) -> None:
     for own in tree.nodes:
         own.select = own == node
     tree.nodes.active = node
+
+
+def _tag_keyframes(materials: Sequence[bpy.types.Material]) -> None:
+    """Let a bake evaluate the keyframes of materials.
+
+    By default, it shows the values of the frame that the user looks at when the materials are copied.
+    """
+    for tree in {node.id_data for node in nodes_of(materials)}:
+        tree.update_tag(refresh={"TIME"})
 
 
 def _bake(

@@ -22,6 +22,7 @@ from ..handles import Handle
 from ..morphs.bake import assign_default_material
 from ..object_values import ObjectValues
 from ..objects import stand, take_own_materials, triangle_mesh
+from ..scene_values import SceneValues
 from ..unused_data import remove_if_unused
 from ..visibility import evaluated_object
 from .records import SHAPES_KEY, key_names, key_records
@@ -93,6 +94,8 @@ class Look:
         The shape; None for the undeformed mesh, which is baked from itself.
     reach : float
         Typical distance of the two, scene units.
+    scene : SceneValues
+        What the materials of the shape read of the scene.
     """
 
     name: str
@@ -100,6 +103,7 @@ class Look:
     onto: Surface
     shape: Surface | None
     reach: float
+    scene: SceneValues
 
     @property
     def source(self) -> Surface:
@@ -149,7 +153,8 @@ def remembered_shapes(obj: bpy.types.Object) -> dict[str, tuple[bpy.types.Object
 
 def start_look(obj: bpy.types.Object, prepared: bpy.types.Mesh) -> Look:
     """Freeze the undeformed mesh with its own look; parameters as :func:`end_look`."""
-    return Look(obj.name, None, _posed(obj, prepared, None), None, 0.0)
+    onto = _posed(obj, prepared, None)
+    return Look(obj.name, None, onto, None, 0.0, SceneValues.of(bpy.context.scene))
 
 
 def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Look:
@@ -194,7 +199,8 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
     assign_default_material(mesh)
     reach = float(record.get("distance_95", 0.0)) * diagonal
     values = ObjectValues.of(shape, mesh.materials)
-    return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, values), reach)
+    surface = Surface(Handle.of("meshes", mesh), world, values)
+    return Look(slider, slider, onto, surface, reach, SceneValues.of(bpy.context.scene))
 
 
 def _check_arrival(
