@@ -53,15 +53,13 @@ class ObjectValues:
             obj.pass_index,
             tuple(obj.matrix_world.translation),
             _random_number(obj.name),
-            {name: _property(obj, name) for name in sorted(names)},
+            {name: shown_property((obj, obj.data), name) for name in sorted(names)},
         )
 
     def write_to(self, obj: bpy.types.Object) -> None:
         """Let materials read the same color, index and properties of another object."""
         obj.color, obj.pass_index = self.color, self.index
-        for name, value in self.properties.items():
-            if len(name.encode()) <= _LONGEST:
-                obj[name] = value
+        write_properties(obj, self.properties)
 
 
 def reads_property(node: bpy.types.Node) -> bool:
@@ -69,9 +67,17 @@ def reads_property(node: bpy.types.Node) -> bool:
     return node.type == "ATTRIBUTE" and node.attribute_type in ("OBJECT", "INSTANCER") and bool(node.attribute_name)
 
 
-def _property(obj: bpy.types.Object, name: str) -> Color:
-    """Return a property as Blender shows it: custom ones come first, and those of the object before its data's."""
-    for block in (obj, obj.data):
+def shown_property(blocks: Sequence[bpy.types.bpy_struct | None], name: str) -> Color:
+    """Return a property as Attribute nodes show it.
+
+    Parameters
+    ----------
+    blocks : sequence of bpy.types.bpy_struct or None
+        Where Blender looks for it, in this order; in each, custom properties come first.
+    name : str
+        Its name, or the path of one that is no custom property.
+    """
+    for block in blocks:
         value = None if block is None else block.get(name)
         if value is None and block is not None:
             try:
@@ -82,6 +88,13 @@ def _property(obj: bpy.types.Object, name: str) -> Color:
         if color is not None:
             return color
     return _NOTHING
+
+
+def write_properties(block: bpy.types.bpy_struct, properties: Mapping[str, Color]) -> None:
+    """Store values as custom properties; longer names than these can have are left out."""
+    for name, value in properties.items():
+        if len(name.encode()) <= _LONGEST:
+            block[name] = value
 
 
 def _random_number(name: str) -> float:

@@ -25,6 +25,7 @@ from convwass_addon.bridge.one_mesh.key_files import export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
 from convwass_addon.bridge.one_mesh.texture_job import TextureJob
 from convwass_addon.bridge.one_mesh.texture_looks import remember_shape
+from convwass_addon.bridge.scene_values import SceneValues
 from convwass_addon.errors import InputError
 from convwass_addon.progress import drained
 from tests.reroutes import with_reroutes
@@ -243,6 +244,34 @@ def test_images_show_materials_at_the_time_when_the_baking_began(ball, tmp_path,
     found = principled(made.finish().material).inputs["Roughness"]
     assert not found.is_linked and found.default_value == pytest.approx(0.425, abs=0.005)
     assert scene.frame_current == 7
+
+
+@pytest.mark.parametrize("holder", ["view layer", "scene", "world"])
+def test_images_show_what_materials_read_of_the_scene(ball, holder):
+    scene = bpy.context.scene
+    scene.world = bpy.data.worlds.new("World")
+    {"view layer": scene.view_layers[0], "scene": scene, "world": scene.world}[holder]["tint"] = (0.5, 0.25)
+    read_of_object(bpy.data.objects["Large"].data.materials[0], "view_layer")
+    shown = principled(baked(ball, texture_looks="END").material).inputs["Base Color"]
+    np.testing.assert_allclose(shown.default_value[:3], (0.5, 0.25, 0.0), atol=0.005)
+
+
+def test_properties_of_view_layers_come_before_those_of_scenes_and_worlds():
+    """In each of them, custom properties come first."""
+    scene = bpy.context.scene
+    layer, scene.world = scene.view_layers[0], bpy.data.worlds.new("World")
+    layer["a"], scene["a"], scene.world["a"] = 1.0, 2.0, 3.0
+    scene["b"], scene.world["b"], scene.world["color"] = 2.0, 3.0, (4.0, 5.0, 6.0)
+    # Both the view layer and the scene have a property of Blender of one of these names.
+    layer.samples, scene["samples"], scene["frame_start"] = 7, 8, 9
+    material = plain_material("Reading", RED)
+    names = ["a", "b", "color", "samples", "frame_start", "frame_end", "none"]
+    for name in names:
+        new_node(material.node_tree, "ShaderNodeAttribute", attribute_type="VIEW_LAYER", attribute_name=name)
+    found = SceneValues.of(scene, layer, [None, material]).properties
+    end = scene.frame_end
+    expected = [(1, 1, 1, 1), (2, 2, 2, 1), (4, 5, 6, 1), (7, 7, 7, 1), (9, 9, 9, 1), (end, end, end, 1), (0,) * 4]
+    assert [found[name] for name in names] == expected
 
 
 def rendered_center(scene):

@@ -154,7 +154,7 @@ def remembered_shapes(obj: bpy.types.Object) -> dict[str, tuple[bpy.types.Object
 def start_look(obj: bpy.types.Object, prepared: bpy.types.Mesh) -> Look:
     """Freeze the undeformed mesh with its own look; parameters as :func:`end_look`."""
     onto = _posed(obj, prepared, None)
-    return Look(obj.name, None, onto, None, 0.0, SceneValues.of(bpy.context.scene))
+    return Look(obj.name, None, onto, None, 0.0, _scene_values(onto.found()))
 
 
 def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Look:
@@ -199,8 +199,12 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
     assign_default_material(mesh)
     reach = float(record.get("distance_95", 0.0)) * diagonal
     values = ObjectValues.of(shape, mesh.materials)
-    surface = Surface(Handle.of("meshes", mesh), world, values)
-    return Look(slider, slider, onto, surface, reach, SceneValues.of(bpy.context.scene))
+    return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, values), reach, _scene_values(mesh))
+
+
+def _scene_values(mesh: bpy.types.Mesh) -> SceneValues:
+    """Return what the materials of a mesh read of the current scene now."""
+    return SceneValues.of(bpy.context.scene, bpy.context.view_layer, mesh.materials)
 
 
 def _check_arrival(
