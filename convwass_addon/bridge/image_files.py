@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ..applications.whole_paths import whole_path
 from ..drafts import written_whole
 from ..errors import InputError
+from .numbered_files import split_number, with_number
 from .operator_errors import reason
 
 # JPEG quality in percent.
@@ -54,6 +55,55 @@ def loaded_image(file: Path) -> bpy.types.Image:
 def image_path(image: bpy.types.Image) -> Path:
     """Return the absolute path of the file of an image."""
     return Path(bpy.path.abspath(image.filepath, library=image.library))
+
+
+def files_in_frame(image: bpy.types.Image, user: bpy.types.ImageUser, frame: int) -> list[Path]:
+    """Return the files that Blender reads for an image; none if it is packed, generated or edited.
+
+    Parameters
+    ----------
+    image : bpy.types.Image
+        The image.
+    user : bpy.types.ImageUser
+        Which part of a sequence is shown, such as by a texture node.
+    frame : int
+        The scene frame.
+
+    Returns
+    -------
+    list of Path
+        Those of all tiles, or that of the frame.
+    """
+    if image.is_dirty:
+        return []
+    path = image_path(image)
+    if image.source == "TILED":
+        packed = {own.tile_number for own in image.packed_files}
+        tiles = [tile.number for tile in image.tiles if tile.number not in packed]
+        # Tiles without a path are generated.
+        return [_of_tile(path, number) for number in tiles] if image.filepath else []
+    if image.source == "GENERATED" or image.packed_file is not None:
+        return []
+    if image.source == "SEQUENCE" and split_number(path) is not None:
+        return [with_number(path, max(0, _number_in_frame(user, frame)))]
+    return [path]
+
+
+def _of_tile(path: Path, number: int) -> Path:
+    """Return the file of a UDIM tile, whose number, or column and row, stands in the place of a token."""
+    row, column = divmod(number - 1001, 10)
+    name = path.name.replace("<UDIM>", str(number)).replace("<UVTILE>", f"u{column + 1}_v{row + 1}")
+    return path.with_name(name)
+
+
+def _number_in_frame(user: bpy.types.ImageUser, frame: int) -> int:
+    """Return the number of the file of a sequence that is shown in a scene frame, as Blender calculates it."""
+    place, count = frame - user.frame_start + 1, user.frame_duration
+    if count == 0:
+        return 0
+    if user.use_cyclic:
+        place = (place - 1) % count + 1
+    return min(max(place, 0), count) + user.frame_offset
 
 
 def refuse_damaged(image: bpy.types.Image) -> None:

@@ -327,18 +327,33 @@ def test_normal_maps_and_light_are_baked(ball):
     np.testing.assert_allclose(np.median(pixels(normals), axis=(0, 1)), (0.75, 0.5, 0.933), atol=0.02)
 
 
-def test_missing_images_are_named(ball, tmp_path):
-    texture = bpy.data.images.new("Lost", 4, 4)
-    texture.source, texture.filepath = "FILE", str(tmp_path / "lost.png")
+@pytest.mark.parametrize(
+    ("source", "name"),
+    [("FILE", "lost.png"), ("MOVIE", "lost.mp4"), ("SEQUENCE", "lost_001.png"), ("TILED", "lost.<UDIM>.png")],
+)
+def test_missing_images_are_named(ball, tmp_path, source, name):
+    texture = bpy.data.images.new("Lost", 4, 4, tiled=source == "TILED")
+    texture.source, texture.filepath = source, str(tmp_path / name)
     tree = ball["convwass_shapes"]["Large"]["shape"].data.materials[0].node_tree
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.image = texture
-    tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
+    for _ in range(2):
+        node = new_node(tree, "ShaderNodeTexImage", image=texture)
+        tree.links.new(node.outputs[0], tree.nodes["Principled BSDF"].inputs["Base Color"])
     made = job(ball)
     assert [str(notice) for notice in made.notices] == [
         "The file of the image Lost of Large is missing; it is baked in magenta"
     ]
     made.discard()
+
+
+def test_the_missing_file_of_the_current_frame_counts(ball, tmp_path):
+    tree = bpy.data.objects["Large"].data.materials[0].node_tree
+    tree.links.new(sequence(tree, tmp_path), tree.nodes["Principled BSDF"].inputs["Roughness"])
+    (tmp_path / "042.exr").unlink()
+    for frame, count in ((41, 0), (42, 1)):
+        bpy.context.scene.frame_set(frame)
+        made = job(ball)
+        assert len(made.notices) == count
+        made.discard()
 
 
 def test_mixed_shaders_and_groups_are_read(ball):

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from ..image_files import image_path
+from ..image_files import files_in_frame
 from ..node_math import Value, new_node, vector_math_node
 from ..node_trees import own_tree
 from ..shown_nodes import linked_output, nodes_of, shown_tree, source_node
@@ -108,15 +108,11 @@ def has_normals(materials: Sequence[bpy.types.Material | None]) -> bool:
     )
 
 
-def missing_images(materials: Sequence[bpy.types.Material | None]) -> list[bpy.types.Image]:
-    """Return images in materials whose files do not exist."""
-    shown = (node for node in nodes_of(materials) if node.type == "TEX_IMAGE" and node.image is not None)
-    images = dict.fromkeys(node.image for node in shown)
-    return [
-        image
-        for image in images
-        if image.source == "FILE" and image.packed_file is None and not image_path(image).is_file()
-    ]
+def missing_images(materials: Sequence[bpy.types.Material | None], frame: int) -> list[bpy.types.Image]:
+    """Return images in materials of which a file does not exist that is read in a scene frame."""
+    shown = [node for node in nodes_of(materials) if node.type == "TEX_IMAGE" and node.image is not None]
+    files = ((node.image, file) for node in shown for file in files_in_frame(node.image, node.image_user, frame))
+    return list(dict.fromkeys(image for image, file in files if not file.is_file()))
 
 
 def _takes(node: bpy.types.Node, name: str) -> bool:

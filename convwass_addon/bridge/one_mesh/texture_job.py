@@ -140,7 +140,7 @@ class TextureJob:
 
     def _note_missing_images(self, look: Look) -> None:
         """Add a notice for images of a look that Cycles shows in magenta."""
-        for image in missing_images(_materials(look)):
+        for image in missing_images(_materials(look), look.scene.frame):
             values = {"image": image.name, "name": look.name}
             self.notices.append(
                 Sentence("The file of the image {image} of {name} is missing; it is baked in magenta", values)
