@@ -246,6 +246,22 @@ def write_mask(obj, kind, domain):
         data.foreach_set("value", (places[:, 0] > 0).astype(bool if kind == "BOOLEAN" else np.int32))
 
 
+@pytest.mark.parametrize("name", ["Gone", "Mask", "Other", "Color", ""])
+def test_frames_show_uv_map_nodes_of_all_names(bare_scene, make_object, tmp_path, name):
+    """Of a map that does not exist, a vertex group, one of the other shape, an attribute of frames, and the default."""
+    inputs = [add_ball(make_object, own, material(own), points=3000) for own in "AB"]
+    shown(inputs[0].data.materials[0], "ShaderNodeUVMap", output="UV", uv_map=name)
+    shown(inputs[1].data.materials[0], "ShaderNodeUVMap", output="UV")
+    write_mask(inputs[0], "GROUP", "POINT")
+    inputs[1].data.uv_layers[0].name = "Gone"
+    write_mask(inputs[1], "GROUP", "POINT")
+    inputs[1].vertex_groups["Mask"].name = "Other"
+    expected = picture(bare_scene, tmp_path, inputs[0])
+    frame = frame_objects(bake(inputs, steps=24, wanted=[0, 1, -1]))[1]
+    assert (expected.max() > 0.5) == (name in ("Mask", ""))
+    assert np.abs(picture(bare_scene, tmp_path, frame) - expected).mean() < 0.05
+
+
 @pytest.mark.parametrize("output", ["Color", "Fac"])
 @pytest.mark.parametrize(
     ("kind", "domain"),

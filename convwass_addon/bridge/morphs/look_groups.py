@@ -73,12 +73,16 @@ class CarriedNames:
     vectors: set[str] = field(default_factory=set)
 
     def uv(self, name: str) -> str:
-        """Return the name on frames of a UV map, by default that of renders; empty if there is no such map."""
+        """Return the name on frames of a UV map, by default that of renders; empty if there is none.
+
+        If the input has no map of the name, frames have none of the returned name either.
+        """
         own = name or self.default_uv
-        if own not in self.uv_maps:
+        if not own:
             return ""
         carried = CARRIED_UV.format(self.number, own)[:_LONGEST]
-        self.uvs[carried] = own
+        if own in self.uv_maps:
+            self.uvs[carried] = own
         return carried
 
     def value(self, name: str) -> str:
@@ -183,7 +187,8 @@ def _redirect_uv_name(tree: bpy.types.NodeTree, node: bpy.types.Node, names: Car
         return
     if node.type == "TANGENT" and node.direction_type != "UV_MAP":
         return
-    node.uv_map = names.uv(node.uv_map)
+    # Cycles shows other attributes and vertex groups, too.
+    node.uv_map = names.value(node.uv_map) if node.uv_map in names.attributes else names.uv(node.uv_map)
 
 
 def _redirect_color(tree: bpy.types.NodeTree, node: bpy.types.Node, names: CarriedNames) -> None:
