@@ -5,8 +5,9 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import chain, count
 
 import bpy
 
@@ -44,6 +45,12 @@ class ObjectName:
 def without_number(name: str) -> str:
     """Return a name without the number that Blender appends to names that are taken."""
     return _NUMBER.sub("", name)
+
+
+def numbered_names(name: str, longest: int) -> Iterator[str]:
+    """Yield a name, and then the same one with numbers as Blender appends them, cut to some bytes in UTF-8."""
+    for number in chain([""], (f".{number:03d}" for number in count(1))):
+        yield name.encode()[: longest - len(number)].decode(errors="ignore") + number
 
 
 def library_of(obj: bpy.types.Object) -> str:

@@ -19,6 +19,7 @@ from convwass_addon.bridge.morphs.mixed_materials import MixedMaterials, WholeLo
 from convwass_addon.bridge.morphs.player import make_player
 from convwass_addon.bridge.morphs.removal import remove_bake
 from convwass_addon.bridge.morphs.stored import INDEX_KEY, frame_objects, stored_diagnostics
+from convwass_addon.bridge.node_math import new_node
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.object_values import ObjectValues
 from tests.shapes import ball
@@ -260,6 +261,43 @@ def test_frames_show_uv_map_nodes_of_all_names(bare_scene, make_object, tmp_path
     frame = frame_objects(bake(inputs, steps=24, wanted=[0, 1, -1]))[1]
     assert (expected.max() > 0.5) == (name in ("Mask", ""))
     assert np.abs(picture(bare_scene, tmp_path, frame) - expected).mean() < 0.05
+
+
+def test_frames_carry_uv_maps_whose_names_have_few_letters_of_many_bytes(bare_scene, make_object, tmp_path):
+    inputs = [add_ball(make_object, own, material(own), points=3000) for own in "AB"]
+    for obj in inputs:
+        obj.data.uv_layers[0].name = "あ" * 20
+        shown(obj.data.materials[0], "ShaderNodeUVMap", output="UV", uv_map="あ" * 20)
+    expected = picture(bare_scene, tmp_path, inputs[0])
+    assert expected.std() > 0.05
+    assert np.abs(picture(bare_scene, tmp_path, frame_objects(bake(inputs))[1]) - expected).mean() < 0.02
+
+
+def test_frames_tell_attributes_with_the_same_long_beginning_apart(bare_scene, make_object, tmp_path):
+    """An empty attribute is read after the one that is shown."""
+    long = "m" * 60
+    inputs = [add_ball(make_object, own, material(own), with_uvs=False, points=3000) for own in "AB"]
+    for obj in inputs:
+        obj.data.attributes.new(long + "A", "FLOAT", "POINT")
+        write_mask(obj, "FLOAT", "POINT")
+        obj.data.attributes["Mask"].name = long + "B"
+        shown(obj.data.materials[0], "ShaderNodeAttribute", attribute_name=long + "B")
+        new_node(obj.data.materials[0].node_tree, "ShaderNodeAttribute", attribute_name=long + "A")
+    expected = picture(bare_scene, tmp_path, inputs[0])
+    assert expected.std() > 0.05
+    assert np.abs(picture(bare_scene, tmp_path, frame_objects(bake(inputs))[1]) - expected).mean() < 0.01
+
+
+def test_names_on_frames_are_cut_between_letters_and_are_not_taken():
+    long = "あ" * 20
+    uv_maps, attributes = [long, long + "A", "Short"], [long + "B", long + "C"]
+    names = CarriedNames(1, uv_maps, attributes, "", "", ObjectValues())
+    uvs, values = [names.uv(own) for own in [*uv_maps, long + "Gone"]], [names.value(own) for own in attributes]
+    assert uvs == [f"uv_1_{'あ' * 19}", f"uv_1_{'あ' * 18}.001", "uv_1_Short", f"uv_1_{'あ' * 18}.002"]
+    assert values == [f"carried_1_{'あ' * 17}", f"carried_1_{'あ' * 16}.001"]
+    assert [names.value(own) for own in uv_maps] == uvs[:3]
+    assert list(names.uvs.items()) == list(zip(uvs, uv_maps, strict=False))
+    assert names.values == dict(zip(values, attributes, strict=True))
 
 
 @pytest.mark.parametrize("output", ["Color", "Fac"])

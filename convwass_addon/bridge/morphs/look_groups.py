@@ -16,6 +16,7 @@ import bpy
 from ..node_copies import can_copy, copied_nodes
 from ..node_math import new_node
 from ..node_trees import node_trees
+from ..object_names import numbered_names
 from ..object_values import ObjectValues, reads_property
 from ..shown_nodes import shown_output, shown_tree
 from .frame_attributes import CARRIED, CARRIED_UV, GENERATED, REST_NORMAL, REST_POSITION
@@ -24,7 +25,7 @@ from .materials import mark_as_frames
 SURFACE, DISPLACEMENT = "Surface", "Displacement"
 """Outputs of the groups."""
 
-# Blender's limit for names of attributes.
+# Blender's limit for names of attributes, in bytes.
 _LONGEST = 63
 # Textures that use generated coordinates if nothing is linked to their vector.
 _GENERATED_TEXTURES = (
@@ -59,6 +60,8 @@ class CarriedNames:
         The UV maps and other attributes requested so far: names on the input, by names on frames.
     vectors : set of str
         The positions and normals requested so far: names on frames.
+    cut : dict of str to str
+        Names on frames of UV maps and other attributes, by what these would be if they could have any length.
     """
 
     number: int
@@ -71,6 +74,7 @@ class CarriedNames:
     uvs: dict[str, str] = field(default_factory=dict)
     values: dict[str, str] = field(default_factory=dict)
     vectors: set[str] = field(default_factory=set)
+    cut: dict[str, str] = field(default_factory=dict)
 
     def uv(self, name: str) -> str:
         """Return the name on frames of a UV map, by default that of renders; empty if there is none.
@@ -80,7 +84,7 @@ class CarriedNames:
         own = name or self.default_uv
         if not own:
             return ""
-        carried = CARRIED_UV.format(self.number, own)[:_LONGEST]
+        carried = self._carried(CARRIED_UV, own)
         if own in self.uv_maps:
             self.uvs[carried] = own
         return carried
@@ -91,7 +95,7 @@ class CarriedNames:
             return self.uv(name)
         if name not in self.attributes:
             return name
-        carried = CARRIED.format(self.number, name)[:_LONGEST]
+        carried = self._carried(CARRIED, name)
         self.values[carried] = name
         return carried
 
@@ -100,6 +104,14 @@ class CarriedNames:
         carried = pattern.format(self.number)
         self.vectors.add(carried)
         return carried
+
+    def _carried(self, pattern: str, name: str) -> str:
+        """Return the name on frames of an attribute, which no other one has."""
+        whole = pattern.format(self.number, name)
+        if whole not in self.cut:
+            taken = self.cut.values()
+            self.cut[whole] = next(own for own in numbered_names(whole, _LONGEST) if own not in taken)
+        return self.cut[whole]
 
 
 class LookGroups:

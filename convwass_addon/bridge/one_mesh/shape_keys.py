@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import chain, count
 
 import bpy
 import numpy as np
@@ -16,6 +15,7 @@ from ..element_values import write_attribute
 from ..keyframes import take_animation
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
+from ..object_names import numbered_names
 from ..render_settings import take_render_settings
 from .carried_properties import custom_properties, read_from_copy, take_properties
 from .records import BAKE_KEYS, has_key_record, key_names, key_records, store_records
@@ -106,8 +106,7 @@ def free_slider(obj: bpy.types.Object, name: str, keys: int = 0) -> str:
     """
     own = obj.data.shape_keys
     taken = set(obj.keys()) | ({key.name for key in own.key_blocks} if own is not None else set())
-    short = name.encode()[:_LONGEST].decode(errors="ignore")
-    tried = chain([short], (f"{short}.{number:03d}" for number in count(1)))
+    tried = numbered_names(name, _LONGEST)
     return next(each for each in tried if not taken.intersection([each, *key_names(each, keys)]))
 
 
