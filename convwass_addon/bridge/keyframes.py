@@ -223,8 +223,19 @@ def own_action(block: bpy.types.ID) -> None:
     """Give a data-block an action of its own if it shares its keyframes, as linked duplicates and copies do."""
     data = block.animation_data
     if data and data.action and data.action_slot and len(data.action_slot.users()) > 1:
-        slot, data.action = data.action_slot.identifier, data.action.copy()
-        data.action_slot = data.action.slots[slot]
+        _copy_action(data, data.action, data.action_slot.identifier)
+
+
+def ensure_action(block: bpy.types.ID) -> None:
+    """Give a data-block without an action a new one.
+
+    Without it, Blender inserts the keys of an object into the action of its mesh, shape keys or materials, if they have
+    one.
+    """
+    data = block.animation_data or block.animation_data_create()
+    if data.action is None:
+        data.action = bpy.data.actions.new(f"{block.name}Action")
+        data.action_slot = data.action.slots.new(block.id_type, block.name)
 
 
 def take_animation(block: bpy.types.ID, source: bpy.types.ID, paths: Sequence[str]) -> None:
@@ -251,15 +262,20 @@ def take_animation(block: bpy.types.ID, source: bpy.types.ID, paths: Sequence[st
 
 def _take_curves(block: bpy.types.ID, data: bpy.types.AnimData, taken: tuple[str, ...]) -> None:
     """Give a data-block a copy of an action, in which only curves remain whose data paths begin in some way."""
-    own, action = block.animation_data_create(), data.action.copy()
-    own.action, own.action_slot = action, action.slots[data.action_slot.identifier]
-    for slot in [slot for slot in action.slots if slot != own.action_slot]:
-        action.slots.remove(slot)
+    _copy_action(block.animation_data_create(), data.action, data.action_slot.identifier)
     bag = channels_of(block)
     for curve in [curve for curve in bag.fcurves if not curve.data_path.startswith(taken)]:
         bag.fcurves.remove(curve)
     for group in [group for group in bag.groups if not len(group.channels)]:
         bag.groups.remove(group)
+
+
+def _copy_action(data: bpy.types.AnimData, action: bpy.types.Action, slot: str) -> None:
+    """Assign a copy of an action that has only one of its slots, given by its identifier."""
+    data.action = action.copy()
+    data.action_slot = data.action.slots[slot]
+    for other in [own for own in data.action.slots if own != data.action_slot]:
+        data.action.slots.remove(other)
 
 
 def clear_animation(block: bpy.types.ID) -> None:

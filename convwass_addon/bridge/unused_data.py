@@ -16,7 +16,21 @@ def remove_if_unused(blocks: Iterable[bpy.types.ID | None]) -> None:
 
 def remove_with_data(objects: Sequence[bpy.types.Object]) -> None:
     """Remove objects, with the data and actions that nothing else uses."""
-    actions = [obj.animation_data.action for obj in objects if obj.animation_data]
-    spare = [*(obj.data for obj in objects), *actions]
+    data = [obj.data for obj in objects]
+    keys = [getattr(own, "shape_keys", None) for own in data]
+    actions = _actions_of([*objects, *data, *keys])
     bpy.data.batch_remove(objects)
-    remove_if_unused(spare)
+    remove_if_unused(data)
+    remove_if_unused(actions)
+
+
+def remove_mesh(mesh: bpy.types.Mesh) -> None:
+    """Remove a mesh, with the actions of its own and of its shape keys that nothing else uses."""
+    actions = _actions_of([mesh, mesh.shape_keys])
+    bpy.data.meshes.remove(mesh)
+    remove_if_unused(actions)
+
+
+def _actions_of(blocks: Iterable[bpy.types.ID | None]) -> list[bpy.types.Action | None]:
+    """Return the action of each data-block that is animated; None stands for one that is missing."""
+    return [block.animation_data.action for block in blocks if block is not None and block.animation_data]

@@ -128,6 +128,55 @@ def test_keys_materials_modifiers_and_place_are_kept(shapes):
     assert [material.name for material in obj.data.materials] == ["Skin"]
 
 
+def smiling(obj):
+    """Give an object a shape key whose value is animated, as an artist does; return the action."""
+    obj.shape_key_add(name="Basis")
+    key = obj.shape_key_add(name="Smile")
+    for frame, value in ((1, 0.0), (9, 1.0)):
+        key.value = value
+        key.keyframe_insert("value", frame=frame)
+    key.value = 0.0
+    action = obj.data.shape_keys.animation_data.action
+    action.name = "Smiling"
+    return action
+
+
+def contents(action):
+    """Return the slots of an action and the keys in them."""
+    curves = [curve for bag in action.layers[0].strips[0].channelbags for curve in bag.fcurves]
+    keys = [(curve.data_path, [point.co[:] for point in curve.keyframe_points]) for curve in curves]
+    return [slot.identifier for slot in action.slots], keys
+
+
+def test_keys_of_sliders_stay_out_of_the_animation_of_the_shape(shapes):
+    action = smiling(shapes[0])
+    before, there = contents(action), census()
+    obj = bake()
+    keys = obj.data.shape_keys
+    assert contents(action) == before
+    assert obj.animation_data.action not in (action, keys.animation_data.action)
+    assert [curve.data_path for curve in curves_of(keys)] == ['key_blocks["Smile"].value']
+    keys.key_blocks["Smile"].keyframe_insert("value", frame=20)
+    assert contents(action) == before
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    bpy.context.scene.frame_set(9)
+    assert obj.data.shape_keys.key_blocks["Smile"].value == 1.0
+    assert contents(action) == before and len(bpy.data.actions) == 3
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    assert contents(action) == before and census()["actions"] == there["actions"]
+
+
+def test_a_slider_that_was_missing_is_keyed_in_an_action_of_the_object(shapes):
+    smiling(shapes[0])
+    obj = bake(inputs="A,B")
+    kept = obj.data.shape_keys.animation_data.action
+    obj.animation_data_clear()
+    del obj["B"]
+    assert bpy.ops.convwass.rebake_morph() == {"FINISHED"}
+    assert [curve.data_path for curve in curves_of(obj)] == ['["B"]']
+    assert obj.animation_data.action not in (kept, obj.data.shape_keys.animation_data.action)
+
+
 def test_custom_properties_that_the_mesh_got_since_come_along(shapes):
     shapes[0]["early"] = 1.0
     obj = bake()

@@ -9,9 +9,9 @@ from collections.abc import Mapping, Sequence
 import bpy
 
 from ...sentence import Sentence
-from ..keyframes import curves_of, driver_targets, drivers_of, remove_curve
+from ..keyframes import curves_of, driver_targets, drivers_of, ensure_action, remove_curve
 from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
-from ..unused_data import remove_with_data
+from ..unused_data import remove_mesh, remove_with_data
 from .attached_parts import detach_parts
 from .carried_properties import custom_properties, take_properties
 from .key_pad import pads_of, remove_idle_pads
@@ -137,6 +137,7 @@ def _take_sliders(before: bpy.types.Object, own: bpy.types.Object) -> None:
             continue
         add_slider(before, name)
         for curve in curves_of(own, slider_path(name)):
+            ensure_action(before)
             for point in curve.keyframe_points:
                 before[name] = point.co.y
                 before.keyframe_insert(slider_path(name), frame=point.co.x)
@@ -162,7 +163,7 @@ def _take_mesh(before: bpy.types.Object, own: bpy.types.Object) -> None:
     before.active_shape_key_index = 0
     if spare.users == 0:
         name = spare.name
-        bpy.data.meshes.remove(spare)
+        remove_mesh(spare)
         mesh.name = name
 
 

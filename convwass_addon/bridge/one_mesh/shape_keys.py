@@ -12,7 +12,7 @@ import numpy as np
 from ...applications.one_mesh.key_paths import KeyPath
 from ...errors import InputError
 from ..element_values import write_attribute
-from ..keyframes import take_animation
+from ..keyframes import ensure_action, own_action, take_animation
 from ..morphs.bake import assign_default_material
 from ..morphs.hidden_inputs import HIDDEN_KEY
 from ..object_names import numbered_names
@@ -65,6 +65,9 @@ def object_with_keys(
     scene.collection.objects.link(obj)
     records = _kept_sliders(source, obj)
     take_animation(obj, source, [*map(slider_path, custom_properties(source)), *map(_modifier_path, modifiers)])
+    for block in (mesh, mesh.shape_keys):
+        if block is not None:
+            own_action(block)
     for block in (obj, mesh.shape_keys):
         read_from_copy(block, source, obj, is_in_place=bool(modifiers))
     if mesh.shape_keys is None:
@@ -165,6 +168,7 @@ def is_key_expression(expression: str) -> bool:
 
 def animate_sliders(obj: bpy.types.Object, names: Sequence[str], first: int, frames: int) -> None:
     """Key the sliders such that the mesh takes the shapes one after another, `frames` scene frames apart."""
+    ensure_action(obj)
     for number, name in enumerate(names):
         begin, end = first + number * frames, first + (number + 1) * frames
         values = {begin: 0.0, end: 1.0}
