@@ -9,7 +9,7 @@ import re
 import shutil
 import time
 import uuid
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager, suppress
 from functools import lru_cache
 from pathlib import Path
@@ -95,10 +95,16 @@ def written_whole(path: Path) -> Iterator[Path]:
     ConvwassError
         The system or Blender (RuntimeError) could not write it.
     """
+    with _told(path), draft_of(path) as draft:
+        yield draft
+        require_whole(draft, path)
+
+
+@contextmanager
+def _told(path: Path) -> Iterator[None]:
+    """Report errors of the system and of Blender as ConvwassErrors that name a file."""
     try:
-        with draft_of(path) as draft:
-            yield draft
-            require_whole(draft, path)
+        yield
     except (RuntimeError, OSError) as error:
         reason = str(error).strip()
         raise ConvwassError("{file} could not be written: {reason}", file=str(path), reason=reason) from error
@@ -124,29 +130,27 @@ class DraftFiles:
         self._drafts[target] = draft
         return draft
 
+    @contextmanager
+    def written(self, target: Path) -> Iterator[Path]:
+        """Provide the draft path for a file, and report errors as :func:`written_whole` does."""
+        with _told(target):
+            draft = self.draft_of(target)
+            yield draft
+            require_whole(draft, target)
+
     def keep(self) -> list[Path]:
         """Move all files into place, and return their paths.
 
         Raises
         ------
         ConvwassError
-            A file could not be moved.
+            A draft is incomplete, or a file could not be moved; all files are as before.
         """
-        done = []
-        try:
-            for target, draft in self._drafts.items():
-                require_whole(draft, target)
-            for target, draft in self._drafts.items():
-                os.replace(draft, target)
-                done.append(target)
-        except OSError as error:
-            raise ConvwassError(
-                "{file} could not be written: {reason}", file=str(target), reason=str(error).strip()
-            ) from error
-        finally:
-            for target in done:
-                del self._drafts[target]
-        self._folders = []
+        for target, draft in self._drafts.items():
+            require_whole(draft, target)
+        replace_together(self._drafts)
+        done = list(self._drafts)
+        self._drafts, self._folders = {}, []
         return done
 
     def discard(self) -> None:
@@ -157,3 +161,61 @@ class DraftFiles:
             with suppress(OSError):
                 folder.rmdir()
         self._drafts, self._folders = {}, []
+
+
+@contextmanager
+def written_together() -> Iterator[DraftFiles]:
+    """Provide drafts that are moved into place together at the end of the context; on an error, none is.
+
+    Raises
+    ------
+    ConvwassError
+        As :meth:`DraftFiles.keep`.
+    """
+    drafts = DraftFiles()
+    try:
+        yield drafts
+        drafts.keep()
+    finally:
+        drafts.discard()
+
+
+def replace_together(drafts: Mapping[Path, Path]) -> None:
+    """Move drafts to their targets, the keys; if that fails or is interrupted, all existing files are kept.
+
+    Raises
+    ------
+    ConvwassError
+        A file could not be moved.
+    """
+    old = {target: new_draft(target) for target in drafts}
+    try:
+        for target, draft in drafts.items():
+            with _told(target):
+                if os.path.lexists(target) and not target.is_dir():
+                    _set_aside(target, old[target])
+                os.replace(draft, target)
+    except BaseException:
+        for target, draft in drafts.items():
+            _restore(target, old[target], draft)
+        raise
+    for kept in old.values():
+        kept.unlink(missing_ok=True)
+
+
+def _set_aside(target: Path, old: Path) -> None:
+    """Give a file a second name, under which it survives; where the file system allows only one, it is moved."""
+    try:
+        os.link(target, old, follow_symlinks=False)
+    except (OSError, NotImplementedError):
+        os.replace(target, old)
+
+
+def _restore(target: Path, old: Path, draft: Path) -> None:
+    """Undo moving a draft to a target, as far as it was done."""
+    if os.path.lexists(old):
+        os.replace(old, target)
+        # Nothing is moved where both are names of one file.
+        old.unlink(missing_ok=True)
+    elif not draft.exists():
+        target.unlink(missing_ok=True)

@@ -411,7 +411,9 @@ def test_a_cluster_computes_the_same_frames_as_threads(shapes, tmp_path, capfd):
     assert results[0] == results[1]
 
 
-@pytest.mark.parametrize(("cache", "left"), [([], "nothing was saved"), (["--cache", "{at}"], "are kept in {at}")])
+@pytest.mark.parametrize(
+    ("cache", "left"), [([], "unfinished files were not saved"), (["--cache", "{at}"], "are kept in {at}")]
+)
 def test_an_interrupt_reports_what_remains(shapes, tmp_path, capfd, monkeypatch, cache, left):
     def interrupt(*_):
         raise KeyboardInterrupt
@@ -445,8 +447,8 @@ def rendering(error=None):
     ("error", "code", "message"),
     [
         (None, 0, ""),
-        (KeyboardInterrupt(), 130, "interrupted; nothing was saved"),
-        (Cancelled("The rendering was stopped."), 130, "interrupted; nothing was saved"),
+        (KeyboardInterrupt(), 130, "interrupted; unfinished files were not saved"),
+        (Cancelled("The rendering was stopped."), 130, "interrupted; unfinished files were not saved"),
         (ConvwassError("No video output."), 1, "No video output."),
     ],
 )

@@ -10,7 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from convwass_addon.drafts import DraftFiles, draft_of, new_draft, written_whole
+from convwass_addon.drafts import DraftFiles, draft_of, new_draft, written_together, written_whole
 from convwass_addon.errors import ConvwassError
 
 
@@ -72,6 +72,67 @@ def test_an_unfinished_draft_is_removed_with_the_others(tmp_path):
         draft.write_text("half")
         raise OSError("disk full")
     drafts.discard()
+    assert not list(tmp_path.iterdir())
+
+
+def two_drafts(folder):
+    """Begin to replace a.txt and to add b.txt."""
+    (folder / "a.txt").write_text("old")
+    drafts = DraftFiles()
+    for name in ("a.txt", "b.txt"):
+        drafts.draft_of(folder / name).write_text("new")
+    return drafts
+
+
+def only_one_name(*_args, **_options):
+    raise PermissionError("This file system has no links.")
+
+
+@pytest.mark.parametrize(("has_links", "failing"), [(True, 1), (True, 2), (False, 1), (False, 2), (False, 3)])
+@pytest.mark.parametrize("error", [PermissionError("in use"), KeyboardInterrupt()])
+def test_files_are_as_before_if_one_cannot_be_moved(tmp_path, monkeypatch, has_links, failing, error):
+    """a.txt is replaced, after it was moved aside without links, and then b.txt is moved."""
+    drafts, replace, calls = two_drafts(tmp_path), os.replace, []
+
+    def move(source, target):
+        calls.append(target)
+        if len(calls) == failing:
+            raise error
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", move)
+    if not has_links:
+        monkeypatch.setattr(os, "link", only_one_name)
+    expected = KeyboardInterrupt if isinstance(error, KeyboardInterrupt) else ConvwassError
+    with pytest.raises(expected):
+        drafts.keep()
+    drafts.discard()
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a.txt": "old"}
+
+
+def test_files_are_written_together_or_not_at_all(tmp_path):
+    (tmp_path / "a.txt").write_text("old")
+    with pytest.raises(ZeroDivisionError), written_together() as drafts:
+        with drafts.written(tmp_path / "a.txt") as draft:
+            draft.write_text("new")
+        assert (tmp_path / "a.txt").read_text() == "old"
+        raise ZeroDivisionError
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a.txt": "old"}
+    with written_together() as drafts:
+        for name in ("a.txt", "b.txt"):
+            with drafts.written(tmp_path / name) as draft:
+                draft.write_text("new")
+    assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {"a.txt": "new", "b.txt": "new"}
+
+
+def test_an_error_of_a_draft_names_its_file(tmp_path):
+    with (
+        pytest.raises(ConvwassError, match=r"a\.txt could not be written: disk full"),
+        written_together() as drafts,
+        drafts.written(tmp_path / "a.txt") as draft,
+    ):
+        draft.write_text("half")
+        raise OSError("disk full")
     assert not list(tmp_path.iterdir())
 
 

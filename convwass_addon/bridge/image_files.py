@@ -171,7 +171,13 @@ def write_image(image: bpy.types.Image, path: Path, how: ImageFormat) -> None:
     ConvwassError
         Blender or the system could not write the file.
     """
-    with written_whole(path) as draft, _format_scene(how) as scene:
+    with written_whole(path) as draft:
+        save_image(image, draft, how)
+
+
+def save_image(image: bpy.types.Image, draft: Path, how: ImageFormat) -> None:
+    """Write an image as `write_image` does, to a draft whose creator reports errors."""
+    with _format_scene(how) as scene:
         image.save_render(str(draft), scene=scene)
 
 

@@ -85,7 +85,7 @@ def run(arguments: Sequence[str], program: str) -> int:
     # While Blender renders, an interrupt cancels the rendering.
     except (KeyboardInterrupt, Cancelled):
         kept = getattr(options, "cache", None)
-        left = f"finished frames are kept in {kept}" if kept else "nothing was saved"
+        left = f"finished frames are kept in {kept}" if kept else "unfinished files were not saved"
         print(f"convwass: interrupted; {left}", file=sys.stderr)
         return 130
     except (ConvwassError, OSError, MemoryError) as failure:

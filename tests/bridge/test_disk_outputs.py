@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import shutil
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -14,11 +16,13 @@ from mathutils import Matrix
 
 from convwass_addon.applications.morphs.layouts import path_blends, triangle_blends
 from convwass_addon.applications.morphs.morph_problem import MorphFrame
+from convwass_addon.bridge.morphs import volume_output
 from convwass_addon.bridge.morphs.bake import MorphBake
 from convwass_addon.bridge.morphs.cache_output import as_cache
 from convwass_addon.bridge.morphs.disk_output import (
     FOLDER_KEY,
     disk_outputs,
+    filled_folder,
     for_blender,
     free_folder,
     named_folder,
@@ -31,7 +35,7 @@ from convwass_addon.bridge.morphs.removal import remove_bake, remove_frames
 from convwass_addon.bridge.morphs.stored import frame_objects
 from convwass_addon.bridge.morphs.volume_output import as_volume
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.errors import InputError
+from convwass_addon.errors import ConvwassError, InputError
 from convwass_addon.progress import drained
 
 CELL = 5.0 / 64
@@ -234,14 +238,38 @@ def test_a_damaged_folder_is_not_used(collection, tmp_path, stored):
     assert own_folder(str(tmp_path), collection) == tmp_path / "Morph_A_to_B"
 
 
-def test_a_stopped_volume_leaves_no_objects_and_no_half_file(collection, tmp_path, inventory):
+def test_a_stopped_volume_leaves_no_objects_and_the_files_before(collection, tmp_path, inventory):
+    """Files of a sequence belong together."""
     before = inventory()
+    old = tmp_path / f"{tmp_path.name}_0003.vdb"
+    old.write_text("old")
     work = as_volume(collection, tmp_path)
     while next(work).fraction <= 0.4:
         pass
     work.close()
     assert inventory() == before
-    assert {file.stem[-5:] for file in tmp_path.iterdir()} == {"_0003", "_0004"}
+    assert list(tmp_path.iterdir()) == [old] and old.read_text() == "old"
+
+
+def test_there_must_be_room_for_all_volumes(collection, tmp_path, monkeypatch):
+    """The free space that is left after the first file would do for less than three more."""
+
+    def written(_openvdb, file, *_):
+        file.write_bytes(bytes(100_000))
+
+    monkeypatch.setattr(volume_output, "_write", written)
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=290_000))
+    with pytest.raises(ConvwassError, match="of free space"):
+        next(as_volume(collection, tmp_path))
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_folder_that_stays_empty_vanishes_with_those_made_for_it(tmp_path):
+    (tmp_path / "there").mkdir()
+    with pytest.raises(KeyboardInterrupt), filled_folder(tmp_path / "there" / "walk files" / "Morph") as folder:
+        assert folder.is_dir()
+        raise KeyboardInterrupt
+    assert list(tmp_path.rglob("*")) == [tmp_path / "there"]
 
 
 def test_missing_frames_and_folders_are_reported(collection, tmp_path):

@@ -6,7 +6,9 @@ from __future__ import annotations
 
 import json
 import re
+import shutil
 import struct
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -24,6 +26,7 @@ from convwass_addon.bridge.morphs.exports import FORMATS, export_frames
 from convwass_addon.bridge.morphs.stored import frame_objects, shown_frames
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
+from convwass_addon.bridge.one_mesh import vertex_animation_files
 from convwass_addon.bridge.one_mesh.moving_meshes import srgb, triangles_of_frames
 from convwass_addon.errors import ConvwassError, InputError
 from tests.vertex_textures import gathered, joined_steps
@@ -122,6 +125,57 @@ def test_an_old_obj_is_kept_if_a_new_one_cannot_be_written(collection, tmp_path,
         "rise_0001.obj": "older",
         "rise_0001.mtl": "older",
     }
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir()}
+
+
+@pytest.mark.parametrize("error", [ConvwassError("The disk is full."), KeyboardInterrupt()])
+@pytest.mark.parametrize("name", STILLS)
+def test_files_of_a_stopped_series_are_as_before(collection, tmp_path, monkeypatch, name, error):
+    export_frames(collection, tmp_path / "rise", name)
+    before, calls = contents(tmp_path), []
+    for obj in frame_objects(collection):
+        obj.location.x += 1.0
+    bpy.context.view_layer.update()
+
+    def stopped(*given):
+        calls.append(given)
+        if len(calls) == 3:
+            raise error
+
+    monkeypatch.setattr(exports, "require_written", stopped)
+    with pytest.raises(type(error)):
+        export_frames(collection, tmp_path / "rise", name)
+    assert contents(tmp_path) == before
+    assert calls[-1][-1] == tmp_path / f"rise_0003.{name}"
+
+
+def test_textures_that_are_stopped_are_as_before(collection, tmp_path, monkeypatch):
+    export_frames(collection, tmp_path / "rise", "vat")
+    before = contents(tmp_path)
+    frame_objects(collection)[0].location.x += 1.0
+    bpy.context.view_layer.update()
+
+    def stopped(file):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(vertex_animation_files, "write_still_gltf", stopped)
+    with pytest.raises(KeyboardInterrupt):
+        export_frames(collection, tmp_path / "rise", "vat")
+    assert contents(tmp_path) == before
+
+
+@pytest.mark.parametrize("name", ["obj", "vat"])
+def test_there_must_be_room_for_all_files_of_a_series(collection, tmp_path, monkeypatch, name):
+    """A frame needs less than 2 MB, and all four more."""
+    monkeypatch.setattr(
+        shutil, "disk_usage", lambda folder: SimpleNamespace(free=1 << 20 if name == "vat" else 1 << 21)
+    )
+    with pytest.raises(ConvwassError, match="of free space"):
+        export_frames(collection, tmp_path / "rise", name)
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_obj_names_its_materials_and_textures_as_seen_from_its_folder(collection, tmp_path):

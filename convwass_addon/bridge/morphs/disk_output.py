@@ -179,14 +179,16 @@ def output_folder(folder: Path) -> Path:
 
 @contextmanager
 def filled_folder(folder: Path) -> Iterator[Path]:
-    """Provide a folder as `output_folder`; if it stays empty, it is removed."""
+    """Provide a folder as `output_folder`; if it stays empty, it is removed, with those that were created for it."""
+    made = [folder, *(parent for parent in folder.parents if not parent.exists())]
     output_folder(folder)
     try:
         yield folder
     finally:
         # Only empty folders can be removed.
         with suppress(OSError):
-            folder.rmdir()
+            for each in made:
+                each.rmdir()
 
 
 def for_blender(path: Path) -> str:

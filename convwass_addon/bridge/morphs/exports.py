@@ -16,7 +16,7 @@ import numpy as np
 
 from ...applications.whole_paths import whole_path
 from ...disk_space import require_space
-from ...drafts import new_draft
+from ...drafts import new_draft, replace_together
 from ...errors import ConvwassError, InputError
 from ..element_values import element_values
 from ..files import checked_target, file_stem
@@ -83,7 +83,7 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     Returns
     -------
     list of Path
-        Absolute paths of the files. Existing files are replaced.
+        Absolute paths of the files. Existing files are replaced once all are complete.
 
     Raises
     ------
@@ -106,15 +106,19 @@ def export_frames(collection: bpy.types.Collection, path: Path, file_format: str
     with still_frames(frames, span) as still:
         if chosen.write_frames is not None:
             return chosen.write_frames(still.first, target, _frames_per_second(frames, span))
-        if chosen.animated:
-            _export_animation(still, span, target, chosen)
-            return [target]
-        if chosen.write_steps is not None and span:
-            _export_steps(still, target, chosen)
+        if chosen.animated or (chosen.write_steps is not None and span):
+            require_space(target.parent, _exported_bytes(still.all))
+            with _draft_folder(target) as folder:
+                if chosen.animated:
+                    _export_animation(still, span, folder / target.name, chosen)
+                else:
+                    _export_steps(still, folder / target.name, chosen)
             return [target]
         files = numbered_paths(target.parent, f"{target.stem}_", target.suffix, range(1, len(frames) + 1))
-        for obj, file in zip(still.first, files, strict=True):
-            _export_still(obj, file, chosen)
+        require_space(target.parent, sum(_exported_bytes([obj]) for obj in still.first))
+        with _draft_folder(target) as folder:
+            for obj, file in zip(still.first, files, strict=True):
+                _export_still(obj, folder / file.name, chosen)
         return files
 
 
@@ -155,7 +159,6 @@ def _exported_bytes(objects: Sequence[bpy.types.Object]) -> int:
 
 def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
     """Export one frame object, whether or not it is visible."""
-    require_space(file.parent, _exported_bytes([obj]))
     with scratch_scene() as scene:
         # A copy, since the frame object itself is hidden in all frames but one.
         still = world_copy(obj, file.stem)
@@ -169,7 +172,6 @@ def _export_still(obj: bpy.types.Object, file: Path, chosen: _Format) -> None:
 
 def _export_animation(still: StillFrames, span: range, file: Path, chosen: _Format) -> None:
     """Export the frame objects as one mesh over scene frames; without animation, in their current state."""
-    require_space(file.parent, _exported_bytes(still.all))
     with _colored_copies(still.all, chosen.write_colors) as copies:
         groups = [tuple(copies[obj] for obj in group) for group in still.shown]
         first = span[0] if span else bpy.context.scene.frame_current
@@ -179,7 +181,6 @@ def _export_animation(still: StillFrames, span: range, file: Path, chosen: _Form
 
 def _export_steps(still: StillFrames, file: Path, chosen: _Format) -> None:
     """Write the frame objects of a path as nodes that take turns."""
-    require_space(file.parent, _exported_bytes(still.all))
     with (
         scratch_animation(0, len(still.shown)) as scene,
         scaled_stand_ins(still.all, still.shown, file.stem) as copies,
@@ -237,23 +238,32 @@ def _with_one_uv_map(meshes: list[bpy.types.Mesh]) -> None:
         mesh.uv_layers.new(name=_UV_MAP, do_init=False).uv.foreach_set("vector", kept)
 
 
-def _write(file: Path, chosen: _Format) -> None:
-    """Export the current scene; an existing file is replaced once the new one is complete."""
-    # Written under its final name in a temporary folder, since an OBJ contains the name of its material file.
-    folder = new_draft(file, "")
-    draft = folder / file.name
+@contextmanager
+def _draft_folder(target: Path) -> Iterator[Path]:
+    """Provide a folder whose files are moved next to a target together at the end; on an error, none is.
+
+    They are written under their final names, since an OBJ contains the name of its material file.
+    """
+    folder = new_draft(target, "")
     try:
         folder.mkdir()
-        require_written(chosen.write(str(draft)), draft, file)
-        for beside in [path for path in folder.iterdir() if path != draft]:
-            if beside.suffix == ".mtl":
-                _name_textures(beside, file.parent)
-            beside.replace(file.with_name(beside.name))
-        draft.replace(file)
-    except (RuntimeError, OSError) as error:
-        raise ConvwassError("{file} could not be written: {reason}", file=str(file), reason=reason(error)) from error
+        yield folder
+        for materials in folder.glob("*.mtl"):
+            _name_textures(materials, target.parent)
+        replace_together({target.with_name(draft.name): draft for draft in folder.iterdir()})
+    except OSError as error:
+        raise ConvwassError("{file} could not be written: {reason}", file=str(target), reason=reason(error)) from error
     finally:
         shutil.rmtree(folder, ignore_errors=True)
+
+
+def _write(draft: Path, chosen: _Format) -> None:
+    """Export the current scene to a file in a draft folder; messages name the final file."""
+    file = draft.parents[1] / draft.name
+    try:
+        require_written(chosen.write(str(draft)), draft, file)
+    except RuntimeError as error:
+        raise ConvwassError("{file} could not be written: {reason}", file=str(file), reason=reason(error)) from error
 
 
 def _name_textures(materials: Path, folder: Path) -> None:

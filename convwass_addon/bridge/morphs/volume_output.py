@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter
 
-from ...drafts import written_whole
+from ...disk_space import require_space
+from ...drafts import written_together
 from ...errors import InputError
 from ...geometry.mesh import TriangleMesh
 from ...geometry.occupancy import occupancy
@@ -56,8 +57,8 @@ def as_volume(collection: bpy.types.Collection, folder: Path) -> Work[DiskOutput
     collection : bpy.types.Collection
         A baked morph with its frames, which are kept.
     folder : Path
-        An existing folder, which gives the files their name; those of the same name are replaced, but Blender shows
-        their old content until it ends.
+        An existing folder, which gives the files their name; those of the same name are replaced once all are
+        complete, but Blender shows their old content until it ends.
 
     Yields
     ------
@@ -72,6 +73,8 @@ def as_volume(collection: bpy.types.Collection, folder: Path) -> Work[DiskOutput
     ------
     InputError
         Blender lacks OpenVDB's Python module (included from 4.5), the collection has no frames, or these are too small.
+    ConvwassError
+        There is too little free space, or a file could not be written.
     """
     openvdb = openvdb_module()
     if openvdb is None:
@@ -91,9 +94,15 @@ def as_volume(collection: bpy.types.Collection, folder: Path) -> Work[DiskOutput
         )
     numbers = [file_number(frame, scene_frames[0]) for frame in scene_frames]
     files = numbered_paths(folder, f"{folder.name}_", ".vdb", numbers)
-    for done, (file, meshes) in enumerate(zip(files, shown, strict=True), 1):
-        _write(openvdb, file, meshes, spacing)
-        yield Progress(done / len(shown), Sentence("Writing {done} of {total}", {"done": done, "total": len(shown)}))
+    with written_together() as drafts:
+        for done, (file, meshes) in enumerate(zip(files, shown, strict=True), 1):
+            with drafts.written(file) as draft:
+                _write(openvdb, draft, meshes, spacing)
+            if done == 1:
+                # The others are about as large.
+                require_space(folder, (len(files) - 1) * draft.stat().st_size)
+            progress = {"done": done, "total": len(shown)}
+            yield Progress(done / len(shown), Sentence("Writing {done} of {total}", progress))
     # Before Blender 5, Volume to Mesh places values at the corners of their cells.
     offset = -spacing / 2 if bpy.app.version < (5, 0, 0) else 0.0
     return DiskOutput(_objects(collection, files, scene_frames, offset), tuple(files))
@@ -119,7 +128,7 @@ def _timeline(
 
 
 def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spacing: float) -> None:
-    """Write a VDB file atomically."""
+    """Write a VDB file."""
     grid = openvdb.FloatGrid()
     grid.name = GRID_NAME
     grid.gridClass = openvdb.GridClass.FOG_VOLUME
@@ -131,8 +140,7 @@ def _write(openvdb: ModuleType, file: Path, meshes: Sequence[TriangleMesh], spac
         # Values are located at cell centers.
         grid.transform = openvdb.createLinearTransform(voxelSize=spacing)
         grid.transform.postTranslate(tuple(float(x) for x in low + spacing / 2))
-    with written_whole(file) as draft:
-        openvdb.write(str(draft), grids=[grid])
+    openvdb.write(str(file), grids=[grid])
 
 
 def _filled(

@@ -15,9 +15,10 @@ from numpy.typing import NDArray
 
 from ...applications.one_mesh.vertex_textures import VertexAnimation, packed_normals, split_steps, y_up
 from ...applications.palettes.png_bytes import png_bytes
-from ...drafts import written_whole
+from ...disk_space import require_space
+from ...drafts import DraftFiles, written_together
 from ..element_values import element_values
-from ..image_files import ImageFormat, drawn_image, write_image
+from ..image_files import ImageFormat, drawn_image, save_image
 from ..scene_writing import require_written, write_still_gltf
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
@@ -25,6 +26,10 @@ from .moving_meshes import MovingVertices
 
 UV_MAP = "VAT"
 """Name of the UV map with the positions of vertices in the textures, with a number if the mesh has such a map."""
+
+# Bytes per texel of all textures, uncompressed; per corner of the mesh, with positions, normals, colors and UV maps;
+# and for the description and the headers.
+_TEXEL, _CORNER, _FILES = 32, 80, 1 << 20
 
 _EXR = ImageFormat("OPEN_EXR", "RGB", "32")
 
@@ -105,16 +110,10 @@ def _add_coordinates(mesh: bpy.types.Mesh, coordinates: NDArray[np.float64], own
 def _written(animation: VertexAnimation, mesh: bpy.types.Mesh, target: Path, fps: float, uv_map: str) -> list[Path]:
     """Write the textures, the mesh and the description, in glTF's axes."""
     grid, bounds = animation.grid, animation.bounds
-    files = {name: target.with_name(f"{target.stem}_{name}") for name in ("positions.png", "positions.exr")}
-    files |= {name: target.with_name(f"{target.stem}_{name}") for name in ("normals.png", "mesh.glb")}
+    names = ["positions.png", "normals.png", "positions.exr", "mesh.glb"]
+    names += [] if animation.colors is None else ["colors.png"]
+    files = {name: target.with_name(f"{target.stem}_{name}") for name in names}
     split = split_steps(animation.points, bounds)
-    _write_png(np.concatenate([grid.arranged(half) for half in split]), files["positions.png"])
-    _write_png(grid.arranged(packed_normals(animation.normals)), files["normals.png"])
-    _write_exr(grid.arranged(animation.points.astype(np.float32)), files["positions.exr"])
-    if animation.colors is not None:
-        files["colors.png"] = target.with_name(f"{target.stem}_colors.png")
-        _write_png(grid.arranged(np.rint(255.0 * animation.colors).astype(np.uint8)), files["colors.png"])
-    _write_glb(mesh, files["mesh.glb"])
     record = {
         "format": "convwass vertex animation texture",
         "version": 1,
@@ -128,30 +127,44 @@ def _written(animation: VertexAnimation, mesh: bpy.types.Mesh, target: Path, fps
         "axes": "right-handed, Y up, as in glTF",
         "files": {name.replace(".", "_"): file.name for name, file in files.items()},
     }
-    with written_whole(target) as draft:
-        draft.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
+    require_space(target.parent, _needed_bytes(animation, mesh))
+    with written_together() as drafts:
+        _write_png(np.concatenate([grid.arranged(half) for half in split]), files["positions.png"], drafts)
+        _write_png(grid.arranged(packed_normals(animation.normals)), files["normals.png"], drafts)
+        _write_exr(grid.arranged(animation.points.astype(np.float32)), files["positions.exr"], drafts)
+        if animation.colors is not None:
+            colors = np.rint(255.0 * animation.colors).astype(np.uint8)
+            _write_png(grid.arranged(colors), files["colors.png"], drafts)
+        _write_glb(mesh, files["mesh.glb"], drafts)
+        with drafts.written(target) as draft:
+            draft.write_text(json.dumps(record, indent=2) + "\n", encoding="utf-8")
     return [target, *files.values()]
 
 
-def _write_png(pixels: NDArray[np.uint8], path: Path) -> None:
+def _needed_bytes(animation: VertexAnimation, mesh: bpy.types.Mesh) -> int:
+    """Return a generous estimate of the size of all files."""
+    return _FILES + _TEXEL * animation.grid.width * animation.grid.height + _CORNER * len(mesh.loops)
+
+
+def _write_png(pixels: NDArray[np.uint8], path: Path, drafts: DraftFiles) -> None:
     """Write an 8-bit image, (height, width, 3), top row first."""
     opaque = np.ones((*pixels.shape[:2], 4), np.float32)
     opaque[..., :3] = pixels / np.float32(255.0)
-    with written_whole(path) as draft:
+    with drafts.written(path) as draft:
         draft.write_bytes(png_bytes(opaque[::-1]))
 
 
-def _write_exr(pixels: NDArray[np.float32], path: Path) -> None:
+def _write_exr(pixels: NDArray[np.float32], path: Path, drafts: DraftFiles) -> None:
     """Write an image of floats, (height, width, 3), top row first."""
     opaque = np.ones((*pixels.shape[:2], 4), np.float32)
     opaque[..., :3] = pixels
-    with drawn_image(opaque[::-1], "Non-Color") as image:
-        write_image(image, path, _EXR)
+    with drawn_image(opaque[::-1], "Non-Color") as image, drafts.written(path) as draft:
+        save_image(image, draft, _EXR)
 
 
-def _write_glb(mesh: bpy.types.Mesh, path: Path) -> None:
+def _write_glb(mesh: bpy.types.Mesh, path: Path, drafts: DraftFiles) -> None:
     """Write a mesh unchanged, with its materials and UV maps."""
-    with _alone(mesh, path.stem), written_whole(path) as draft:
+    with _alone(mesh, path.stem), drafts.written(path) as draft:
         require_written(write_still_gltf(str(draft)), draft, path)
 
 

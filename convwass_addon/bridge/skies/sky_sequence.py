@@ -120,7 +120,7 @@ class SkyFiles:
         Raises
         ------
         ConvwassError
-            The system refuses to replace a file; the remaining ones stay unchanged.
+            The system refuses to replace a file; all files stay unchanged.
         """
         self._drafts.keep()
 
