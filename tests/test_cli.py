@@ -426,6 +426,47 @@ def test_an_interrupt_reports_what_remains(shapes, tmp_path, capfd, monkeypatch,
     assert not (tmp_path / "morph.blend").exists()
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are POSIX")
+@pytest.mark.parametrize(("name", "code"), [("SIGINT", 130), ("SIGTERM", 143), ("SIGHUP", 129)])
+def test_signals_end_a_command_with_their_number(shapes, tmp_path, capfd, monkeypatch, name, code):
+    number = getattr(signal, name)
+    before = signal.getsignal(number)
+    cleaned = []
+
+    def stopped(*_):
+        try:
+            signal.raise_signal(number)
+        finally:
+            cleaned.append(name)
+
+    monkeypatch.setattr(MorphJob, "write", stopped)
+    words = [*TRANSPORT, *cube_and_ball(shapes), *QUICK, "--out", str(tmp_path / "morph.blend")]
+    assert cli.main(words) == code
+    assert cleaned == [name]
+    assert "convwass: interrupted; unfinished files were not saved" in capfd.readouterr().err
+    assert list(tmp_path.iterdir()) == [shapes]
+    assert signal.getsignal(number) == before
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are POSIX")
+def test_a_signal_that_the_caller_ignores_is_ignored(shapes, tmp_path, monkeypatch):
+    """As after nohup."""
+    begin = MorphJob.write
+
+    def hung_up(self, report):
+        signal.raise_signal(signal.SIGHUP)
+        begin(self, report)
+
+    monkeypatch.setattr(MorphJob, "write", hung_up)
+    before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
+    try:
+        words = [*TRANSPORT, *cube_and_ball(shapes), *QUICK, "--out", str(tmp_path / "morph.blend")]
+        assert cli.main(words) == 0
+        assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
+    finally:
+        signal.signal(signal.SIGHUP, before)
+
+
 # Pictures end like this.
 NEW, OLD = b"new IEND\xaeB`\x82", b"old"
 

@@ -93,7 +93,7 @@ With the extension installed, run `blender --command convwass COMMAND …`; in a
 `python3 run.py python -m convwass_addon COMMAND …`. `COMMAND --help` prints the same text as this page.
 
 Exit codes: 0 success, 1 failure while working, 2 invalid command line, 3 unusable shapes or settings, 4 not enough
-memory, 130 interrupted.
+memory, 128 + n ended by the signal n (130 by Ctrl+C).
 
 """
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+import signal
 import sys
 from argparse import ArgumentParser, Namespace, RawDescriptionHelpFormatter
 from collections.abc import Callable, Sequence
@@ -19,6 +20,7 @@ from .armature_options import ARMATURE_HELP, add_armature_options
 from .demo_command import DEMO_HELP, add_demo_options, run_demo
 from .density_command import run_density
 from .density_options import DENSITY_HELP, add_density_options
+from .interrupts import Ended, heeded_signals
 from .morph_command import run_morph
 from .morph_options import MORPH_HELP, add_morph_options
 from .recolor_command import run_recolor
@@ -32,7 +34,7 @@ from .softmap_options import SOFTMAP_HELP, add_softmap_options
 EXIT_CODES = """exit codes:
   0  success                         3  unusable shapes or settings (the message says what to do)
   1  failure while working           4  not enough memory
-  2  wrong command line            130  interrupted
+  2  wrong command line        128 + n  ended by the signal n: 130 by Ctrl+C
 """
 
 
@@ -79,15 +81,15 @@ def run(arguments: Sequence[str], program: str) -> int:
     except SystemExit as stop:
         return int(stop.code or 0)
     try:
-        with own_stdout() as output:
+        with heeded_signals(), own_stdout() as output:
             found = options.run(options)
             print(json.dumps(found.record, indent=2) if options.json else "\n".join(found.lines), file=output)
-    # While Blender renders, an interrupt cancels the rendering.
-    except (KeyboardInterrupt, Cancelled):
+    # In Blender itself, an interrupt cancels a rendering.
+    except (KeyboardInterrupt, Cancelled) as stop:
         kept = getattr(options, "cache", None)
         left = f"finished frames are kept in {kept}" if kept else "unfinished files were not saved"
         print(f"convwass: interrupted; {left}", file=sys.stderr)
-        return 130
+        return 128 + (stop.number if isinstance(stop, Ended) else signal.SIGINT)
     except (ConvwassError, OSError, MemoryError) as failure:
         error = error_to_tell(failure)
         print(f"convwass: {error}", file=sys.stderr)
