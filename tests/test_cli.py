@@ -10,6 +10,7 @@ import shlex
 import signal
 import subprocess
 import sys
+import time
 from dataclasses import replace
 
 import bpy
@@ -26,7 +27,7 @@ from convwass_addon.bridge.morphs import bake, job
 from convwass_addon.bridge.morphs.job import MorphJob
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.one_mesh import shape_key_job, swap_job
-from convwass_addon.cli import morph_baking, program
+from convwass_addon.cli import interrupts, morph_baking, program
 from convwass_addon.errors import Cancelled, ConvwassError
 from convwass_addon.progress import Progress
 from convwass_addon.sentence import Sentence
@@ -465,6 +466,20 @@ def test_a_signal_that_the_caller_ignores_is_ignored(shapes, tmp_path, monkeypat
         assert signal.getsignal(signal.SIGHUP) is signal.SIG_IGN
     finally:
         signal.signal(signal.SIGHUP, before)
+
+
+@pytest.mark.parametrize(("seconds", "told"), [(0.0, False), (0.5, True)])
+def test_an_interrupt_is_answered_where_the_work_does_not_end_at_once(monkeypatch, capfd, seconds, told):
+    """The main thread does not run Python until it has slept, as while Blender renders."""
+    monkeypatch.setattr(interrupts, "_PATIENCE", 0.05)
+    before = signal.signal(signal.SIGINT, lambda *_: None)
+    try:
+        with interrupts.heeded_signals():
+            signal.raise_signal(signal.SIGINT)
+            time.sleep(seconds)
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert ("is finished first" in capfd.readouterr().err) == told
 
 
 # Pictures end like this.

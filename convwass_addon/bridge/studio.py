@@ -6,9 +6,7 @@ from __future__ import annotations
 
 import math
 import shutil
-import signal
 import tempfile
-import threading
 from collections.abc import Sequence
 from pathlib import Path
 from types import TracebackType
@@ -24,6 +22,7 @@ from ..geometry.affine import transformed_points
 from .element_values import element_values
 from .files import checked_target
 from .framing import Pose, View
+from .interrupts import delayed_interrupts
 from .objects import stand
 from .studio_set import even_sky, floor_material, floor_mesh
 
@@ -202,29 +201,27 @@ def run_render(scene: bpy.types.Scene, **options: bool) -> None:
     Blender has one image for render results, which shows this render afterwards, or is removed if there was none
     before.
 
+    A rendering cannot be stopped by signals in Python, so they take effect after it.
+
     Raises
     ------
     Cancelled
-        The user pressed Ctrl+C, or stopped the render in its window.
+        The user stopped the render in its window, or Blender, which handles Ctrl+C itself, did.
     """
     stopped: list[bool] = []
 
     def note(*_: object) -> None:
         stopped.append(True)
 
-    # An interrupt in the renderer's own Python would be printed there and lost.
-    in_main_thread = threading.current_thread() is threading.main_thread()
-    before = signal.signal(signal.SIGINT, note) if in_main_thread else None
     had_result = _RESULT in bpy.data.images
     bpy.app.handlers.render_cancel.append(note)
     try:
-        bpy.ops.render.render(scene=scene.name, **options)
+        with delayed_interrupts():
+            bpy.ops.render.render(scene=scene.name, **options)
     except RuntimeError as error:
         raise ConvwassError("Blender could not render the picture: {reason}", reason=str(error)) from error
     finally:
         bpy.app.handlers.render_cancel.remove(note)
-        if in_main_thread:
-            signal.signal(signal.SIGINT, before)
         if not had_result and _RESULT in bpy.data.images:
             bpy.data.images.remove(bpy.data.images[_RESULT])
     if stopped:

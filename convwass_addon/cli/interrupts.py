@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import signal
+import socket
+import sys
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -13,6 +15,8 @@ from typing import NoReturn
 
 # Windows has no SIGHUP.
 _ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+# Seconds after which users wonder whether their interrupt was noticed.
+_PATIENCE = 1.0
 
 
 class Ended(KeyboardInterrupt):
@@ -25,7 +29,7 @@ class Ended(KeyboardInterrupt):
 
 @contextmanager
 def heeded_signals() -> Iterator[None]:
-    """Let signals of the system end the work as Ctrl+C does, with an exception.
+    """Let signals of the system end the work as Ctrl+C does, with an exception, and answer them if that takes long.
 
     Signals that are ignored, as after ``nohup``, or that Blender handles, are left alone.
 
@@ -41,8 +45,41 @@ def heeded_signals() -> Iterator[None]:
         for number in _ENDING:
             if signal.getsignal(number) is signal.SIG_DFL:
                 restored.callback(signal.signal, number, signal.signal(number, _end))
+        restored.enter_context(_answered())
         yield
 
 
 def _end(number: int, _: FrameType | None) -> NoReturn:
     raise Ended(number)
+
+
+@contextmanager
+def _answered() -> Iterator[None]:
+    """Answer an interrupt that has not ended the context after a while, from a thread.
+
+    Python hands signals to functions between two of its own instructions only, so not while Blender renders.
+    """
+    inner, outer = socket.socketpair()
+    outer.setblocking(False)
+    before = signal.set_wakeup_fd(outer.fileno(), warn_on_full_buffer=False)
+    ended = threading.Event()
+    answering = threading.Thread(target=_answer, args=(inner, ended), daemon=True)
+    answering.start()
+    try:
+        yield
+    finally:
+        signal.set_wakeup_fd(before)
+        ended.set()
+        outer.close()
+        answering.join()
+        inner.close()
+
+
+def _answer(inner: socket.socket, ended: threading.Event) -> None:
+    """Answer the first interrupt, whose number arrives at a socket, unless the work ends soon."""
+    while number := inner.recv(1):
+        if number[0] in (signal.SIGINT, *_ENDING):
+            break
+    if not ended.wait(_PATIENCE):
+        said = "convwass: interrupted; the current step, such as the rendering of a picture, is finished first"
+        print(said, file=sys.stderr, flush=True)

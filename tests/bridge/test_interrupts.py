@@ -1,0 +1,104 @@
+# SPDX-FileCopyrightText: 2026 Convwass authors
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Interrupts that come while Blender works are not lost."""
+
+from __future__ import annotations
+
+import signal
+import sys
+import threading
+
+import bpy
+import pytest
+
+from convwass_addon.bridge.interrupts import delayed_interrupts
+from convwass_addon.bridge.studio import run_render
+from convwass_addon.errors import Cancelled
+
+pytestmark = pytest.mark.usefixtures("empty_scene")
+
+
+def interrupt(*_args, **_options):
+    signal.raise_signal(signal.SIGINT)
+
+
+@pytest.fixture(autouse=True)
+def same_handler():
+    before = signal.getsignal(signal.SIGINT)
+    yield
+    assert signal.getsignal(signal.SIGINT) is before
+
+
+def test_an_interrupt_is_raised_at_the_end():
+    done = []
+    with pytest.raises(KeyboardInterrupt), delayed_interrupts():
+        interrupt()
+        done.append("finished")
+    assert done == ["finished"]
+
+
+@pytest.mark.parametrize("context", [delayed_interrupts])
+def test_errors_without_interrupts_and_other_threads_are_left_alone(context):
+    def work():
+        with pytest.raises(RuntimeError, match="own"), context():
+            raise RuntimeError("own")
+        done.append(True)
+
+    done = []
+    work()
+    other = threading.Thread(target=work)
+    other.start()
+    other.join()
+    assert done == [True, True]
+
+
+@pytest.mark.parametrize("name", ["SIGINT", "SIGTERM", "SIGHUP"])
+@pytest.mark.skipif(sys.platform == "win32", reason="signals are POSIX")
+def test_a_signal_takes_effect_after_the_render(name):
+    """Blender calls Python now and then while it renders, and prints what that raises."""
+    number, came, early, finished = getattr(signal, name), [], [], []
+
+    class Stopped(BaseException):
+        """What the command line raises."""
+
+    def stop(*_):
+        came.append(name)
+        raise Stopped
+
+    scene = bpy.context.scene
+    scene.render.engine, scene.render.resolution_x, scene.render.resolution_y = "CYCLES", 8, 8
+    scene.cycles.samples = 1
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+
+    def signal_once(*_):
+        signal.raise_signal(number)
+        early.extend(came)
+
+    before = signal.signal(number, stop)
+    bpy.app.handlers.render_pre.append(signal_once)
+    bpy.app.handlers.render_complete.append(lambda *_: finished.append(True))
+    try:
+        with pytest.raises(Stopped):
+            run_render(scene)
+    finally:
+        bpy.app.handlers.render_pre.remove(signal_once)
+        bpy.app.handlers.render_complete.clear()
+        signal.signal(number, before)
+    assert (early, finished, came) == ([], [True], [name])
+
+
+def test_a_render_that_its_window_stops_is_reported(monkeypatch):
+    def cancelled(**_options):
+        for handler in list(bpy.app.handlers.render_cancel):
+            handler(bpy.context.scene)
+
+    class Operators:
+        """Stands in for Blender's operators, of which only a window can stop the real one."""
+
+        class render:  # noqa: N801
+            render = staticmethod(cancelled)
+
+    monkeypatch.setattr(bpy, "ops", Operators)
+    with pytest.raises(Cancelled):
+        run_render(bpy.context.scene)
