@@ -18,6 +18,7 @@ from ..applications.whole_paths import whole_path
 from ..errors import InputError
 from .blend_files import appended_instances, appended_objects, listed_names, several_meshes
 from .flat.flat_kinds import is_drawn_flat
+from .interrupts import kept_interrupts
 from .joined_shapes import joined_shape
 from .mesh_checks import CONVERTIBLE
 from .objects import frozen_copy, stand
@@ -191,7 +192,8 @@ def run_importer(importer: Callable[[str], set[str]], file: Path) -> None:
         The importer failed.
     """
     try:
-        finished = "FINISHED" in importer(str(file))
+        with kept_interrupts():
+            finished = "FINISHED" in importer(str(file))
     except RuntimeError as error:
         raise InputError(
             "{file} could not be read; is it damaged? Blender says: {reason}", file=file.name, reason=reason(error)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 Convwass authors
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keep interrupts, such as Ctrl+C, that come while Blender works and would lose them."""
+"""Keep interrupts, such as Ctrl+C, that come while Blender works: its operators turn them into errors, or lose them."""
 
 from __future__ import annotations
 
@@ -14,6 +14,26 @@ _Handler = Callable[[int, FrameType | None], object]
 
 # Windows has no SIGHUP.
 _SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+
+
+@contextmanager
+def kept_interrupts() -> Iterator[None]:
+    """Let interrupts stop an operator that is written in Python, and raise them again after it.
+
+    Blender makes a RuntimeError of an interrupt in such an operator, which may also ignore it.
+    """
+    came: list[int] = []
+
+    def keep(number: int, frame: FrameType | None) -> None:
+        came.append(number)
+        handlers[number](number, frame)
+
+    handlers = _python_handlers()
+    with _replaced(handlers, keep):
+        try:
+            yield
+        finally:
+            _raise_first(came, handlers)
 
 
 @contextmanager

@@ -10,13 +10,15 @@ import bpy
 
 from ..disk_space import require_whole
 from ..errors import ConvwassError
+from .interrupts import kept_interrupts
 
 
 def write_still_gltf(file: str) -> set[str]:
     """Write a glTF file without animation."""
-    return bpy.ops.export_scene.gltf(
-        filepath=file, export_format="GLB", use_active_scene=True, export_animations=False, export_extras=False
-    )
+    with kept_interrupts():
+        return bpy.ops.export_scene.gltf(
+            filepath=file, export_format="GLB", use_active_scene=True, export_animations=False, export_extras=False
+        )
 
 
 def write_usd(file: str) -> set[str]:

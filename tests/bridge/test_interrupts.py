@@ -7,11 +7,15 @@ from __future__ import annotations
 import signal
 import sys
 import threading
+from importlib import import_module
 
 import bpy
 import pytest
 
-from convwass_addon.bridge.interrupts import delayed_interrupts
+from convwass_addon.bridge.imports import import_objects
+from convwass_addon.bridge.interrupts import delayed_interrupts, kept_interrupts
+from convwass_addon.bridge.morphs.gltf_animation import write_gltf_animation
+from convwass_addon.bridge.scene_writing import write_still_gltf
 from convwass_addon.bridge.studio import run_render
 from convwass_addon.errors import Cancelled
 
@@ -29,6 +33,33 @@ def same_handler():
     assert signal.getsignal(signal.SIGINT) is before
 
 
+@pytest.mark.parametrize("write", [write_still_gltf, write_gltf_animation])
+def test_an_interrupt_ends_an_export(tmp_path, monkeypatch, write):
+    assert write(str(tmp_path / "a.glb")) == {"FINISHED"}
+    monkeypatch.setattr(sys.modules["io_scene_gltf2.blender.exp.export"], "save", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        write(str(tmp_path / "b.glb"))
+
+
+def test_an_interrupt_ends_an_import(tmp_path, monkeypatch):
+    bpy.ops.mesh.primitive_cube_add()
+    write_still_gltf(str(tmp_path / "a.glb"))
+    monkeypatch.setattr(import_module("io_scene_gltf2.io.imp.gltf2_io_gltf"), "glTFImporter", interrupt)
+    with pytest.raises(KeyboardInterrupt):
+        import_objects(tmp_path / "a.glb", None)
+
+
+def test_an_interrupt_that_an_operator_ignores_is_raised_after_it():
+    done = []
+    with pytest.raises(KeyboardInterrupt), kept_interrupts():
+        try:
+            interrupt()
+        except KeyboardInterrupt:
+            done.append("ignored")
+        done.append("finished")
+    assert done == ["ignored", "finished"]
+
+
 def test_an_interrupt_is_raised_at_the_end():
     done = []
     with pytest.raises(KeyboardInterrupt), delayed_interrupts():
@@ -37,7 +68,7 @@ def test_an_interrupt_is_raised_at_the_end():
     assert done == ["finished"]
 
 
-@pytest.mark.parametrize("context", [delayed_interrupts])
+@pytest.mark.parametrize("context", [kept_interrupts, delayed_interrupts])
 def test_errors_without_interrupts_and_other_threads_are_left_alone(context):
     def work():
         with pytest.raises(RuntimeError, match="own"), context():

@@ -9,6 +9,7 @@ from contextlib import contextmanager
 
 import bpy
 
+from ..interrupts import kept_interrupts
 from ..keyframes import key_scale
 from ..objects import world_copy
 
@@ -62,13 +63,14 @@ def write_gltf_animation(file: str, **options: bool) -> set[str]:
     **options : bool
         Further options of Blender's exporter.
     """
-    return bpy.ops.export_scene.gltf(
-        filepath=file,
-        export_format="GLB",
-        use_active_scene=True,
-        export_animation_mode="ACTIONS",
-        export_force_sampling=False,
-        export_optimize_animation_size=False,
-        export_extras=False,
-        **options,
-    )
+    with kept_interrupts():
+        return bpy.ops.export_scene.gltf(
+            filepath=file,
+            export_format="GLB",
+            use_active_scene=True,
+            export_animation_mode="ACTIONS",
+            export_force_sampling=False,
+            export_optimize_animation_size=False,
+            export_extras=False,
+            **options,
+        )

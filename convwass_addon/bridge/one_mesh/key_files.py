@@ -23,6 +23,7 @@ from ...errors import InputError
 from ...sentence import Sentence
 from ..borrowed_names import borrowed_names
 from ..files import checked_target
+from ..interrupts import kept_interrupts
 from ..mesh_checks import require_not_edited
 from ..mesh_sequences import mesh_sequences
 from ..morphs.appearance import write_velocity
@@ -214,14 +215,15 @@ def _gltf(file: str) -> set[str]:
 
 
 def _fbx(file: str) -> set[str]:
-    return bpy.ops.export_scene.fbx(
-        filepath=file,
-        object_types={"MESH", "ARMATURE", "EMPTY"},
-        add_leaf_bones=False,
-        bake_anim_use_all_actions=False,
-        bake_anim_use_nla_strips=False,
-        bake_anim_simplify_factor=0.0,
-    )
+    with kept_interrupts():
+        return bpy.ops.export_scene.fbx(
+            filepath=file,
+            object_types={"MESH", "ARMATURE", "EMPTY"},
+            add_leaf_bones=False,
+            bake_anim_use_all_actions=False,
+            bake_anim_use_nla_strips=False,
+            bake_anim_simplify_factor=0.0,
+        )
 
 
 KEY_FORMATS: dict[str, _Writer] = {
