@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 
 import bpy
@@ -11,6 +12,7 @@ import bpy
 from ..disk_space import require_whole
 from ..errors import ConvwassError
 from .interrupts import kept_interrupts
+from .operator_errors import reason
 
 
 def write_still_gltf(file: str) -> set[str]:
@@ -36,8 +38,12 @@ def write_alembic(file: str, colors: bool) -> set[str]:
     )
 
 
-def require_written(status: set[str], draft: Path, target: Path) -> None:
-    """Raise ConvwassError, with the name of a target, unless an exporter has written the whole draft of it."""
+def write_draft(write: Callable[[str], set[str]], draft: Path, target: Path) -> None:
+    """Write a draft with one of Blender's exporters; raises ConvwassError, which names the target, if that fails."""
+    try:
+        status = write(str(draft))
+    except RuntimeError as error:
+        raise ConvwassError("{file} could not be written: {reason}", file=str(target), reason=reason(error)) from error
     if "FINISHED" not in status or not draft.is_file():
         raise ConvwassError("{file} could not be written.", file=str(target))
     require_whole(draft, target)

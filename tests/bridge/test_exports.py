@@ -118,7 +118,7 @@ def test_an_old_obj_is_kept_if_a_new_one_cannot_be_written(collection, tmp_path,
     def cut_off(*_):
         raise ConvwassError("The disk is full.")
 
-    monkeypatch.setattr(exports, "require_written", cut_off)
+    monkeypatch.setattr(exports, "write_draft", cut_off)
     with pytest.raises(ConvwassError, match="full"):
         export_frames(collection, tmp_path / "rise", "obj")
     assert {path.name: path.read_text() for path in tmp_path.iterdir()} == {
@@ -145,7 +145,7 @@ def test_files_of_a_stopped_series_are_as_before(collection, tmp_path, monkeypat
         if len(calls) == 3:
             raise error
 
-    monkeypatch.setattr(exports, "require_written", stopped)
+    monkeypatch.setattr(exports, "write_draft", stopped)
     with pytest.raises(type(error)):
         export_frames(collection, tmp_path / "rise", name)
     assert contents(tmp_path) == before

@@ -4,9 +4,14 @@
 
 from __future__ import annotations
 
+import errno
 import json
+import re
+import shutil
 import struct
+import sys
 import zipfile
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
@@ -18,7 +23,7 @@ from convwass_addon.bridge.keyframes import curves_of, interpolate
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import KEY_FORMATS, export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
-from convwass_addon.errors import InputError
+from convwass_addon.errors import ConvwassError, InputError
 from tests.pictures import pixels_in
 from tests.scene import linked, world
 from tests.vertex_textures import gathered, joined_steps, unpacked_normals
@@ -293,6 +298,29 @@ def test_strips_of_the_sliders_are_exported(keyed, tmp_path):
     weights = accessor(head, body, sampler["output"]).reshape(-1, 2)
     assert len(weights) == 2 * FRAMES + 1
     np.testing.assert_allclose(weights[:: 2 * FRAMES], [[0, 0], [0, 1]], atol=1e-6)
+
+
+@pytest.mark.parametrize("suffix", KEY_FORMATS)
+def test_there_must_be_room_for_the_file(keyed, tmp_path, monkeypatch, suffix):
+    monkeypatch.setattr(shutil, "disk_usage", lambda folder: SimpleNamespace(free=1 << 20))
+    with pytest.raises(ConvwassError, match="of free space"):
+        export_shape_keys(keyed, tmp_path / f"keys{suffix}")
+    assert not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".json"])
+def test_an_error_of_an_exporter_is_told_without_its_traceback(keyed, tmp_path, monkeypatch, suffix):
+    def full(*_args, **_options):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    export_shape_keys(keyed, tmp_path / f"keys{suffix}")
+    before = sorted(tmp_path.iterdir())
+    monkeypatch.setattr(sys.modules["io_scene_gltf2.blender.exp.export"], "save", full)
+    with pytest.raises(ConvwassError) as caught:
+        export_shape_keys(keyed, tmp_path / f"keys{suffix}")
+    said = str(caught.value)
+    assert re.search(r"keys(_mesh)?\.glb could not be written: OSError: .*No space left on device$", said), said
+    assert "Traceback" not in said and sorted(tmp_path.iterdir()) == before
 
 
 def test_an_object_without_animation_or_another_ending_is_refused(keyed, make_object, tmp_path):

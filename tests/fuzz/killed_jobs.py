@@ -68,17 +68,17 @@ def _sky(folder: Path, step: Step) -> None:
 
 def _export(folder: Path, step: Step) -> None:
     prepare("bake_morph", folder)()
-    whole = exports.require_written
+    whole = exports.write_draft
 
     def looked_at(*arguments: object) -> None:
         whole(*arguments)
         step()
 
-    exports.require_written = looked_at
+    exports.write_draft = looked_at
     try:
         exports.export_frames(bpy.context.scene.collection.children[0], folder / "rise", "obj")
     finally:
-        exports.require_written = whole
+        exports.write_draft = whole
 
 
 _WITH_FILES = {"sky": _sky, "export": _export}

@@ -26,7 +26,7 @@ from ..objects import world_copy
 from ..one_mesh.moving_meshes import triangles_of_frames
 from ..one_mesh.vertex_animation_files import write_changing_mesh
 from ..operator_errors import reason
-from ..scene_writing import require_written, write_alembic, write_still_gltf, write_usd
+from ..scene_writing import write_alembic, write_draft, write_still_gltf, write_usd
 from ..scratch_scene import scratch_animation, scratch_scene
 from .appearance import VELOCITY, seen_colors, write_velocity
 from .gltf_animation import scaled_stand_ins, write_gltf_animation
@@ -259,11 +259,7 @@ def _draft_folder(target: Path) -> Iterator[Path]:
 
 def _write(draft: Path, chosen: _Format) -> None:
     """Export the current scene to a file in a draft folder; messages name the final file."""
-    file = draft.parents[1] / draft.name
-    try:
-        require_written(chosen.write(str(draft)), draft, file)
-    except RuntimeError as error:
-        raise ConvwassError("{file} could not be written: {reason}", file=str(file), reason=reason(error)) from error
+    write_draft(chosen.write, draft, draft.parents[1] / draft.name)
 
 
 def _name_textures(materials: Path, folder: Path) -> None:

@@ -18,6 +18,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
+from ...disk_space import require_space
 from ...drafts import new_draft, written_whole
 from ...errors import InputError
 from ...sentence import Sentence
@@ -29,7 +30,7 @@ from ..mesh_sequences import mesh_sequences
 from ..morphs.appearance import write_velocity
 from ..morphs.gltf_animation import write_gltf_animation
 from ..objects import take_own_materials
-from ..scene_writing import require_written, write_alembic, write_usd
+from ..scene_writing import write_alembic, write_draft, write_usd
 from ..visibility import is_in, shown_objects
 from .attached_parts import attached_parts
 from .keyed_copies import assign_plain_material, keyed_copies
@@ -39,6 +40,10 @@ from .vertex_animation_files import write_moving_mesh
 
 # Extensions of formats with morph targets, which move vertices before modifiers do.
 _WITH_TARGETS = (".glb", ".fbx")
+
+# Bytes per corner of a mesh with UV maps, colors and weights; per vertex that moves, for its position and its normal or
+# velocity; per normal of a corner; per key and frame; and of the header.
+_CORNER, _MOVED, _NORMAL, _KEYED, _FILE = 120, 24, 12, 16, 1 << 20
 
 # Writes a mesh with shape keys, followed by its parts, in the frames of a range; returns the files.
 _Writer = Callable[[Sequence[bpy.types.Object], range, Path], list[Path]]
@@ -115,12 +120,26 @@ def checked_key_target(path: Path) -> Path:
     return target
 
 
+def _target_bytes(objects: Sequence[bpy.types.Object], frames: range) -> int:
+    """Return a generous estimate of the size of a file with the shape keys of some objects."""
+    sizes = [(len(obj.data.loops), len(obj.data.shape_keys.key_blocks)) for obj in objects]
+    return _FILE + sum(corners * (_CORNER + _MOVED * keys) + _KEYED * keys * len(frames) for corners, keys in sizes)
+
+
+def _point_bytes(objects: Sequence[bpy.types.Object], frames: range) -> int:
+    """Return a generous estimate of the size of a file with the vertices of some objects in every frame."""
+    meshes = [obj.data for obj in objects]
+    moving = sum(_MOVED * len(mesh.vertices) + _NORMAL * len(mesh.loops) for mesh in meshes)
+    return _FILE + moving * len(frames) + sum(_CORNER * len(mesh.loops) for mesh in meshes)
+
+
 def _write_targets(write: Callable[[str], set[str]]) -> _Writer:
     """Return a function that writes the keys with one of Blender's exporters."""
 
     def written(objects: Sequence[bpy.types.Object], frames: range, target: Path) -> list[Path]:
+        require_space(target.parent, _target_bytes(objects, frames))
         with keyed_copies(objects, frames), written_whole(target) as draft:
-            require_written(write(str(draft)), draft, target)
+            write_draft(write, draft, target)
         return [target]
 
     return written
@@ -130,6 +149,7 @@ def _write_points(write: Callable[[str], set[str]]) -> _Writer:
     """Return a function that writes the vertices and velocities of every frame with one of Blender's exporters."""
 
     def written(objects: Sequence[bpy.types.Object], frames: range, target: Path) -> list[Path]:
+        require_space(target.parent, _point_bytes(objects, frames))
         shown: dict[str, list[tuple[bpy.types.Object]]] = {}
         try:
             for obj in objects:
@@ -137,7 +157,7 @@ def _write_points(write: Callable[[str], set[str]]) -> _Writer:
             with mesh_sequences(shown, frames[0]) as made, _named_draft(target) as draft:
                 pairs = list(zip(made, objects, strict=True))
                 with borrowed_names([*pairs, *((own.data, obj.data) for own, obj in pairs)]):
-                    require_written(write(str(draft)), draft, target)
+                    write_draft(write, draft, target)
         finally:
             made = [one for own in shown.values() for (one,) in own]
             bpy.data.batch_remove([*made, *(one.data for one in made)])

@@ -19,7 +19,7 @@ from ...disk_space import require_space
 from ...drafts import DraftFiles, written_together
 from ..element_values import element_values
 from ..image_files import ImageFormat, drawn_image, save_image
-from ..scene_writing import require_written, write_still_gltf
+from ..scene_writing import write_draft, write_still_gltf
 from ..scratch_scene import scratch_scene
 from ..uv_maps import add_uv_map
 from .moving_meshes import MovingVertices
@@ -165,7 +165,7 @@ def _write_exr(pixels: NDArray[np.float32], path: Path, drafts: DraftFiles) -> N
 def _write_glb(mesh: bpy.types.Mesh, path: Path, drafts: DraftFiles) -> None:
     """Write a mesh unchanged, with its materials and UV maps."""
     with _alone(mesh, path.stem), drafts.written(path) as draft:
-        require_written(write_still_gltf(str(draft)), draft, path)
+        write_draft(write_still_gltf, draft, path)
 
 
 @contextmanager
