@@ -30,21 +30,33 @@ def checked_target(path: Path) -> Path:
     Raises
     ------
     InputError
-        The folder does not exist or cannot be written, or the path is a folder or a protected file.
+        The folder does not exist, is a file or cannot be written, or the path is a folder or a protected file.
     """
     target = whole_path(path)
     if target.is_dir():
         raise InputError("{target} is a folder; add a file name to it.", target=str(target))
-    if not target.parent.is_dir():
-        raise InputError(
-            "The folder {folder} does not exist; create it first, or choose another one.", folder=str(target.parent)
-        )
+    _require_folder(target.parent)
     if not os.access(target.parent, os.W_OK):
         raise InputError("The folder {folder} cannot be written to; choose another one.", folder=str(target.parent))
     # Drafts would replace it all the same, on other systems than Windows.
     if target.exists() and not os.access(target, os.W_OK):
         raise InputError("{target} is protected from being overwritten; write to another file.", target=str(target))
     return target
+
+
+def _require_folder(folder: Path) -> None:
+    """Raise InputError unless a folder exists."""
+    _refuse_file(folder)
+    if not folder.is_dir():
+        raise InputError(
+            "The folder {folder} does not exist; create it first, or choose another one.", folder=str(folder)
+        )
+
+
+def _refuse_file(folder: Path) -> None:
+    """Raise InputError if a file is where a folder should be."""
+    if folder.exists() and not folder.is_dir():
+        raise InputError("{folder} is a file; choose a folder.", folder=str(folder))
 
 
 def absolute_path(path: str | Path) -> Path:
@@ -85,8 +97,7 @@ def absolute_folder(folder: str | Path) -> Path:
     if not text.strip():
         raise InputError("Choose a folder for the files.")
     target = absolute_path(text)
-    if target.exists() and not target.is_dir():
-        raise InputError("{folder} is a file; choose a folder.", folder=str(target))
+    _refuse_file(target)
     return target
 
 
@@ -127,10 +138,7 @@ def made_folder(folder: str | Path) -> Path:
         As for `absolute_folder`, or the folder cannot be created or written.
     """
     target = absolute_folder(folder)
-    if not target.parent.is_dir():
-        raise InputError(
-            "The folder {folder} does not exist; create it first, or choose another one.", folder=str(target.parent)
-        )
+    _require_folder(target.parent)
     try:
         target.mkdir(exist_ok=True)
     except OSError as error:

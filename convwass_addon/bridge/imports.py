@@ -115,8 +115,8 @@ def import_objects(path: Path, names: list[str] | None) -> list[bpy.types.Object
     Raises
     ------
     InputError
-        The file is missing, a folder, unreadable, damaged, of an unknown format, or has no mesh or no object of that
-        name; the scene is not changed then.
+        The file is missing, a folder, a pipe, unreadable, damaged, of an unknown format, or has no mesh or no object of
+        that name; the scene is not changed then.
     """
     file = checked_file(path, names, (*READERS, BLEND))
     with only_kept_data() as kept, scratch_scene() as scene:
@@ -173,6 +173,9 @@ def checked_file(path: Path, names: list[str] | None, endings: Sequence[str]) ->
         raise InputError(
             "{file}: only {suffix} files support object names; leave out the name.", file=file.name, suffix=BLEND
         )
+    if not file.is_file():
+        # Blender's importers would wait for a pipe, and read it only once.
+        raise InputError("{file} is a pipe or a device; save the shape as a file.", file=str(file))
     try:
         with file.open("rb") as stream:
             empty = not stream.read(1)

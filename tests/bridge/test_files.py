@@ -11,7 +11,7 @@ from pathlib import Path
 import bpy
 import pytest
 
-from convwass_addon.bridge.files import checked_folder, checked_target, file_stem, save_blend
+from convwass_addon.bridge.files import checked_folder, checked_target, file_stem, made_folder, save_blend
 from convwass_addon.drafts import DraftFiles
 from convwass_addon.errors import ConvwassError, InputError
 
@@ -65,6 +65,13 @@ def test_failed_saving_leaves_the_old_file(make_object, tmp_path, monkeypatch):
 def test_folder_that_does_not_exist(tmp_path):
     with pytest.raises(InputError, match="does not exist"):
         save_blend(tmp_path / "nowhere" / "a.blend")
+
+
+@pytest.mark.parametrize("check", [checked_target, made_folder])
+def test_file_instead_of_folder(tmp_path, check):
+    (tmp_path / "file").write_text("")
+    with pytest.raises(InputError, match="file is a file; choose a folder"):
+        check(tmp_path / "file" / "x.blend")
 
 
 def test_folder_instead_of_file(tmp_path):

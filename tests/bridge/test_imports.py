@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import os
+import sys
 from pathlib import Path
 
 import bpy
@@ -12,7 +14,7 @@ import pytest
 
 from convwass_addon.bridge.files import save_blend
 from convwass_addon.bridge.flat.flat_objects import read_rings
-from convwass_addon.bridge.imports import READERS, Source, import_objects, parse_source
+from convwass_addon.bridge.imports import READERS, Source, checked_file, import_objects, parse_source
 from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.errors import InputError
@@ -234,6 +236,19 @@ def test_missing_file(tmp_path):
 
 def test_folder(tmp_path):
     refused(tmp_path, None, "is a folder")
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="named pipes are POSIX")
+def test_pipe(tmp_path):
+    os.mkfifo(tmp_path / "a.obj")
+    # A writer, since opening the pipe would wait for one.
+    writer = os.open(tmp_path / "a.obj", os.O_RDWR)
+    try:
+        os.write(writer, b"v 0 0 0")
+        with pytest.raises(InputError, match="is a pipe or a device"):
+            checked_file(tmp_path / "a.obj", None, READERS)
+    finally:
+        os.close(writer)
 
 
 def test_unknown_format(tmp_path):
