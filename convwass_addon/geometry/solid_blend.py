@@ -19,6 +19,8 @@ _CORNERS = np.array(list(product((0, 1), repeat=3)))
 _EDGES = tuple((a, b) for a in range(8) for b in range(a + 1, 8) if int(np.abs(_CORNERS[a] - _CORNERS[b]).sum()) == 1)
 # Stiffness relative to a cell's that holds every connected component in place, too weak to fix more than its center.
 _HOLD = 1e-7
+# Collapsed and inverted cells count as compressed to this fraction of a length.
+_LEAST = 0.1
 
 
 class SolidNodes:
@@ -64,10 +66,15 @@ class SolidBlend:
     """Deformations of a solid and all interpolations between them.
 
     The gradient of every cell is split into a rotation and a stretch, F_j = R_j S_j. For deformations j with weights
-    w_j the interpolated gradient is exp(sum_j w_j log R_j) (sum_j w_j S_j), where the undeformed solid has the
-    remaining weight. A Poisson equation yields the nodes that match these gradients best (D. Xu, H. Zhang, Q. Wang and
-    H. Bao, "Poisson shape interpolation", SPM 2005, here on grid cells). Their center moves along a straight line. A
-    weight of one reproduces the deformation.
+    w_j the interpolated gradient is exp(sum_j w_j log R_j) (sum_j w_j S_j^(1/2))^2, where the undeformed solid has the
+    remaining weight (power means of stretches: I. Dryden, A. Koloydenko and D. Zhou, "Non-Euclidean statistics for
+    covariance matrices", Annals of Applied Statistics 3, 2009). With the stretches themselves, solids that become
+    longer and thinner swell by up to two thirds on the way. Their logarithms would keep the volume, but limbs stay
+    short for long, and nothing moves evenly.
+
+    A Poisson equation yields the nodes that match these gradients best (D. Xu, H. Zhang, Q. Wang and H. Bao, "Poisson
+    shape interpolation", SPM 2005, here on grid cells). Their center moves along a straight line. A weight of one
+    reproduces the deformation.
 
     Parameters
     ----------
@@ -83,9 +90,11 @@ class SolidBlend:
         turns = [nearest_rotations(np.moveaxis(_gradients(nodes, images), 0, 2)).rotations for images in deformed]
         self._turns = [Rotation.from_matrix(np.moveaxis(turn, 2, 0)).as_rotvec() for turn in turns]
         self._pulls = _pulls(nodes, nodes.positions)
-        self._unturned = [
-            np.einsum("jic,ckj->cki", turn, _pulls(nodes, images))
-            for turn, images in zip(turns, self._deformed, strict=True)
+        self._roots = [_root(_stretches(nodes, images, turn)) for images, turn in zip(deformed, turns, strict=True)]
+        # What is left of the edges, because cells do not only turn and stretch.
+        self._rests = [
+            np.einsum("jic,ckj->cki", turn, _pulls(nodes, images)) - self._stretched(root)
+            for turn, images, root in zip(turns, self._deformed, self._roots, strict=True)
         ]
         cells = np.arange(8 * len(nodes.corners))
         self._sums = csr_array((np.ones(len(cells)), (nodes.corners.ravel(), cells)))
@@ -95,17 +104,26 @@ class SolidBlend:
     def at(self, weights: Sequence[float]) -> NDArray[np.float64]:
         """Return the nodes, (n, 3) in cells, for a weight of each deformation; the weights sum to at most one."""
         own = 1.0 - sum(weights)
-        turn = np.zeros((len(self.nodes.corners), 3))
-        pulls, middle = own * self._pulls, own * self.nodes.positions
-        for weight, turns, unturned, images in zip(weights, self._turns, self._unturned, self._deformed, strict=True):
+        count = len(self.nodes.corners)
+        turn, root = np.zeros((count, 3)), np.tile(own * np.eye(3), (count, 1, 1))
+        rest, middle = np.zeros(self._pulls.shape), own * self.nodes.positions
+        for weight, turns, roots, rests, images in zip(
+            weights, self._turns, self._roots, self._rests, self._deformed, strict=True
+        ):
             turn += weight * turns
-            pulls += weight * unturned
+            root += weight * roots
+            rest += weight * rests
             middle += weight * images
+        pulls = self._stretched(root) + rest
         pulls = np.einsum("cij,ckj->cki", Rotation.from_rotvec(turn).as_matrix(), pulls)
         right = self._sums @ pulls.reshape(-1, 3) + self._held[:, None] * middle
         if self._factor is None:
             self._factor = factorize(self._system())
         return self._factor.solve(np.ascontiguousarray(right.T)).T
+
+    def _stretched(self, root: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the summed edges at the corners of every cell, (c, 8, 3), after the squares of some stretches."""
+        return np.einsum("cil,clj,ckj->cki", root, root, self._pulls, optimize=True)
 
     def _system(self) -> csr_array:
         """Laplacian of the edges of all cells, plus the term that fixes the center."""
@@ -125,6 +143,17 @@ class SolidBlend:
 def _gradients(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the mean deformation gradient of every cell, (c, 3, 3)."""
     return np.einsum("cki,kj->cij", images[nodes.corners], _CORNERS - 0.5) / 2.0
+
+
+def _stretches(nodes: SolidNodes, images: NDArray[np.float64], turns: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the stretch of every cell, (c, 3, 3), which a rotation, (3, 3, c), follows."""
+    return np.einsum("jic,cjk->cik", turns, _gradients(nodes, images))
+
+
+def _root(stretches: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the square roots of stretches, (c, 3, 3), of collapsed and inverted cells that of a small one."""
+    sizes, axes = np.linalg.eigh(stretches)
+    return np.einsum("cik,ck,cjk->cij", axes, np.sqrt(np.maximum(sizes, _LEAST)), axes)
 
 
 def _pulls(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -49,11 +49,33 @@ def test_weight_one_returns_the_deformation():
     np.testing.assert_allclose(blend.at([0.0, 0.0, 0.0]), nodes.positions, atol=1e-4)
 
 
-def test_stretches_are_blended_evenly():
+def test_square_roots_of_stretches_are_blended_evenly():
     nodes = bar()
     blend = SolidBlend(nodes, [nodes.positions * (2.0, 1.0, 1.0), nodes.positions * (1.0, 1.0, 0.5)])
-    expected = nodes.positions * (1.3, 1.0, 0.75)
+    lengths = np.square([0.7 + 0.3 * np.sqrt(2.0), 1.0, 0.5 + 0.5 * np.sqrt(0.5)])
+    # The center moves along a straight line.
+    center = middle(nodes.positions, nodes)
+    expected = (nodes.positions - center) * lengths + center * (1.3, 1.0, 0.75)
     np.testing.assert_allclose(blend.at([0.3, 0.5]), expected, atol=1e-4)
+
+
+def test_stretches_along_other_axes_than_those_of_the_grid():
+    nodes, turn = bar(), Rotation.from_rotvec([0.3, -0.8, 0.5])
+    stretch = turn.as_matrix() @ np.diag([2.25, 1.0, 0.64]) @ turn.as_matrix().T
+    half = turn.as_matrix() @ np.diag([1.25**2, 1.0, 0.9**2]) @ turn.as_matrix().T
+    found = SolidBlend(nodes, [nodes.positions @ stretch]).at([0.5])
+    center = middle(nodes.positions, nodes)
+    expected = (nodes.positions - center) @ half + 0.5 * (center + center @ stretch)
+    np.testing.assert_allclose(found, expected, atol=1e-4)
+
+
+def test_an_inverted_cell_does_not_collapse_sideways():
+    nodes = SolidNodes(np.ones((1, 1, 1)))
+    inverted = nodes.positions * (1.0, 1.0, -0.9)
+    blend = SolidBlend(nodes, [inverted])
+    for t in (0.25, 0.5, 0.75):
+        np.testing.assert_allclose(np.ptp(blend.at([t]), axis=0)[:2], 1.0, atol=1e-4)
+    np.testing.assert_allclose(blend.at([1.0]), inverted, atol=1e-4)
 
 
 def test_a_bent_bar_keeps_its_length():
