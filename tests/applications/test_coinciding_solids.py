@@ -45,6 +45,15 @@ def test_the_mean_of_concentric_balls_has_no_ripples(apart, share):
     assert turned(13.0 + apart, share) < 1.25 * turned(13.0, share)
 
 
+@pytest.mark.parametrize("wanted", [11.0, 12.0, 14.3])
+def test_a_ball_that_is_offset_to_a_volume_stays_round(wanted):
+    """Two balls of radius 13 have a mean of any volume."""
+    solids = CoincidingSolids.of([filled(13.0)] * 2, (0.5, 0.5), 4.0 / 3.0 * np.pi * wanted**3)
+    radii = np.linalg.norm(surface_at_level(solids.density, 0.5).mesh.vertices - CENTER, axis=1)
+    assert radii.mean() == pytest.approx(wanted, abs=0.15)
+    assert radii.std() < 0.03
+
+
 def test_the_mean_of_concentric_disks_is_round_however_far_they_are_apart():
     center, area = np.array([160.3, 159.6]), np.pi * 95.0**2
     cells = np.stack(np.meshgrid(*[np.arange(320) + 0.5] * 2, indexing="ij"), axis=-1) - center

@@ -39,6 +39,8 @@ _STEPS = 9
 _MISSING, _OFFSETS = 0.01, 12
 # Distances are computed exactly where the mean solid's surface is this close and distances differ by more than this.
 _BAND, _APART = 3.0, 1.0
+# After an offset by more than this, in cells, they are computed exactly where its surface is this close.
+_FAR, _NEXT = 0.25, 1.5
 # Fronts are measured on a coarser grid if the longest side has more cells; so finer grids have the same fronts.
 _MOST_CELLS = 144
 
@@ -78,7 +80,14 @@ def mean_solid(
     for slab, whole in _by_slabs(depths, weights, growth):
         result[slab] = whole.at(shift)
     result.ravel()[near] = found
-    _offset(result, volume)
+    offset = _offset(result, volume)
+    if abs(offset) > _FAR:
+        # The surface has moved to where distances are not exact.
+        cells = np.flatnonzero(np.abs(result) < _NEXT)
+        exact = np.stack([_exact(depth, cells, known) for depth in depths])
+        mean = _Mean.of(exact, weights, None if growth is None else growth.among(cells))
+        result.ravel()[cells] = mean.at(shift) + np.float32(offset)
+        _offset(result, volume)
     return result
 
 
@@ -302,8 +311,11 @@ def _rounded(depth: NDArray[np.floating], front: NDArray[np.floating], radius: f
     return np.where(nearest > radius, nearest, np.minimum(radius - np.hypot(below, behind), nearest)).astype(np.float32)
 
 
-def _offset(depth: NDArray[np.float32], volume: float) -> None:
-    """Offset the whole surface, in place, where the solids do not differ enough for their mean to have the volume."""
+def _offset(depth: NDArray[np.float32], volume: float) -> float:
+    """Offset the whole surface, in place, where the solids do not differ enough for their mean to have the volume.
+
+    Returns the offset in cells.
+    """
     offset = 0.0
     for _ in range(_OFFSETS):
         enclosed, area = _enclosed(depth, offset)
@@ -312,6 +324,7 @@ def _offset(depth: NDArray[np.float32], volume: float) -> None:
             break
         offset += float(np.clip(missing / max(area, 1), -1.0, 1.0))
     depth += np.float32(offset)
+    return offset
 
 
 def _enclosed(depth: NDArray[np.float32], offset: float) -> tuple[float, int]:
