@@ -4,8 +4,8 @@
 
 from __future__ import annotations
 
+import os
 import signal
-import socket
 import sys
 import threading
 from collections.abc import Iterator
@@ -59,9 +59,10 @@ def _answered() -> Iterator[None]:
 
     Python hands signals to functions between two of its own instructions only, so not while Blender renders.
     """
-    inner, outer = socket.socketpair()
-    outer.setblocking(False)
-    before = signal.set_wakeup_fd(outer.fileno(), warn_on_full_buffer=False)
+    inner, outer = os.pipe()
+    if hasattr(os, "set_blocking"):  # Windows needs it, and has it, from Python 3.12 on
+        os.set_blocking(outer, False)
+    before = signal.set_wakeup_fd(outer, warn_on_full_buffer=False)
     ended = threading.Event()
     answering = threading.Thread(target=_answer, args=(inner, ended), daemon=True)
     answering.start()
@@ -70,14 +71,14 @@ def _answered() -> Iterator[None]:
     finally:
         signal.set_wakeup_fd(before)
         ended.set()
-        outer.close()
+        os.close(outer)
         answering.join()
-        inner.close()
+        os.close(inner)
 
 
-def _answer(inner: socket.socket, ended: threading.Event) -> None:
-    """Answer the first interrupt, whose number arrives at a socket, unless the work ends soon."""
-    while number := inner.recv(1):
+def _answer(inner: int, ended: threading.Event) -> None:
+    """Answer the first interrupt, whose number arrives at a pipe, unless the work ends soon."""
+    while number := os.read(inner, 1):
         if number[0] in (signal.SIGINT, *_ENDING):
             break
     if not ended.wait(_PATIENCE):

@@ -28,9 +28,10 @@ def interrupt(*_args, **_options):
 
 @pytest.fixture(autouse=True)
 def same_handler():
-    before = signal.getsignal(signal.SIGINT)
+    """Python's own, also where the tests run in the background, which ignores interrupts; it is still there after."""
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
-    assert signal.getsignal(signal.SIGINT) is before
+    assert signal.signal(signal.SIGINT, before) is signal.default_int_handler
 
 
 @pytest.mark.parametrize("write", [write_still_gltf, write_gltf_animation])
