@@ -14,6 +14,7 @@ from typing import TypeVar
 import bpy
 
 from .node_math import new_node, pick
+from .node_trees import geometry_group
 
 # Most choices, or nested groups, in a group.
 _MOST = 32
@@ -65,12 +66,8 @@ def _divided(items: Sequence[_Choice]) -> list[Sequence[_Choice]]:
 
 def _new_group(name: str, outputs: Mapping[str, str]) -> bpy.types.NodeTree:
     """Create a group without nodes."""
-    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-    tree.interface.new_socket("Index", in_out="INPUT", socket_type="NodeSocketInt")
     names = {"GEOMETRY": "Geometry", "MATRIX": "Matrix", "RGBA": "Color"}
-    for label, kind in outputs.items():
-        tree.interface.new_socket(label, in_out="OUTPUT", socket_type=f"NodeSocket{names[kind]}")
-    return tree
+    return geometry_group(name, {"Index": "Int"}, {label: names[kind] for label, kind in outputs.items()})
 
 
 def _index(tree: bpy.types.NodeTree) -> bpy.types.NodeSocket:

@@ -13,7 +13,8 @@ from types import FrameType
 _Handler = Callable[[int, FrameType | None], object]
 
 # Windows has no SIGHUP.
-_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+INTERRUPTS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+"""Signals that end a command: Ctrl+C, and those with which the system asks it to end."""
 
 
 @contextmanager
@@ -53,7 +54,7 @@ def delayed_interrupts() -> Iterator[None]:
 
 def _python_handlers() -> dict[int, _Handler]:
     """Return the signals for which there are functions; those of Blender itself do not raise exceptions."""
-    found = {number: signal.getsignal(number) for number in _SIGNALS}
+    found = {number: signal.getsignal(number) for number in INTERRUPTS}
     return {number: handler for number, handler in found.items() if callable(handler)}
 
 

@@ -134,8 +134,7 @@ def pick(
     items : sequence
         Sockets, or constant values.
     """
-    node = tree.nodes.new("GeometryNodeIndexSwitch")
-    node.data_type = kind
+    node = new_node(tree, "GeometryNodeIndexSwitch", data_type=kind)
     node.index_switch_items.clear()
     for _ in items:
         node.index_switch_items.new()

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import bpy
 
 
@@ -12,6 +14,15 @@ def own_tree(block: bpy.types.Material | bpy.types.World) -> bpy.types.NodeTree:
     if block.node_tree is None:  # Blender 4.5; later versions always use nodes and warn about this property
         block.use_nodes = True
     return block.node_tree
+
+
+def geometry_group(name: str, inputs: Mapping[str, str], outputs: Mapping[str, str]) -> bpy.types.NodeTree:
+    """Create a group of geometry nodes, with the names and types of its sockets, such as "Geometry" or "Float"."""
+    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    for in_out, sockets in (("INPUT", inputs), ("OUTPUT", outputs)):
+        for label, kind in sockets.items():
+            tree.interface.new_socket(label, in_out=in_out, socket_type=f"NodeSocket{kind}")
+    return tree
 
 
 def node_trees(tree: bpy.types.NodeTree) -> list[bpy.types.NodeTree]:

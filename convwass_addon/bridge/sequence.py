@@ -11,6 +11,7 @@ import numpy as np
 
 from .morphs.frame_attributes import VELOCITY
 from .node_math import feed, joined, new_node, stored_attribute, switch
+from .node_trees import geometry_group
 
 MODIFIER = "Frames"
 """Name of the modifier that selects the mesh."""
@@ -18,10 +19,8 @@ MODIFIER = "Frames"
 
 def frame_group(name: str) -> bpy.types.NodeTree:
     """Create a node group for a modifier, with one geometry input and one geometry output."""
-    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
+    tree = geometry_group(name, {"Geometry": "Geometry"}, {"Geometry": "Geometry"})
     tree.is_modifier = True
-    tree.interface.new_socket("Geometry", in_out="INPUT", socket_type="NodeSocketGeometry")
-    tree.interface.new_socket("Geometry", in_out="OUTPUT", socket_type="NodeSocketGeometry")
     return tree
 
 

@@ -13,8 +13,8 @@ from contextlib import ExitStack, contextmanager
 from types import FrameType
 from typing import NoReturn
 
-# Windows has no SIGHUP.
-_ENDING = [getattr(signal, name) for name in ("SIGTERM", "SIGHUP") if hasattr(signal, name)]
+from ..bridge.interrupts import INTERRUPTS
+
 # Seconds after which users wonder whether their interrupt was noticed.
 _PATIENCE = 1.0
 
@@ -42,8 +42,9 @@ def heeded_signals() -> Iterator[None]:
         yield
         return
     with ExitStack() as restored:
-        for number in _ENDING:
-            if signal.getsignal(number) is signal.SIG_DFL:
+        for number in INTERRUPTS:
+            # Python raises KeyboardInterrupt for SIGINT.
+            if signal.getsignal(number) is signal.SIG_DFL and number != signal.SIGINT:
                 restored.callback(signal.signal, number, signal.signal(number, _end))
         restored.enter_context(_answered())
         yield
@@ -79,7 +80,7 @@ def _answered() -> Iterator[None]:
 def _answer(inner: int, ended: threading.Event) -> None:
     """Answer the first interrupt, whose number arrives at a pipe, unless the work ends soon."""
     while number := os.read(inner, 1):
-        if number[0] in (signal.SIGINT, *_ENDING):
+        if number[0] in INTERRUPTS:
             break
     if not ended.wait(_PATIENCE):
         said = "convwass: interrupted; the current step, such as the rendering of a picture, is finished first"

@@ -87,10 +87,12 @@ class SolidBlend:
     def __init__(self, nodes: SolidNodes, deformed: Sequence[NDArray[np.float64]]) -> None:
         self.nodes = nodes
         self._deformed = list(deformed)
-        turns = [nearest_rotations(np.moveaxis(_gradients(nodes, images), 0, 2)).rotations for images in deformed]
+        gradients = [_gradients(nodes, images) for images in deformed]
+        turns = [nearest_rotations(np.moveaxis(gradient, 0, 2)).rotations for gradient in gradients]
         self._turns = [Rotation.from_matrix(np.moveaxis(turn, 2, 0)).as_rotvec() for turn in turns]
         self._pulls = _pulls(nodes, nodes.positions)
-        self._roots = [_root(_stretches(nodes, images, turn)) for images, turn in zip(deformed, turns, strict=True)]
+        stretches = (np.einsum("jic,cjk->cik", *both) for both in zip(turns, gradients, strict=True))
+        self._roots = [_root(stretch) for stretch in stretches]
         # What is left of the edges, because cells do not only turn and stretch.
         self._rests = [
             np.einsum("jic,ckj->cki", turn, _pulls(nodes, images)) - self._stretched(root)
@@ -143,11 +145,6 @@ class SolidBlend:
 def _gradients(nodes: SolidNodes, images: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the mean deformation gradient of every cell, (c, 3, 3)."""
     return np.einsum("cki,kj->cij", images[nodes.corners], _CORNERS - 0.5) / 2.0
-
-
-def _stretches(nodes: SolidNodes, images: NDArray[np.float64], turns: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the stretch of every cell, (c, 3, 3), which a rotation, (3, 3, c), follows."""
-    return np.einsum("jic,cjk->cik", turns, _gradients(nodes, images))
 
 
 def _root(stretches: NDArray[np.float64]) -> NDArray[np.float64]:

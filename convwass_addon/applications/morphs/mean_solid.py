@@ -70,8 +70,7 @@ def mean_solid(
     shift = mean.shift(volume, full)
     rough = np.flatnonzero((np.abs(mean.at(shift)) < _BAND) & (mean.spread > _APART))
     if len(rough):
-        exact = np.stack([_exact(depth, near[rough], known) for depth in depths])
-        mean = mean.corrected(rough, exact, weights)
+        mean = mean.corrected(rough, _exact(depths, near[rough], known), weights)
         shift = mean.shift(volume, full)
     found = mean.at(shift)
     if volume is None or abs(volume - full - _volume(found)) <= _MISSING * volume:
@@ -84,8 +83,7 @@ def mean_solid(
     if abs(offset) > _FAR:
         # The surface has moved to where distances are not exact.
         cells = np.flatnonzero(np.abs(result) < _NEXT)
-        exact = np.stack([_exact(depth, cells, known) for depth in depths])
-        mean = _Mean.of(exact, weights, None if growth is None else growth.among(cells))
+        mean = _Mean.of(_exact(depths, cells, known), weights, None if growth is None else growth.among(cells))
         result.ravel()[cells] = mean.at(shift) + np.float32(offset)
         _offset(result, volume)
     return result
@@ -115,11 +113,12 @@ def _smallest(
     return result, cells, _Mean(means, spreads, None if growth is None else growth.among(cells), mean.most)
 
 
-def _exact(depth: NDArray[np.float32], cells: NDArray[np.int64], known: float) -> NDArray[np.float32]:
-    """Return the distances of some cells, computed exactly where they exceed the known ones."""
-    found = depth.ravel()[cells]
-    far = np.abs(found) >= known
-    found[far] = exact_depths(depth, cells[far])
+def _exact(depths: NDArray[np.float32], cells: NDArray[np.int64], known: float) -> NDArray[np.float32]:
+    """Return the distances of some cells, (k, n), computed exactly where they exceed the known ones."""
+    found = depths.reshape(len(depths), -1).take(cells, axis=1)
+    for own, depth in zip(found, depths, strict=True):
+        far = np.abs(own) >= known
+        own[far] = exact_depths(depth, cells[far])
     return found
 
 

@@ -19,11 +19,10 @@ from ...errors import InputError
 from ...progress import Work, drained
 from ..element_values import vectors_of
 from ..node_math import joined, math_node, new_node, pick, switch
-from ..node_trees import node_trees
 from ..pad_handles import pad_handle, pad_labels, pad_lines
 from ..render_settings import take_render_settings
 from ..sequence import MODIFIER, frame_group, nearest, object_info, output, table_object
-from .frame_colors import colored, colored_materials, seen_materials
+from .frame_colors import colored, made_for, seen_materials
 from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, INTERPOLATE
 from .pad_velocity import HANDLE_VELOCITY
@@ -155,8 +154,7 @@ def build_blend_pad(collection: bpy.types.Collection, *, between: str) -> Work[B
     result.location = sheet.feet[0]
     result[PLACE_KEY] = result.location
     shown = [obj.modifiers[MODIFIER].node_group for obj in parts.objects if MODIFIER in obj.modifiers]
-    trees = [tree for own in shown for tree in node_trees(own)]
-    adopt(collection, [parts, *parts.objects, *trees, *colored_materials(trees)])
+    adopt(collection, [parts, *parts.objects, *(block for tree in shown for block in made_for(tree))])
     set_shown(collection, False)
     return BlendPad(pad, handle, result)
 

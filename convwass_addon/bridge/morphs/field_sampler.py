@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..node_math import math_node, new_node, vector_math_node
+from ..node_trees import geometry_group
 
 
 @dataclass(frozen=True)
@@ -42,11 +43,8 @@ class SampleGrid:
 
 def field_sampler(name: str, grid: SampleGrid) -> bpy.types.NodeTree:
     """Create the node group that interpolates a field between the eight samples around a position."""
-    tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-    for label, kind in (("Samples", "Geometry"), ("Field", "Float"), ("Position", "Vector")):
-        tree.interface.new_socket(label, in_out="INPUT", socket_type=f"NodeSocket{kind}")
-    for label, kind in (("Value", "Float"), ("Gradient", "Vector")):
-        tree.interface.new_socket(label, in_out="OUTPUT", socket_type=f"NodeSocket{kind}")
+    inputs = {"Samples": "Geometry", "Field": "Float", "Position": "Vector"}
+    tree = geometry_group(name, inputs, {"Value": "Float", "Gradient": "Vector"})
     geometry, field, position = tree.nodes.new("NodeGroupInput").outputs[:3]
     place = vector_math_node(tree, "SUBTRACT", position, tuple(grid.low))
     place = vector_math_node(tree, "SCALE", place, 1.0 / grid.spacing)

@@ -9,6 +9,7 @@ from collections.abc import Iterable, Sequence
 import bpy
 
 from ..node_math import Value, new_node, stored_attribute
+from ..node_trees import node_trees
 from .materials import shows_object_color
 
 COLOR = "morph_color"
@@ -54,10 +55,16 @@ def colored(
     return result
 
 
-def colored_materials(trees: Iterable[bpy.types.NodeTree]) -> list[bpy.types.Material]:
+def _colored_materials(trees: Iterable[bpy.types.NodeTree]) -> list[bpy.types.Material]:
     """Return the materials that `colored` has created for node groups."""
     nodes = (node for tree in trees for node in tree.nodes if node.bl_idname == "GeometryNodeReplaceMaterial")
     return [node.inputs["New"].default_value for node in nodes if node.inputs["New"].default_value]
+
+
+def made_for(tree: bpy.types.NodeTree) -> list[bpy.types.ID]:
+    """Return a node group that shows frame objects, the groups in it, and the materials made for them."""
+    trees = node_trees(tree)
+    return [*trees, *_colored_materials(trees)]
 
 
 def seen_materials(tree: bpy.types.NodeTree, frames: Sequence[bpy.types.Object]) -> list[bpy.types.Material]:

@@ -18,7 +18,6 @@ from ..animation_time import times_per_second
 from ..keyframes import ease, repeat
 from ..node_inputs import NodeInput, node_input
 from ..node_math import math_node, new_node, switch
-from ..node_trees import node_trees
 from ..render_settings import take_render_settings
 from ..sequence import (
     along_x,
@@ -30,7 +29,7 @@ from ..sequence import (
     transformed,
     write_table,
 )
-from .frame_colors import colored, colored_materials, seen_materials
+from .frame_colors import colored, made_for, seen_materials
 from .frame_switch import FrameSwitch
 from .mixed_frames import DETAIL, INTERPOLATE
 from .path_mixture import MOMENT, SPEED, VALUE, moment_group, path_columns
@@ -105,7 +104,7 @@ def build_player(
     _fill(tree, collection, frames, fields)
     player = table_object(name, _table(frames), tree, seen_materials(tree, frames))
     take_render_settings(player, frames)
-    adopt(collection, [player, *_made(tree)])
+    adopt(collection, [player, *made_for(tree)])
     node_input(frames_modifier(player), PLAYBACK).set_item(tuple(PLAYBACKS.values()), PLAYBACKS[playback])
     for parent in collections_for_stand_ins(collection):
         parent.objects.link(player)
@@ -143,7 +142,7 @@ def refresh_player(collection: bpy.types.Collection) -> None:
         fields = drained(_stored(collection, frames)) if interpolation(player) is not None else None
         tree.nodes.clear()
         _fill(tree, collection, frames, fields)
-        adopt(collection, _made(tree))
+        adopt(collection, made_for(tree))
         write_table(player.data, _table(frames), seen_materials(tree, frames))
     remove_unused(collection)
     drop_numbers(set(adopted(collection)) - before)
@@ -229,12 +228,6 @@ def _fill(
         node = new_node(tree, "GeometryNodeGroup", fed, node_tree=moment)
         shown = switch(tree, "GEOMETRY", inputs[INTERPOLATE], shown, node.outputs["Geometry"])
     output(tree, _with_override(tree, shown, inputs[OVERRIDE], inputs[MATERIAL]), len(frames))
-
-
-def _made(tree: bpy.types.NodeTree) -> list[bpy.types.ID]:
-    """Return the node group of a player, the groups in it, and the materials made for them."""
-    trees = node_trees(tree)
-    return [*trees, *colored_materials(trees)]
 
 
 def _stored(collection: bpy.types.Collection, frames: Sequence[bpy.types.Object]) -> Work[StoredFields]:
