@@ -379,6 +379,54 @@ def test_mixed_shaders_and_groups_are_read(ball):
     assert found.inputs["Alpha"].default_value == pytest.approx(0.625, abs=1e-3)
 
 
+def half_transparent(tree):
+    """Return a node with an image of a single color, which is half transparent."""
+    image = bpy.data.images.new("Leaf", 4, 4, alpha=True)
+    image.pixels.foreach_set(np.tile(np.float32((0.8, 0.4, 0.2, 0.5)), 16))
+    image.pack()
+    return new_node(tree, "ShaderNodeTexImage", image=image)
+
+
+@pytest.mark.parametrize("reader", ["Alpha", "Roughness", "Factor"])
+def test_images_with_alpha_keep_their_colors(ball, reader):
+    """Cycles multiplies colors by the alpha that materials do not use; the baked material uses another image of it."""
+    tree = ball.data.materials[0].node_tree
+    leaf, shader = half_transparent(tree), tree.nodes["Principled BSDF"]
+    tree.links.new(leaf.outputs["Color"], shader.inputs["Base Color"])
+    if reader == "Factor":
+        clear, mix = tree.nodes.new("ShaderNodeBsdfTransparent"), tree.nodes.new("ShaderNodeMixShader")
+        for source, target in zip(
+            (leaf.outputs["Alpha"], clear.outputs[0], shader.outputs[0]), mix.inputs, strict=True
+        ):
+            tree.links.new(source, target)
+        tree.links.new(mix.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    else:
+        tree.links.new(leaf.outputs["Alpha"], shader.inputs[reader])
+    found = baked(ball, texture_looks="START")
+    values = principled(found.material).inputs
+    color = values["Base Color"].default_value[:3]
+    np.testing.assert_allclose(color, linear_of_srgb(np.array((0.8, 0.4, 0.2))), atol=0.01)
+    read = values["Roughness" if reader == "Roughness" else "Alpha"]
+    assert read.default_value == pytest.approx(0.5, abs=0.01)
+
+
+def test_transparency_that_is_mixed_in_becomes_alpha_alone(ball):
+    """A quarter of transparency does not make red and the light of a lamp pale."""
+    tree = ball.data.materials[0].node_tree
+    shader = tree.nodes["Principled BSDF"]
+    shader.inputs["Emission Color"].default_value, shader.inputs["Emission Strength"].default_value = (0, 1, 0, 1), 2.0
+    clear, mix = tree.nodes.new("ShaderNodeBsdfTransparent"), tree.nodes.new("ShaderNodeMixShader")
+    mix.inputs[0].default_value = 0.25
+    tree.links.new(shader.outputs[0], mix.inputs[1])
+    tree.links.new(clear.outputs[0], mix.inputs[2])
+    tree.links.new(mix.outputs[0], tree.get_output_node("ALL").inputs["Surface"])
+    found = principled(baked(ball, texture_looks="START").material).inputs
+    assert [found[name].is_linked for name in ("Base Color", "Alpha", "Emission Color")] == [False] * 3
+    np.testing.assert_allclose(found["Base Color"].default_value[:3], RED, atol=1e-3)
+    assert found["Alpha"].default_value == pytest.approx(0.75, abs=1e-3)
+    np.testing.assert_allclose(found["Emission Color"].default_value[:3], (0.0, 2.0, 0.0), atol=1e-3)
+
+
 def test_reroutes_are_followed(ball):
     """The sum of an emission and a red Principled BSDF is red."""
     tree = ball.data.materials[0].node_tree

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import bpy
 
 from ..image_files import files_in_frame
-from ..node_math import Value, new_node, vector_math_node
+from ..node_math import Value, math_node, new_node, vector_math_node
 from ..node_trees import own_tree
 from ..shown_nodes import linked_output, nodes_of, shown_tree, source_node
 
@@ -53,6 +53,8 @@ VALUES = (BASE_COLOR, METALLIC, ROUGHNESS, ALPHA, EMISSION)
 """The channels that are values of sockets; the base color is the first."""
 
 _BLACK, _WHITE = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
+# Larger than all values of textures.
+_NEVER_REACHED = 1e38
 
 
 @dataclass(frozen=True)
@@ -84,7 +86,7 @@ def shown_channel(source: bpy.types.Material | None, channel: Channel) -> ShownC
     else:
         material = source.copy()
         tree = material.node_tree
-        reader = _Reader(channel, [])
+        reader = _Reader(channel, [], _reads_alpha(source))
         output = tree.get_output_node("CYCLES") or tree.get_output_node("ALL")
         value = channel.default if output is None else reader.of(tree, output.inputs["Surface"])
         groups = reader.groups
@@ -120,6 +122,17 @@ def _takes(node: bpy.types.Node, name: str) -> bool:
     return name in node.inputs and (node.type.startswith("BSDF") or node.type == "OUTPUT_MATERIAL")
 
 
+def _reads_alpha(material: bpy.types.Material) -> bool:
+    """Return whether a material reads the alpha of an image."""
+    return any(node.type == "TEX_IMAGE" and node.outputs["Alpha"].is_linked for node in nodes_of([material]))
+
+
+def _is_transparent(socket: bpy.types.NodeSocket) -> bool:
+    """Return whether a Transparent BSDF is linked to a shader input."""
+    node = source_node(socket)
+    return node is not None and node.type == "BSDF_TRANSPARENT"
+
+
 def _without_nodes(material: bpy.types.Material | None, channel: Channel) -> tuple[float, float, float]:
     """Return a channel of a material without nodes."""
     if material is None:
@@ -142,10 +155,13 @@ class _Reader:
         The channel.
     groups : list of bpy.types.NodeTree
         Copies of groups, with an output for the channel.
+    reads_alpha : bool
+        Whether the material reads the alpha of an image.
     """
 
     channel: Channel
     groups: list[bpy.types.NodeTree]
+    reads_alpha: bool
 
     def of(self, tree: bpy.types.NodeTree, socket: bpy.types.NodeSocket) -> Value:
         """Return the channel of what is linked to a shader input."""
@@ -153,12 +169,32 @@ class _Reader:
         if node is None:
             return self.channel.default if self.channel != BASE_COLOR else _BLACK
         if node.type == "MIX_SHADER":
-            return _mixed(tree, node.inputs[0], self.of(tree, node.inputs[1]), self.of(tree, node.inputs[2]))
+            return self._of_mixture(tree, node)
         if node.type == "ADD_SHADER":
             return self._of_sum(tree, node)
         if node.type == "GROUP" and node.node_tree is not None:
             return self._of_group(node, linked_output(socket))
-        return self._of_shader(tree, node)
+        return self._using_all(tree, node, self._of_shader(tree, node))
+
+    def _using_all(self, tree: bpy.types.NodeTree, node: bpy.types.Node, value: Value) -> Value:
+        """Return the same value, computed such that everything linked to a node is in use.
+
+        Cycles divides the colors of an image by its alpha only where the alpha is in use, too.
+        """
+        if not (self.reads_alpha and isinstance(value, bpy.types.NodeSocket)):
+            return value
+        for source in filter(None, map(linked_output, node.inputs)):
+            if source.type != "SHADER":
+                nothing = math_node(tree, "GREATER_THAN", source, _NEVER_REACHED)
+                value = vector_math_node(tree, "ADD", value, nothing)
+        return value
+
+    def _of_mixture(self, tree: bpy.types.NodeTree, node: bpy.types.Node) -> Value:
+        """Mix the channels of two shaders; what is mixed with transparency keeps its own, and has an alpha instead."""
+        solid = [socket for socket in node.inputs[1:] if not _is_transparent(socket)]
+        if self.channel != ALPHA and len(solid) == 1:
+            return self._using_all(tree, node, self.of(tree, solid[0]))
+        return _mixed(tree, node.inputs[0], *(self.of(tree, socket) for socket in node.inputs[1:]))
 
     def _of_sum(self, tree: bpy.types.NodeTree, node: bpy.types.Node) -> Value:
         """Add emissions; other channels are those of the first shader that does not only emit."""
