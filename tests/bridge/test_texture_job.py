@@ -105,6 +105,26 @@ def test_plain_looks_become_two_images_and_what_is_alike_a_value(ball, inventory
     assert inventory() == before
 
 
+@pytest.mark.parametrize(("value", "group"), [(0.5, ""), (1.0, "Half")])
+def test_looks_are_found_while_other_shape_keys_are_on(value, group):
+    """A ball of radius 1, which a key of its own has inflated to 1.5, grows to 2."""
+    source = sphere("Ball", 32, plain_material("Red", RED))
+    target = sphere("Large", 48, plain_material("Blue", BLUE), 2.0)
+    rest = triangle_mesh(source, bpy.context.evaluated_depsgraph_get()).vertices
+    source.vertex_groups.new(name="Half").add(range(len(rest)), 0.5, "REPLACE")
+    source.shape_key_add(name="Basis")
+    own = source.shape_key_add(name="Inflated")
+    own.data.foreach_set("co", 2.0 * rest.astype(np.float32).ravel())
+    own.value, own.vertex_group = value, group
+    path = KeyPath("Large", (1.0,), 1.5 * rest[None], 0.9, 0.0, 0.0, 0.003, 0)
+    obj = object_with_keys(source, source.data.copy(), [path], bpy.context.scene)
+    remember_shape(obj, "Large", target, np.eye(4))
+    bpy.context.view_layer.update()
+    found = baked(obj, texture_looks="END")
+    np.testing.assert_allclose(principled(found.material).inputs["Base Color"].default_value[:3], BLUE, atol=0.01)
+    assert not found.notices
+
+
 def test_the_material_mixes_the_looks_by_the_slider(ball):
     """Emitted light in a render is the mixture of the colors."""
     found = baked(ball)

@@ -24,6 +24,7 @@ from ..object_values import ObjectValues
 from ..objects import stand, take_own_materials, triangle_mesh
 from ..scene_values import SceneValues
 from ..unused_data import remove_if_unused
+from ..vertex_groups import read_group
 from ..visibility import evaluated_object
 from .records import SHAPES_KEY, key_names, key_records
 
@@ -181,7 +182,7 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
     key = obj.data.shape_keys.key_blocks.get(key_names(slider, len(record["times"]))[-1])
     if key is None:
         raise InputError("The shape key of {slider} was removed or renamed; bake it again.", slider=slider)
-    positions = element_values(key.data, "co", 3)
+    positions = element_values(key.data, "co", 3) + _own_moves(obj)
     depsgraph = bpy.context.evaluated_depsgraph_get()
     there = triangle_mesh(shape, depsgraph)
     onto = _posed(obj, prepared, positions)
@@ -200,6 +201,24 @@ def end_look(obj: bpy.types.Object, slider: str, prepared: bpy.types.Mesh) -> Lo
     reach = float(record.get("distance_95", 0.0)) * diagonal
     values = ObjectValues.of(shape, mesh.materials)
     return Look(slider, slider, onto, Surface(Handle.of("meshes", mesh), world, values), reach, _scene_values(mesh))
+
+
+def _own_moves(obj: bpy.types.Object) -> NDArray[np.float32]:
+    """Return how shape keys that no slider drives move the vertices of an object now, (n, 3).
+
+    The last key of a slider leads to its shape from there.
+    """
+    driven = {name for record in key_records(obj) for name in key_names(record["name"], len(record["times"]))}
+    reference, *keys = obj.data.shape_keys.key_blocks
+    moves = np.zeros((len(reference.data), 3), np.float32)
+    for key in keys:
+        if key.name in driven or key.mute:
+            continue
+        move = element_values(key.data, "co", 3) - element_values(key.relative_key.data, "co", 3)
+        if key.vertex_group in obj.vertex_groups:
+            move *= read_group(obj, key.vertex_group).astype(np.float32)[:, None]
+        moves += key.value * move
+    return moves
 
 
 def _scene_values(mesh: bpy.types.Mesh) -> SceneValues:
