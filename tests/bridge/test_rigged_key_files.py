@@ -12,6 +12,7 @@ import pytest
 from scipy.spatial import cKDTree
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.keyframes import curves_of
 from convwass_addon.bridge.objects import triangle_mesh
 from convwass_addon.bridge.one_mesh.key_files import export_shape_keys
 from convwass_addon.bridge.one_mesh.shape_keys import animate_sliders, object_with_keys
@@ -122,3 +123,52 @@ def test_the_rig_goes_along(rigged, tmp_path, suffix, sheared, inventory):
         assert found.shape == points.shape
         # Rounding may change their order.
         np.testing.assert_allclose(cKDTree(found).query(points)[0], 0.0, atol=2e-3)
+
+
+def turning(rig):
+    """Let bone B turn, and the armature move and turn."""
+    for frame, angle in ((21, 0.0), (25, 1.2)):
+        rig.pose.bones["B"].rotation_euler.z = rig.rotation_euler.x = rig.location.y = angle
+        rig.pose.bones["B"].keyframe_insert("rotation_euler", frame=frame)
+        for path in ("rotation_euler", "location"):
+            rig.keyframe_insert(path, frame=frame)
+
+
+def aiming(rig):
+    """Let bone B follow an object that moves."""
+    goal = linked("Goal", None)
+    goal.location = (2.0, 0.0, 4.0)
+    goal.keyframe_insert("location", frame=21)
+    goal.location.y = 1.5
+    goal.keyframe_insert("location", frame=25)
+    rig.pose.bones["B"].constraints.new("DAMPED_TRACK").target = goal
+
+
+def playing(rig):
+    """Let an NLA strip turn bone B."""
+    turning(rig)
+    data = rig.animation_data
+    strip = data.nla_tracks.new().strips.new("Turn", 21, data.action)
+    strip.action_slot = data.action_slot
+    data.action = None
+
+
+@pytest.mark.parametrize("moving", [turning, aiming, playing])
+def test_fbx_files_play_the_rig_with_the_sliders(rigged, tmp_path, moving, inventory):
+    """Both begin at the same time, wherever they are in the scene."""
+    rig = rigged.modifiers[0].object
+    for key in (key for curve in curves_of(rigged) for key in curve.keyframe_points):
+        key.co_ui.x += 20.0
+    moving(rig)
+    frames = range(21, 26)
+    expected = [seen(rigged, frame) for frame in frames]
+    assert np.abs(expected[-1] - expected[0]).max() > 0.5
+    before = inventory()
+    (file,) = export_shape_keys(rigged, tmp_path / "moving.fbx")
+    assert inventory() == before
+    bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    bpy.ops.import_scene.fbx(filepath=str(file))
+    (obj,) = (one for one in bpy.data.objects if one.type == "MESH")
+    for frame, points in zip(frames, expected, strict=True):
+        # Blender imports the first frame as frame 1.
+        np.testing.assert_allclose(cKDTree(seen(obj, frame - 20)).query(points)[0], 0.0, atol=2e-3)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import shutil
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import AbstractContextManager, contextmanager
 from functools import partial
 from pathlib import Path
 
@@ -33,7 +33,7 @@ from ..objects import take_own_materials
 from ..scene_writing import write_alembic, write_draft, write_usd
 from ..visibility import is_in, shown_objects
 from .attached_parts import attached_parts
-from .keyed_copies import assign_plain_material, keyed_copies
+from .keyed_copies import assign_plain_material, keyed_copies, posed_copies
 from .moving_meshes import keyed_span, sampled_vertices
 from .skinning import armatures
 from .vertex_animation_files import write_moving_mesh
@@ -47,6 +47,7 @@ _CORNER, _MOVED, _NORMAL, _KEYED, _FILE = 120, 24, 12, 16, 1 << 20
 
 # Writes a mesh with shape keys, followed by its parts, in the frames of a range; returns the files.
 _Writer = Callable[[Sequence[bpy.types.Object], range, Path], list[Path]]
+_Copies = Callable[[Sequence[bpy.types.Object], range], AbstractContextManager[object]]
 
 
 def export_shape_keys(obj: bpy.types.Object, path: Path) -> list[Path]:
@@ -133,12 +134,12 @@ def _point_bytes(objects: Sequence[bpy.types.Object], frames: range) -> int:
     return _FILE + moving * len(frames) + sum(_CORNER * len(mesh.loops) for mesh in meshes)
 
 
-def _write_targets(write: Callable[[str], set[str]]) -> _Writer:
-    """Return a function that writes the keys with one of Blender's exporters."""
+def _write_targets(write: Callable[[str], set[str]], copies: _Copies) -> _Writer:
+    """Return a function that writes the keys of copies with one of Blender's exporters."""
 
     def written(objects: Sequence[bpy.types.Object], frames: range, target: Path) -> list[Path]:
         require_space(target.parent, _target_bytes(objects, frames))
-        with keyed_copies(objects, frames), written_whole(target) as draft:
+        with copies(objects, frames), written_whole(target) as draft:
             write_draft(write, draft, target)
         return [target]
 
@@ -247,8 +248,8 @@ def _fbx(file: str) -> set[str]:
 
 
 KEY_FORMATS: dict[str, _Writer] = {
-    ".glb": _write_targets(_gltf),
-    ".fbx": _write_targets(_fbx),
+    ".glb": _write_targets(_gltf, keyed_copies),
+    ".fbx": _write_targets(_fbx, posed_copies),
     ".usdc": _write_points(write_usd),
     ".usd": _write_points(write_usd),
     ".usda": _write_points(write_usd),

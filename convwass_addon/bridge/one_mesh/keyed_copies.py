@@ -20,14 +20,16 @@ from ..morphs.materials import plain_copy, shows_object_color
 from ..objects import is_sheared, take_own_materials, transform_mesh, unsheared_factors
 from ..scratch_scene import scratch_animation
 from .limiting_groups import anchor_vertices, apply_key_groups
+from .rig_poses import key_matrices, key_poses, rig_poses
 from .skinning import armatures, influences
 
 
 @contextmanager
-def keyed_copies(objects: Sequence[bpy.types.Object], frames: range) -> Iterator[None]:
+def keyed_copies(objects: Sequence[bpy.types.Object], frames: range) -> Iterator[KeyedCopies]:
     """Link copies of meshes to a temporary scene, with their shape keys keyed in every frame from 0 on.
 
-    Of its modifiers, each keeps an armature, of which a copy is linked too. All keys are in one action.
+    Of its modifiers, each keeps an armature, of which a copy is linked too, with its own animation. All other keys are
+    in one action.
 
     Parameters
     ----------
@@ -38,15 +40,28 @@ def keyed_copies(objects: Sequence[bpy.types.Object], frames: range) -> Iterator
     """
     sampled = _sampled_keys(objects, frames)
     with scratch_animation(0, len(frames) - 1) as scene:
-        copies = _Copies(scene, bpy.data.actions.new(f"{objects[0].name} Keys"), [], {})
+        copies = KeyedCopies(scene, bpy.data.actions.new(f"{objects[0].name} Keys"), [], {})
         try:
             for obj, own in zip(objects, sampled, strict=True):
                 copies.add(obj, own)
             scene.frame_set(0)
             with borrowed_names(copies.originals):
-                yield
+                yield copies
         finally:
             copies.remove()
+
+
+@contextmanager
+def posed_copies(objects: Sequence[bpy.types.Object], frames: range) -> Iterator[None]:
+    """Link copies as `keyed_copies`, with the poses of the armatures keyed, too, for files with a single animation."""
+    rigs = [rigged[0].object for rigged in map(armatures, objects) if rigged]
+    sampled = rig_poses(rigs, frames)
+    with keyed_copies(objects, frames) as copies:
+        for original, rig in copies.rigs.items():
+            if not sampled[original].is_still:
+                key_poses(rig, sampled[original], copies.action)
+        copies.scene.frame_set(0)
+        yield
 
 
 def assign_plain_material(
@@ -89,7 +104,7 @@ def _sampled_keys(objects: Sequence[bpy.types.Object], frames: range) -> list[_S
 
 
 @dataclass(frozen=True)
-class _Copies:
+class KeyedCopies:
     """Copies in a temporary scene.
 
     Attributes
@@ -192,9 +207,4 @@ def _key_places(copy: bpy.types.Object, places: Sequence[Matrix], action: bpy.ty
     data = copy.animation_data_create()
     data.action, data.action_slot = action, action.slots.new("OBJECT", copy.name)
     copy.rotation_mode = "QUATERNION"
-    for number, place in enumerate(places):
-        before = copy.rotation_quaternion.copy()
-        copy.matrix_world = place
-        copy.rotation_quaternion.make_compatible(before)
-        for path in ("location", "rotation_quaternion", "scale"):
-            copy.keyframe_insert(path, frame=number)
+    key_matrices(copy, "matrix_world", places)
