@@ -13,6 +13,8 @@ from mathutils import Euler, Matrix
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
 from convwass_addon.bridge.element_values import element_values
+from convwass_addon.bridge.node_math import new_node
+from convwass_addon.bridge.node_trees import own_tree
 from convwass_addon.bridge.one_mesh import shape_key_job
 from convwass_addon.bridge.one_mesh.records import has_key_record, key_records
 from convwass_addon.bridge.one_mesh.rest_mesh import rest_mesh
@@ -267,6 +269,41 @@ def test_instances_of_a_shape_are_reported_as_left_out(monkeypatch, capfd):
     monkeypatch.setattr(shape_key_job, "key_paths", known)
     bpy.ops.convwass.bake_morph(inputs="First,Second", **QUICK)
     assert "Instances that Second shows are left out" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("output", "changed", "is_named"),
+    [
+        ("Object", "location", True),
+        ("Object", "nothing", False),
+        ("UV", "rotation_euler", False),
+        ("Generated", "location", False),
+        ("Generated", "rotation_euler", True),
+        ("", "scale", True),
+    ],
+)
+def test_materials_that_look_different_on_the_copy_are_named(monkeypatch, capfd, output, changed, is_named):
+    """A texture without coordinates uses generated ones; the scale is that of a mirror."""
+    first = hook("First", 0.0)
+    hook("Second", 0.5)
+    material = bpy.data.materials.new("Wood")
+    texture = new_node(own_tree(material), "ShaderNodeTexNoise")
+    if output:
+        coordinates = new_node(own_tree(material), "ShaderNodeTexCoord")
+        own_tree(material).links.new(coordinates.outputs[output], texture.inputs["Vector"])
+    first.data.materials.append(material)
+    first.matrix_world = Matrix()
+    if changed != "nothing":
+        getattr(first, changed)[0] = -0.5
+    bpy.context.view_layer.update()
+
+    def known(shapes, names, demands, settings, guides, control):
+        yield Progress(0.5, Sentence("Half"))
+        return [path_to(names[1], (1.0,), [shapes[0].vertices])]
+
+    monkeypatch.setattr(shape_key_job, "key_paths", known)
+    bpy.ops.convwass.bake_morph(inputs="First,Second", **QUICK)
+    assert ("Materials of First (Wood) read positions in its own space" in capfd.readouterr().out) == is_named
 
 
 def test_mirror_images_are_found_in_the_space_of_the_object(cube):

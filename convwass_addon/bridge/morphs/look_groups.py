@@ -25,10 +25,7 @@ from .materials import mark_as_frames
 SURFACE, DISPLACEMENT = "Surface", "Displacement"
 """Outputs of the groups."""
 
-# Blender's limit for names of attributes, in bytes.
-_LONGEST = 63
-# Textures that use generated coordinates if nothing is linked to their vector.
-_GENERATED_TEXTURES = (
+GENERATED_TEXTURES = (
     "TEX_NOISE",
     "TEX_VORONOI",
     "TEX_WAVE",
@@ -38,6 +35,10 @@ _GENERATED_TEXTURES = (
     "TEX_BRICK",
     "TEX_GABOR",
 )
+"""Types of textures that use generated coordinates if nothing is linked to their vector."""
+
+# Blender's limit for names of attributes, in bytes.
+_LONGEST = 63
 
 
 @dataclass
@@ -155,7 +156,7 @@ class LookGroups:
         for node in list(tree.nodes):
             if node.type == "GROUP" and node.node_tree is not None:
                 node.node_tree = self._redirected(node.node_tree)
-            elif node.type in _GENERATED_TEXTURES:
+            elif node.type in GENERATED_TEXTURES:
                 _give_vector(tree, node, lambda: _attribute(tree, self.names.vector(GENERATED)))
             elif node.type in _REDIRECTS:
                 _REDIRECTS[node.type](tree, node, self.names)

@@ -22,6 +22,7 @@ from ..morphs.stored import store
 from ..object_copies import has_copies
 from ..shape_sources import shape_sources
 from .key_basis import KeyBasis
+from .own_space import own_space_notices
 from .records import described_bake
 from .rest_mesh import pose_notices
 from .shape_keys import animate_sliders
@@ -53,7 +54,7 @@ class KeyJob:
         self._inputs = [Handle.of("objects", obj) for obj in inputs]
         self._bases: list[KeyBasis] = []
         keyed = inputs[: 2 if request.two_meshes else 1]
-        self.notices = [notice for obj in keyed for notice in pose_notices(obj)]
+        self.notices = [notice for obj in keyed for notice in (*pose_notices(obj), *own_space_notices(obj))]
         self.notices.extend(animation_notices(inputs))
 
     def _notice_instances(self, inputs: Sequence[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> None:
