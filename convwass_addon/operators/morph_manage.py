@@ -317,11 +317,11 @@ class CONVWASS_OT_delete_morph(_OnActiveBake, bpy.types.Operator):
         from ..bridge.one_mesh.replaced_keys import delete_keys
 
         bake = active_bake(context)
+        text = rpt_("{:s}: deleted").format(bake.name)
         if isinstance(bake, bpy.types.Object):
-            name = bake.name
-            tell(self, rpt_("{:s}: deleted").format(name), *delete_keys(bake))
+            tell(self, text, *delete_keys(bake))
         else:
-            delete_morph(bake)
+            tell(self, text, warnings=delete_morph(bake))
         return {"FINISHED"}
 
 

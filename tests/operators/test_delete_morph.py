@@ -45,6 +45,16 @@ def test_the_other_shape_is_shown_where_one_no_longer_exists(shapes):
     assert hidden(shapes[0]) == [NEITHER]
 
 
+@pytest.mark.parametrize("output", ["OBJECTS", "SHAPE_KEYS"])
+def test_shapes_that_were_renamed_are_named_where_they_stay_hidden(shapes, capfd, output):
+    bake(output=output)
+    shapes[1].name = "Hero"
+    capfd.readouterr()
+    assert bpy.ops.convwass.delete_morph() == {"FINISHED"}
+    assert hidden(*shapes) == [NEITHER, BOTH]
+    assert "deleted. No object is named B; if you have renamed such a shape" in capfd.readouterr().out
+
+
 def test_shapes_that_another_morph_hides_stay_hidden(shapes):
     bpy.ops.mesh.primitive_cube_add()
     bpy.context.object.name = "C"

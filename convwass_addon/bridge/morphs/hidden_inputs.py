@@ -13,6 +13,7 @@ from functools import reduce
 import bpy
 
 from ...errors import ConvwassError
+from ...sentence import Sentence, first_names
 from ..keyframes import is_animated_property
 from ..object_names import ObjectName, objects_named
 from ..shape_sources import OBJECTS, shape_sources, shows_collection
@@ -151,6 +152,20 @@ def show_again(hidden: Sequence[HiddenObject]) -> None:
         for layer in layers_with(obj, bpy.data.scenes):
             if _names(layer) in own.layers:
                 obj.hide_set(False, view_layer=layer)
+
+
+def unfound_notices(hidden: Sequence[HiddenObject]) -> list[Sentence]:
+    """Return a notice about objects that cannot be shown in renders again, since none of a scene has their names."""
+    objects = objects_named([own.name for own in hidden])
+    names = [own.name.name for own, obj in zip(hidden, objects, strict=True) if obj is None and own.in_renders]
+    if not names:
+        return []
+    return [
+        Sentence(
+            "No object is named {names}; if you have renamed such a shape, enable it in renders yourself",
+            {"names": first_names(names)},
+        )
+    ]
 
 
 def _instanced(collection: bpy.types.Collection) -> set[bpy.types.Object]:

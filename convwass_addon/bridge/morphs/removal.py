@@ -6,9 +6,10 @@ from __future__ import annotations
 
 import bpy
 
+from ...sentence import Sentence
 from ..unused_data import remove_if_unused, remove_with_data
 from .disk_output import remove_disk_outputs
-from .hidden_inputs import hidden_only_by, show_again
+from .hidden_inputs import hidden_only_by, show_again, unfound_notices
 from .kept_materials import carried_materials
 from .materials import drop_unused_groups
 from .stand_ins import parents_of, remove_stand_ins
@@ -29,11 +30,18 @@ def remove_bake(collection: bpy.types.Collection) -> None:
     bpy.data.collections.remove(collection)
 
 
-def delete_morph(collection: bpy.types.Collection) -> None:
-    """Remove a morph with its frames, and show the shapes that it has hidden and no other morph hides."""
+def delete_morph(collection: bpy.types.Collection) -> list[Sentence]:
+    """Remove a morph with its frames, and show the shapes that it has hidden and no other morph hides.
+
+    Returns
+    -------
+    list of Sentence
+        What the user has to do.
+    """
     hidden = hidden_only_by(collection)
     remove_bake(collection)
     show_again(hidden)
+    return unfound_notices(hidden)
 
 
 def remove_frames(collection: bpy.types.Collection) -> None:

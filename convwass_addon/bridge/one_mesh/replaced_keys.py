@@ -10,7 +10,7 @@ import bpy
 
 from ...sentence import Sentence
 from ..keyframes import curves_of, driver_targets, drivers_of, ensure_action, remove_curve
-from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden
+from ..morphs.hidden_inputs import hidden_only_by, show_again, take_hidden, unfound_notices
 from ..unused_data import remove_mesh, remove_with_data
 from .attached_parts import detach_parts
 from .carried_properties import custom_properties, take_properties
@@ -78,7 +78,7 @@ def delete_keys(keyed: bpy.types.Object) -> tuple[list[Sentence], list[Sentence]
     remove_with_data(objects)
     remove_idle_pads(pads)
     show_again(hidden)
-    return remarks, warnings
+    return remarks, [*warnings, *unfound_notices(hidden)]
 
 
 def _detached_notices(detached: Sequence[bpy.types.Object]) -> list[Sentence]:
