@@ -8,7 +8,7 @@ import bpy
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .element_values import element_values
+from .element_values import corner_vertices, element_values
 from .mesh_checks import other_kind
 
 _KINDS = ("BYTE_COLOR", "FLOAT_COLOR")
@@ -77,7 +77,7 @@ def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str 
             raise other_kind(obj, name)
     values = np.ascontiguousarray(colors, dtype=np.float32)
     if attribute.domain == "CORNER":
-        values = values[_corner_vertices(mesh)]
+        values = values[corner_vertices(mesh)]
     attribute.data.foreach_set("color", values.ravel())
     mesh.update()
 
@@ -85,7 +85,3 @@ def write_colors(obj: bpy.types.Object, name: str, colors: ArrayLike, kind: str 
 def show_colors(obj: bpy.types.Object, name: str) -> None:
     """Make a color attribute the active one, which viewports show."""
     obj.data.color_attributes.active_color_name = name
-
-
-def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
-    return element_values(mesh.loops, "vertex_index", kind=np.int32)

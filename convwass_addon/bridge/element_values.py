@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import Literal
 
 import bpy
@@ -45,10 +46,78 @@ def vectors_of(elements: bpy.types.bpy_prop_collection, name: str = "co") -> NDA
     return element_values(elements, name, 3).astype(np.float64)
 
 
+def vertex_positions(mesh: bpy.types.Mesh) -> NDArray[np.float32]:
+    """Return the positions of the vertices of a mesh, (n, 3), in single precision."""
+    positions = _stored(mesh, "position", "FLOAT_VECTOR", "POINT")
+    return element_values(mesh.vertices, "co", 3) if positions is None else element_values(positions, "vector", 3)
+
+
+def corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    """Return the vertex at every face corner of a mesh."""
+    corners = _stored(mesh, ".corner_vert", "INT", "CORNER")
+    if corners is None:
+        return element_values(mesh.loops, "vertex_index", kind=np.int32)
+    return element_values(corners, "value", kind=np.int32)
+
+
+@dataclass(frozen=True)
+class MeshTriangles:
+    """The triangles of a mesh.
+
+    Attributes
+    ----------
+    vertices : (m, 3) int32
+        The vertices at their corners.
+    loops : (m, 3) int32
+        The face corners there.
+    """
+
+    vertices: NDArray[np.int32]
+    loops: NDArray[np.int32]
+
+    @classmethod
+    def of(cls, mesh: bpy.types.Mesh) -> MeshTriangles:
+        """Read the triangles into which Blender divides the polygons of a mesh."""
+        corners = corner_vertices(mesh)
+        if len(corners) == 3 * len(mesh.polygons):
+            return cls(corners.reshape(-1, 3), np.arange(len(corners), dtype=np.int32).reshape(-1, 3))
+        mesh.calc_loop_triangles()
+        # Slow, since Blender returns those of one triangle after the other; so their vertices are looked up.
+        loops = element_values(mesh.loop_triangles, "loops", 3, np.int32)
+        return cls(corners.take(loops), loops)
+
+
 def triangle_corners(mesh: bpy.types.Mesh, kind: Literal["vertices", "loops"]) -> NDArray[np.int32]:
     """Return the vertices or the face corners at the corners of the triangles of a mesh, (m, 3)."""
+    triangles = MeshTriangles.of(mesh)
+    return triangles.loops if kind == "loops" else triangles.vertices
+
+
+def triangle_polygons(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    """Return the polygon that every triangle of a mesh is a part of, (m,)."""
     mesh.calc_loop_triangles()
-    return element_values(mesh.loop_triangles, kind, 3, np.int32)
+    return element_values(mesh.loop_triangle_polygons, "value", kind=np.int32)
+
+
+def triangle_materials(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
+    """Return the index of the material slot of every triangle of a mesh, (m,); it may be invalid."""
+    stored = _stored(mesh, "material_index", "INT", "FACE")
+    if stored is None:
+        of_polygons = element_values(mesh.polygons, "material_index", kind=np.int32)
+    else:
+        of_polygons = element_values(stored, "value", kind=np.int32)
+    return of_polygons.take(triangle_polygons(mesh))
+
+
+def _stored(mesh: bpy.types.Mesh, name: str, kind: str, domain: str) -> bpy.types.bpy_prop_collection | None:
+    """Return the data of an attribute; None if there is no such one, or the mesh is in Edit Mode, which hides it.
+
+    Reading the same from the elements takes a hundred times as long.
+    """
+    attribute = None if mesh.is_editmode else mesh.attributes.get(name)
+    if attribute is None or (attribute.data_type, attribute.domain) != (kind, domain):
+        return None
+    return attribute.data
 
 
 def write_attribute(

@@ -16,7 +16,7 @@ from ..errors import InputError
 from ..geometry.affine import transformed_points
 from ..geometry.mesh import TriangleMesh
 from ..sentence import Sentence
-from .element_values import triangle_corners
+from .element_values import corner_vertices, triangle_corners, vertex_positions
 from .matrix_checks import require_finite
 from .mesh_checks import readable_mesh
 from .visibility import current_objects, is_current, shown_objects
@@ -85,10 +85,10 @@ class _Topology:
 
     @classmethod
     def of(cls, mesh: bpy.types.Mesh) -> _Topology:
-        return cls(len(mesh.vertices), _corner_vertices(mesh))
+        return cls(len(mesh.vertices), corner_vertices(mesh))
 
     def is_that_of(self, mesh: bpy.types.Mesh) -> bool:
-        return self.count == len(mesh.vertices) and np.array_equal(self.corners, _corner_vertices(mesh))
+        return self.count == len(mesh.vertices) and np.array_equal(self.corners, corner_vertices(mesh))
 
 
 def same_vertices(first: bpy.types.Mesh, second: bpy.types.Mesh) -> bool:
@@ -178,35 +178,7 @@ def _shape_if(topology: _Topology, evaluated: bpy.types.Object) -> _Shape | None
 
 
 def _shape(mesh: bpy.types.Mesh) -> _Shape:
-    vertices = np.empty((len(mesh.vertices), 3), dtype=np.float32)
-    _read(mesh, ("position", "vector"), (mesh.vertices, "co"), vertices.ravel())
-    if len(mesh.loops) == 3 * len(mesh.polygons):
-        return _Shape(vertices, _corner_vertices(mesh).reshape(-1, 3))
-    return _Shape(vertices, triangle_corners(mesh, "vertices"))
-
-
-def _corner_vertices(mesh: bpy.types.Mesh) -> NDArray[np.int32]:
-    """Return the vertex at every corner of every polygon."""
-    corners = np.empty(len(mesh.loops), dtype=np.int32)
-    _read(mesh, (".corner_vert", "value"), (mesh.loops, "vertex_index"), corners)
-    return corners
-
-
-def _read(
-    mesh: bpy.types.Mesh,
-    attribute: tuple[str, str],
-    items: tuple[bpy.types.bpy_prop_collection, str],
-    values: NDArray[np.generic],
-) -> None:
-    """Fill an array from an attribute, or from the items that expose it, which takes a hundred times as long.
-
-    In Edit Mode, attributes cannot be read.
-    """
-    name, part = attribute
-    if not mesh.is_editmode and name in mesh.attributes:
-        mesh.attributes[name].data.foreach_get(part, values)
-    else:
-        items[0].foreach_get(items[1], values)
+    return _Shape(vertex_positions(mesh), triangle_corners(mesh, "vertices"))
 
 
 def _has_area(mesh: TriangleMesh) -> bool:

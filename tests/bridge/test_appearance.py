@@ -12,7 +12,7 @@ from convwass_addon.applications.morphs.computation import Computation
 from convwass_addon.applications.morphs.layouts import path_blends
 from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.bridge.morphs import appearance as appearance_module
-from convwass_addon.bridge.morphs.appearance import read_appearance, read_shading, seen_colors, write_carried
+from convwass_addon.bridge.morphs.appearance import read_appearance, read_looks, seen_colors, write_carried
 from convwass_addon.bridge.morphs.dropped_appearance import dropped_notes, dropped_parts
 from convwass_addon.bridge.morphs.exports import export_frames
 from convwass_addon.bridge.morphs.job import MorphJob
@@ -398,7 +398,7 @@ def test_normals_of_an_input_are_those_that_renders_show(make_object, depsgraph,
     obj = add_shape(make_object, "Shape", ball(points=200))
     if not flat:
         obj.data.shade_smooth()
-    shading = read_shading(frozen_copy(obj, depsgraph))
+    shading = read_looks(frozen_copy(obj, depsgraph), WHITE).shading
     assert shading.is_smooth != flat
     facing = triangle_normals(shading.corners)
     assert np.allclose(shading.normals, facing[:, None], atol=1e-3) == flat

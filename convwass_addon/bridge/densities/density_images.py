@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...errors import InputError
 from ...geometry.uv_pixels import UvPixels, uv_pixels
 from ...sentence import Sentence
-from ..element_values import element_values, triangle_corners
+from ..element_values import MeshTriangles, element_values
 from ..files import absolute_folder, file_stem, made_folder
 from ..image_files import ImageFormat, drawn_image, write_image
 from ..mesh_checks import readable_mesh, require_not_edited
@@ -193,7 +193,8 @@ def mesh_pixels(obj: bpy.types.Object, settings: ImageSettings) -> UvPixels:
     mesh = readable_mesh(obj)
     require_not_edited(obj)
     layer = _uv_layer(obj, settings.uv_map)
-    loops, faces = triangle_corners(mesh, "loops"), triangle_corners(mesh, "vertices")
+    triangles = MeshTriangles.of(mesh)
+    loops, faces = triangles.loops, triangles.vertices
     uv = element_values(layer.uv, "vector", 2)
     pixels = uv_pixels(uv[loops], faces, settings.size, settings.margin)
     if not len(pixels.places):

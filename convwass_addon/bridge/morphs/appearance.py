@@ -5,17 +5,17 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
-from numpy.typing import NDArray
 
 from ...applications.morphs.appearance import Appearance, Carried, Paint, Painted, Plain, Textured
 from ...applications.morphs.shading import FrameNormals, Shading
 from ...applications.palettes.lab_colors import linear_of_srgb
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
-from ..element_values import element_values, triangle_corners, vectors_of, write_attribute
+from ..element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
 from ..image_files import pixel_values
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, is_object_color, shows_color_attribute
@@ -45,36 +45,47 @@ def read_appearance(mesh: bpy.types.Mesh, color: Sequence[float], group_names: S
     group_names : sequence of str
         The object's vertex groups in order.
     """
-    faces, corners, loops = _triangles(mesh)
+    return _appearance(mesh, MeshTriangles.of(mesh), color, group_names)
+
+
+@dataclass(frozen=True)
+class Looks:
+    """How an input looks.
+
+    Attributes
+    ----------
+    appearance : Appearance
+        See :func:`read_appearance`.
+    shading : Shading
+        Flat and smooth faces, sharp edges and custom normals.
+    """
+
+    appearance: Appearance
+    shading: Shading
+
+
+def read_looks(mesh: bpy.types.Mesh, color: Sequence[float], group_names: Sequence[str] = ()) -> Looks:
+    """Read the appearance and the shading of a mesh, given the same as for :func:`read_appearance`."""
+    triangles = MeshTriangles.of(mesh)
+    appearance = _appearance(mesh, triangles, color, group_names)
+    normals = element_values(mesh.corner_normals, "vector", 3).take(triangles.loops, axis=0)
+    return Looks(appearance, Shading(appearance.corners, appearance.faces, normals))
+
+
+def _appearance(
+    mesh: bpy.types.Mesh, triangles: MeshTriangles, color: Sequence[float], group_names: Sequence[str]
+) -> Appearance:
+    faces, loops = triangles.vertices.astype(np.int64), triangles.loops
     slots = list(mesh.materials) or [None]
-    materials = element_values(mesh.loop_triangles, "material_index", kind=np.int32).astype(np.int64)
     return Appearance(
-        corners,
+        # Three to four times as fast as indexing with an array.
+        vectors_of(mesh.vertices).take(faces, axis=0),
         # A face may have an invalid slot index; Blender then uses the last slot.
-        np.minimum(materials, len(slots) - 1),
+        np.minimum(triangle_materials(mesh).astype(np.int64), len(slots) - 1),
         tuple(_paint(mesh, slot, color, faces, loops) for slot in slots),
         faces,
         _groups(mesh, group_names),
     )
-
-
-def read_shading(mesh: bpy.types.Mesh) -> Shading:
-    """Read the shading of a mesh: flat and smooth faces, sharp edges and custom normals.
-
-    Parameters
-    ----------
-    mesh : bpy.types.Mesh
-        A frozen copy, in the space of origins.
-    """
-    faces, corners, loops = _triangles(mesh)
-    return Shading(corners, faces, element_values(mesh.corner_normals, "vector", 3)[loops])
-
-
-def _triangles(mesh: bpy.types.Mesh) -> tuple[NDArray[np.int64], NDArray[np.float64], NDArray[np.int32]]:
-    """Return the vertices, their positions, (m, 3, 3), and the face corners of the triangles of a mesh."""
-    faces = triangle_corners(mesh, "vertices").astype(np.int64)
-    corners = vectors_of(mesh.vertices)[faces]
-    return faces, corners, triangle_corners(mesh, "loops")
 
 
 def write_normals(mesh: bpy.types.Mesh, normals: FrameNormals, surface: TriangleMesh) -> None:

@@ -23,8 +23,7 @@ from ..animation_time import times_per_second
 from ..element_values import element_values
 from ..handles import Handle, found
 from .appearance import (
-    read_appearance,
-    read_shading,
+    read_looks,
     write_carried,
     write_materials,
     write_normals,
@@ -80,12 +79,10 @@ class Carrying:
         looks: str = FADE,
         quads: bool = False,
     ) -> None:
-        appearances = [
-            read_appearance(mesh, own.values.color, own.groups) for own, mesh in zip(inputs, frozen, strict=True)
-        ]
-        prepared = prepared_looks(inputs, frozen, appearances, looks)
+        read = [read_looks(mesh, own.values.color, own.groups) for own, mesh in zip(inputs, frozen, strict=True)]
+        prepared = prepared_looks(inputs, frozen, [own.appearance for own in read], looks)
         self._appearances, self._quads = prepared.appearances, quads
-        self._shadings = [read_shading(mesh) for mesh in frozen]
+        self._shadings = [own.shading for own in read]
         names = [own.name for own in inputs]
         self.dropped = dropped_notes(names, prepared.dropped)
         per_second = times_per_second(bpy.context.scene)

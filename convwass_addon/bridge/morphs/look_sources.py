@@ -14,7 +14,7 @@ from ...applications.morphs.appearance import Appearance
 from ...applications.morphs.carried_uvs import UvMap
 from ...geometry.affine import transformed_points
 from ...geometry.normals import unit_vectors
-from ..element_values import element_values, triangle_corners, write_attribute
+from ..element_values import element_values, triangle_corners, triangle_polygons, write_attribute
 from ..joined_shapes import OWN_POSITION
 from ..shown_nodes import nodes_of
 from .appearance import render_colors, render_uv_map
@@ -185,7 +185,7 @@ def _corner_values(mesh: bpy.types.Mesh, name: str, appearance: Appearance, loop
     if attribute.domain == "POINT":
         return values[appearance.faces]
     if attribute.domain == "FACE":
-        polygons = element_values(mesh.loop_triangles, "polygon_index", kind=np.int32)
+        polygons = triangle_polygons(mesh)
         return np.repeat(values[polygons][:, None], 3, axis=1)
     return _at_vertices(mesh, values, attribute.data_type)[appearance.faces]
 

@@ -17,7 +17,7 @@ from ...geometry.closest_points import ClosestPointFinder, ClosestPoints
 from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..color_attributes import color_kind, color_names, is_per_corner, read_colors, write_colors
-from ..element_values import element_values, triangle_corners, vectors_of
+from ..element_values import MeshTriangles, triangle_materials, vectors_of
 from ..morphs.appearance import render_uv_map
 from ..uv_maps import read_uvs, uv_names, write_uvs
 from ..vertex_groups import group_names, read_groups, write_group
@@ -44,10 +44,10 @@ class _Triangles:
 
     @classmethod
     def of(cls, mesh: bpy.types.Mesh) -> _Triangles:
-        vertices, loops = (triangle_corners(mesh, kind).astype(np.int64) for kind in ("vertices", "loops"))
+        triangles = MeshTriangles.of(mesh)
+        vertices, loops = triangles.vertices.astype(np.int64), triangles.loops.astype(np.int64)
         corners = vectors_of(mesh.vertices)[vertices]
-        materials = element_values(mesh.loop_triangles, "material_index", kind=np.int32)
-        return cls(corners, vertices, loops, materials.astype(np.int64))
+        return cls(corners, vertices, loops, triangle_materials(mesh).astype(np.int64))
 
 
 @dataclass(frozen=True)

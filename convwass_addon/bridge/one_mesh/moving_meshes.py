@@ -16,7 +16,7 @@ from ...applications.palettes.lab_colors import srgb_of_linear
 from ...errors import InputError
 from ...geometry.affine import transformed_points
 from ..animation_time import returning, show_time
-from ..element_values import triangle_corners, vectors_of
+from ..element_values import MeshTriangles, vectors_of
 from ..keyframes import curves_of, driver_targets, key_span, strips_span
 from ..morphs.appearance import seen_colors
 
@@ -102,7 +102,8 @@ def triangles_of_frames(objects: Sequence[bpy.types.Object]) -> VertexAnimation:
     corners, normals, colors = [], [], []
     for obj in objects:
         mesh, matrix = obj.data, np.array(obj.matrix_world, dtype=np.float64)
-        loops, vertices = triangle_corners(mesh, "loops"), triangle_corners(mesh, "vertices")
+        triangles = MeshTriangles.of(mesh)
+        loops, vertices = triangles.loops, triangles.vertices
         if np.linalg.det(matrix[:3, :3]) < 0.0:
             # Triangles still point outwards if they are mirrored.
             loops, vertices = loops[:, ::-1], vertices[:, ::-1]
