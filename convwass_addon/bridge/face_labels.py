@@ -8,11 +8,13 @@ from collections import Counter
 
 import bpy
 import numpy as np
+from numpy.typing import NDArray
 from scipy.sparse import csr_array
 
 from ..applications.morphs.part_labels import FaceLabels
-from .element_values import element_values, triangle_corners
+from .element_values import triangle_corners, triangle_materials
 from .object_names import without_number
+from .vertex_groups import mesh_weights
 
 
 def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
@@ -25,21 +27,17 @@ def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> Fa
     evaluated : bpy.types.Object
         Provides the names of the groups.
     mesh : bpy.types.Mesh
-        Its mesh, with all data layers and calculated triangles.
+        Its mesh, with all data layers, in the file.
     """
     names = tuple(group.name for group in evaluated.vertex_groups)
-    entries = [
-        (vertex.index, entry.group, entry.weight)
-        for vertex in mesh.vertices
-        for entry in vertex.groups
-        if entry.group < len(names)
-    ]
-    vertices, groups, weights = np.array(entries, dtype=np.float64).reshape(-1, 3).T
-    lacking = 1.0 - np.bincount(vertices.astype(np.int64), weights, minlength=len(mesh.vertices))
+    weights = mesh_weights(mesh, names, range(len(names)))
+    groups, vertices = np.nonzero(weights)
+    given = weights[groups, vertices].astype(np.float64)
+    lacking = 1.0 - np.bincount(vertices, given, minlength=len(mesh.vertices))
     everything = np.arange(len(mesh.vertices))
     of_vertices = csr_array(
         (
-            np.concatenate([weights, np.maximum(lacking, 0.0)]),
+            np.concatenate([given, np.maximum(lacking, 0.0)]),
             (np.concatenate([vertices, everything]), np.concatenate([groups, np.full(len(everything), len(names))])),
         ),
         shape=(len(mesh.vertices), len(names) + 1),
@@ -49,8 +47,20 @@ def vertex_group_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> Fa
         (np.ones(len(corners)), corners, np.arange(0, len(corners) + 1, 3)),
         shape=(len(corners) // 3, len(mesh.vertices)),
     )
-    heaviest = np.asarray((incidence @ of_vertices).argmax(axis=1), dtype=np.int64).ravel()
+    heaviest = _heaviest(incidence @ of_vertices)
     return FaceLabels(names, np.where(heaviest < len(names), heaviest, -1))
+
+
+def _heaviest(weights: csr_array) -> NDArray[np.int64]:
+    """Return the first column of the largest weight in every row; each has a positive one.
+
+    SciPy goes through the rows one by one, and takes seconds for a million.
+    """
+    weights.sum_duplicates()
+    starts = weights.indptr[:-1]
+    largest = np.repeat(np.maximum.reduceat(weights.data, starts), np.diff(weights.indptr))
+    columns = np.where(weights.data == largest, weights.indices, weights.shape[1])
+    return np.minimum.reduceat(columns, starts).astype(np.int64)
 
 
 def material_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLabels:
@@ -71,7 +81,7 @@ def material_labels(evaluated: bpy.types.Object, mesh: bpy.types.Mesh) -> FaceLa
     names = tuple(called.values())
     places = {name: index for index, name in enumerate(called)}
     table = np.array([*(places.get(name, -1) for name in slots), -1])
-    index = element_values(mesh.loop_triangles, "material_index", kind=np.int32)
+    index = triangle_materials(mesh)
     # A face may have an invalid slot index; Blender then uses the last slot.
     return FaceLabels(names, table[np.minimum(index, max(len(slots) - 1, 0))])
 

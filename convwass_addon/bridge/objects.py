@@ -112,11 +112,11 @@ def labeled_mesh(
     from .face_labels import LABELS
 
     with _evaluated(obj, depsgraph, MESHED) as evaluated:
+        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
         try:
-            mesh = evaluated.to_mesh(preserve_all_data_layers=True, depsgraph=depsgraph)
             return LabeledMesh(_world_mesh(obj.name, evaluated, mesh), LABELS[kind](evaluated, mesh))
         finally:
-            evaluated.to_mesh_clear()
+            bpy.data.meshes.remove(mesh)
 
 
 def frozen_copy(

@@ -56,11 +56,19 @@ def read_groups(obj: bpy.types.Object, names: Sequence[str]) -> NDArray[np.float
                 name=name,
                 groups=", ".join(group_names(obj)) or "none",
             )
-    # Nodes cannot distinguish a group from an attribute of the same name.
-    hidden = [name for name in names if name in mesh.attributes]
+    return mesh_weights(mesh, names, [obj.vertex_groups[name].index for name in names]).astype(np.float64)
+
+
+def mesh_weights(mesh: bpy.types.Mesh, names: Sequence[str], indices: Sequence[int]) -> NDArray[np.float32]:
+    """Return the weights of all vertices in some groups of a mesh, (k, n), given their names and indices.
+
+    The mesh must be in the file, not a temporary one of an evaluated object.
+    """
     weights = _by_nodes(mesh, names)
-    for name in hidden:
-        weights[list(names).index(name)] = _one_by_one(mesh, obj.vertex_groups[name].index)
+    for place, (name, index) in enumerate(zip(names, indices, strict=True)):
+        # Nodes cannot distinguish a group from an attribute of the same name.
+        if name in mesh.attributes:
+            weights[place] = _one_by_one(mesh, index)
     return weights
 
 
@@ -119,7 +127,7 @@ def _checked(weights: ArrayLike, count: int) -> NDArray[np.float32]:
     return values
 
 
-def _by_nodes(mesh: bpy.types.Mesh, names: Sequence[str]) -> NDArray[np.float64]:
+def _by_nodes(mesh: bpy.types.Mesh, names: Sequence[str]) -> NDArray[np.float32]:
     """Copy groups to attributes with Geometry Nodes, because attributes are read at once, but groups vertex by vertex.
 
     Uses a temporary scene, so that nothing else is evaluated.
@@ -137,7 +145,7 @@ def _by_nodes(mesh: bpy.types.Mesh, names: Sequence[str]) -> NDArray[np.float64]
         weights = np.empty((len(names), len(mesh.vertices)), dtype=np.float32)
         for place, row in enumerate(weights):
             attributes[_READ.format(place)].data.foreach_get("value", row)
-        return weights.astype(np.float64)
+        return weights
     finally:
         bpy.data.scenes.remove(scene)
         bpy.data.batch_remove([probe, tree, *([edited] if edited else [])])
@@ -152,8 +160,8 @@ def _copying_tree(names: Sequence[str]) -> bpy.types.NodeTree:
     return tree
 
 
-def _one_by_one(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float64]:
-    weights = np.zeros(len(mesh.vertices))
+def _one_by_one(mesh: bpy.types.Mesh, index: int) -> NDArray[np.float32]:
+    weights = np.zeros(len(mesh.vertices), np.float32)
     for vertex in mesh.vertices:
         for entry in vertex.groups:
             if entry.group == index:

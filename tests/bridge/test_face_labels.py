@@ -163,3 +163,12 @@ def test_a_job_without_common_parts_leaves_nothing_behind(make_object, inventory
     with pytest.raises(InputError, match=r"A has bottom, top; B has none"):
         job_of(objects, "vertex-groups")
     assert inventory() == before
+
+
+def test_the_first_of_equally_heavy_groups_counts(make_object, depsgraph, inventory):
+    obj = make_object("A")
+    everywhere = dict.fromkeys(range(6), 0.5)
+    groups_of(obj, second={}, first=everywhere, third=everywhere)
+    before = inventory()
+    assert set(by_name(labeled_mesh(obj, depsgraph, "vertex-groups"))) == {"first"}
+    assert inventory() == before

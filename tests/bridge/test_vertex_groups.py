@@ -9,7 +9,14 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from convwass_addon.bridge.vertex_groups import as_weights, group_names, read_group, read_groups, write_group
+from convwass_addon.bridge.vertex_groups import (
+    as_weights,
+    group_names,
+    mesh_weights,
+    read_group,
+    read_groups,
+    write_group,
+)
 from convwass_addon.errors import InputError
 from tests.linked_objects import linked_to_new_file
 
@@ -212,3 +219,21 @@ def test_weights_that_do_not_fit(obj, weights):
 def test_densities_as_weights():
     np.testing.assert_array_equal(as_weights([[0, 4], [-1, 2]]), [[0, 1], [0, 0.5]])
     np.testing.assert_array_equal(as_weights([0, 0]), [0, 0])
+
+
+def test_groups_of_a_mesh_are_those_of_its_vertices_whatever_their_names(obj, inventory):
+    names = ["Head", "position", "material_index", "id", "sharp_face", ".corner_vert", "radius", "UVMap", "Tail"]
+    rng = np.random.default_rng(3)
+    for name in names:
+        group = obj.vertex_groups.new(name=name)
+        for vertex in range(len(obj.data.vertices)):
+            if rng.random() < 0.6:
+                group.add([vertex], rng.random(), "REPLACE")
+    obj.data.uv_layers.new(name="UVMap")
+    obj.data.attributes.new("Tail", "FLOAT", "FACE")
+    assert group_names(obj) == names
+    before = inventory()
+    found = mesh_weights(obj.data, names, range(len(names)))
+    np.testing.assert_array_equal(found, [np.float32(slowly(obj, name)) for name in names])
+    np.testing.assert_array_equal(read_groups(obj, names[::-1]), found[::-1])
+    assert inventory() == before

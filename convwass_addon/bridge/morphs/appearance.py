@@ -17,6 +17,7 @@ from ...geometry.mesh import TriangleMesh
 from ...geometry.polygons import Polygons
 from ..element_values import MeshTriangles, element_values, triangle_materials, vectors_of, write_attribute
 from ..image_files import pixel_values
+from ..vertex_groups import mesh_weights
 from .frame_attributes import COLOR, CUSTOM_NORMAL, LOOK, SOURCE_MATERIAL, SOURCE_WEIGHT, VELOCITY
 from .materials import base_color, is_carrying, is_object_color, shows_color_attribute
 from .mixed_materials import emission_node
@@ -320,9 +321,5 @@ def render_colors(mesh: bpy.types.Mesh) -> bpy.types.Attribute | None:
 def _groups(mesh: bpy.types.Mesh, names: Sequence[str]) -> dict[str, np.ndarray]:
     if not names:
         return {}
-    groups = np.zeros((len(names), len(mesh.vertices)), np.float32)
-    for vertex in mesh.vertices:
-        for entry in vertex.groups:
-            if entry.group < len(names):
-                groups[entry.group, vertex.index] = entry.weight
+    groups = mesh_weights(mesh, names, range(len(names)))
     return {name: own for name, own in zip(names, groups, strict=True) if own.any()}
