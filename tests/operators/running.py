@@ -84,6 +84,7 @@ def window_context():
         scene=bpy.context.scene,
         object=bpy.context.object,
         view_layer=bpy.context.view_layer,
+        preferences=bpy.context.preferences,
         evaluated_depsgraph_get=bpy.context.evaluated_depsgraph_get,
     )
 

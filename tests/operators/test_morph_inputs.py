@@ -5,17 +5,22 @@
 from __future__ import annotations
 
 import sys
+import threading
+import time
 from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
 
+from convwass_addon.applications.morphs import shape_check
 from convwass_addon.bridge.element_values import element_values
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
+from convwass_addon.operators import morph_inputs as morph_inputs_operators
 from convwass_addon.operators.chosen_inputs import split_names
 from convwass_addon.properties import morph_inputs
 from tests.operators.morphs import add, baked_morph
+from tests.operators.running import ESCAPE, Pressed, is_computing, started, until, window_context
 from tests.scene import linked, select_only
 from tests.searches import counted_searches
 
@@ -475,3 +480,67 @@ def test_the_file_is_searched_once_for_a_list_of_objects(shapes, monkeypatch):
     clock[0] += 0.2
     assert chosen_among() == [*shapes, empty]
     assert searches == {"objects": 1}
+
+
+def shapes_selected(shapes):
+    context = window_context()
+    context.selected_objects = shapes
+    return context
+
+
+@pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
+def test_shapes_are_checked_in_the_background(shapes, operator):
+    kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
+    if operator == "check_morph_inputs":
+        bpy.ops.convwass.add_morph_inputs()
+        for item in settings().inputs:
+            item.verdict = "UNCHECKED"
+    shapes[1].data.polygons[0].flip()
+    shapes[1].data.update_tag()
+    pressed, context = Pressed(kind), shapes_selected(shapes)
+    assert started(pressed, context)
+    # What is on the list is there at once; meanwhile it may be sorted, and get shorter.
+    assert listed() == ["A", "B", "C"]
+    assert {item.verdict for item in settings().inputs} == {"UNCHECKED"}
+    bpy.ops.convwass.move_morph_input(index=0, direction="DOWN")
+    bpy.ops.convwass.remove_morph_input(index=2)
+    assert until(pressed, context) == {"FINISHED"}
+    assert [(item.object.name, item.verdict) for item in settings().inputs] == [("B", "SOUND"), ("A", "FLIPPED")]
+    if operator == "check_morph_inputs":
+        assert pressed.reports == [("WARNING", "Shapes with problems: 1 of 2")]
+
+
+@pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
+def test_a_check_can_be_stopped(shapes, operator, monkeypatch):
+    kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
+    if operator == "check_morph_inputs":
+        bpy.ops.convwass.add_morph_inputs()
+        for item in settings().inputs:
+            item.verdict = "UNCHECKED"
+    checking = threading.Event()
+
+    def endless(mesh, control):
+        checking.set()
+        while True:
+            control.check()
+            time.sleep(0.005)
+
+    monkeypatch.setattr(shape_check, "check_shape", endless)
+    pressed, context = Pressed(kind), shapes_selected(shapes)
+    assert started(pressed, context)
+    assert until(pressed, context, checking.is_set) == {"PASS_THROUGH"}
+    until(pressed, context, event=ESCAPE)
+    assert not is_computing()
+    assert listed() == ["A", "B", "C"]
+    assert {item.verdict for item in settings().inputs} == {"UNCHECKED"}
+    (report,) = pressed.reports
+    assert report[0] == "INFO"
+    assert report[1].startswith("Stopped; ")
+
+
+def test_shapes_are_checked_at_once_while_a_job_runs(shapes):
+    pressed, context = Pressed(morph_inputs_operators.CONVWASS_OT_add_morph_inputs), shapes_selected(shapes)
+    context.window_manager.convwass_progress.running = True
+    assert not started(pressed, context)
+    assert {item.verdict for item in settings().inputs} == {"SOUND"}
+    assert context.window_manager.convwass_progress.running

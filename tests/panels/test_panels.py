@@ -281,7 +281,7 @@ def test_drawing_computes_and_writes_nothing(baked, monkeypatch):
     forbid(
         monkeypatch,
         "applications.morphs.shape_check.check_shape",
-        "operators.morph_inputs.triangle_mesh",
+        "bridge.morphs.input_checks.triangle_mesh",
         "bridge.morphs.job.morph",
         "bridge.morphs.shape_reading.aligned_meshes",
         "bridge.morphs.shape_reading.triangle_mesh",

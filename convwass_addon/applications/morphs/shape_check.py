@@ -12,6 +12,7 @@ from ...geometry.edges import edge_use, topology
 from ...geometry.mesh import TriangleMesh
 from ...geometry.orientation import orient_outward
 from ...geometry.welding import welded
+from ...progress import UNINTERRUPTED, Control
 from .volumes import Lattice, voxelized
 
 Verdict = Literal["SOUND", "FLIPPED", "HOLES", "NO_VOLUME"]
@@ -51,22 +52,26 @@ class ShapeFindings:
         return "FLIPPED" if self.flipped_faces else "SOUND"
 
 
-def check_shape(mesh: TriangleMesh) -> ShapeFindings:
-    """Find problems that a shape may cause in a morph; takes a fraction of a second.
+def check_shape(mesh: TriangleMesh, control: Control = UNINTERRUPTED) -> ShapeFindings:
+    """Find problems that a shape may cause in a morph; takes some seconds for a million triangles.
 
     Parameters
     ----------
     mesh : TriangleMesh
         In any space; at least one triangle.
+    control : Control
+        Stops the work.
     """
     joined = welded(mesh)
     if not len(joined.faces):
         return ShapeFindings(has_volume=False, open_edges=0, flipped_faces=0)
+    control.check()
     use = edge_use(joined.faces)
     outward = orient_outward(joined, use)
+    control.check()
     found = topology(outward, use if outward is joined else None)
     return ShapeFindings(
-        has_volume=(found.closed and _is_clear(outward)) or _has_volume(mesh),
+        has_volume=(found.closed and _is_clear(outward)) or _has_volume(mesh, control),
         open_edges=found.open_edges,
         flipped_faces=int((outward.faces != joined.faces).any(axis=1).sum()),
     )
@@ -77,12 +82,12 @@ def _is_clear(outward: TriangleMesh) -> bool:
     return outward.volume > _CLEAR_CELLS * cell**3
 
 
-def _has_volume(mesh: TriangleMesh) -> bool:
+def _has_volume(mesh: TriangleMesh, control: Control) -> bool:
     if not mesh.longest_side > 0.0:
         return False
     lattice = Lattice.around([mesh], _RESOLUTION, _SIGMA)
     try:
-        voxelized(mesh, "", 0, lattice, thickness=0.0)
+        voxelized(mesh, "", 0, lattice, thickness=0.0, control=control)
     except InputError:
         return False
     return True
