@@ -10,17 +10,20 @@ from bpy.props import BoolProperty
 
 from ..bridge.active import active_object, selected_objects
 from ..bridge.one_mesh.records import has_key_record
-from ..sentence import first_names
+from ..sentence import Sentence, first_names
+from .background import is_idle
+from .mesh_writing import MeshWritingOperator
 from .morph_manage import select_only
 from .reporting import reporting_errors, tell
 
 
-class CONVWASS_OT_attach_parts(bpy.types.Operator):
+class CONVWASS_OT_attach_parts(MeshWritingOperator, bpy.types.Operator):
     """Add shape keys to the other selected meshes, such as clothes, hair and eyes, that follow the active mesh and its sliders"""  # noqa: E501
 
     bl_idname = "convwass.attach_parts"
     bl_label = "Attach Parts"
     bl_options = {"REGISTER", "UNDO"}
+    _title = Sentence("Attaching parts")
 
     rigid: BoolProperty(
         name="Rigid",
@@ -38,16 +41,18 @@ class CONVWASS_OT_attach_parts(bpy.types.Operator):
         if not has_key_record(active) or not any(obj != active for obj in selected_objects(context)):
             cls.poll_message_set("Select parts, and the mesh with shape keys to other shapes last")
             return False
-        return True
+        return is_idle(cls, context)
 
-    @reporting_errors
-    def execute(self, context):
-        from ..bridge.one_mesh.attached_parts import attach_parts
+    def _begin(self, context):
+        from ..bridge.one_mesh.attached_parts import AttachJob
 
         body = context.object
         parts = [obj for obj in selected_objects(context) if obj != body]
-        notices = attach_parts(body, parts, rigid=self.rigid)
-        text = rpt_("{:s}: attached to {:s}").format(first_names([part.name for part in parts]), body.name)
+        return AttachJob(body, parts, rigid=self.rigid)
+
+    def _finish(self, context, job):
+        notices = job.finish()
+        text = rpt_("{:s}: attached to {:s}").format(first_names(job.part_names), job.body_name)
         tell(self, text, notices)
         return {"FINISHED"}
 

@@ -10,9 +10,9 @@ import pytest
 from scipy.spatial import cKDTree
 
 from convwass_addon.bridge.objects import triangle_mesh
-from convwass_addon.bridge.one_mesh.attached_parts import attach_parts
 from convwass_addon.bridge.one_mesh.key_files import export_shape_keys, left_out_notices
 from convwass_addon.bridge.one_mesh.records import store_records
+from tests.attached import attach_parts
 from tests.bridge.test_rigged_key_files import rigged  # noqa: F401
 from tests.scene import linked
 

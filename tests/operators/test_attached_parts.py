@@ -4,13 +4,19 @@
 
 from __future__ import annotations
 
+import threading
+
 import bpy
 import numpy as np
 import pytest
 
 from convwass_addon.applications.one_mesh.key_paths import KeyPath
+from convwass_addon.bridge.one_mesh.records import RECORD_KEY
 from convwass_addon.bridge.one_mesh.replaced_keys import delete_keys, replace_keys
 from convwass_addon.bridge.one_mesh.shape_keys import drive_key, object_with_keys
+from convwass_addon.geometry.attachment import Attachment
+from convwass_addon.operators.attached_parts import CONVWASS_OT_attach_parts
+from tests.operators.running import ESCAPE, Pressed, started, until, wait_for_the_thread, window_context
 from tests.scene import select_only, world
 
 pytestmark = pytest.mark.usefixtures("empty_scene")
@@ -188,3 +194,63 @@ def test_a_part_keeps_what_an_earlier_version_attached_to_another_body(body, hat
     delete_keys(other)
     delete_keys(body)
     assert [key.name for key in hat.data.shape_keys.key_blocks] == ["Basis", "Dent"]
+
+
+def attaching(body, hat):
+    """Start to attach the hat in the background."""
+    select(hat, body)
+    context = window_context()
+    context.selected_objects = [hat, body]
+    pressed = Pressed(CONVWASS_OT_attach_parts)
+    assert started(pressed, context)
+    return pressed, context
+
+
+def key_names(obj):
+    return [key.name for key in obj.data.shape_keys.key_blocks]
+
+
+def test_parts_are_attached_in_the_background(body, hat):
+    pressed, context = attaching(body, hat)
+    assert key_names(hat) == ["Basis", "Dent"]
+    assert until(pressed, context) == {"FINISHED"}
+    assert key_names(hat) == ["Basis", "Dent", "Up 1", "Up 2"]
+    assert pressed.reports[0][1].startswith("Hat: attached to Icosphere Morph")
+
+
+def test_attaching_can_be_stopped(body, hat, monkeypatch):
+    attaching_now = threading.Event()
+
+    def endless(self, vertices):
+        attaching_now.set()
+        stopped.wait(10.0)
+        return vertices
+
+    stopped = threading.Event()
+    monkeypatch.setattr(Attachment, "followed", endless)
+    pressed, context = attaching(body, hat)
+    assert attaching_now.wait(10.0)
+    stopped.set()
+    until(pressed, context, event=ESCAPE)
+    assert key_names(hat) == ["Basis", "Dent"]
+    assert hat.data == bpy.data.objects["Twin"].data
+    assert pressed.reports == [("INFO", "Stopped; nothing was changed")]
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (lambda body, hat: bpy.data.objects.remove(body), "Icosphere Morph was deleted"),
+        (lambda body, hat: bpy.data.objects.remove(hat), "Hat was deleted"),
+        (lambda body, hat: setattr(hat, "data", body.data.copy()), "The vertices of Hat have changed"),
+        (lambda body, hat: body.__setitem__(RECORD_KEY, '[{"name": "Down", "times": [1.0]}]'), "The keys of Icosphere"),
+    ],
+)
+def test_parts_that_change_meanwhile_are_refused(body, hat, change, message):
+    pressed, context = attaching(body, hat)
+    wait_for_the_thread()
+    change(body, hat)
+    assert until(pressed, context) == {"CANCELLED"}
+    assert pressed.reports[0][0] == "ERROR"
+    assert pressed.reports[0][1].startswith(message)
+    assert key_names(bpy.data.objects["Twin"]) == ["Basis", "Dent"]

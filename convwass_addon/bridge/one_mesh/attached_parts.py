@@ -6,9 +6,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Container, Iterable, Sequence
+from dataclasses import dataclass
 
 import bpy
 import numpy as np
+from mathutils import Matrix
 from numpy.typing import NDArray
 
 from ...errors import InputError
@@ -16,9 +18,11 @@ from ...geometry.affine import transformed_points
 from ...geometry.attachment import Attachment, rigidly_moved
 from ...geometry.edges import vertex_components
 from ...geometry.mesh import TriangleMesh
+from ...progress import UNINTERRUPTED, Control, Progress, Work
 from ...sentence import Sentence
 from ..element_values import triangle_corners, vectors_of
-from ..mesh_checks import writable_mesh
+from ..handles import Handle, found, found_or_none
+from ..mesh_checks import other_vertices, writable_mesh
 from ..objects import checked_matrix, checked_vertices
 from .records import has_key_record, key_names, key_records
 from .shape_keys import drive_key, is_key_expression, key_expressions, require_mixable_keys
@@ -30,11 +34,40 @@ Parts that earlier versions attached lack it.
 """
 
 
-def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, rigid: bool) -> list[Sentence]:
-    """Give objects shape keys that follow those of a body, driven by the body's sliders.
+@dataclass(frozen=True)
+class _Part:
+    """What is read of a part.
+
+    Attributes
+    ----------
+    handle : Handle
+        The object.
+    name : str
+        Its name.
+    points : (n, 3) float64
+        The vertices of its base mesh, world space.
+    labels : (n,) int64 or None
+        Their connected component if these move as a whole.
+    inverse : Matrix
+        From world to local space.
+    """
+
+    handle: Handle
+    name: str
+    points: NDArray[np.float64]
+    labels: NDArray[np.int64] | None
+    inverse: Matrix
+
+    def local(self, moved: NDArray[np.float64]) -> NDArray[np.float32]:
+        """Return points of the world in local space."""
+        return np.ascontiguousarray(transformed_points(moved, self.inverse), dtype=np.float32)
+
+
+class AttachJob:
+    """Gives objects shape keys that follow those of a body, driven by the body's sliders.
 
     Keys are made for the base mesh, before modifiers, as on the body. Other keys of the objects are kept; keys that
-    already follow this body are replaced.
+    already follow this body are replaced. All methods except :meth:`steps` must be called on the main thread.
 
     Parameters
     ----------
@@ -45,39 +78,129 @@ def attach_parts(body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, r
     rigid : bool
         Whether every connected component of a part is only moved, rotated and scaled.
 
-    Returns
-    -------
-    list of Sentence
-        Messages for the user.
-
     Raises
     ------
     InputError
         The body has no such keys; or an object is not a mesh, has coordinates that are not finite or a scale of zero,
-        is linked from another file, or would show no further keys. Nothing is changed then.
+        is linked from another file, or would show no further keys.
+
+    Attributes
+    ----------
+    body_name : str
+        Name of the body at the start.
     """
-    records, parts = key_records(body), list(parts)
-    if not records:
-        raise InputError("{name} keeps its form, so there are no keys to follow; parent parts to it.", name=body.name)
-    for part in parts:
-        if part.type != "MESH" or not len(part.data.vertices):
-            raise InputError("{name} is not a mesh with vertices; convert it first.", name=part.name)
-        writable_mesh(part)
-        checked_matrix(part)
-        checked_vertices(part.name, part.data)
-        require_mixable_keys(part)
-    blocks = body.data.shape_keys.key_blocks
-    missing = [name for record in records for name in _names(record) if name not in blocks]
-    if missing:
-        raise InputError(
-            "The shape key {key} of {name} is missing; make the keys again.", key=missing[0], name=body.name
-        )
-    surface = TriangleMesh(transformed_points(vectors_of(blocks[0].data), body.matrix_world), _triangles(body.data))
-    notices = []
-    for part in parts:
-        notices += _own_mesh(part)
-        _follow(part, body, surface, records, rigid=rigid)
-    return notices
+
+    def __init__(self, body: bpy.types.Object, parts: Iterable[bpy.types.Object], *, rigid: bool) -> None:
+        self._records, parts = key_records(body), list(parts)
+        if not self._records:
+            raise InputError(
+                "{name} keeps its form, so there are no keys to follow; parent parts to it.", name=body.name
+            )
+        for part in parts:
+            _require_attachable(part)
+            checked_matrix(part)
+            checked_vertices(part.name, part.data)
+        blocks = body.data.shape_keys.key_blocks
+        names = [name for record in self._records for name in _names(record)]
+        missing = [name for name in names if name not in blocks]
+        if missing:
+            raise InputError(
+                "The shape key {key} of {name} is missing; make the keys again.", key=missing[0], name=body.name
+            )
+        self._body, self.body_name = Handle.of("objects", body), body.name
+        self._surface = TriangleMesh(_placed(blocks[0].data, body), _triangles(body.data))
+        self._keys = {name: _placed(blocks[name].data, body) for name in names}
+        self._parts = [_read_part(part, rigid=rigid) for part in parts]
+        self._moved: list[dict[str, NDArray[np.float32]]] = []
+
+    def steps(self, control: Control = UNINTERRUPTED) -> Work[None]:
+        """Compute the keys."""
+        done, count = 0, len(self._parts) * (1 + len(self._keys))
+        for part in self._parts:
+            message = Sentence("Attaching {name}", {"name": part.name})
+            yield Progress(done / count, message)
+            attached = Attachment.of(part.points, self._surface, control)
+            self._moved.append({})
+            for name, vertices in self._keys.items():
+                done += 1
+                yield Progress(done / count, message)
+                moved = attached.followed(vertices)
+                if part.labels is not None:
+                    moved = rigidly_moved(part.points, moved, part.labels)
+                self._moved[-1][name] = part.local(moved)
+            done += 1
+
+    def write(self, report: Progress[None]) -> None:
+        """Write nothing; the keys are written at the end."""
+
+    def discard(self) -> None:
+        """Discard the keys."""
+        self._moved.clear()
+
+    @property
+    def is_edited(self) -> bool:
+        """Whether a part is in Edit Mode."""
+        return any(part.type == "MESH" and part.data.is_editmode for part in found(self._handles))
+
+    @property
+    def part_names(self) -> list[str]:
+        """Names of the parts at the start."""
+        return [part.name for part in self._parts]
+
+    @property
+    def _handles(self) -> list[Handle]:
+        return [part.handle for part in self._parts]
+
+    def finish(self) -> list[Sentence]:
+        """Write the keys, and return messages for the user.
+
+        Raises
+        ------
+        InputError
+            The body or a part was deleted, or has changed too much. Nothing is changed then.
+        """
+        body, parts = self._found()
+        notices = []
+        for part, moved in zip(parts, self._moved, strict=True):
+            notices += _own_mesh(part)
+            _follow(part, body, self._records, moved)
+        return notices
+
+    def _found(self) -> tuple[bpy.types.Object, list[bpy.types.Object]]:
+        """Return the body and the parts, if they still can be attached."""
+        body, *parts = found_or_none([self._body, *self._handles])
+        for obj, name in zip([body, *parts], [self.body_name, *self.part_names], strict=True):
+            if obj is None:
+                raise InputError(
+                    "{name} was deleted, or its creation undone, while parts were attached; start again.", name=name
+                )
+        if key_records(body) != self._records:
+            raise InputError("The keys of {name} have changed since the start; start again.", name=body.name)
+        for part, read in zip(parts, self._parts, strict=True):
+            _require_attachable(part)
+            if len(part.data.vertices) != len(read.points):
+                raise other_vertices(part)
+        return body, parts
+
+
+def _require_attachable(part: bpy.types.Object) -> None:
+    """Raise InputError if no shape keys can be added to an object, or would not be shown."""
+    if part.type != "MESH" or not len(part.data.vertices):
+        raise InputError("{name} is not a mesh with vertices; convert it first.", name=part.name)
+    writable_mesh(part)
+    require_mixable_keys(part)
+
+
+def _placed(points: bpy.types.bpy_prop_collection, obj: bpy.types.Object) -> NDArray[np.float64]:
+    """Return the points of a key or a mesh in world space, (n, 3)."""
+    return transformed_points(vectors_of(points), obj.matrix_world)
+
+
+def _read_part(part: bpy.types.Object, *, rigid: bool) -> _Part:
+    keys = part.data.shape_keys
+    points = _placed(part.data.vertices if keys is None else keys.key_blocks[0].data, part)
+    labels = _components(part.data, points) if rigid else None
+    return _Part(Handle.of("objects", part), part.name, points, labels, part.matrix_world.inverted_safe())
 
 
 def detach_parts(bodies: Sequence[bpy.types.Object]) -> list[bpy.types.Object]:
@@ -130,29 +253,18 @@ def _detach(part: bpy.types.Object, bodies: Sequence[bpy.types.Object]) -> bool:
 def _follow(
     part: bpy.types.Object,
     body: bpy.types.Object,
-    surface: TriangleMesh,
     records: list[dict[str, object]],
-    *,
-    rigid: bool,
+    moved: dict[str, NDArray[np.float32]],
 ) -> None:
-    """Add the keys of one part."""
+    """Add the keys of one part, given their points by their names."""
     if part.data.shape_keys is None:
         part.shape_key_add(name="Basis", from_mix=False)
-    blocks = body.data.shape_keys.key_blocks
-    points = transformed_points(vectors_of(part.data.shape_keys.key_blocks[0].data), part.matrix_world)
-    attached = Attachment.of(points, surface)
-    labels = _components(part.data, points) if rigid else None
-    inverse = part.matrix_world.inverted_safe()
-    _remove_other_keys(part, body, {name for record in records for name in _names(record)})
+    _remove_other_keys(part, body, moved)
     attached_names = _attached_names(part)
     for record in records:
         for name, expression in zip(_names(record), key_expressions(record["times"]), strict=True):
-            moved = attached.followed(transformed_points(vectors_of(blocks[name].data), body.matrix_world))
-            if labels is not None:
-                moved = rigidly_moved(points, moved, labels)
             key = _key(part, body, name)
-            local = np.ascontiguousarray(transformed_points(moved, inverse), dtype=np.float32)
-            key.data.foreach_set("co", local.ravel())
+            key.data.foreach_set("co", moved[name].ravel())
             drive_key(body, key, record["name"], expression)
             attached_names.append(key.name)
     part.data.shape_keys[ATTACHED_KEY] = json.dumps(list(dict.fromkeys(attached_names)))
