@@ -70,7 +70,7 @@ class TriangleSamples:
     Attributes
     ----------
     points : (s, 3) float64
-        At least 20 000, evenly distributed unless some triangles are much smaller than others.
+        Evenly distributed unless some triangles are much smaller than others.
     triangles : (s,) int64
         The triangle of every point; each triangle has at least one.
     radius : float
@@ -83,16 +83,20 @@ class TriangleSamples:
 
     @classmethod
     def of(cls, corners: NDArray[np.float64]) -> TriangleSamples:
-        """Divide every triangle, (m, 3, 3), into n^2 similar ones, n along each edge, and take their centers."""
-        a, b, c = np.moveaxis(corners, 1, 0)
-        centers = (a + b + c) / 3.0
-        squares = [np.einsum("md,md->m", corner - centers, corner - centers) for corner in (a, b, c)]
-        reach = np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
+        """Sample triangles, (m, 3, 3), by at least 20 000 points, and about one for each."""
         wanted = max(_SAMPLES, _SAMPLES_PER_TRIANGLE * len(corners))
-        spacing = np.sqrt(np.square(reach).sum() / wanted)
+        return cls.spaced(corners, np.sqrt(np.square(_reaches(corners)).sum() / wanted))
+
+    @classmethod
+    def spaced(cls, corners: NDArray[np.float64], radius: float) -> TriangleSamples:
+        """Divide every triangle, (m, 3, 3), into n^2 similar ones, n along each edge, and take their centers.
+
+        Every point of a triangle is about `radius` from one of them, or less.
+        """
+        reach = _reaches(corners)
         cuts = np.ones(len(corners), np.int64)
-        if spacing > 0:
-            cuts = np.clip(np.round(reach / spacing), 1, _MOST_CUTS).astype(np.int64)
+        if radius > 0:
+            cuts = np.clip(np.round(reach / radius), 1, _MOST_CUTS).astype(np.int64)
         points, owners = [], []
         for count in np.unique(cuts):
             own = np.flatnonzero(cuts == count)
@@ -247,6 +251,14 @@ def _prepared(points: ArrayLike) -> tuple[NDArray[np.float64], ClosestPoints]:
 
 def _chunks(count: int, size: int = _AT_ONCE) -> Iterator[slice]:
     return (slice(start, min(start + size, count)) for start in range(0, count, size))
+
+
+def _reaches(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Return the distance from the center of every triangle, (m, 3, 3), to its farthest corner, (m,)."""
+    a, b, c = np.moveaxis(corners, 1, 0)
+    centers = (a + b + c) / 3.0
+    squares = [np.einsum("md,md->m", corner - centers, corner - centers) for corner in (a, b, c)]
+    return np.sqrt(np.maximum(np.maximum(squares[0], squares[1]), squares[2]))
 
 
 @lru_cache(maxsize=32)

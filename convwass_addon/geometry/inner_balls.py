@@ -20,12 +20,9 @@ from scipy.spatial import cKDTree
 from .edges import edge_lengths, mesh_edges
 from .mesh import TriangleMesh
 from .normals import vertex_normals
+from .touching_balls import ball_radii
 
 # Chosen by eye; docs/performance, "Skeletons", lists what these and the other constants of the fit achieve.
-# Rounds of shrinking, and the fraction of a ball's radius by which the surface may finally reach into it.
-_ROUNDS, _TOLERANCE = 40, 1e-3
-# Least distance, in radii, between two points where a ball touches the surface.
-_SEPARATION = 0.5
 # A ball is central if its radius is at least this fraction of that of the largest ball that contains its center.
 _SMALLEST_SHARE = 0.35
 # Exponent of the cost of paths: of the radius of the largest ball that contains a ball's center, over its own radius.
@@ -90,8 +87,7 @@ class InnerBalls:
 def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     """Return connected balls that touch a surface at its vertices from inside.
 
-    Computed by shrinking balls (Ma, Bae and Choi, "3D medial axis point approximation using nearest neighbors and the
-    normal field", 2012). Balls in ridges and bumps, which are not central, are left out.
+    Balls in ridges and bumps, which are not central, are left out.
 
     Parameters
     ----------
@@ -100,7 +96,7 @@ def inner_balls(mesh: TriangleMesh) -> InnerBalls:
     """
     normals = vertex_normals(mesh.vertices, mesh.faces)
     tree = cKDTree(_surface_samples(mesh))
-    radii = _shrunk_radii(mesh, mesh.vertices, normals, tree)
+    radii = ball_radii(mesh.vertices, normals, tree, 0.5 * mesh.diagonal)
     centers = mesh.vertices - radii[:, None] * normals
     radii = np.minimum(radii, tree.query(centers)[0])
     edges = mesh_edges(mesh.faces)
@@ -125,33 +121,11 @@ def touching_radii(mesh: TriangleMesh, chosen: NDArray[np.int64]) -> NDArray[np.
     normals = vertex_normals(mesh.vertices, mesh.faces)
     samples = _surface_samples(mesh)
     tree = cKDTree(samples[:: max(1, len(samples) // _MOST_SAMPLES)])
-    return _shrunk_radii(mesh, mesh.vertices[chosen], normals[chosen], tree)
+    return ball_radii(mesh.vertices[chosen], normals[chosen], tree, 0.5 * mesh.diagonal)
 
 
 def _surface_samples(mesh: TriangleMesh) -> NDArray[np.float64]:
     return np.concatenate([mesh.vertices, mesh.corners.mean(axis=1)])
-
-
-def _shrunk_radii(
-    mesh: TriangleMesh, points: NDArray[np.float64], normals: NDArray[np.float64], tree: cKDTree
-) -> NDArray[np.float64]:
-    """Shrink a ball at each of some points of a surface until no sample is inside; return the radii."""
-    radii = np.full(len(points), 0.5 * mesh.diagonal)
-    active = np.arange(len(radii))
-    for _ in range(_ROUNDS):
-        centers = points[active] - radii[active, None] * normals[active]
-        distances, nearest = tree.query(centers)
-        reach = points[active] - tree.data[nearest]
-        along = np.einsum("ni,ni->n", reach, normals[active])
-        shrunk = np.einsum("ni,ni->n", reach, reach) / np.maximum(2.0 * along, np.finfo(float).tiny)
-        # Very close to the contact point, a facet of a round body is not an obstacle.
-        apart = np.linalg.norm(reach, axis=1) >= _SEPARATION * shrunk
-        shrinks = apart & (distances < (1.0 - _TOLERANCE) * radii[active]) & (along > 0) & (shrunk < radii[active])
-        active = active[shrinks]
-        radii[active] = shrunk[shrinks]
-        if not len(active):
-            break
-    return radii
 
 
 def _central(balls: InnerBalls) -> InnerBalls:
