@@ -74,6 +74,9 @@ class CONVWASS_OT_add_morph_inputs(_EditInputs, ChecksShapes, bpy.types.Operator
         self.report({"INFO"}, rpt_("Stopped; not all of the new shapes were checked"))
         return True
 
+    def _objects(self, context):
+        return selected_objects(context)
+
     def _begin_with(self, preset: str) -> None:
         """Apply a preset, or report that it is not available; the shapes are added in any case."""
         try:
@@ -123,10 +126,10 @@ class CONVWASS_OT_check_morph_inputs(_OnList, ChecksShapes, bpy.types.Operator):
     def _begin(self, context):
         from ..bridge.morphs.input_checks import CheckJob
 
-        scene = context.scene
-        return CheckJob(
-            [item.object for item in self._chosen(scene) if item.object is not None], scene.convwass_morph.grouping
-        )
+        return CheckJob(self._objects(context), context.scene.convwass_morph.grouping)
+
+    def _objects(self, context):
+        return [item.object for item in self._chosen(context.scene) if item.object is not None]
 
     def _finish(self, context, job):
         self._store(context, job)

@@ -20,14 +20,21 @@ if TYPE_CHECKING:
     from ..properties.morph_inputs import CONVWASS_PG_input
 
 
+# Shapes with so many faces in all are checked within a few tenths of a second.
+_AT_ONCE = 50_000
+
+
 class ChecksShapes(BackgroundOperator):
-    """Base of operators that check shapes on the list."""
+    """Base of operators that check shapes on the list; subclasses implement the hook at the end."""
 
     _title = Sentence("Checking inputs")
 
     def invoke(self, context, event):
+        from ..bridge.morphs.input_checks import face_count
+
         # Only one job can show its progress, and be stopped.
-        if context.window_manager.convwass_progress.running:
+        is_busy = context.window_manager.convwass_progress.running
+        if is_busy or face_count(self._objects(context), context.evaluated_depsgraph_get()) <= _AT_ONCE:
             return self.execute(context)
         return BackgroundOperator.invoke(self, context, event)
 
@@ -37,6 +44,10 @@ class ChecksShapes(BackgroundOperator):
         for item in self._own_scene(context).convwass_morph.inputs:
             if item.object is not None and item.object.session_uid in checked:
                 _store_check(item, checked[item.object.session_uid])
+
+    def _objects(self, context: bpy.types.Context) -> list[bpy.types.Object]:
+        """Return the objects whose shapes are checked."""
+        raise NotImplementedError
 
 
 def mark_as_deleted(item: CONVWASS_PG_input) -> None:

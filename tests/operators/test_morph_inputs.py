@@ -15,8 +15,9 @@ import pytest
 
 from convwass_addon.applications.morphs import shape_check
 from convwass_addon.bridge.element_values import element_values
+from convwass_addon.bridge.morphs.input_checks import face_count
 from convwass_addon.bridge.morphs.stored import frame_objects, stored_inputs, stored_morph, stored_settings
-from convwass_addon.operators import morph_inputs as morph_inputs_operators
+from convwass_addon.operators import morph_inputs as morph_inputs_operators, shape_checks
 from convwass_addon.operators.chosen_inputs import split_names
 from convwass_addon.properties import morph_inputs
 from tests.operators.morphs import add, baked_morph
@@ -488,6 +489,13 @@ def shapes_selected(shapes):
     return context
 
 
+@pytest.fixture
+def many_faces(monkeypatch):
+    """Let a single face count as many."""
+    monkeypatch.setattr(shape_checks, "_AT_ONCE", 0)
+
+
+@pytest.mark.usefixtures("many_faces")
 @pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
 def test_shapes_are_checked_in_the_background(shapes, operator):
     kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
@@ -510,6 +518,7 @@ def test_shapes_are_checked_in_the_background(shapes, operator):
         assert pressed.reports == [("WARNING", "Shapes with problems: 1 of 2")]
 
 
+@pytest.mark.usefixtures("many_faces")
 @pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
 def test_a_check_can_be_stopped(shapes, operator, monkeypatch):
     kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
@@ -538,9 +547,36 @@ def test_a_check_can_be_stopped(shapes, operator, monkeypatch):
     assert report[1].startswith("Stopped; ")
 
 
+@pytest.mark.usefixtures("many_faces")
 def test_shapes_are_checked_at_once_while_a_job_runs(shapes):
     pressed, context = Pressed(morph_inputs_operators.CONVWASS_OT_add_morph_inputs), shapes_selected(shapes)
     context.window_manager.convwass_progress.running = True
     assert not started(pressed, context)
     assert {item.verdict for item in settings().inputs} == {"SOUND"}
     assert context.window_manager.convwass_progress.running
+
+
+@pytest.mark.parametrize("operator", ["add_morph_inputs", "check_morph_inputs"])
+def test_few_faces_are_checked_at_once(shapes, operator):
+    kind = getattr(morph_inputs_operators, f"CONVWASS_OT_{operator}")
+    bpy.ops.convwass.add_morph_inputs()
+    context = shapes_selected(shapes)
+    assert not started(Pressed(kind), context)
+    assert {item.verdict for item in settings().inputs} == {"SOUND"}
+    modifier = shapes[0].modifiers.new("Fine", "SUBSURF")
+    modifier.subdivision_type, modifier.levels = "SIMPLE", 7
+    pressed = Pressed(kind)
+    assert started(pressed, context)
+    assert until(pressed, context) == {"FINISHED"}
+
+
+def test_faces_of_children_and_instances_count(shapes):
+    def depsgraph_of():
+        return bpy.context.evaluated_depsgraph_get()
+
+    assert face_count(shapes[:1], depsgraph_of()) == 6
+    shapes[0].parent = shapes[2]
+    assert face_count(shapes[::2], depsgraph_of()) == 6 + len(shapes[2].data.polygons)
+    assert face_count(shapes[2:], depsgraph_of()) == 6 + len(shapes[2].data.polygons)
+    shapes[0].instance_type = "VERTS"
+    assert face_count(shapes[2:], depsgraph_of()) == np.inf

@@ -4,7 +4,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -63,6 +64,18 @@ class CheckedShape:
     obj: Handle
     findings: ShapeFindings | None = None
     error: Sentence | None = None
+
+
+def face_count(objects: Iterable[bpy.types.Object], depsgraph: bpy.types.Depsgraph) -> float:
+    """Return about how many faces objects and their children have; infinity if some instantiate others."""
+    count = 0.0
+    for obj in {own for each in objects for own in (each, *each.children_recursive)}:
+        evaluated = obj.evaluated_get(depsgraph)
+        if evaluated.is_instancer:
+            return math.inf
+        if evaluated.type == "MESH":
+            count += len(evaluated.data.polygons)
+    return count
 
 
 class CheckJob:
