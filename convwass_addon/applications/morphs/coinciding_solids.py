@@ -13,7 +13,7 @@ counterpart, the mean of the distances would lose both, and the barycenter is us
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -26,6 +26,7 @@ from ...geometry.plane_depths import plane_depths
 from ...geometry.thin_parts import normalized_solid
 from .growing_parts import extend, growing_in_place
 from .mean_solid import mean_solid
+from .thickened_parts import ThickenedParts
 
 # Blur in cells from which distances are computed, and the largest known distance in units of the blur.
 _BLUR, _KNOWN = 0.7, 2.6
@@ -59,15 +60,22 @@ class CoincidingSolids:
     depths : (k, nx, ny, nz) float32
         Signed distance to the surface of every solid in cells, positive inside, to half a cell or better near it, and
         clipped as by :func:`.growing_parts.extend`.
+    surplus : float
+        Volume in cells that has been added to thin parts where the solids agree.
     """
 
     density: NDArray[np.float32]
     agreement: NDArray[np.float32]
     depths: NDArray[np.float32]
+    surplus: float = 0.0
 
     @classmethod
     def of(
-        cls, occupancies: Sequence[NDArray[np.floating]], weights: Sequence[float], volume: float | None = None
+        cls,
+        occupancies: Sequence[NDArray[np.floating]],
+        weights: Sequence[float],
+        volume: float | None = None,
+        middles: Sequence[NDArray[np.float64]] | None = None,
     ) -> CoincidingSolids:
         """Average solids.
 
@@ -78,25 +86,36 @@ class CoincidingSolids:
         weights : (k,)
             Weights of the mean, of sum 1.
         volume : float, optional
-            Volume of the mean in cells; see :func:`.mean_solid.mean_solid`.
+            Volume of the mean in cells, without `surplus`; see :func:`.mean_solid.mean_solid`.
+        middles : sequence of (m, 3) float64, optional
+            Points in the middle of the thin parts of every solid, in cells; these parts are thickened, see
+            :mod:`.thickened_parts`.
         """
         depths = np.empty((len(occupancies), *occupancies[0].shape), np.float32)
         for own, occupancy in zip(depths, occupancies, strict=True):
             own[...] = _depth(occupancy)
+        thin = [()] * len(depths) if middles is None else middles
+        thickened = [ThickenedParts.of(*own) for own in zip(depths, occupancies, thin, strict=True)]
         agreement = _agreement(depths, weights)
         _raise_beside_parts(agreement, depths)
         for own in depths:
             extend(own, 0.99 * _KNOWN * _BLUR)
-        density = _blurred(mean_solid(depths, weights, _SURE, volume))
-        solids = cls(density, agreement, depths)
-        spared = np.clip((_LARGE_REST - solids.disagreement) / (_LARGE_REST - _SMALL_REST), 0.0, 1.0)
+        if volume is not None:
+            volume += sum(weight * own.volume() for weight, own in zip(weights, thickened, strict=True))
+        solids = cls(_blurred(mean_solid(depths, weights, _SURE, volume)), agreement, depths)._sparing_small_rests()
+        surplus = sum(weight * own.volume(solids.agreement) for weight, own in zip(weights, thickened, strict=True))
+        return replace(solids, surplus=float(surplus))
+
+    def _sparing_small_rests(self) -> CoincidingSolids:
+        """Let the solids agree everywhere if they disagree on little of the surface."""
+        spared = np.clip((_LARGE_REST - self.disagreement) / (_LARGE_REST - _SMALL_REST), 0.0, 1.0)
         if spared == 0.0:
-            return solids
+            return self
         if spared == 1.0:
             # One number stands for all cells.
-            return cls(density, np.broadcast_to(np.float32(1.0), density.shape), depths)
-        np.maximum(agreement, np.float32(spared**2 * (3.0 - 2.0 * spared)), out=agreement)
-        return cls(density, agreement, depths)
+            return replace(self, agreement=np.broadcast_to(np.float32(1.0), self.density.shape))
+        raised = np.maximum(self.agreement, np.float32(spared**2 * (3.0 - 2.0 * spared)))
+        return replace(self, agreement=raised)
 
     @cached_property
     def disagreement(self) -> float:

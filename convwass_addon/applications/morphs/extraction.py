@@ -90,6 +90,7 @@ def level_density(
         return LevelDensity(prepared.density, prepared.low, surface.level, surface.mesh.volume)
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
+        volume += solids.surplus
     return LevelDensity(prepared.density, prepared.low, surface_enclosing(prepared.density, volume).level, volume)
 
 
@@ -174,6 +175,7 @@ def extract_surface(
     prepared = _Prepared.of(density, volume, settings)
     if solids is not None:
         prepared = replace(prepared, density=solids.mixed(prepared.density, prepared.box))
+        volume += solids.surplus
     extracted = _Repairs(volume, shapes, settings, constraint, control).mended(prepared)
     # Repairs on a coarse grid may raise the level above all of the density that they started from.
     level = min(extracted.surface.level, float(np.nextafter(prepared.density.max(), np.float32(0.0))))
@@ -192,7 +194,9 @@ def extract_coinciding(
 ) -> Extraction:
     """Extract the surface of the mean of solids that coincide everywhere; see :func:`extract_surface`."""
     whole = tuple(slice(0, n) for n in solids.density.shape)
-    return _Repairs(volume, shapes, settings, constraint, control).mended(_Prepared(solids.density, whole, 1.0))
+    return _Repairs(volume + solids.surplus, shapes, settings, constraint, control).mended(
+        _Prepared(solids.density, whole, 1.0)
+    )
 
 
 @dataclass(frozen=True)

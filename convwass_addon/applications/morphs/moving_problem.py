@@ -17,10 +17,12 @@ from ...geometry.connectivity import Connectivity
 from ...geometry.facing_points import FacingShape
 from ...geometry.mesh import TriangleMesh
 from ...geometry.normals import vertex_normals
+from ...geometry.thin_spans import ThinSpans
 from ...progress import UNINTERRUPTED, Control
 from ..motions.growing_motion import GrowingMotion
-from ..motions.motion import Motion, MovedShape
+from ..motions.motion import Motion, MovedShape, unmoved
 from ..motions.standing_motion import standing_motion
+from ..workers import side_by_side
 from .blend_solver import ALONE, BlendSolver
 from .blend_store import BlendStore
 from .blending import HandOver, solve_blends, surfaced_frame
@@ -37,6 +39,7 @@ from .moved_room import Room, room_of_moved
 from .part_labels import Matching
 from .parts import SplitShapes, joined, voxelized_parts
 from .spare_threads import at_once
+from .thickened_parts import WIDTH
 from .transport_problem import TransportProblem
 from .volumes import Lattice
 
@@ -44,6 +47,9 @@ Made = TypeVar("Made", covariant=True)
 
 # Number of blends at which the extent of moved shapes is measured for the common grid.
 _SAMPLED_BLENDS = 5
+# Parts of inputs that are at most so many times as wide at rest as the thinnest that the grid shows may become too thin
+# for it: a large ear that becomes a small one.
+_AT_REST = 2.0
 
 
 @dataclass(frozen=True)
@@ -65,6 +71,9 @@ class MovingProblem:
         The triangles that travel together.
     kept : BlendStore of MovedBlend, or None
         Where moved blends are kept, to compute them again under a demand.
+    spans : sequence of ThinSpans
+        Across the parts of every input that the grid may not show; empty if blends carry no detail, which makes
+        thickened parts as thin as they are.
     """
 
     still: MorphProblem
@@ -73,6 +82,7 @@ class MovingProblem:
     names: tuple[str, ...]
     matching: Matching
     kept: BlendStore[MovedBlend] | None = field(default=None, kw_only=True)
+    spans: Sequence[ThinSpans] = field(default=(), kw_only=True)
 
     @classmethod
     def of(
@@ -113,7 +123,9 @@ class MovingProblem:
             return (shape.mesh.bounds for shape in motion.moved(weights) if shape is not None)
 
         room = room_of_moved(bounds, still.lattice.centers, blends, _SAMPLED_BLENDS, control)
-        return cls(still, motion, still.lattice.holding(room), tuple(names), matching)
+        thickens = still.settings.thin_parts and still.settings.carried_detail > 0
+        spans = _thin_spans(motion, len(names), still.lattice.spacing) if thickens else ()
+        return cls(still, motion, still.lattice.holding(room), tuple(names), matching, spans=spans)
 
     @property
     def solves_singly(self) -> bool:
@@ -136,7 +148,7 @@ class MovingProblem:
     def frame(self, blend: Blend, control: Control) -> MorphFrame:
         """Solve one blend; an input with a weight of one is shown unchanged."""
         if blend.source is not None:
-            return solve_blends(self.still, [blend], control)[0]
+            return self._unmoved_frame(blend, control)
         moved = self.moved_blend(blend, control)
         problem, shapes, active = moved.problem, moved.shapes, moved.active
         if moved.coincides:
@@ -161,6 +173,13 @@ class MovingProblem:
         tangents = moved_tangents(places, shapes, self.motion, blend.weights, mesh.vertices)
         triangles = None if surface.triangles is None else self._of_inputs(surface.triangles, shapes, active)
         return MorphFrame(blend, mesh, record, origins=origins, tangents=tangents, triangles=triangles)
+
+    def _unmoved_frame(self, blend: Blend, control: Control) -> MorphFrame:
+        """Return the frame of an input alone. What the grid misses of it is of no interest if blends keep it."""
+        found = solve_blends(self.still, [blend], control)[0]
+        if not self.spans:
+            return found
+        return replace(found, record={name: value for name, value in found.record.items() if name != "thin"})
 
     def frames(
         self, run: Sequence[Blend], control: Control = UNINTERRUPTED, hand_over: HandOver = at_once
@@ -188,7 +207,7 @@ class MovingProblem:
         split = self._split(shapes, active, lattice, control)
         occupancies = [sum(own[1:], start=own[0]) for own in zip(*split.densities, strict=True)]
         volume = float(interpolated_volumes(alone.weights, split.volumes, self.still.settings.growth).sum())
-        solids = CoincidingSolids.of(occupancies, alone.weights, volume)
+        solids = CoincidingSolids.of(occupancies, alone.weights, volume, self._middles(shapes, active, lattice))
         transport = TransportProblem((), lattice, self.still.settings)
         if not solids.coincide:
             transport = TransportProblem.of(split, lattice, self.still.settings)
@@ -196,6 +215,19 @@ class MovingProblem:
         if self.kept is not None:
             self.kept.keep(blend, found, found.bytes)
         return found
+
+    def _middles(
+        self, shapes: Sequence[MovedShape], active: NDArray[np.int64], lattice: Lattice
+    ) -> list[NDArray[np.float64]] | None:
+        """Return points in the middle of the thin parts of moved inputs, (m, 3) each, in cells."""
+        if not self.spans:
+            return None
+        found = zip(shapes, active, lattice.centers, strict=True)
+        width = WIDTH * lattice.spacing
+        return [
+            (self.spans[index].middles(shape.mesh, width) - center - lattice.origin) / lattice.spacing
+            for shape, index, center in found
+        ]
 
     def _demanded(self, transport: TransportProblem, active: NDArray[np.int64]) -> MorphProblem:
         """Return the problem of moved inputs under the demand of this problem; connectivity is that at rest."""
@@ -286,6 +318,12 @@ class _PlacedSurface:
     mesh: TriangleMesh
     places: list[ClosestPoints]
     triangles: list[NDArray[np.int64]] | None = None
+
+
+def _thin_spans(motion: Motion, count: int, spacing: float) -> list[ThinSpans]:
+    """Return the spans across the parts of all inputs that a grid may not show."""
+    rests = [unmoved(motion, count, index).mesh for index in range(count)]
+    return side_by_side(lambda index: ThinSpans.of(rests[index], _AT_REST * WIDTH * spacing), count)
 
 
 def _of_parents(labels: NDArray[np.int64], shape: MovedShape) -> NDArray[np.int64]:
