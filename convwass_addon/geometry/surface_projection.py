@@ -7,6 +7,8 @@ The field is smooth, so the projection adds no folds.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csc_array, diags_array
@@ -18,7 +20,9 @@ from .factorization import factorize
 from .mesh import TriangleMesh
 from .normals import triangle_normals, vertex_normals
 
-_ROUNDS = 3
+PROJECTION_ROUNDS = 3
+"""Number of rounds of a projection."""
+
 # Points farther away than this, relative to the square root of the target's area, have little weight.
 _REACH = 0.03
 # Weight of differences of displacements along edges, relative to a weight of one for a point right below.
@@ -29,18 +33,37 @@ _LEAST = 1e-4
 
 def drawn_along_normals(moved: TriangleMesh, target: TriangleMesh, control: Control) -> NDArray[np.float64]:
     """Return the vertices, (n, 3), of a surface close to `target` after moving them closer to it."""
+    *_, drawn = projection_rounds(moved, target, FacingPointFinder(target), control)
+    return drawn
+
+
+def projection_rounds(
+    moved: TriangleMesh, target: TriangleMesh, finder: FacingPointFinder, control: Control
+) -> Iterator[NDArray[np.float64]]:
+    """Yield the vertices, (n, 3), of a surface close to `target` after each of the rounds that move them closer to it.
+
+    Parameters
+    ----------
+    moved, target : TriangleMesh
+        The surface and the other.
+    finder : FacingPointFinder
+        Of the target.
+    control : Control
+        Stops the work.
+    """
     smoothness = _SMOOTHNESS * edge_laplacian(moved.faces, np.ones(len(moved.vertices)))
-    finder, facing = FacingPointFinder(target), triangle_normals(target.corners)
+    facing = triangle_normals(target.corners)
     reach = _REACH * np.sqrt(target.area)
     points = moved.vertices
-    for _ in range(_ROUNDS):
+    for _ in range(PROJECTION_ROUNDS):
         control.check()
         normals = vertex_normals(points, moved.faces)
-        found = finder.find(points, normals)
+        found = finder.find(points, normals, control)
         heights = np.einsum("nd,nd->n", found.interpolated(target.corners) - points, normals)
         agreement = np.clip(np.einsum("nd,nd->n", facing[found.triangles], normals), 0.0, 1.0)
         weights = np.square(agreement) * np.exp(-np.square(found.distances / reach))
+        control.check()
         system = factorize(csc_array(smoothness + diags_array(weights + _LEAST)))
         right = (weights * heights)[:, None] * normals
-        points = points + system.solve(np.ascontiguousarray(right.T)).T
-    return np.ascontiguousarray(points)
+        points = np.ascontiguousarray(points + system.solve(np.ascontiguousarray(right.T)).T)
+        yield points

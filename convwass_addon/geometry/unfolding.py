@@ -11,13 +11,15 @@ a fold.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
-from ..progress import UNINTERRUPTED, Control
+from ..progress import Control, Progress, Work
+from ..sentence import Sentence
 from .closest_points import ClosestPointFinder, ClosestPoints
 from .fold_finder import FOLDED, FoldFinder
 from .mesh import TriangleMesh
@@ -42,7 +44,9 @@ _MORE_RINGS, _MORE_TARGET_RINGS = 4, 12
 _ROUNDS, _STEPS, _MIDDLE_STEPS = 6, (0.2, 0.45), (0.0, 0.25, 0.5, 0.75)
 
 
-def unfolded(folds: FoldFinder, vertices: NDArray[np.float64], control: Control = UNINTERRUPTED) -> NDArray[np.float64]:
+def unfolded(
+    folds: FoldFinder, vertices: NDArray[np.float64], message: Sentence, control: Control
+) -> Work[NDArray[np.float64]]:
     """Return the vertices, (n, 3), of a mesh on a surface with as few folds as possible.
 
     Parameters
@@ -51,18 +55,28 @@ def unfolded(folds: FoldFinder, vertices: NDArray[np.float64], control: Control 
         Of the undeformed mesh and the surface, both facing outward.
     vertices : (n, 3) float64
         Deformed positions on the surface. Vertices away from folds stay there.
+    message : Sentence
+        Reported with the progress.
     control : Control
         Stops the work.
     """
     found = folds.folded(vertices, control)
     if not found.any():
         return vertices
-    unfolding = _Unfolding(folds, FaceGraph.of(folds.rest), FaceGraph.of(folds.target), vertices.copy(), found)
+    control.check()
+    graph = FaceGraph.of(folds.rest)
+    control.check()
+    unfolding = _Unfolding(folds, graph, FaceGraph.of(folds.target), vertices.copy(), found)
     widest = _WIDEST * np.sqrt(len(folds.rest.faces))
-    for uncovered in _UNCOVERED:
-        for rings in _RINGS[: np.searchsorted(_RINGS, widest, side="right")]:
-            unfolding.embed(rings, uncovered * np.sqrt(folds.target.area), control)
-        unfolding.move_single(control)
+    chosen = _RINGS[: np.searchsorted(_RINGS, widest, side="right")]
+    parts = (len(chosen) + 1) * len(_UNCOVERED)
+    for sweep, uncovered in enumerate(_UNCOVERED):
+        done = sweep * (len(chosen) + 1)
+        for number, rings in enumerate(chosen):
+            for share in unfolding.embed(rings, uncovered * np.sqrt(folds.target.area), control):
+                yield Progress((done + number + share) / parts, message)
+        for share in unfolding.move_single(control):
+            yield Progress((done + len(chosen) + share) / parts, message)
         if not found.any():
             break
     return unfolding.vertices
@@ -78,13 +92,18 @@ class _Unfolding:
     vertices: NDArray[np.float64]
     folded: NDArray[np.bool_]
 
-    def embed(self, rings: int, most: float, control: Control) -> None:
-        """Embed discs around groups of folds where that leaves fewer, and uncovers no point by more than `most`."""
+    def embed(self, rings: int, most: float, control: Control) -> Iterator[float]:
+        """Embed discs around groups of folds where that leaves fewer, and uncovers no point by more than `most`.
+
+        Yields the finished share of the groups before each.
+        """
         if not self.folded.any():
             return
         near = self.graph.grown(np.flatnonzero(self.folded), _APART)
-        for group in self.graph.components(near):
+        groups = self.graph.components(near)
+        for number, group in enumerate(groups):
             control.check()
+            yield number / len(groups)
             own = group[self.folded[group]]
             disc = self.graph.disc_around(self.graph.grown(own, rings), _MORE_RINGS) if len(own) else None
             patch = None if disc is None else self._patch(disc)
@@ -117,12 +136,17 @@ class _Unfolding:
         self.folded[touched] = left
         return True
 
-    def move_single(self, control: Control) -> None:
-        """Move single corners of folded triangles to where the worst triangle around them is best."""
-        for _ in range(_ROUNDS):
+    def move_single(self, control: Control) -> Iterator[float]:
+        """Move single corners of folded triangles to where the worst triangle around them is best.
+
+        Yields the finished share of the rounds before each vertex.
+        """
+        for done in range(_ROUNDS):
             moved = False
-            for vertex in np.unique(self.folds.rest.faces[self.folded]):
+            corners = np.unique(self.folds.rest.faces[self.folded])
+            for number, vertex in enumerate(corners):
                 control.check()
+                yield (done + number / len(corners)) / _ROUNDS
                 moved |= self._improve(int(vertex))
             if not moved:
                 break

@@ -8,6 +8,8 @@ import numpy as np
 import pytest
 
 from convwass_addon.applications.one_mesh.straight_pieces import StayNear, deviation, fitted_pieces, straight_pieces
+from convwass_addon.progress import UNINTERRUPTED, drained
+from convwass_addon.sentence import Sentence
 
 
 def arc(angle, count):
@@ -33,7 +35,7 @@ def test_the_number_of_pieces_of_an_arc_follows_from_its_sagitta(pieces):
     ends = ends_of(arc(angle, 12 * pieces + 1), 1.02 * sagitta)
     assert ends == [12 * (number + 1) for number in range(pieces)]
     path = arc(angle, 25)
-    assert deviation(path, [0, 24], path[[0, 24]]) == pytest.approx(1.0 - np.cos(angle / 2.0), rel=0.02)
+    assert deviation(path, [0, 24], path[[0, 24]], UNINTERRUPTED) == pytest.approx(1.0 - np.cos(angle / 2.0), rel=0.02)
 
 
 def test_samples_that_cannot_be_joined_stay_all():
@@ -44,7 +46,7 @@ def test_samples_that_cannot_be_joined_stay_all():
 def test_fitted_pieces_are_fewer_and_stay_as_near():
     """Ends beyond an arc share the error out to both sides: pieces may be longer by the root of a third and more."""
     samples, most = arc(np.radians(120.0), 121), 0.02
-    found = fitted_pieces(samples, [StayNear(samples, most)])
+    found = drained(fitted_pieces(samples, [StayNear(samples, most)], Sentence("Choosing"), UNINTERRUPTED))
     assert len(found.ends) < len(ends_of(samples, most))
     assert found.deviation <= most
     knots = np.array([0, *found.ends]) / 120

@@ -14,10 +14,10 @@ from convwass_addon.applications.morphs.morph_settings import MorphSettings
 from convwass_addon.applications.one_mesh import swapped_meshes as module
 from convwass_addon.applications.one_mesh.followed_surfaces import turned_around
 from convwass_addon.applications.one_mesh.swapped_meshes import swapped_meshes
-from convwass_addon.errors import InputError
+from convwass_addon.errors import Cancelled, InputError
 from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.visible_gap import VisibleGap
-from convwass_addon.progress import UNINTERRUPTED, Progress, drained
+from convwass_addon.progress import UNINTERRUPTED, Control, Progress, drained
 from convwass_addon.sentence import Sentence
 from tests.shapes import ball, torus
 
@@ -91,6 +91,24 @@ def test_meshes_that_do_not_meet_are_refused(ring_to_ball, monkeypatch):
     monkeypatch.setattr(module, "_moments", known([*moments[:half], *torn[half:]]))
     with pytest.raises(InputError, match="Between Shape 0 and Shape 1 the surface tears"):
         found([ring, other])
+
+
+def test_swapping_reports_its_progress_and_can_be_cancelled(ring_to_ball, monkeypatch):
+    ring, other, _, moments = ring_to_ball
+    monkeypatch.setattr(module, "_moments", known(moments))
+
+    def work(control):
+        return swapped_meshes([ring, other], ["Ring", "Ball"], 0.005, SETTINGS, (), control, Computation())
+
+    last = [report.fraction for report in work(UNINTERRUPTED) if report.fraction >= module._FOLLOWED]
+    assert len(set(last)) > 10 and max(last) > module._SWAPPED
+    for stage in (module._FOLLOWED, module._SWAPPED):
+        control = Control()
+        own = work(control)
+        assert next(report for report in own if report.fraction >= stage)
+        control.cancel()
+        with pytest.raises(Cancelled):
+            drained(own)
 
 
 def test_three_shapes_are_refused():

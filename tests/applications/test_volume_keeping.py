@@ -15,8 +15,11 @@ from convwass_addon.applications.one_mesh.volume_keeping import (
 )
 from convwass_addon.applications.one_mesh.volume_on_pieces import KeepVolume
 from convwass_addon.geometry.mesh import TriangleMesh
-from convwass_addon.progress import UNINTERRUPTED
+from convwass_addon.progress import UNINTERRUPTED, drained
+from convwass_addon.sentence import Sentence
 from tests.shapes import ball, square, torus
+
+MESSAGE = Sentence("Evening out")
 
 
 def test_a_growing_ball_stays_on_the_ground_and_gains_volume_evenly():
@@ -34,7 +37,7 @@ def test_thickening_does_not_scale_the_whole_mesh():
     growth = Growth.between(thin, thick)
     assert growth.scale < 1.03
     samples = [(1 - t) * thin.vertices + t * thick.vertices for t in np.linspace(0.0, 1.0, 5)]
-    middle = with_even_volume(samples, thin, UNINTERRUPTED)[2]
+    middle = drained(with_even_volume(samples, thin, MESSAGE, UNINTERRUPTED))[2]
     assert TriangleMesh(middle, thin.faces).volume == pytest.approx(0.5 * (thin.volume + thick.volume), rel=1e-3)
     # The volume is proportional to the square of the smaller radius.
     assert middle[:, 2].max() == pytest.approx(np.sqrt(0.5 * (0.2**2 + 0.4**2)), rel=0.02)
@@ -55,7 +58,7 @@ def test_samples_of_a_pinched_way_get_an_even_volume():
     ring = mesh.vertices / np.hypot(*mesh.vertices[:, :2].T)[:, None] * [2.0, 2.0, 0.0]
     samples = [ring + (1.0 - 0.1 * np.sin(np.pi * t)) * (mesh.vertices - ring) for t in np.linspace(0.0, 1.0, 9)]
     assert TriangleMesh(samples[4], mesh.faces).volume < 0.85 * mesh.volume
-    found = with_even_volume(samples, mesh, UNINTERRUPTED)
+    found = drained(with_even_volume(samples, mesh, MESSAGE, UNINTERRUPTED))
     for sample in found:
         assert TriangleMesh(sample, mesh.faces).volume == pytest.approx(mesh.volume, rel=1e-5)
     np.testing.assert_array_equal(found[0], samples[0])
@@ -74,8 +77,8 @@ def test_the_error_of_straight_pieces_is_that_of_the_meshes_between():
     angles = np.linspace(0.0, np.pi, 5)
     turns = [np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]) for a in angles]
     path = np.stack([mesh.vertices @ turn.T for turn in turns])
-    criterion = KeepVolume.of(path, mesh.faces, 0.01)
+    criterion = drained(KeepVolume.of(path, mesh.faces, 0.01, MESSAGE, UNINTERRUPTED))
     assert criterion.between(0, 4) == pytest.approx(100.0)
     # A chord of 90 degrees scales x and y by the cosine of 45 degrees in its middle.
     assert criterion.between(1, 3) == pytest.approx(50.0)
-    assert criterion.along([0, 2, 4], path[[0, 2, 4]]) == pytest.approx(50.0)
+    assert criterion.along([0, 2, 4], path[[0, 2, 4]], UNINTERRUPTED) == pytest.approx(50.0)

@@ -7,10 +7,16 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from convwass_addon.errors import Cancelled
 from convwass_addon.geometry.closest_points import ClosestPointFinder
 from convwass_addon.geometry.fold_finder import FoldFinder
+from convwass_addon.geometry.mesh import TriangleMesh
 from convwass_addon.geometry.unfolding import unfolded
+from convwass_addon.progress import UNINTERRUPTED, Control, drained
+from convwass_addon.sentence import Sentence
 from tests.shapes import ball
+
+MESSAGE = Sentence("Unfolding")
 
 
 @pytest.fixture(scope="module")
@@ -18,16 +24,20 @@ def target():
     return ball(points=1500)
 
 
-def test_a_flipped_patch_is_unfolded(target):
+def flipped_patch(mesh):
     """Mirroring the angle of every vertex around the pole flips a patch and leaves a ring of folds."""
-    mesh = ball(points=600)
     folded = mesh.vertices.copy()
     near = folded[:, 2] > 0.9
     folded[near, :2] *= -1.0
     folded[near, 0] *= -1.0
-    finder = FoldFinder.of(mesh, target)
+    return folded
+
+
+def test_a_flipped_patch_is_unfolded(target):
+    mesh = ball(points=600)
+    folded, finder = flipped_patch(mesh), FoldFinder.of(mesh, target)
     assert finder.folded(folded).sum() > 10
-    found = unfolded(finder, folded)
+    found = drained(unfolded(finder, folded, MESSAGE, UNINTERRUPTED))
     assert not finder.folded(found).any()
     assert ClosestPointFinder(target.corners).find(found).distances.max() < 0.01
     covered = ClosestPointFinder(found[mesh.faces]).find(target.vertices).distances
@@ -38,4 +48,17 @@ def test_a_flipped_patch_is_unfolded(target):
 
 def test_a_mesh_without_folds_is_unchanged(target):
     mesh = ball(points=600)
-    assert unfolded(FoldFinder.of(mesh, target), mesh.vertices) is mesh.vertices
+    work = unfolded(FoldFinder.of(mesh, target), mesh.vertices, MESSAGE, UNINTERRUPTED)
+    assert drained(work) is mesh.vertices
+
+
+def test_unfolding_reports_its_progress_and_can_be_cancelled(target):
+    mesh, control = ball(points=600), Control()
+    finder = FoldFinder.of(mesh, target)
+    both = -flipped_patch(TriangleMesh(-flipped_patch(mesh), mesh.faces))
+    assert [report.fraction > 0.0 for report in unfolded(finder, both, MESSAGE, control)] == [False, True]
+    work = unfolded(finder, both, MESSAGE, control)
+    next(work)
+    control.cancel()
+    with pytest.raises(Cancelled):
+        next(work)

@@ -22,7 +22,7 @@ from ...geometry.weighted_quantile import weighted_quantile
 from ...one_line import one_line
 from ...progress import Control, Progress, Work, within
 from ...sentence import Sentence
-from ..motions.guided_motion import GuidedMotion, guided_motion
+from ..motions.guided_motion import GuidedMotion, GuidedPair, guided_motion
 from ..motions.guided_settings import GuidedSettings
 from ..motions.guides import Guide
 from ..motions.standing_motion import standing_motion
@@ -41,7 +41,12 @@ _LEAST_SCORE = 0.6
 # become key positions.
 _SAMPLES, _DOUBLINGS = 17, 2
 # Fraction of the work for the motion.
-_GUIDED = 0.8
+_GUIDED = 0.4
+# Seconds for a path until it is on the surface, sampled, symmetric and in straight pieces, and for its figures, with
+# 1 040 000 vertices (docs/performance/one_mesh.md).
+_SECONDS = (50.0, 15.0, 60.0, 60.0, 10.0)
+# Fractions of the work for straight pieces until the volume is even, and until it is known at all samples.
+_EVEN, _KNOWN = 0.15, 0.8
 # Vertices farther from the other surface than this fraction of its diagonal count as missing it.
 _FAR = 0.01
 # Largest relative error of the volume between keys.
@@ -174,28 +179,41 @@ def paths_along(
         moving = standing_motion(motion, len(shapes), [(0, index) for index in range(1, len(shapes))])
     for index in range(1, len(shapes)):
         message = Sentence("Projecting {first} onto {second}", {"first": names[0], "second": names[index]})
-        yield Progress((index - 1) / (len(shapes) - 1), message)
+        begin, end = (place / (len(shapes) - 1) for place in (index - 1, index))
+        yield Progress(begin, message)
         pair, way = motion.pairs[0, index], GuidedWay.of(moving, len(shapes), index, shapes[0], shapes[index])
-        way = way.onto_vertices() if pair.by_vertices else way.onto_surface(control)
-        found.append(_path(way, names[index], pair.score, demands, control))
+        work = _path(way, pair, names[index], demands, message, control)
+        found.append((yield from within(work, begin, end)))
     return found
 
 
-def _path(way: GuidedWay, name: str, score: float, demands: KeyDemands, control: Control) -> KeyPath:
+def _path(
+    way: GuidedWay, pair: GuidedPair, name: str, demands: KeyDemands, message: Sentence, control: Control
+) -> Work[KeyPath]:
     """Choose the fewest key positions that meet the requirements."""
-    samples = way.sampled(_SAMPLES, control)
+    needed = np.array([not pair.by_vertices, True, demands.symmetry is not None, True, True])
+    ends = np.cumsum(needed * _SECONDS)
+    laid, sampled, symmetric, fitted, _ = (ends / ends[-1]).tolist()
+    if pair.by_vertices:
+        way = way.onto_vertices()
+    else:
+        way = yield from within(way.onto_surface(message, control), 0.0, laid)
+    samples = yield from within(way.sampled(_SAMPLES, message, control), laid, sampled)
     _straighten_loose_vertices(samples, way)
     if demands.symmetry is not None:
-        samples = way.symmetrized(samples, demands.symmetry, control)
+        symmetrized = way.symmetrized(samples, demands.symmetry, message, control)
+        samples = yield from within(symmetrized, sampled, symmetric)
     diagonal = way.target.diagonal
-    pieces = _pieces(samples, way.mesh, demands.error * diagonal, control)
+    work = _pieces(samples, way.mesh, demands.error * diagonal, message, control)
+    pieces = yield from within(work, symmetric, fitted)
     positions = pieces.positions
     if demands.symmetry is not None:
         # Means of positions that are symmetric about different planes are not quite symmetric.
         positions = np.stack([demands.symmetry.symmetrized(points) for points in positions])
     last = (len(samples) - 1) * 2**_DOUBLINGS
     times = tuple(end / last for end in pieces.ends)
-    return KeyPath(name, times, positions, score, pieces.deviation / diagonal, **_figures(way, positions[-1], control))
+    figures = yield from within(_figures(way, positions[-1], message, control), fitted, 1.0)
+    return KeyPath(name, times, positions, pair.score, pieces.deviation / diagonal, **figures)
 
 
 def _straighten_loose_vertices(samples: list[NDArray[np.float64]], way: GuidedWay) -> None:
@@ -207,20 +225,29 @@ def _straighten_loose_vertices(samples: list[NDArray[np.float64]], way: GuidedWa
         points[loose] = (1.0 - time) * begin + time * end
 
 
-def _pieces(samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float, control: Control) -> FittedPieces:
+def _pieces(
+    samples: list[NDArray[np.float64]], mesh: TriangleMesh, most: float, message: Sentence, control: Control
+) -> Work[FittedPieces]:
     """Follow a path, with an even volume if the mesh encloses one."""
+    yield Progress(0.0, message)
     keeps_volume = has_volume(mesh)
-    path = np.stack(with_even_volume(samples, mesh, control) if keeps_volume else samples)
+    if keeps_volume:
+        samples = yield from within(with_even_volume(samples, mesh, message, control), 0.0, _EVEN)
+    path = np.stack(samples)
     for _ in range(_DOUBLINGS):
+        control.check()
         path = with_middles(path)
     criteria: list[Criterion] = [StayNear(path, most)]
     if keeps_volume:
-        criteria.append(KeepVolume.of(path, mesh.faces, _VOLUME))
-    return fitted_pieces(path, criteria)
+        work = KeepVolume.of(path, mesh.faces, _VOLUME, message, control)
+        criteria.append((yield from within(work, _EVEN, _KNOWN)))
+    return (yield from within(fitted_pieces(path, criteria, message, control), _KNOWN, 1.0))
 
 
-def _figures(way: GuidedWay, last: NDArray[np.float64], control: Control) -> dict[str, object]:
+def _figures(way: GuidedWay, last: NDArray[np.float64], message: Sentence, control: Control) -> Work[dict[str, object]]:
     """Return the figures of the last key of a path, with the names that :class:`KeyPath` has for them."""
+    control.check()
+    yield Progress(0.0, message)
     final, folds = TriangleMesh(last, way.mesh.faces), way.folds
     diagonal = way.target.diagonal
     areas = final.vertex_areas
@@ -229,6 +256,7 @@ def _figures(way: GuidedWay, last: NDArray[np.float64], control: Control) -> dic
         turned, poor = np.zeros(len(final.faces), bool), distances > _FAR
     else:
         distances = folds.finder.find_closest(final.vertices, control).distances / diagonal
+        yield Progress(0.4, message)
         turned = folds.agreements(final.vertices, control) < 0.0
         poor = distances > _FAR
         poor[final.faces[turned | folds.collapsed(final.vertices)]] = True

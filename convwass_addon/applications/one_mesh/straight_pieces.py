@@ -18,6 +18,8 @@ from numpy.typing import NDArray
 
 from ...geometry.polylines import along_polyline
 from ...geometry.products import product
+from ...progress import UNINTERRUPTED, Control, Progress, Work
+from ...sentence import Sentence
 
 # Pieces are chosen by so many times the allowed error, the longest first: twice it is more than any fit makes up for,
 # and half of it leaves room for points that were not among the probes.
@@ -32,7 +34,7 @@ class Criterion(Protocol):
     def between(self, begin: int, end: int) -> float:
         """Return an estimate of the error of the straight piece from one sample to another."""
 
-    def along(self, knots: Sequence[int], positions: NDArray[np.float64]) -> float:
+    def along(self, knots: Sequence[int], positions: NDArray[np.float64], control: Control) -> float:
         """Return the error of pieces between positions, (k, n, 3), that are reached at the samples `knots`."""
 
 
@@ -54,11 +56,11 @@ class StayNear:
     def between(self, begin: int, end: int) -> float:
         """Measure the distances of some of the points."""
         probes = self.path[:, :: max(1, self.path.shape[1] // _PROBES)]
-        return _strayed(probes, begin, end, probes[begin], probes[end]) / self.most
+        return _strayed(probes, begin, end, probes[begin], probes[end], UNINTERRUPTED) / self.most
 
-    def along(self, knots: Sequence[int], positions: NDArray[np.float64]) -> float:
+    def along(self, knots: Sequence[int], positions: NDArray[np.float64], control: Control) -> float:
         """Measure all distances."""
-        return deviation(self.path, knots, positions) / self.most
+        return deviation(self.path, knots, positions, control) / self.most
 
 
 @dataclass(frozen=True)
@@ -80,19 +82,32 @@ class FittedPieces:
     deviation: float
 
 
-def fitted_pieces(path: NDArray[np.float64], criteria: Sequence[Criterion]) -> FittedPieces:
-    """Follow a path, (f, n, 3) at even steps of time, by few straight pieces that satisfy some criteria.
+def fitted_pieces(
+    path: NDArray[np.float64], criteria: Sequence[Criterion], message: Sentence, control: Control
+) -> Work[FittedPieces]:
+    """Follow a path by few straight pieces that satisfy some criteria; if no pieces do, by those that come close.
 
-    If no pieces do, those that come close.
+    Parameters
+    ----------
+    path : (f, n, 3) float64
+        Positions at even steps of time.
+    criteria : sequence of Criterion
+        What the pieces must satisfy.
+    message : Sentence
+        Reported with the progress.
+    control : Control
+        Stops the work.
     """
-    for factor in _LONGER:
+    for number, factor in enumerate(_LONGER):
+        control.check()
+        yield Progress(number / len(_LONGER), message)
         knots = [0, *straight_pieces(len(path), criteria, factor)]
         # Ends on the path are only as good as the pieces were chosen.
         tries = [_fitted(path, knots)] if factor > 1.0 else [_fitted(path, knots), path[knots]]
         for positions in tries:
-            if all(own.along(knots, positions) <= 1.0 for own in criteria):
-                return FittedPieces(knots[1:], positions[1:], deviation(path, knots, positions))
-    return FittedPieces(knots[1:], path[knots[1:]], deviation(path, knots, path[knots]))
+            if all(own.along(knots, positions, control) <= 1.0 for own in criteria):
+                return FittedPieces(knots[1:], positions[1:], deviation(path, knots, positions, control))
+    return FittedPieces(knots[1:], path[knots[1:]], deviation(path, knots, path[knots], control))
 
 
 def straight_pieces(count: int, criteria: Sequence[Criterion], most: float = 1.0) -> list[int]:
@@ -125,10 +140,12 @@ def straight_pieces(count: int, criteria: Sequence[Criterion], most: float = 1.0
     return ends
 
 
-def deviation(path: NDArray[np.float64], knots: Sequence[int], positions: NDArray[np.float64]) -> float:
+def deviation(
+    path: NDArray[np.float64], knots: Sequence[int], positions: NDArray[np.float64], control: Control
+) -> float:
     """Return the largest distance of points from a path, (f, n, 3), if they move straight between some positions."""
     pieces = zip(pairwise(knots), pairwise(positions), strict=True)
-    return max(_strayed(path, begin, end, one, other) for (begin, end), (one, other) in pieces)
+    return max(_strayed(path, begin, end, one, other, control) for (begin, end), (one, other) in pieces)
 
 
 def _fitted(path: NDArray[np.float64], knots: list[int]) -> NDArray[np.float64]:
@@ -146,11 +163,17 @@ def _fitted(path: NDArray[np.float64], knots: list[int]) -> NDArray[np.float64]:
 
 
 def _strayed(
-    path: NDArray[np.float64], begin: int, end: int, one: NDArray[np.float64], other: NDArray[np.float64]
+    path: NDArray[np.float64],
+    begin: int,
+    end: int,
+    one: NDArray[np.float64],
+    other: NDArray[np.float64],
+    control: Control,
 ) -> float:
     """Return the largest distance from the samples of a piece to points that move straight from `one` to `other`."""
     away = 0.0
     for index in range(begin, end + 1):
+        control.check()
         t = (index - begin) / (end - begin)
         apart = (1.0 - t) * one + t * other - path[index]
         away = max(away, float(np.einsum("nd,nd->n", apart, apart).max()))

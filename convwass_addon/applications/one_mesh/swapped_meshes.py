@@ -35,8 +35,9 @@ from .straight_pieces import FittedPieces, StayNear, fitted_pieces
 _STEPS, _DOUBLINGS = 24, 2
 # Steps at which the meshes may be swapped: each follows three steps at least, as the interpolation needs, or none.
 _SWAPS = (0, *range(3, _STEPS - 2), _STEPS)
-# Fractions of the work until the morph is computed, and until the first mesh has followed it.
-_MORPHED, _HALFWAY = 0.7, 0.85
+# Fractions of the work until the morph is computed, until the first and the second mesh have followed it, until they
+# are swapped, and until the first path is in straight pieces.
+_MORPHED, _HALFWAY, _FOLLOWED, _SWAPPED, _FIRST = 0.7, 0.82, 0.94, 0.97, 0.985
 # Meshes that are farther from the morph than this fraction of the diagonal, when they are swapped, are rejected.
 _MOST = 0.02
 # Vertices that are farther outside of it are marked.
@@ -115,11 +116,12 @@ def swapped_meshes(
     computed = _moments(meshes, names, settings, guides, control, computation)
     moments = yield from within(computed, 0.0, _MORPHED)
     ways = []
-    for own, order, begin, end in ((0, moments, _MORPHED, _HALFWAY), (1, turned_around(moments), _HALFWAY, 1.0)):
+    for own, order, begin, end in ((0, moments, _MORPHED, _HALFWAY), (1, turned_around(moments), _HALFWAY, _FOLLOWED)):
         message = Sentence("Following the morph with {name}", {"name": names[own]})
         ways.append((yield from within(followed(meshes[own], order, message, control), begin, end)))
     forward, backward = ways[0], ways[1][::-1]
-    swap = _best_swap(meshes, forward, backward, moments, control)
+    message = Sentence("Swapping {first} for {second}", {"first": names[0], "second": names[1]})
+    swap = yield from within(_best_swap(meshes, forward, backward, moments, message, control), _FOLLOWED, _SWAPPED)
     gaps = [
         VisibleGap.between(TriangleMesh(points[swap], mesh.faces), moments[swap].surface, control)
         for mesh, points in zip(meshes, (forward, backward), strict=True)
@@ -137,10 +139,12 @@ def swapped_meshes(
         )
     first = last = None
     if swap > 0:
-        pieces = _pieces(forward[: swap + 1], error * meshes[1].diagonal)
+        work = _pieces(forward[: swap + 1], error * meshes[1].diagonal, message, control)
+        pieces = yield from within(work, _SWAPPED, _FIRST)
         first = _key_path(pieces, names[1], gaps[0], size)
     if swap < _STEPS:
-        pieces = _pieces(backward[swap:][::-1], error * meshes[0].diagonal)
+        work = _pieces(backward[swap:][::-1], error * meshes[0].diagonal, message, control)
+        pieces = yield from within(work, _FIRST, 1.0)
         last = _key_path(pieces, names[0], gaps[1], size)
     return SwappedMeshes(first, last, swap / _STEPS, gap)
 
@@ -182,23 +186,28 @@ def _best_swap(
     forward: Sequence[NDArray[np.float64]],
     backward: Sequence[NDArray[np.float64]],
     moments: Sequence[Moment],
+    message: Sentence,
     control: Control,
-) -> int:
+) -> Work[int]:
     """Return the moment at which the worse one of both meshes is closest to the surface."""
     errors = {}
     for index in _SWAPS:
+        yield Progress(len(errors) / len(_SWAPS), message)
         surface, both = moments[index].surface, (forward[index], backward[index])
         placed = [TriangleMesh(points, mesh.faces) for points, mesh in zip(both, meshes, strict=True)]
         errors[index] = max(VisibleGap.between(own, surface, control).most for own in placed)
     return min(errors, key=errors.__getitem__)
 
 
-def _pieces(samples: Sequence[NDArray[np.float64]], most: float) -> FittedPieces:
+def _pieces(
+    samples: Sequence[NDArray[np.float64]], most: float, message: Sentence, control: Control
+) -> Work[FittedPieces]:
     """Follow samples, one for each step of the morph, by few straight pieces."""
     path = np.stack(samples)
     for _ in range(_DOUBLINGS):
+        control.check()
         path = with_middles(path)
-    return fitted_pieces(path, [StayNear(path, most)])
+    return (yield from fitted_pieces(path, [StayNear(path, most)], message, control))
 
 
 def _key_path(pieces: FittedPieces, name: str, gap: VisibleGap, size: float) -> KeyPath:

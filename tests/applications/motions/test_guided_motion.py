@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 import pytest
@@ -112,6 +112,34 @@ def test_a_symmetric_mesh_swings_symmetrically(arms, swing):
         mirrored = symmetry.plane(points).mirrored(points)
         np.testing.assert_allclose(mirrored, points[symmetry.partners], atol=1e-9)
     assert path.distance < 0.002
+
+
+def stages_of_keys(arms, swing, control):
+    """The work from a motion to symmetric keys."""
+    symmetry = MirrorSymmetry.of(arms[0].vertices, MirrorPlane(np.zeros(3), np.array([0.0, 0.0, 1.0])), "one")
+    return paths_along(swing, arms, ["one", "other"], KeyDemands(0.02, symmetry), control)
+
+
+def test_all_stages_from_a_motion_to_keys_report_their_progress(arms, swing):
+    reports = []
+    noted(stages_of_keys(arms, swing, UNINTERRUPTED), reports)
+    fractions = np.array([0.0, *(report.fraction for report in reports), 1.0])
+    steps = np.diff(fractions)
+    assert (steps >= 0.0).all() and steps.max() < 0.35
+    # The beginning of a stage may coincide with the end of the previous one.
+    assert all(len(list(same)) <= 4 for _, same in groupby(fractions))
+
+
+def test_the_work_from_a_motion_to_keys_can_be_cancelled_in_every_stage(arms, swing):
+    count = sum(1 for _ in stages_of_keys(arms, swing, UNINTERRUPTED))
+    for place in [*range(0, count, 12), count - 1]:
+        control = Control()
+        work = stages_of_keys(arms, swing, control)
+        for _ in range(place + 1):
+            next(work)
+        control.cancel()
+        with pytest.raises(Cancelled):
+            drained(work)
 
 
 @pytest.mark.parametrize(("own", "other"), [(0, 1), (1, 0)])
